@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/job_options.h"
+#include "core/base/config.h"
+
+namespace mocurate {
+
+struct LoadedJob {
+  ConfigNode node;  ///< with origins
+  JobOptions options;
+};
+
+/// A job from a YAML file; an empty path gives the embedded default (configs/demo.yaml).
+Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments);
+
+}  // namespace mocurate

@@ -1,0 +1,42 @@
+#include "app/curation_log.h"
+
+#include <algorithm>
+
+#include "core/base/file.h"
+
+namespace mocurate {
+namespace {
+
+nlohmann::json LineOf(const ClipRecord& clip) {
+  nlohmann::json line = {{"clip", clip.item}, {"decision", clip.kept() ? "kept" : "dropped"}};
+  if (!clip.evidence.sha256.empty()) line["evidence_sha256"] = clip.evidence.sha256;
+  if (!clip.motion.sha256.empty()) line["motion_sha256"] = clip.motion.sha256;
+  if (!clip.canonical.sha256.empty()) line["canonical_sha256"] = clip.canonical.sha256;
+  if (const Error* error = clip.failure()) {
+    line["stage"] = clip.failed_stage();
+    line["rule"] = Name(error->code);
+    line["reason"] = error->Message();
+  }
+  nlohmann::json findings = nlohmann::json::array();
+  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical}) {
+    if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
+    for (const Finding& finding : item->outcome.findings) findings.push_back(finding);
+  }
+  line["findings"] = std::move(findings);
+  return line;
+}
+
+}  // namespace
+
+Status WriteCurationLog(const std::vector<ClipRecord>& clips, const std::filesystem::path& path) {
+  std::vector<const ClipRecord*> sorted;
+  for (const ClipRecord& clip : clips) sorted.push_back(&clip);
+  std::sort(sorted.begin(), sorted.end(), [](const ClipRecord* a, const ClipRecord* b) { return a->item < b->item; });
+  std::string text;
+  for (const ClipRecord* clip : sorted) {
+    text += LineOf(*clip).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  }
+  return WriteFile(path, text);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/job_options.h"
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+
+struct JobResult;
+
+/// What became of one source clip, stage by stage.
+struct ClipRecord {
+  std::string item;
+  ItemResult evidence;   ///< stage ingest
+  ItemResult motion;     ///< stage fitting (or ingest, when nothing is fitted)
+  ItemResult canonical;  ///< stage canon
+  ItemResult baseline;   ///< stage canon on the unfitted tracks
+
+  std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
+  bool kept() const { return !canonical.artifact.empty(); }
+  /// The error of the stage that ended it; null when none did.
+  const Error* failure() const;
+  /// Name of that stage, or empty.
+  std::string failed_stage() const;
+};
+
+/// An artifact as the input of a later stage.
+StageInput InputFrom(const char* role, const ItemResult& item);
+
+/// One item per person with the evidence of at most 30 of their clips, chosen by hash of the clip ids so that other clips
+/// do not move the choice.
+std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options);
+
+/// The clips a report draws: best, worst and evenly between by residual, `count` in all.
+std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count);
+
+/// Copies a file so that it appears whole.
+Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Writes the files of a capture artifact ({"files": {name: text}}) below `folder`.
+Status UnpackCapture(const std::filesystem::path& artifact, const std::filesystem::path& folder);
+
+struct WrittenTables {
+  std::string markdown;
+  std::vector<std::filesystem::path> files;
+};
+
+/// The table of the run as Markdown, CSV, LaTeX and JSON below `folder`.
+Expected<WrittenTables> WriteTables(const nlohmann::json& metrics, const std::string& title,
+                                    const std::filesystem::path& folder);
+
+/// What the report draws from, without anything that differs between equal runs (times, paths).
+nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,
+                          const std::map<std::string, ItemResult>& persons, const JobResult& result);
+
+}  // namespace mocurate

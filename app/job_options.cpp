@@ -1,0 +1,32 @@
+#include "app/job_options.h"
+
+namespace mocurate {
+
+void TrainOptions::Declare(OptionVisitor& v) {
+  v.Group("recogniser", recogniser, "the GRU that gives features and accuracy");
+  v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one recogniser per seed; the first gives the features");
+  v.Bool("baseline", baseline, "train the same recogniser on the unfitted tracks, to compare");
+  v.Bool("crop", crop, "train the same recogniser on windows of consecutive frames, as the papers do");
+  v.Bool("generator_enabled", generator_enabled, "train Action2Motion");
+  v.Group("generator", generator, "Action2Motion");
+}
+
+void JobOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the job and of its run folder");
+  v.Text("description", description, "what the job is, for the report");
+  v.Text("takes", takes, "how long the job takes, in words, and on what machine");
+  v.Text("skeleton", skeleton, "skeleton of the dataset: a name below configs/skeletons or a YAML file");
+  v.Number("tolerated_failures", tolerated_failures, Unit::kNone, {0.0, 1.0},
+           "share of the clips that may fail before the run ends with exit code 1");
+  v.Group("ingest", ingest, "where the captures are and what they are");
+  v.Group("proportions", proportions, "bone lengths of each person");
+  v.Group("fitting", fitting, "rotations and bone lengths from evidence");
+  v.Group("canon", canon, "trimming, place, heading and rate");
+  v.Group("assemble", assemble, "the dataset file and its splits");
+  v.Group("audit", audit, "figures about the dataset");
+  v.Group("train", train, "networks");
+  v.Group("evaluate", evaluate, "metrics and the table");
+  v.Group("report", report, "the page of the run");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "canon/options.h"
+#include "core/base/options.h"
+#include "eval/options.h"
+#include "fitting/options.h"
+#include "ingest/options.h"
+#include "report/options.h"
+#include "train/options.h"
+
+namespace mocurate {
+
+/// Which networks are trained on the dataset.
+struct TrainOptions {
+  RecogniserOptions recogniser;
+  std::vector<double> seeds{1, 2, 3};  ///< one recogniser each; the first gives the features of the metrics
+  bool baseline = false;               ///< the same recogniser on unfitted tracks
+  bool crop = false;                   ///< the same recogniser on the papers' window of consecutive frames
+  bool generator_enabled = true;
+  GeneratorOptions generator;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// A whole job, as a config file says it: one group per stage, in order.
+struct JobOptions {
+  std::string name = "run";
+  std::string description;
+  std::string takes;                  ///< how long the job takes, in words
+  std::string skeleton = "smpl24";    ///< for stages that do not name their own
+  double tolerated_failures = 0.0;    ///< share of clips that may fail before the exit code is 1
+  IngestOptions ingest;
+  ProportionsOptions proportions;
+  FittingOptions fitting;
+  CanonOptions canon;
+  AssembleOptions assemble;
+  AuditOptions audit;
+  TrainOptions train;
+  EvaluateOptions evaluate;
+  ReportOptions report;
+
+  void Declare(OptionVisitor& v);
+};
+
+}  // namespace mocurate

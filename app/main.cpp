@@ -1,0 +1,135 @@
+// The command: reads the command line, calls one verb, turns its result into an exit code.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/verbs.h"
+#include "core/base/log.h"
+#include "core/base/version.h"
+
+namespace {
+
+using namespace mocurate;
+
+constexpr const char* kFooter =
+    "Exit codes: 0 done; 1 more failures than tolerated; 2 usage or config; 3 input unusable; 4 something is missing on\n"
+    "this machine (see mocurate doctor); 70 a defect; 74 output cannot be written; 75 interrupted, run again to go on.";
+
+int Report(const Status& status, const CommonArguments& common) {
+  if (status) return static_cast<int>(ExitCode::kDone);
+  const Error& error = status.error();
+  const int exit_code = static_cast<int>(ExitCodeOf(error.code));
+  if (common.json) {
+    const nlohmann::json document = {{"error",
+                                      {{"code", Name(error.code)},
+                                       {"what", error.what},
+                                       {"where", error.where},
+                                       {"hint", error.hint},
+                                       {"exit_code", exit_code}}}};
+    std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+  std::fprintf(stderr, "mocurate: %s\n", error.Message().c_str());
+  return exit_code;
+}
+
+void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, evaluate, report");
+  run->add_option("config", arguments->config, "YAML file; without one the embedded synthetic capture runs");
+  run->add_option("-o,--output", arguments->output, "run folder (default runs/NAME)");
+  run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")->type_name("KEY=VALUE");
+  run->add_option("--to", arguments->to, "last stage: ingest proportions fitting canon assemble audit train evaluate report");
+  run->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
+  run->add_option("--budget", arguments->budget, "train this many times longer than the config says")
+      ->check(CLI::Range(0.001, 1e6));
+  run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
+  run->footer("Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"
+              "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble");
+  run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
+}
+
+void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<InspectArguments>();
+  CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
+  inspect->add_option("path", arguments->path, "file or folder")->required();
+  inspect->add_option("--source", arguments->source, "config whose ingest.source declares the format");
+  inspect->footer("Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
+                  "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");
+  inspect->callback([&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
+}
+
+void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<ConfigArguments>();
+  CLI::App* config = app.add_subcommand("config", "Show a resolved config, its JSON Schema, or the reference of options");
+  config->require_subcommand(1);
+  CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
+  show->add_option("config", arguments->config, "YAML file; without one the embedded default");
+  show->add_option("--set", arguments->assignments, "override an option")->type_name("KEY=VALUE");
+  show->add_flag("--origins", arguments->origins, "say where each value comes from");
+  show->footer("Example:\n  mocurate config show configs/kard.yaml --origins");
+  show->callback([&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
+  CLI::App* schema = config->add_subcommand("schema", "JSON Schema of configs, for editors");
+  schema->footer("Example:\n  mocurate config schema > mocurate.schema.json");
+  schema->callback([&common, &verb] { verb = [&common] { return ConfigSchemaVerb(common); }; });
+  CLI::App* reference = config->add_subcommand("reference", "Every option with unit, default, range and help (Markdown)");
+  reference->footer("Example:\n  mocurate config reference > options.md");
+  reference->callback([&common, &verb] { verb = [&common] { return ConfigReferenceVerb(common); }; });
+}
+
+void AddDoctor(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  CLI::App* doctor = app.add_subcommand("doctor", "Check this machine: programs, libraries, BLAS, threads, space");
+  doctor->footer("Example:\n  mocurate doctor");
+  doctor->callback([&common, &verb] { verb = [&common] { return DoctorVerb(common); }; });
+}
+
+void AddCache(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<CacheArguments>();
+  CLI::App* cache = app.add_subcommand("cache", "Look after the cache of finished work");
+  cache->require_subcommand(1);
+  const auto add = [&](const char* action, const char* help, const char* example) {
+    CLI::App* sub = cache->add_subcommand(action, help);
+    sub->footer(std::string("Example:\n  mocurate cache ") + example);
+    sub->callback([&common, &verb, arguments, action] {
+      arguments->action = action;
+      verb = [&common, arguments] { return CacheVerb(common, *arguments); };
+    });
+    return sub;
+  };
+  add("stat", "Count objects and bytes", "stat");
+  add("verify", "Compare every object with its recorded hash", "verify");
+  add("prune", "Remove objects that were not used for some days", "prune --days 7")
+      ->add_option("--days", arguments->days, "unused for this many days (default 30)")
+      ->check(CLI::Range(0.0, 36500.0));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommonArguments common;
+  std::function<Status()> verb;
+  CLI::App app("mocurate: from noisy motion captures to datasets that can be trusted");
+  app.set_version_flag("--version", std::string(CreatedBy()));
+  app.add_flag("--json", common.json, "the result as one JSON document on stdout");
+  app.add_flag("-q,--quiet", common.quiet, "errors only");
+  app.add_flag("-v,--verbose", common.verbose, "more log lines");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(kFooter);
+  AddRun(app, common, verb);
+  AddInspect(app, common, verb);
+  AddConfig(app, common, verb);
+  AddDoctor(app, common, verb);
+  AddCache(app, common, verb);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? static_cast<int>(ExitCode::kDone) : static_cast<int>(ExitCode::kUsage);
+  }
+  SetLogLevel(common.quiet ? LogLevel::kError : common.verbose ? LogLevel::kDebug : LogLevel::kInfo);
+  try {
+    return Report(verb(), common);
+  } catch (const std::exception& defect) {
+    return Report(Fail(ErrorCode::kInternal, defect.what(), "", "this is a defect of mocurate; please report it"), common);
+  }
+}

@@ -1,0 +1,379 @@
+#include "app/main_job.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "app/curation_log.h"
+#include "app/job_items.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "eval/tables/table.h"
+#include "ingest/discover.h"
+
+namespace mocurate {
+namespace {
+
+struct StageName {
+  const char* name;
+  JobStage stage;
+};
+
+constexpr StageName kStages[] = {
+    {"ingest", JobStage::kIngest},     {"proportions", JobStage::kProportions}, {"fitting", JobStage::kFitting},
+    {"canon", JobStage::kCanon},       {"assemble", JobStage::kAssemble},       {"audit", JobStage::kAudit},
+    {"train", JobStage::kTrain},       {"evaluate", JobStage::kEvaluate},       {"report", JobStage::kReport}};
+
+/// One run of the main job: holds what earlier stages gave to later ones.
+class MainJob {
+ public:
+  MainJob(const JobOptions& options, JobStage last, Runner& runner) : options_(options), last_(last), runner_(runner) {
+    for (std::string* skeleton : {&options_.proportions.skeleton, &options_.fitting.skeleton, &options_.canon.skeleton}) {
+      if (skeleton->empty()) *skeleton = options_.skeleton;
+    }
+    options_.proportions.method = options_.fitting.method;
+  }
+
+  Expected<JobResult> Run() {
+    using Step = Status (MainJob::*)();
+    const std::pair<JobStage, Step> steps[] = {
+        {JobStage::kIngest, &MainJob::Capture},      {JobStage::kIngest, &MainJob::Ingest},
+        {JobStage::kProportions, &MainJob::Proportions}, {JobStage::kFitting, &MainJob::Fit},
+        {JobStage::kFitting, &MainJob::ScoreFits},   {JobStage::kCanon, &MainJob::Canonicalise},
+        {JobStage::kAssemble, &MainJob::Assemble},   {JobStage::kAudit, &MainJob::Audit},
+        {JobStage::kTrain, &MainJob::Train},         {JobStage::kEvaluate, &MainJob::Evaluate},
+        {JobStage::kReport, &MainJob::Report}};
+    for (const auto& [stage, step] : steps) {
+      if (stage > last_) break;
+      if (Status done = (this->*step)(); !done) return Forward(done);
+    }
+    if (!runner_.options().dry_run) {
+      if (Status logged = WriteCurationLog(clips_, folder() / "curation_log.jsonl"); !logged) return Forward(logged);
+    }
+    for (const ClipRecord& clip : clips_) {
+      ++result_.clips;
+      result_.kept += clip.kept() ? 1 : 0;
+      result_.failed += clip.failure() != nullptr ? 1 : 0;
+    }
+    return result_;
+  }
+
+ private:
+  std::filesystem::path folder() const { return runner_.options().run_folder; }
+
+  Expected<StageReport> RunStage(const StageDeclaration& stage, std::vector<ItemSpec> items) {
+    auto report = runner_.Run(stage, std::move(items));
+    if (report) result_.stages.push_back(*report);
+    return report;
+  }
+
+  /// Runs one item whose artifact later stages cannot do without.
+  Expected<ItemResult> RunOne(const StageDeclaration& stage, ItemSpec item) {
+    auto report = RunStage(stage, {std::move(item)});
+    if (!report) return Forward(report);
+    if (report->items.empty()) return ItemResult();
+    const ItemResult& result = report->items.front();
+    if (result.artifact.empty() && !runner_.options().dry_run) {
+      Error error = result.outcome.error;
+      if (error.where.empty()) error.where = stage.name;
+      return tl::unexpected<Error>(error);
+    }
+    return result;
+  }
+
+  Status Capture() {
+    if (!options_.ingest.synthetic.enabled) return {};
+    const nlohmann::json options = OptionsToJson(options_.ingest.synthetic);
+    const auto capture = RunOne(CaptureDeclaration(), {"capture", options, {}});
+    if (!capture) return Forward(capture);
+    if (capture->artifact.empty()) return {};
+    options_.ingest.path = folder() / "capture";
+    if (Status unpacked = UnpackCapture(capture->artifact, options_.ingest.path); !unpacked) return unpacked;
+    const auto truth = RunOne(TruthDeclaration(), {"truth", {{"synthetic", options}}, {}});
+    if (!truth) return Forward(truth);
+    truth_.push_back(InputFrom("truth", *truth));
+    return {};
+  }
+
+  Status Ingest() {
+    if (options_.ingest.synthetic.enabled && options_.ingest.path.empty()) return {};
+    auto discovery = Discover(options_.ingest);
+    if (!discovery) return Forward(discovery);
+    left_out_ = discovery->findings;
+    for (const Finding& finding : left_out_) LogWarning(finding.clip + ": " + finding.message);
+    const auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
+    if (!report) return Forward(report);
+    for (const ItemResult& item : report->items) {
+      ClipRecord clip;
+      clip.item = item.item;
+      clip.evidence = item;
+      clips_.push_back(std::move(clip));
+    }
+    for (const Finding& finding : left_out_) {
+      if (finding.severity != Severity::kError) continue;
+      ClipRecord clip;
+      clip.item = finding.clip;
+      clip.evidence.item = finding.clip;
+      clip.evidence.outcome.kind = OutcomeKind::kRefused;
+      clip.evidence.outcome.findings = {finding};
+      clip.evidence.outcome.error = Error{ErrorCode::kInconsistent, finding.message, finding.clip, finding.action};
+      clips_.push_back(std::move(clip));
+    }
+    if (!discovery->truth.empty()) {
+      const auto truth = RunStage(TruthDeclaration(), std::move(discovery->truth));
+      if (!truth) return Forward(truth);
+      for (const ItemResult& item : truth->items) {
+        if (!item.artifact.empty()) truth_.push_back(InputFrom("truth", item));
+      }
+    }
+    return {};
+  }
+
+  bool Fits() const { return options_.fitting.method != FitMethod::kNone; }
+
+  Status Proportions() {
+    if (!Fits()) return {};
+    const auto report = RunStage(ProportionsDeclaration(), ProportionItems(clips_, OptionsToJson(options_.proportions)));
+    if (!report) return Forward(report);
+    for (const ItemResult& item : report->items) persons_[item.item] = item;
+    return {};
+  }
+
+  Status Fit() {
+    if (!Fits()) {
+      for (ClipRecord& clip : clips_) clip.motion = clip.evidence;
+      return {};
+    }
+    const nlohmann::json options = OptionsToJson(options_.fitting);
+    std::vector<ItemSpec> items;
+    std::vector<ClipRecord*> records;
+    for (ClipRecord& clip : clips_) {
+      if (clip.evidence.artifact.empty()) continue;
+      const auto person = persons_.find(clip.person());
+      if (person == persons_.end()) continue;
+      if (person->second.artifact.empty()) {
+        clip.motion.outcome = person->second.outcome;
+        continue;
+      }
+      items.push_back({clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}});
+      records.push_back(&clip);
+    }
+    auto report = RunStage(FittingDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->motion = report->items[i];
+    return {};
+  }
+
+  Status ScoreFits() {
+    if (truth_.empty() || !Fits()) return {};
+    ItemSpec item{"fit_error", nlohmann::json::object(), truth_};
+    for (const ClipRecord& clip : clips_) {
+      if (clip.motion.artifact.empty()) continue;
+      item.inputs.push_back(InputFrom("fit", clip.motion));
+      item.inputs.push_back(InputFrom("evidence", clip.evidence));
+    }
+    if (item.inputs.size() == truth_.size()) return {};
+    const auto scored = RunOne(FitErrorDeclaration(), std::move(item));
+    if (!scored) return Forward(scored);
+    fit_error_ = *scored;
+    result_.fit_error = scored->outcome.summary;
+    return {};
+  }
+
+  Status Canonicalise() {
+    if (Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical); !done) return done;
+    if (!options_.train.baseline) return {};
+    return CanonItems("tracks", &ClipRecord::evidence, &ClipRecord::baseline);
+  }
+
+  Status CanonItems(const char* role, ItemResult ClipRecord::*from, ItemResult ClipRecord::*to) {
+    const nlohmann::json options = OptionsToJson(options_.canon);
+    std::vector<ItemSpec> items;
+    std::vector<ClipRecord*> records;
+    for (ClipRecord& clip : clips_) {
+      if ((clip.*from).artifact.empty()) continue;
+      items.push_back({clip.item, options, {InputFrom(role, clip.*from)}});
+      records.push_back(&clip);
+    }
+    auto report = RunStage(CanonDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
+    return {};
+  }
+
+  Expected<ItemResult> AssembleFrom(const char* name, ItemResult ClipRecord::*from) {
+    ItemSpec item{name, OptionsToJson(options_.assemble), {}};
+    for (const ClipRecord& clip : clips_) {
+      if (!(clip.*from).artifact.empty()) item.inputs.push_back(InputFrom("clip", clip.*from));
+    }
+    if (item.inputs.empty()) {
+      if (runner_.options().dry_run) return ItemResult();
+      const Error* first = nullptr;
+      for (const ClipRecord& clip : clips_) {
+        if (first == nullptr) first = clip.failure();
+      }
+      return Fail(first != nullptr ? first->code : ErrorCode::kInconsistent,
+                  "no clip is left for the dataset" + (first != nullptr ? "; the first failed with: " + first->Message() : ""),
+                  DisplayPath(options_.ingest.path), "curation_log.jsonl in the run folder says why each was dropped");
+    }
+    return RunOne(AssembleDeclaration(), std::move(item));
+  }
+
+  Status Assemble() {
+    const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical);
+    if (!dataset) {
+      if (!runner_.options().dry_run) (void)WriteCurationLog(clips_, folder() / "curation_log.jsonl");
+      return Forward(dataset);
+    }
+    dataset_ = *dataset;
+    if (options_.train.baseline) {
+      const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline);
+      if (!baseline) return Forward(baseline);
+      baseline_ = *baseline;
+    }
+    if (dataset_.artifact.empty()) return {};
+    result_.dataset = folder() / "dataset.h5";
+    return CopyWhole(dataset_.artifact, result_.dataset);
+  }
+
+  Status Audit() {
+    if (dataset_.artifact.empty()) return {};
+    const auto audit = RunOne(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
+    if (!audit) return Forward(audit);
+    result_.audit = audit->outcome.summary;
+    audit_ = *audit;
+    return {};
+  }
+
+  void AddRecognisers(const char* kind, const char* role, const ItemResult& dataset, const RecogniserOptions& recogniser,
+                      std::vector<ItemSpec>& items) {
+    if (dataset.artifact.empty()) return;
+    for (const double seed : options_.train.seeds) {
+      RecogniserOptions seeded = recogniser;
+      seeded.seed = static_cast<std::int64_t>(seed);
+      const std::string name = std::string(kind) + "/" + std::to_string(seeded.seed);
+      items.push_back({name, OptionsToJson(seeded), {InputFrom("dataset", dataset)}});
+      roles_.emplace_back(role);
+    }
+  }
+
+  Status Train() {
+    if (dataset_.artifact.empty()) return {};
+    const TrainOptions& train = options_.train;
+    std::vector<ItemSpec> items;
+    roles_.clear();
+    AddRecognisers("recogniser", "recogniser", dataset_, train.recogniser, items);
+    if (train.baseline) AddRecognisers("baseline_recogniser", "baseline_recogniser", baseline_, train.recogniser, items);
+    if (train.crop) {
+      RecogniserOptions crop = train.recogniser;
+      crop.input = RecogniserInputKind::kCrop;
+      AddRecognisers("crop_recogniser", "crop_recogniser", dataset_, crop, items);
+    }
+    // The generator takes longest: it goes first, so that the others share the remaining workers.
+    if (train.generator_enabled) {
+      const auto generator = StartGenerator();
+      if (!generator) return Forward(generator);
+    }
+    const auto report = RunStage(TrainRecogniserDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) {
+      const ItemResult& item = report->items[i];
+      if (item.artifact.empty()) {
+        if (runner_.options().dry_run) continue;
+        return tl::unexpected<Error>(item.outcome.error);
+      }
+      networks_.push_back(InputFrom(roles_[i].c_str(), item));
+      if (Status copied = CopyCheckpoint(item); !copied) return copied;
+    }
+    return {};
+  }
+
+  Status CopyCheckpoint(const ItemResult& item) {
+    std::string name = item.item;
+    std::replace(name.begin(), name.end(), '/', '_');
+    if (Status made = MakeFolder(folder() / "checkpoints"); !made) return made;
+    return CopyWhole(item.artifact, folder() / "checkpoints" / (name + ".h5"));
+  }
+
+  Status StartGenerator() {
+    const auto generator = RunOne(TrainGeneratorDeclaration(), {"Action2Motion", OptionsToJson(options_.train.generator),
+                                                                {InputFrom("dataset", dataset_)}});
+    if (!generator) return Forward(generator);
+    if (generator->artifact.empty()) return {};
+    networks_.push_back(InputFrom("generator", *generator));
+    training_ = generator->outcome.summary;
+    return CopyCheckpoint(*generator);
+  }
+
+  Status Evaluate() {
+    if (dataset_.artifact.empty() || networks_.empty()) return {};
+    ItemSpec item{"metrics", OptionsToJson(options_.evaluate), networks_};
+    item.inputs.push_back(InputFrom("dataset", dataset_));
+    if (!baseline_.artifact.empty()) item.inputs.push_back(InputFrom("baseline_dataset", baseline_));
+    const auto evaluated = RunOne(EvaluateDeclaration(), std::move(item));
+    if (!evaluated) return Forward(evaluated);
+    if (evaluated->artifact.empty()) return {};
+    metrics_ = *evaluated;
+    const auto text = ReadFile(evaluated->artifact);
+    if (!text) return Forward(text);
+    result_.metrics = nlohmann::json::parse(*text);
+    result_.metrics["generator_training"] = training_;
+    result_.metrics["nearest_neighbour"] = result_.audit.value("nearest_neighbour", nlohmann::json());
+    if (Status written = WriteFile(folder() / "metrics.json", result_.metrics.dump(1) + "\n"); !written) return written;
+    const auto tables = WriteTables(result_.metrics, options_.name, folder() / "tables");
+    if (!tables) return Forward(tables);
+    result_.table = tables->markdown;
+    result_.tables = tables->files;
+    return {};
+  }
+
+  Status Report() {
+    if (dataset_.artifact.empty()) return {};
+    const nlohmann::json run = RunSummary(options_, clips_, persons_, result_);
+    if (Status written = WriteFile(folder() / "report_input.json", run.dump(1) + "\n"); !written) return written;
+    ItemSpec item{"report", OptionsToJson(options_.report), {}};
+    item.inputs.push_back({"run", "run.json", folder() / "report_input.json", ""});
+    item.inputs.push_back(InputFrom("dataset", dataset_));
+    for (const StageInput& network : networks_) item.inputs.push_back(network);
+    for (const ClipRecord* clip : ClipsToDraw(clips_, static_cast<int>(options_.report.filmstrip_clips))) {
+      item.inputs.push_back(InputFrom("evidence", clip->evidence));
+      if (Fits()) item.inputs.push_back(InputFrom("fit", clip->motion));
+    }
+    const auto page = RunOne(ReportDeclaration(), std::move(item));
+    if (!page) return Forward(page);
+    if (page->artifact.empty()) return {};
+    if (Status made = MakeFolder(folder() / "report"); !made) return made;
+    result_.report = folder() / "report" / "index.html";
+    return CopyWhole(page->artifact, result_.report);
+  }
+
+  JobOptions options_;
+  JobStage last_;
+  Runner& runner_;
+  JobResult result_;
+  std::vector<ClipRecord> clips_;
+  std::vector<Finding> left_out_;
+  std::map<std::string, ItemResult> persons_;
+  std::vector<StageInput> truth_;
+  std::vector<StageInput> networks_;
+  std::vector<std::string> roles_;
+  nlohmann::json training_;
+  ItemResult fit_error_, dataset_, baseline_, audit_, metrics_;
+};
+
+}  // namespace
+
+Expected<JobStage> JobStageFromName(const std::string& name) {
+  std::string known;
+  for (const StageName& stage : kStages) {
+    if (name == stage.name) return stage.stage;
+    known += std::string(known.empty() ? "" : ", ") + stage.name;
+  }
+  return Fail(ErrorCode::kUsage, "there is no stage '" + name + "'", "--to", "the stages are: " + known);
+}
+
+Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner) {
+  return MainJob(options, last, runner).Run();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/job_options.h"
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+
+/// Stages in order; a run may stop after any of them.
+enum class JobStage { kIngest, kProportions, kFitting, kCanon, kAssemble, kAudit, kTrain, kEvaluate, kReport };
+
+/// Error kUsage names the stages there are.
+Expected<JobStage> JobStageFromName(const std::string& name);
+
+/// What a run gave; paths are empty when the run stopped before.
+struct JobResult {
+  std::filesystem::path dataset;
+  std::filesystem::path report;
+  std::vector<std::filesystem::path> tables;
+  std::string table;           ///< Markdown
+  int clips = 0;               ///< source clips
+  int kept = 0;                ///< source clips with at least one clip in the dataset
+  int failed = 0;              ///< refused or crashed anywhere before the dataset
+  nlohmann::json fit_error;    ///< error against the truth, null without truth
+  nlohmann::json audit;
+  nlohmann::json metrics;
+  std::vector<StageReport> stages;
+};
+
+/// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the runner's
+/// workers. Writes dataset.h5, curation_log.jsonl, tables/, metrics.json, report/index.html into the run folder.
+Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner);
+
+}  // namespace mocurate

@@ -1,0 +1,136 @@
+#include <dlfcn.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "core/base/version.h"
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kSlowBlas = 20.0;  // GF/s of one thread; reference BLAS reaches 6 to 7, OpenBLAS more than 100
+
+struct Check {
+  std::string name;
+  bool ok = true;
+  std::string found;
+  std::string advice;
+};
+
+/// The BLAS that programs of this machine get: the file behind libblas.so.3 and the speed of one 256x256 sgemm thread.
+Check CheckBlas() {
+  Check check{"BLAS", false, "libblas.so.3 cannot be loaded", "apt-get install libopenblas0-pthread"};
+  setenv("OPENBLAS_NUM_THREADS", "1", 0);
+  void* library = dlopen("libblas.so.3", RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return check;
+  using Sgemm = void (*)(const char*, const char*, const int*, const int*, const int*, const float*, const float*,
+                         const int*, const float*, const int*, const float*, float*, const int*);
+  const auto sgemm = reinterpret_cast<Sgemm>(dlsym(library, "sgemm_"));
+  Dl_info info{};
+  if (sgemm == nullptr || dladdr(reinterpret_cast<void*>(sgemm), &info) == 0) return check;
+  std::error_code ignored;
+  const std::filesystem::path file = std::filesystem::canonical(info.dli_fname, ignored);
+
+  constexpr int n = 256;
+  std::vector<float> a(n * n, 1.0f);
+  std::vector<float> b(n * n, 0.5f);
+  std::vector<float> c(n * n, 0.0f);
+  const float one = 1.0f;
+  const float zero = 0.0f;
+  double best = 1e9;
+  for (int repeat = 0; repeat < 8; ++repeat) {
+    const auto start = std::chrono::steady_clock::now();
+    sgemm("N", "N", &n, &n, &n, &one, a.data(), &n, b.data(), &n, &zero, c.data(), &n);
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  const double gigaflops = 2.0 * n * n * n / best * 1e-9;
+  check.ok = gigaflops >= kSlowBlas;
+  char speed[64];
+  std::snprintf(speed, sizeof(speed), ", %.0f GF/s on one thread", gigaflops);
+  check.found = DisplayPath(file) + speed;
+  check.advice = check.ok ? ""
+                          : "training is 4 to 15 times slower with this BLAS: apt-get install libopenblas0-pthread, then "
+                            "update-alternatives --config libblas.so.3-x86_64-linux-gnu";
+  return check;
+}
+
+Check CheckWorker(const std::string& name, const std::string& does) {
+  std::error_code ignored;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const std::filesystem::path& folder : {self, self.parent_path() / "libexec" / "mocurate"}) {
+    const std::filesystem::path program = folder / name;
+    if (access(program.c_str(), X_OK) != 0) continue;
+    const std::string command = "'" + program.string() + "' --version >/dev/null 2>&1";
+    const bool starts = std::system(command.c_str()) == 0;
+    return {name, starts, DisplayPath(program) + (starts ? "" : " does not start"),
+            starts ? "" : "run it with --version to see which shared library is missing; scripts/install.sh installs them"};
+  }
+  return {name, false, "not found beside mocurate", does + " needs it: build the slice that holds it (MOCURATE_SLICE=all)"};
+}
+
+Check CheckThreads() {
+  const char* blas = std::getenv("OPENBLAS_NUM_THREADS");
+  const char* openmp = std::getenv("OMP_NUM_THREADS");
+  Check check{"threads", true, std::to_string(std::thread::hardware_concurrency()) + " cores; OPENBLAS_NUM_THREADS=" +
+                                   (blas != nullptr ? blas : "unset") + ", OMP_NUM_THREADS=" +
+                                   (openmp != nullptr ? openmp : "unset"), ""};
+  check.advice = "mocurate gives each worker one BLAS and one OpenMP thread and runs clips in parallel (--jobs)";
+  return check;
+}
+
+Check CheckCache() {
+  const std::filesystem::path folder = DefaultCacheFolder();
+  Check check{"cache", true, DisplayPath(folder), ""};
+  if (Status made = MakeFolder(folder); !made) {
+    check.ok = false;
+    check.advice = made.error().Message() + "; set MOCURATE_CACHE to a folder that can be written";
+    return check;
+  }
+  struct statvfs space {};
+  if (statvfs(folder.c_str(), &space) == 0) {
+    const double free_gb = static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize) * 1e-9;
+    char text[64];
+    std::snprintf(text, sizeof(text), ", %.1f GB free", free_gb);
+    check.found += text;
+    check.ok = free_gb > 1.0;
+    if (!check.ok) check.advice = "less than 1 GB is free: mocurate cache prune, or set MOCURATE_CACHE";
+  }
+  return check;
+}
+
+}  // namespace
+
+Status DoctorVerb(const CommonArguments& common) {
+  const Check threads = CheckThreads();
+  const std::vector<Check> checks = {{"version", true, std::string(CreatedBy()), ""},
+                                     CheckWorker("mocurate-annotate", "ingesting and fitting"),
+                                     CheckWorker("mocurate-learn", "training and evaluating"),
+                                     CheckBlas(),
+                                     threads,
+                                     CheckCache()};
+  nlohmann::json document = {{"checks", nlohmann::json::array()}};
+  int missing = 0;
+  for (const Check& check : checks) {
+    missing += check.ok ? 0 : 1;
+    document["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"found", check.found}, {"advice", check.advice}});
+    if (common.json) continue;
+    std::printf("%-4s %-18s %s\n", check.ok ? "ok" : "BAD", check.name.c_str(), check.found.c_str());
+    if (!check.advice.empty()) std::printf("     %-18s %s\n", "", check.advice.c_str());
+  }
+  document["ok"] = missing == 0;
+  if (common.json) std::printf("%s\n", document.dump(1).c_str());
+  if (missing == 0) return {};
+  return Fail(ErrorCode::kMissingOnHost, std::to_string(missing) + " checks failed", "doctor", "see the advice above");
+}
+
+}  // namespace mocurate

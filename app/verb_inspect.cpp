@@ -1,0 +1,63 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/config_loading.h"
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "core/store/store.h"
+#include "ingest/sense/inspect.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
+
+bool IsStore(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) return false;
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return false;
+  char head[8] = {};
+  const std::size_t read = std::fread(head, 1, sizeof(head), file);
+  std::fclose(file);
+  return std::string_view(head, read) == kHdf5Signature;
+}
+
+void PrintJson(const nlohmann::json& document) {
+  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+/// The first finding of severity error as the error of the verb.
+Status FirstError(const nlohmann::json& inspection) {
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.value("severity", "") != "error" || !inspection.at("clips").empty()) continue;
+    return Fail(ErrorCode::kMalformed, finding.value("message", ""), finding.value("where", ""));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status InspectVerb(const CommonArguments& common, const InspectArguments& arguments) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(arguments.path, ignored)) {
+    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
+  }
+  if (IsStore(arguments.path)) {
+    const auto description = DescribeStore(arguments.path);
+    if (!description) return Forward(description);
+    PrintJson(*description);
+    return {};
+  }
+  std::optional<SourceOptions> source;
+  if (!arguments.source.empty()) {
+    const auto job = LoadJob(arguments.source, {});
+    if (!job) return Forward(job);
+    source = job->options.ingest.source;
+  }
+  const nlohmann::json inspection = InspectPath(arguments.path, source);
+  if (common.json) PrintJson(inspection);
+  else std::printf("%s", InspectionText(inspection).c_str());
+  return FirstError(inspection);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,140 @@
+#include <sys/utsname.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/config_loading.h"
+#include "app/main_job.h"
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/version.h"
+
+namespace mocurate {
+namespace {
+
+/// run.json: what was run, with what, where. Times and hardware live here and nowhere else.
+Status WriteRunFile(const LoadedJob& job, const RunArguments& arguments, const std::filesystem::path& folder) {
+  struct utsname host {};
+  uname(&host);
+  const nlohmann::json run = {{"created_by", CreatedBy()},
+                              {"options", OptionsToJson(job.options)},
+                              {"config", ShowOptions(job.options, job.node, true)},
+                              {"budget", arguments.budget},
+                              {"machine", {{"system", host.sysname}, {"release", host.release}, {"architecture", host.machine},
+                                           {"cores", std::thread::hardware_concurrency()}}}};
+  return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+nlohmann::json StagesJson(const JobResult& result) {
+  nlohmann::json stages = nlohmann::json::array();
+  for (const StageReport& stage : result.stages) {
+    stages.push_back({{"stage", stage.stage},
+                      {"items", stage.items.size()},
+                      {"done", stage.done},
+                      {"doubtful", stage.doubtful},
+                      {"refused", stage.refused},
+                      {"crashed", stage.crashed},
+                      {"from_cache", stage.from_cache},
+                      {"seconds", stage.seconds}});
+  }
+  return stages;
+}
+
+nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& folder, double seconds) {
+  return {{"run", DisplayPath(folder)},
+          {"dataset", DisplayPath(result.dataset)},
+          {"report", DisplayPath(result.report)},
+          {"clips", result.clips},
+          {"kept", result.kept},
+          {"failed", result.failed},
+          {"fit_error", result.fit_error},
+          {"audit", result.audit},
+          {"metrics", result.metrics},
+          {"stages", StagesJson(result)},
+          {"seconds", seconds}};
+}
+
+void PrintFigures(const JobResult& result) {
+  if (result.audit.contains("nearest_neighbour")) {
+    const nlohmann::json& neighbour = result.audit["nearest_neighbour"];
+    std::printf("1-nearest-neighbour accuracy %.3f (%d test clips)\n", neighbour.value("accuracy", 0.0),
+                neighbour.value("count", 0));
+  }
+  for (const char* kind : {"recogniser", "baseline_recogniser", "crop_recogniser"}) {
+    if (!result.metrics.is_object() || !result.metrics.contains(kind)) continue;
+    const nlohmann::json& recogniser = result.metrics[kind];
+    std::printf("%-20s accuracy %.3f on test clips, mean of %zu seeds\n", kind, recogniser.value("mean", 0.0),
+                recogniser.value("test_accuracy", std::vector<double>()).size());
+  }
+  if (result.fit_error.is_object()) {
+    std::printf("error against the truth: joints %.1f mm in the evidence, %.1f mm after fitting; rotations %.1f degrees\n",
+                result.fit_error.value("evidence_mm", 0.0), result.fit_error.value("joint_mm", 0.0),
+                result.fit_error.value("rotation_deg", 0.0));
+  }
+}
+
+void PrintResult(const JobResult& result, double seconds) {
+  for (const StageReport& stage : result.stages) {
+    std::printf("%-20s %5zu items  %5d done  %4d doubtful  %4d refused  %4d crashed  %5d from cache  %7.1f s\n",
+                stage.stage.c_str(), stage.items.size(), stage.done, stage.doubtful, stage.refused, stage.crashed,
+                stage.from_cache, stage.seconds);
+  }
+  std::printf("%d clips, %d kept, %d failed, %.1f s\n", result.clips, result.kept, result.failed, seconds);
+  PrintFigures(result);
+  if (!result.table.empty()) std::printf("\n%s\n", result.table.c_str());
+  if (!result.dataset.empty()) std::printf("dataset  %s\n", DisplayPath(result.dataset).c_str());
+  for (const auto& table : result.tables) std::printf("table    %s\n", DisplayPath(table).c_str());
+  if (!result.report.empty()) std::printf("report   %s\n", DisplayPath(result.report).c_str());
+}
+
+Status CheckFailures(const JobOptions& options, const JobResult& result) {
+  if (result.clips == 0 || result.failed <= options.tolerated_failures * result.clips) return {};
+  return Fail(ErrorCode::kTooManyFailures,
+              std::to_string(result.failed) + " of " + std::to_string(result.clips) + " clips failed, tolerated_failures is " +
+                  std::to_string(static_cast<int>(std::floor(options.tolerated_failures * result.clips))) + " clips",
+              "run", "curation_log.jsonl says why each failed; the others are in the dataset");
+}
+
+}  // namespace
+
+Status RunVerb(const CommonArguments& common, const RunArguments& arguments) {
+  const auto started = std::chrono::steady_clock::now();
+  auto job = LoadJob(arguments.config, arguments.assignments);
+  if (!job) return Forward(job);
+  const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
+  if (!last) return Forward(last);
+  GeneratorOptions& generator = job->options.train.generator;
+  generator.iterations = std::max<std::int64_t>(1, std::llround(arguments.budget * static_cast<double>(generator.iterations)));
+
+  RunnerOptions options;
+  options.run_folder = arguments.output.empty() ? std::filesystem::path("runs") / job->options.name : arguments.output;
+  options.jobs = arguments.jobs;
+  options.dry_run = arguments.dry_run;
+  options.progress = !common.quiet;
+  if (!job->options.takes.empty()) LogInfo(job->options.name + " takes " + job->options.takes);
+  if (!arguments.dry_run) {
+    if (Status made = MakeFolder(options.run_folder); !made) return made;
+  }
+  auto runner = Runner::Make(options);
+  if (!runner) return Forward(runner);
+  if (!arguments.dry_run) {
+    if (Status written = WriteRunFile(*job, arguments, options.run_folder); !written) return written;
+  }
+  const auto result = RunMainJob(job->options, *last, **runner);
+  if (!result) return Forward(result);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (common.json) {
+    std::printf("%s\n", ResultJson(*result, options.run_folder, seconds)
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  } else {
+    PrintResult(*result, seconds);
+  }
+  return CheckFailures(job->options, *result);
+}
+
+}  // namespace mocurate

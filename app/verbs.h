@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// What every verb is told. With `json` the result is one JSON document on stdout; logs always go to stderr.
+struct CommonArguments {
+  bool json = false;
+  bool quiet = false;
+  bool verbose = false;
+};
+
+struct RunArguments {
+  std::filesystem::path config;  ///< empty: the embedded default, a synthetic capture
+  std::filesystem::path output;  ///< run folder; empty: runs/NAME
+  std::vector<std::string> assignments;
+  std::string to;                ///< last stage; empty: report
+  int jobs = 0;
+  bool dry_run = false;
+  double budget = 1.0;           ///< trains this many times longer than the config says
+};
+
+struct InspectArguments {
+  std::filesystem::path path;
+  std::filesystem::path source;  ///< config with a source declaration, or empty
+};
+
+struct ConfigArguments {
+  std::filesystem::path config;
+  std::vector<std::string> assignments;
+  bool origins = false;
+};
+
+struct CacheArguments {
+  std::string action;  ///< stat, verify, prune
+  double days = 30.0;
+};
+
+/// Each verb prints its result and returns how it went. Runs end with the exit code of that.
+Status RunVerb(const CommonArguments& common, const RunArguments& arguments);
+Status InspectVerb(const CommonArguments& common, const InspectArguments& arguments);
+Status ShowConfigVerb(const CommonArguments& common, const ConfigArguments& arguments);
+Status ConfigSchemaVerb(const CommonArguments& common);
+Status ConfigReferenceVerb(const CommonArguments& common);
+Status DoctorVerb(const CommonArguments& common);
+Status CacheVerb(const CommonArguments& common, const CacheArguments& arguments);
+
+}  // namespace mocurate

@@ -1,0 +1,35 @@
+// Worker program for everything that needs no libtorch: ingesting, fitting, canonicalising, reporting.
+
+#include <cstdio>
+#include <cstring>
+
+#include "canon/options.h"
+#include "canon/stages.h"
+#include "core/base/version.h"
+#include "core/pipeline/worker.h"
+#include "eval/options.h"
+#include "eval/stages.h"
+#include "fitting/options.h"
+#include "fitting/stages.h"
+#include "ingest/options.h"
+#include "ingest/stages.h"
+#include "report/options.h"
+#include "report/stages.h"
+
+int main(int argc, char** argv) {
+  using namespace mocurate;
+  if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
+    std::printf("%s\n", std::string(CreatedBy()).c_str());
+    return 0;
+  }
+  return RunWorker({{CaptureDeclaration().name, CaptureStage},
+                    {TruthDeclaration().name, TruthStage},
+                    {IngestDeclaration().name, IngestStage},
+                    {ProportionsDeclaration().name, ProportionsStage},
+                    {FittingDeclaration().name, FittingStage},
+                    {CanonDeclaration().name, CanonStage},
+                    {AssembleDeclaration().name, AssembleStage},
+                    {AuditDeclaration().name, AuditStage},
+                    {FitErrorDeclaration().name, FitErrorStage},
+                    {ReportDeclaration().name, ReportStage}});
+}

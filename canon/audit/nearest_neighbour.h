@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/store/store.h"
+
+namespace mocurate {
+
+/// Nearest-neighbour recognition without learning, a sanity figure for every trained recogniser: joints relative to the
+/// root of frame 0, divided by the clip's extent, resampled linearly to `frames` frames, Euclidean distance; each test
+/// clip takes the label of the nearest training clip.
+struct NearestNeighbourResult {
+  int correct = 0;
+  int count = 0;
+  double accuracy() const { return count == 0 ? 0.0 : static_cast<double>(correct) / count; }
+};
+
+NearestNeighbourResult NearestNeighbour(const Dataset& dataset, const Split& split, int frames);
+
+}  // namespace mocurate

@@ -1,0 +1,63 @@
+#include "canon/options.h"
+
+namespace mocurate {
+
+void TrimOptions::Declare(OptionVisitor& v) {
+  v.Choice("rule", rule,
+           {{"none", TrimRule::kNone}, {"annotated", TrimRule::kAnnotated}, {"motion_energy", TrimRule::kMotionEnergy}},
+           "how the frames of interest are found");
+  v.Number("still_speed", still_speed, Unit::kMetrePerSecond, {0.0, 10.0},
+           "a frame is still when 90 % of its joints move slower than this");
+  v.Number("margin", margin_s, Unit::kSecond, {0.0, 10.0}, "kept before the first and after the last moving frame");
+  v.Number("min_length", min_length_s, Unit::kSecond, {0.0, 3600.0}, "shorter clips are dropped, with a reason");
+  v.Texts("drop_labels", drop_labels, "annotated segments of these labels are left out");
+}
+
+void FacingOptions::Declare(OptionVisitor& v) {
+  v.Choice("rule", rule, {{"none", FacingRule::kNone}, {"hips", FacingRule::kHips}},
+           "where yaw is read from: the left-right hip axis, or nowhere");
+  v.Choice("anchor", anchor, {{"first", Anchor::kFirst}, {"last", Anchor::kLast}},
+           "frame whose root goes to the origin and faces +z");
+  v.Number("min_horizontal", min_horizontal, Unit::kNone, {0.01, 1.0},
+           "below this horizontal part of the hip axis the forward axis decides, and the clip is flagged");
+}
+
+void CanonOptions::Declare(OptionVisitor& v) {
+  v.Text("skeleton", skeleton, "skeleton of the joints-only baseline made from unfitted tracks");
+  v.Group("trim", trim, "frames of interest");
+  v.Group("facing", facing, "place and heading");
+  v.Text("rate", rate, "frames per second of the dataset, a number or a fraction; empty keeps each clip's own");
+}
+
+void SplitOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the split");
+  v.Choice("by", by,
+           {{"person", SplitBy::kPerson},
+            {"style", SplitBy::kStyle},
+            {"fraction", SplitBy::kFraction},
+            {"role", SplitBy::kRole}},
+           "what two parts must not share");
+  v.Texts("test", test, "persons or styles that test");
+  v.Texts("validation", validation, "persons or styles that select");
+  v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0}, "share of the recordings that test (by: fraction)");
+  v.Number("validation_share", validation_share, Unit::kNone, {0.0, 1.0},
+           "share of the recordings that select (by: fraction)");
+  v.Integer("seed", seed, {}, "of the drawing (by: fraction)");
+}
+
+void AssembleOptions::Declare(OptionVisitor& v) {
+  v.Text("recipe", recipe, "how the set was made, in words");
+  v.List("splits", splits, "train, validation and test parts");
+}
+
+void AuditOptions::Declare(OptionVisitor& v) {
+  v.Text("split", split, "split of the nearest-neighbour figure; empty takes the first");
+  v.Integer("nearest_neighbour_frames", nearest_neighbour_frames, {2.0, 1000.0},
+            "frames each clip is resampled to before distances are taken");
+}
+
+StageDeclaration CanonDeclaration() { return {"canon", 1, "mocurate-annotate"}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 1, "mocurate-annotate"}; }
+StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate"}; }
+
+}  // namespace mocurate

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+/// How the frames of interest are found.
+enum class TrimRule {
+  kNone,          ///< whole clip
+  kAnnotated,     ///< one clip per annotated segment
+  kMotionEnergy,  ///< still frames at both ends are cut
+};
+
+struct TrimOptions {
+  TrimRule rule = TrimRule::kNone;
+  double still_speed = 0.10;   ///< m/s, 90th percentile over joints, below which a frame is still
+  double margin_s = 0.2;       ///< kept before the first and after the last moving frame
+  double min_length_s = 0.25;  ///< shorter clips are dropped
+  std::vector<std::string> drop_labels;
+
+  void Declare(OptionVisitor& v);
+};
+
+enum class FacingRule { kNone, kHips };
+enum class Anchor { kFirst, kLast };
+
+/// Canonicalisation of place and heading (multiact.md B, y-up form B.3).
+struct FacingOptions {
+  FacingRule rule = FacingRule::kHips;
+  Anchor anchor = Anchor::kFirst;
+  double min_horizontal = 0.2;  ///< shortest horizontal part of the hip axis that yaw is read from
+
+  void Declare(OptionVisitor& v);
+};
+
+struct CanonOptions {
+  std::string skeleton;  ///< of the joints-only baseline (input role "tracks")
+  TrimOptions trim;
+  FacingOptions facing;
+  std::string rate;  ///< "20", "30", "120000/1001"; empty keeps each clip's own
+
+  void Declare(OptionVisitor& v);
+};
+
+enum class SplitBy { kPerson, kStyle, kFraction, kRole };
+
+/// Which clips train, select and test. By person or style: the names in `test` and `validation`, all others train. By
+/// fraction: shares of the recordings, drawn by hash of their names and `seed`.
+struct SplitOptions {
+  std::string name = "default";
+  SplitBy by = SplitBy::kFraction;
+  std::vector<std::string> test;
+  std::vector<std::string> validation;
+  double test_share = 0.2;
+  double validation_share = 0.1;
+  std::int64_t seed = 1;
+
+  void Declare(OptionVisitor& v);
+};
+
+struct AssembleOptions {
+  std::string recipe;  ///< free text that says how the set was made
+  std::vector<SplitOptions> splits;
+
+  void Declare(OptionVisitor& v);
+};
+
+struct AuditOptions {
+  std::string split;  ///< of the nearest-neighbour figure; empty: the first one
+  std::int64_t nearest_neighbour_frames = 32;
+
+  void Declare(OptionVisitor& v);
+};
+
+StageDeclaration CanonDeclaration();
+StageDeclaration AssembleDeclaration();
+StageDeclaration AuditDeclaration();
+
+}  // namespace mocurate

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+/// One clip -> Dataset file with zero or more canonical clips. Input role "motion" (a one-clip Dataset from fitting, or an
+/// evidence file whose clip has a given motion) or role "tracks" (an evidence file; its tracks become a joints-only
+/// motion on options.skeleton: the baseline without fitting). Dropped clips: kRefused with a reason.
+Expected<StageOutcome> CanonStage(const StageRequest& request);
+
+/// All canonical clips (inputs role "clip") -> the Dataset file of the run with labels, splits and leak check.
+Expected<StageOutcome> AssembleStage(const StageRequest& request);
+
+/// The Dataset (role "dataset") -> JSON artifact: counts per label, person and split, nearest-neighbour accuracy,
+/// duplicates, quality measures.
+Expected<StageOutcome> AuditStage(const StageRequest& request);
+
+}  // namespace mocurate

@@ -1,0 +1,118 @@
+#include "canon/trim/trim.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kSpeedPercentile = 0.9;
+
+Finding Dropped(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = code;
+  finding.severity = Severity::kWarning;
+  finding.frame_begin = begin;
+  finding.frame_end = end;
+  finding.value = value;
+  finding.message = std::move(message);
+  finding.action = "dropped";
+  return finding;
+}
+
+std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
+  const Motion& motion = *clip.motion;
+  std::vector<KeptSpan> spans;
+  for (const Segment& segment : clip.segments) {
+    const int begin = std::clamp(static_cast<int>(std::lround(segment.begin_s * motion.rate.hz())), 0, motion.frame_count());
+    const int end = std::clamp(static_cast<int>(std::lround(segment.end_s * motion.rate.hz())), 0, motion.frame_count());
+    if (std::find(options.drop_labels.begin(), options.drop_labels.end(), segment.label) != options.drop_labels.end()) {
+      Finding finding = Dropped(clip, "label_left_out", begin, end, segment.end_s - segment.begin_s,
+                                "segment '" + segment.label + "' is in trim.drop_labels");
+      finding.severity = Severity::kInfo;
+      findings.push_back(finding);
+      continue;
+    }
+    spans.push_back({begin, end, segment.label});
+  }
+  if (clip.segments.empty()) {
+    findings.push_back(Dropped(clip, "no_annotation", 0, motion.frame_count(), 0.0,
+                               "the clip has no annotated segment; trim.rule is 'annotated'"));
+  }
+  return spans;
+}
+
+std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
+  const Motion& motion = *clip.motion;
+  const std::vector<double> speeds = FrameSpeeds(motion);
+  int first = 0;
+  int last = static_cast<int>(speeds.size()) - 1;
+  while (first <= last && speeds[first] < options.still_speed) ++first;
+  while (last >= first && speeds[last] < options.still_speed) --last;
+  if (first > last) {
+    const double fastest = speeds.empty() ? 0.0 : *std::max_element(speeds.begin(), speeds.end());
+    findings.push_back(Dropped(clip, "never_moves", 0, motion.frame_count(), fastest,
+                               "fastest frame " + FormatDouble(fastest) + " m/s, trim.still_speed is " +
+                                   FormatDouble(options.still_speed) + " m/s"));
+    return {};
+  }
+  const int margin = static_cast<int>(std::lround(options.margin_s * motion.rate.hz()));
+  const KeptSpan span{std::max(0, first - margin), std::min(motion.frame_count(), last + 1 + margin), clip.label};
+  if (span.end - span.begin < motion.frame_count()) {
+    Finding finding = Dropped(clip, "still_frames", span.begin, span.end,
+                              static_cast<double>(motion.frame_count() - (span.end - span.begin)),
+                              "still frames at the ends were cut; the frames named here were kept");
+    finding.severity = Severity::kInfo;
+    finding.action = "trimmed";
+    findings.push_back(finding);
+  }
+  return {span};
+}
+
+}  // namespace
+
+std::vector<double> FrameSpeeds(const Motion& motion) {
+  const int frames = motion.frame_count();
+  const int joints = motion.joint_count();
+  std::vector<double> speeds(frames, 0.0);
+  if (frames < 2) return speeds;
+  std::vector<double> per_joint(joints);
+  for (int f = 0; f < frames; ++f) {
+    const int before = std::max(0, f - 1);
+    const int after = std::min(frames - 1, f + 1);
+    const double elapsed = motion.rate.FrameTime(after - before);
+    for (int j = 0; j < joints; ++j) {
+      per_joint[j] = (motion.joints.at(after, j) - motion.joints.at(before, j)).norm() / elapsed;
+    }
+    const auto at = per_joint.begin() + static_cast<std::ptrdiff_t>(kSpeedPercentile * (joints - 1));
+    std::nth_element(per_joint.begin(), at, per_joint.end());
+    speeds[f] = *at;
+  }
+  return speeds;
+}
+
+std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
+  std::vector<KeptSpan> spans;
+  switch (options.rule) {
+    case TrimRule::kNone: spans = {{0, clip.motion->frame_count(), clip.label}}; break;
+    case TrimRule::kAnnotated: spans = AnnotatedSpans(options, clip, findings); break;
+    case TrimRule::kMotionEnergy: spans = MovingSpan(options, clip, findings); break;
+  }
+  std::vector<KeptSpan> kept;
+  for (const KeptSpan& span : spans) {
+    const double length_s = clip.motion->rate.FrameTime(span.end - span.begin);
+    if (span.end - span.begin < 2 || length_s < options.min_length_s) {
+      findings.push_back(Dropped(clip, "too_short", span.begin, span.end, length_s,
+                                 FormatDouble(length_s) + " s of '" + span.label + "', trim.min_length is " +
+                                     FormatDouble(options.min_length_s) + " s"));
+      continue;
+    }
+    kept.push_back(span);
+  }
+  return kept;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,65 @@
+# Compiler and linker settings, and the one way to add a library or a test.
+
+find_program(MOCURATE_CCACHE ccache)
+if(MOCURATE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_C_COMPILER_LAUNCHER ${MOCURATE_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${MOCURATE_CCACHE})
+endif()
+find_program(MOCURATE_MOLD mold)
+if(MOCURATE_MOLD)
+  add_link_options(-fuse-ld=mold)
+endif()
+
+add_library(mocurate_settings INTERFACE)
+target_include_directories(mocurate_settings INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+# g++ 12 takes Eigen's fixed-size storage for uninitialised after inlining.
+target_compile_options(mocurate_settings INTERFACE -Wall -Wextra -Wshadow -Wno-psabi -Wno-maybe-uninitialized)
+if(MOCURATE_WARNINGS_AS_ERRORS)
+  target_compile_options(mocurate_settings INTERFACE -Werror)
+endif()
+if(MOCURATE_SANITIZE)
+  add_compile_options(-fsanitize=${MOCURATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${MOCURATE_SANITIZE})
+endif()
+
+# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ...): static library mocurate_NAME. Sources may be globs relative
+# to the calling folder. PUBLIC and PRIVATE are libraries to link.
+function(mocurate_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${arg_SOURCES})
+  foreach(pattern ${arg_EXCLUDE})
+    list(FILTER sources EXCLUDE REGEX "${pattern}")
+  endforeach()
+  if(NOT sources)
+    add_library(mocurate_${name} INTERFACE)
+    target_link_libraries(mocurate_${name} INTERFACE mocurate_settings ${arg_PUBLIC} ${arg_PRIVATE})
+    return()
+  endif()
+  add_library(mocurate_${name} STATIC ${sources})
+  target_link_libraries(mocurate_${name} PUBLIC mocurate_settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+endfunction()
+
+# mocurate_test(NAME LIBRARIES ... [WHOLE]): one executable test_NAME from tests/NAME/*.cpp. Each case is a CTest test;
+# with WHOLE the executable is one CTest test (programs whose start-up is slow).
+function(mocurate_test name)
+  cmake_parse_arguments(arg "WHOLE" "TIMEOUT" "LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(test_${name} ${sources})
+  target_link_libraries(test_${name} PRIVATE ${arg_LIBRARIES} GTest::gmock GTest::gtest GTest::gtest_main)
+  target_compile_definitions(test_${name} PRIVATE MOCURATE_TEST_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}/tests/${name}"
+                                                  MOCURATE_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}"
+                                                  MOCURATE_BINARY_FOLDER="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  if(arg_WHOLE)
+    add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT})
+  else()
+    include(GoogleTest)
+    gtest_discover_tests(test_${name} TEST_PREFIX "${name}." PROPERTIES TIMEOUT ${arg_TIMEOUT} DISCOVERY_TIMEOUT 60)
+  endif()
+endfunction()

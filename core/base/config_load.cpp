@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <map>
+#include <system_error>
+
+#include "core/base/config_parts.h"
+#include "core/base/file.h"
+#include "core/base/resources.h"
+
+namespace mocurate {
+namespace internal {
+
+void Merge(ConfigNode& lower, ConfigNode upper) {
+  if (lower.kind != ConfigNode::Kind::kMapping || upper.kind != ConfigNode::Kind::kMapping) {
+    lower = std::move(upper);
+    return;
+  }
+  std::map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < lower.mapping.size(); ++i) places.emplace(lower.mapping[i].first, i);
+  for (auto& [key, value] : upper.mapping) {
+    const auto found = places.find(key);
+    if (found != places.end()) {
+      Merge(lower.mapping[found->second].second, std::move(value));
+    } else {
+      lower.mapping.emplace_back(key, std::move(value));
+    }
+  }
+  lower.origin = upper.origin;
+  lower.key_origin = upper.key_origin;
+  lower.base_folder = upper.base_folder;
+}
+
+}  // namespace internal
+
+namespace {
+
+namespace fs = std::filesystem;
+using internal::Quoted;
+
+constexpr std::string_view kResource = "resource:";
+constexpr std::size_t kDeepestInclude = 32;
+constexpr std::size_t kMostIncludes = 256;
+
+bool IsResource(std::string_view name) { return name.substr(0, kResource.size()) == kResource; }
+
+/// The embedded file `name`, which begins with "resource:".
+std::optional<ConfigSource> ResourceSource(const std::string& name) {
+  const fs::path path = fs::path(name.substr(kResource.size())).lexically_normal();
+  const std::optional<std::string_view> text = FindResource(path.native());
+  if (!text) return std::nullopt;
+  return ConfigSource{std::string(*text), std::string(kResource) + path.native(), {}};
+}
+
+Expected<ConfigSource> FileSource(const fs::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = fs::is_regular_file(path, error) ? fs::file_size(path, error) : 0;
+  if (!error && size > internal::kMostConfigBytes) {
+    return Fail(ErrorCode::kConfig, "is larger than " + std::to_string(internal::kMostConfigBytes >> 20) + " MiB",
+                DisplayPath(path), "is this a configuration?");
+  }
+  Expected<std::string> text = ReadFile(path);
+  if (!text) return Forward(text);
+  return ConfigSource{std::move(*text), DisplayPath(path), path.parent_path()};
+}
+
+/// Reads a source and what it includes, merged.
+class Loader {
+ public:
+  explicit Loader(ProblemList& problems) : problems_(problems) {}
+
+  ConfigNode Load(const ConfigSource& source) {
+    open_.push_back(Identity(source));
+    ConfigNode own = internal::ParseYaml(source, true, problems_);
+    ConfigNode merged;
+    merged.kind = ConfigNode::Kind::kMapping;
+    for (const ConfigNode& include : TakeIncludes(own)) LoadInclude(source, include, merged);
+    internal::Merge(merged, std::move(own));
+    open_.pop_back();
+    return merged;
+  }
+
+ private:
+  /// What tells that two names mean one file.
+  static std::string Identity(const ConfigSource& source) {
+    if (IsResource(source.name)) return source.name;
+    std::error_code error;
+    const fs::path path = source.base_folder / fs::path(source.name).filename();
+    const fs::path canonical = fs::weakly_canonical(path, error);
+    return error ? path.native() : canonical.native();
+  }
+
+  std::vector<ConfigNode> TakeIncludes(ConfigNode& root) {
+    std::vector<ConfigNode> includes;
+    for (std::size_t i = 0; i < root.mapping.size(); ++i) {
+      if (root.mapping[i].first != "include") continue;
+      ConfigNode value = std::move(root.mapping[i].second);
+      root.mapping.erase(root.mapping.begin() + static_cast<std::ptrdiff_t>(i));
+      if (value.kind == ConfigNode::Kind::kSequence) {
+        includes = std::move(value.sequence);
+      } else {
+        includes.push_back(std::move(value));
+      }
+      break;
+    }
+    return includes;
+  }
+
+  void LoadInclude(const ConfigSource& from, const ConfigNode& include, ConfigNode& merged) {
+    const std::string where = include.origin.Text();
+    if (include.kind != ConfigNode::Kind::kScalar || include.scalar.empty()) {
+      return problems_.Add(where, "include must be a path or a list of paths");
+    }
+    const std::string name = internal::ResolveEnvironment(include, problems_);
+    if (name.empty()) return;
+    const Expected<ConfigSource> source = FindSource(from, name);
+    if (!source) {
+      return problems_.Add(
+          where, "cannot include " + Quoted(name) + ": " + source.error().what + " (" + source.error().where + ")",
+          source.error().hint);
+    }
+    const std::string identity = Identity(*source);
+    if (std::find(open_.begin(), open_.end(), identity) != open_.end()) {
+      return problems_.Add(where, Quoted(name) + " includes itself" + ChainTo(identity));
+    }
+    if (open_.size() > kDeepestInclude || ++count_ > kMostIncludes) {
+      return problems_.Add(
+          where, "too many includes",
+          "at most " + std::to_string(kDeepestInclude) + " deep and " + std::to_string(kMostIncludes) + " in all");
+    }
+    internal::Merge(merged, Load(*source));
+  }
+
+  std::string ChainTo(const std::string& identity) const {
+    if (open_.back() == identity) return {};
+    std::string chain = ", by way of ";
+    for (auto it = std::find(open_.begin(), open_.end(), identity) + 1; it != open_.end(); ++it) {
+      chain += Quoted(fs::path(*it).filename().native()) + (it + 1 != open_.end() ? ", " : "");
+    }
+    return chain;
+  }
+
+  /// A file beside `from` before an embedded file of that name; inside embedded files the other way round.
+  static Expected<ConfigSource> FindSource(const ConfigSource& from, const std::string& name) {
+    const fs::path path = (from.base_folder / PathFromText(name)).lexically_normal();
+    std::error_code error;
+    if (!IsResource(from.name) && fs::exists(path, error)) return FileSource(path);
+    const std::string plain = IsResource(name) ? name.substr(kResource.size()) : name;
+    if (IsResource(from.name) && !IsResource(name)) {
+      const fs::path beside = fs::path(from.name.substr(kResource.size())).parent_path() / plain;
+      if (std::optional<ConfigSource> source = ResourceSource(std::string(kResource) + beside.native())) {
+        return std::move(*source);
+      }
+    }
+    if (std::optional<ConfigSource> source = ResourceSource(std::string(kResource) + plain)) return std::move(*source);
+    if (IsResource(name)) {
+      return Fail(ErrorCode::kNotFound, "no such embedded file", name, HintFor(plain, ResourcePaths()));
+    }
+    return FileSource(path);
+  }
+
+  ProblemList& problems_;
+  std::vector<std::string> open_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments) {
+  ProblemList problems;
+  ConfigNode root = Loader(problems).Load(source);
+  for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
+  if (Status read = problems.Result(); !read) return Forward(read);
+  internal::ResolveReferences(root, problems);
+  if (Status resolved = problems.Result(); !resolved) return Forward(resolved);
+  return root;
+}
+
+Expected<ConfigNode> LoadConfig(const fs::path& file, const std::vector<std::string>& assignments) {
+  std::error_code error;
+  if (IsResource(file.native()) && !fs::exists(file, error)) {
+    if (const std::optional<ConfigSource> source = ResourceSource(file.native())) {
+      return LoadConfig(*source, assignments);
+    }
+    return Fail(ErrorCode::kNotFound, "no such embedded file", DisplayPath(file),
+                HintFor(file.native().substr(kResource.size()), ResourcePaths()));
+  }
+  const Expected<ConfigSource> source = FileSource(file);
+  if (!source) return Forward(source);
+  return LoadConfig(*source, assignments);
+}
+
+}  // namespace mocurate

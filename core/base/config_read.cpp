@@ -1,0 +1,256 @@
+#include "core/base/config_parts.h"
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/base/units.h"
+
+namespace mocurate {
+namespace {
+
+using Kind = ConfigNode::Kind;
+using internal::Quoted;
+
+std::string KindText(const ConfigNode& node) {
+  switch (node.kind) {
+    case Kind::kNull:
+      return "no value";
+    case Kind::kScalar:
+      return Quoted(node.scalar);
+    case Kind::kSequence:
+      return "a list";
+    case Kind::kMapping:
+      return "a mapping";
+  }
+  return {};
+}
+
+/// Reads every option it visits; absent ones keep what they hold. An empty group, list or mapping counts as absent.
+class ConfigReader final : public OptionVisitor {
+ public:
+  explicit ConfigReader(const ConfigNode& root) { Open(&root, ""); }
+
+  Status Finish() {
+    Close();
+    return problems_.Result();
+  }
+
+  void Bool(const char* name, bool& value, const char*) override {
+    const ConfigNode* node = Find(name);
+    if (node == nullptr) return;
+    if (node->kind != Kind::kScalar || node->quoted || (node->scalar != "true" && node->scalar != "false")) {
+      return Refuse(*node, Name(name), KindText(*node) + " must be true or false");
+    }
+    value = node->scalar == "true";
+  }
+
+  void Integer(const char* name, std::int64_t& value, Range range, const char*) override {
+    const ConfigNode* node = Find(name);
+    if (node == nullptr) return;
+    const bool plain = node->kind == Kind::kScalar && !node->quoted;
+    const std::optional<long long> number = plain ? ParseInteger(Trim(node->scalar)) : std::nullopt;
+    if (!number) return Refuse(*node, Name(name), KindText(*node) + " must be a whole number", QuoteHint(*node));
+    if (!IsInside(static_cast<double>(*number), range)) return RefuseRange(*node, Name(name), range, Unit::kNone);
+    value = *number;
+  }
+
+  void Number(const char* name, double& value, Unit unit, Range range, const char*) override {
+    if (const ConfigNode* node = Find(name)) ReadNumber(*node, Name(name), unit, range, value);
+  }
+
+  void OptionalNumber(const char* name, std::optional<double>& value, Unit unit, Range range, const char*) override {
+    const ConfigNode* node = Find(name);
+    if (node == nullptr) return;
+    double number = 0.0;
+    if (node->kind == Kind::kNull) {
+      value.reset();
+    } else if (ReadNumber(*node, Name(name), unit, range, number)) {
+      value = number;
+    }
+  }
+
+  void Text(const char* name, std::string& value, const char*) override {
+    if (const ConfigNode* node = Find(name)) ReadText(*node, Name(name), value);
+  }
+
+  void Path(const char* name, std::filesystem::path& value, const char*) override {
+    std::string text;
+    const ConfigNode* node = Find(name);
+    if (node == nullptr || !ReadText(*node, Name(name), text)) return;
+    if (text == "~" || text.substr(0, 2) == "~/") {
+      return Refuse(*node, Name(name), Quoted(text) + ": '~' has no meaning here", "write ${HOME}");
+    }
+    value = text.empty() ? std::filesystem::path() : (node->base_folder / PathFromText(text)).lexically_normal();
+  }
+
+  void Numbers(const char* name, std::vector<double>& value, Unit unit, Range range, const char*) override {
+    const ConfigNode* node = FindList(name, "must be a list of numbers");
+    if (node == nullptr) return;
+    std::vector<double> numbers(node->sequence.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      ReadNumber(node->sequence[i], Indexed(Name(name), i), unit, range, numbers[i]);
+    }
+    value = std::move(numbers);
+  }
+
+  void Texts(const char* name, std::vector<std::string>& value, const char*) override {
+    const ConfigNode* node = FindList(name, "must be a list of texts");
+    if (node == nullptr) return;
+    std::vector<std::string> texts(node->sequence.size());
+    for (std::size_t i = 0; i < texts.size(); ++i) ReadText(node->sequence[i], Indexed(Name(name), i), texts[i]);
+    value = std::move(texts);
+  }
+
+  void TextMap(const char* name, std::map<std::string, std::string>& value, const char*) override {
+    const ConfigNode* node = Find(name);
+    if (node == nullptr || node->kind == Kind::kNull) return;
+    if (node->kind != Kind::kMapping) {
+      return Refuse(*node, Name(name), KindText(*node) + " must be a mapping of texts");
+    }
+    std::map<std::string, std::string> texts;
+    for (const auto& [key, text] : node->mapping) ReadText(text, Name(name) + "." + key, texts[key]);
+    value = std::move(texts);
+  }
+
+  void ChoiceIndex(const char* name, std::size_t& index, const std::vector<std::string>& names, const char*) override {
+    std::string text;
+    const ConfigNode* node = Find(name);
+    if (node == nullptr || !ReadText(*node, Name(name), text)) return;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == text) {
+        index = i;
+        return;
+      }
+    }
+    std::string wanted;
+    for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
+    const std::optional<std::string> nearest = Nearest(text, names);
+    Refuse(*node, Name(name), Quoted(text) + " must be one of " + wanted,
+           nearest ? "did you mean '" + *nearest + "'?" : std::string());
+  }
+
+  void BeginGroup(const char* name, const char*) override {
+    const ConfigNode* node = Find(name);
+    Open(node, Name(name));
+  }
+  void EndGroup() override { Close(); }
+
+  std::size_t BeginList(const char* name, std::size_t size, const char*) override {
+    const ConfigNode* node = FindList(name, "must be a list of mappings");
+    lists_.push_back({node, Name(name)});
+    return node != nullptr ? node->sequence.size() : size;
+  }
+  bool ReplacesList() const override { return lists_.back().node != nullptr; }
+  void BeginElement(std::size_t index) override {
+    const List& list = lists_.back();
+    Open(list.node != nullptr ? &list.node->sequence[index] : nullptr, Indexed(list.name, index));
+  }
+  void EndElement() override { Close(); }
+  void EndList() override { lists_.pop_back(); }
+
+ private:
+  struct Level {
+    const ConfigNode* node;  ///< null when absent
+    std::string name;
+    std::vector<std::string> options;  ///< visited
+  };
+  struct List {
+    const ConfigNode* node;
+    std::string name;
+  };
+
+  static std::string Indexed(const std::string& name, std::size_t index) { return name + "." + std::to_string(index); }
+
+  static std::string QuoteHint(const ConfigNode& node) {
+    return node.kind == Kind::kScalar && node.quoted ? "a value in quotes is text, remove the quotes" : "";
+  }
+
+  std::string Name(const std::string& option) const {
+    const std::string& outer = levels_.back().name;
+    return outer.empty() ? option : outer + "." + option;
+  }
+
+  void Open(const ConfigNode* node, const std::string& name) {
+    if (node != nullptr && node->kind != Kind::kMapping) {
+      if (node->kind != Kind::kNull) Refuse(*node, name, KindText(*node) + " must be a mapping");
+      node = nullptr;
+    }
+    levels_.push_back({node, name, {}});
+  }
+
+  void Close() {
+    const Level level = std::move(levels_.back());
+    levels_.pop_back();
+    if (level.node == nullptr) return;
+    for (const auto& [key, value] : level.node->mapping) {
+      bool known = false;
+      for (const std::string& option : level.options) known = known || option == key;
+      const std::string name = level.name.empty() ? key : level.name + "." + key;
+      if (!known) problems_.Add(value.key_origin.Text(), "unknown option " + Quoted(name), HintFor(key, level.options));
+    }
+  }
+
+  const ConfigNode* Find(const char* name) {
+    levels_.back().options.emplace_back(name);
+    return levels_.back().node == nullptr ? nullptr : levels_.back().node->Find(name);
+  }
+
+  const ConfigNode* FindList(const char* name, const char* rule) {
+    const ConfigNode* node = Find(name);
+    if (node == nullptr || node->kind == Kind::kNull) return nullptr;
+    if (node->kind == Kind::kSequence) return node;
+    Refuse(*node, Name(name), KindText(*node) + " " + rule, node->kind == Kind::kScalar ? "write [a, b]" : "");
+    return nullptr;
+  }
+
+  void Refuse(const ConfigNode& node, const std::string& name, const std::string& what, const std::string& hint = {}) {
+    problems_.Add(node.origin.Text(), name.empty() ? what : name + ": " + what, hint);
+  }
+
+  void RefuseRange(const ConfigNode& node, const std::string& name, const Range& range, Unit unit) {
+    Refuse(node, name, KindText(node) + " is out of range", "allowed: " + RangeText(range, unit));
+  }
+
+  bool ReadNumber(const ConfigNode& node, const std::string& name, Unit unit, const Range& range, double& value) {
+    if (node.kind != Kind::kScalar || node.quoted) {
+      const std::string in_unit = unit == Unit::kNone ? "" : " in " + std::string(mocurate::Name(unit));
+      Refuse(node, name, KindText(node) + " must be a number" + in_unit, QuoteHint(node));
+      return false;
+    }
+    const Expected<double> number = ParseQuantity(node.scalar, unit);
+    if (!number) {
+      Refuse(node, name, number.error().what, number.error().hint);
+      return false;
+    }
+    if (!IsInside(*number, range)) {
+      RefuseRange(node, name, range, unit);
+      return false;
+    }
+    value = *number;
+    return true;
+  }
+
+  bool ReadText(const ConfigNode& node, const std::string& name, std::string& text) {
+    if (node.kind != Kind::kScalar) {
+      Refuse(node, name, KindText(node) + " must be a text", node.kind == Kind::kNull ? "write '' for none" : "");
+      return false;
+    }
+    text = node.scalar;
+    return true;
+  }
+
+  ProblemList problems_;
+  std::vector<Level> levels_;
+  std::vector<List> lists_;
+};
+
+}  // namespace
+
+namespace internal {
+
+Status FromConfig(Declaration declaration, const ConfigNode& node) {
+  ConfigReader reader(node);
+  declaration.declare(declaration.options, reader);
+  return reader.Finish();
+}
+
+}  // namespace internal
+}  // namespace mocurate

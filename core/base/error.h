@@ -1,0 +1,76 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace mocurate {
+
+/// What went wrong, by who can mend it. Each code maps to one exit code of the program.
+enum class ErrorCode {
+  kUsage,            ///< the command line is wrong
+  kConfig,           ///< a configuration value, key or reference is wrong
+  kNotFound,         ///< a named file, clip or object does not exist
+  kUnreadable,       ///< a file exists but cannot be opened or read
+  kMalformed,        ///< bytes do not follow their format
+  kInconsistent,     ///< parts of the input contradict each other
+  kUnsupported,      ///< valid, but outside what the program handles
+  kMissingOnHost,    ///< a program, library or setting of this machine is missing
+  kCannotWrite,      ///< output cannot be written (full disk, read-only folder)
+  kInterrupted,      ///< stopped on request; run again to go on
+  kTooManyFailures,  ///< done, but more items failed than the configuration tolerates
+  kInternal,         ///< a broken invariant: a defect of mocurate
+};
+
+/// Exit codes of every mocurate program (documented in docs/concepts.md).
+enum class ExitCode : int {
+  kDone = 0,
+  kTooManyFailures = 1,
+  kUsage = 2,
+  kInputUnusable = 3,
+  kMissingOnHost = 4,
+  kBug = 70,
+  kCannotWrite = 74,
+  kInterrupted = 75,
+};
+
+/// One failure, in facts: `what` names the value and the broken rule, `where` the place (file:line:column or dataset
+/// path), `hint` the way out.
+struct Error {
+  ErrorCode code = ErrorCode::kInternal;
+  std::string what;
+  std::string where;
+  std::string hint;
+
+  /// "where: what (hint)" on one line, parts that are empty left out.
+  std::string Message() const;
+};
+
+bool operator==(const Error& a, const Error& b);
+
+template <class T>
+using Expected = tl::expected<T, Error>;
+
+using Status = Expected<void>;
+
+/// `return Fail(ErrorCode::kMalformed, "12 columns, header announces 14", "clip.trc:8", "...");`
+inline tl::unexpected<Error> Fail(ErrorCode code, std::string what, std::string where = {}, std::string hint = {}) {
+  return tl::unexpected<Error>(Error{code, std::move(what), std::move(where), std::move(hint)});
+}
+
+/// Passes the error of another result on.
+template <class T>
+tl::unexpected<Error> Forward(const Expected<T>& failed) {
+  return tl::unexpected<Error>(failed.error());
+}
+
+/// Stable text of a code, as it stands in JSON ("malformed", "cannot_write", ...).
+std::string_view Name(ErrorCode code);
+
+/// Inverse of Name; kInternal for an unknown text.
+ErrorCode ErrorCodeFromName(std::string_view name);
+
+ExitCode ExitCodeOf(ErrorCode code);
+
+}  // namespace mocurate

@@ -1,0 +1,40 @@
+#include "core/base/problem_list.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kMostShown = 50;
+constexpr std::size_t kMostListed = 16;
+
+}  // namespace
+
+void ProblemList::Add(std::string where, std::string what, std::string hint) {
+  problems_.push_back({ErrorCode::kConfig, std::move(what), std::move(where), std::move(hint)});
+}
+
+Status ProblemList::Result() const {
+  if (problems_.empty()) return {};
+  if (problems_.size() == 1) return tl::unexpected<Error>(problems_.front());
+  std::string lines;
+  for (std::size_t i = 0; i < std::min(problems_.size(), kMostShown); ++i) {
+    if (i > 0) lines += '\n';
+    lines += problems_[i].Message();
+  }
+  if (problems_.size() > kMostShown) lines += "\nand " + std::to_string(problems_.size() - kMostShown) + " more";
+  return Fail(ErrorCode::kConfig, lines);
+}
+
+std::string HintFor(const std::string& word, const std::vector<std::string>& known) {
+  if (const std::optional<std::string> nearest = Nearest(word, known)) return "did you mean '" + *nearest + "'?";
+  if (known.empty() || known.size() > kMostListed) return {};
+  std::string hint = "known here: ";
+  for (std::size_t i = 0; i < known.size(); ++i) hint += (i > 0 ? ", " : "") + known[i];
+  return hint;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mocurate {
+
+/// Numbers independent of the locale. Empty when `text` is not wholly a number; "nan" and "inf" are numbers here, the
+/// caller says whether they are allowed.
+std::optional<double> ParseDouble(std::string_view text);
+std::optional<long long> ParseInteger(std::string_view text);
+
+/// Fewest digits that read back as the same double ("0.1", "30", "100000", "1e-06"); whole numbers below 1e15 without
+/// an exponent.
+std::string FormatDouble(double value);
+
+std::string_view Trim(std::string_view text);
+std::vector<std::string_view> SplitText(std::string_view text, char separator);
+/// Fields between runs of blanks and tabs.
+std::vector<std::string_view> SplitBlanks(std::string_view text);
+
+/// The entry of `known` nearest to `word` (edit distance at most a third of its length), for "did you mean".
+std::optional<std::string> Nearest(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace mocurate

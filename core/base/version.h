@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+namespace mocurate {
+
+/// "0.1.0", from the project's CMakeLists.txt.
+std::string_view Version();
+
+/// "mocurate 0.1.0", as files say who made them.
+std::string_view CreatedBy();
+
+}  // namespace mocurate

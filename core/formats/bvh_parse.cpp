@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/text.h"
+#include "core/formats/bvh.h"
+#include "core/formats/number_scanner.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kMaxDepth = 512;  // no body is deeper; bounds what a hostile file can make a reader of ours do
+constexpr double kShortestFrame = 1e-6;
+constexpr double kLongestFrame = 1e6;  // seconds
+
+bool SameWord(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
+           return (x >= 'A' && x <= 'Z' ? x + 32 : x) == (y >= 'A' && y <= 'Z' ? y + 32 : y);
+         });
+}
+
+std::optional<BvhChannel> ChannelOf(std::string_view word) {
+  constexpr std::string_view kNames[] = {"Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation"};
+  for (int i = 0; i < 6; ++i) {
+    if (SameWord(word, kNames[i])) return static_cast<BvhChannel>(i);
+  }
+  return std::nullopt;
+}
+
+std::string Shown(std::string_view text) {
+  std::string shown;
+  for (const char c : text.substr(0, 40)) shown += (c >= ' ' && c < 127) ? c : '?';
+  return shown;
+}
+
+/// Lines of a text, without their ends, counted.
+class Lines {
+ public:
+  explicit Lines(std::string_view bytes) : rest_(bytes) {}
+  /// Next line that is not blank, trimmed; empty at the end.
+  std::string_view Next() {
+    while (!rest_.empty()) {
+      const std::size_t end = rest_.find_first_of("\r\n");
+      const std::string_view line = Trim(rest_.substr(0, end));
+      Skip(end);
+      ++number_;
+      if (!line.empty()) return line;
+    }
+    return {};
+  }
+  int number() const { return number_; }
+  std::string_view rest() const { return rest_; }
+
+ private:
+  void Skip(std::size_t end) {
+    if (end == std::string_view::npos) {
+      rest_ = {};
+      return;
+    }
+    const bool both = rest_[end] == '\r' && end + 1 < rest_.size() && rest_[end + 1] == '\n';
+    rest_.remove_prefix(end + (both ? 2 : 1));
+  }
+  std::string_view rest_;
+  int number_ = 0;
+};
+
+class Parser {
+ public:
+  Parser(std::string_view bytes, const std::string& name) : lines_(bytes), name_(name) {}
+
+  Expected<Bvh> Run() {
+    std::string_view first = lines_.Next();
+    if (first.substr(0, 3) == "\xEF\xBB\xBF") first = Trim(first.substr(3));
+    if (first.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_, "copy it again");
+    if (!SameWord(first, "HIERARCHY")) {
+      return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'");
+    }
+    if (Status read = Hierarchy(); !read) return Forward(read);
+    if (Status read = Header(); !read) return Forward(read);
+    if (Status read = Frames(); !read) return Forward(read);
+    return std::move(bvh_);
+  }
+
+ private:
+  tl::unexpected<Error> Bad(std::string what, int line = 0, std::string hint = {}) const {
+    return Fail(ErrorCode::kMalformed, std::move(what), name_ + ":" + std::to_string(line > 0 ? line : lines_.number()),
+                std::move(hint));
+  }
+
+  tl::unexpected<Error> CutOff(const std::string& wanted) const {
+    return Bad("the file ends where " + wanted + " is expected", 0, "the file is cut off: copy it again");
+  }
+
+  Expected<Vector3d> Offset(const std::vector<std::string_view>& words) const {
+    Vector3d offset;
+    if (words.size() != 4) return Bad("OFFSET needs 3 numbers, found " + std::to_string(words.size() - 1));
+    for (int i = 0; i < 3; ++i) {
+      const std::optional<double> value = ParseDouble(words[i + 1]);
+      if (!value || !std::isfinite(*value)) return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no finite number");
+      offset[i] = *value;
+    }
+    return offset;
+  }
+
+  Status Channels(BvhJoint& joint, const std::vector<std::string_view>& words) {
+    const std::optional<long long> count = words.size() > 1 ? ParseInteger(words[1]) : std::nullopt;
+    if (!count || *count < 0 || static_cast<std::size_t>(*count) != words.size() - 2) {
+      return Bad("CHANNELS of '" + joint.name + "' must say how many names follow");
+    }
+    if (!joint.channels.empty()) return Bad("CHANNELS of '" + joint.name + "' stand twice");
+    joint.first_channel = bvh_.channel_count;
+    for (std::size_t i = 2; i < words.size(); ++i) {
+      const std::optional<BvhChannel> channel = ChannelOf(words[i]);
+      if (!channel) {
+        return Bad("unknown channel '" + Shown(words[i]) + "' of joint '" + joint.name + "'", 0,
+                   "channels are [XYZ]position and [XYZ]rotation");
+      }
+      const bool twice = std::find(joint.channels.begin(), joint.channels.end(), *channel) != joint.channels.end();
+      if (twice && IsPosition(*channel)) return Bad("channel '" + Shown(words[i]) + "' of '" + joint.name + "' twice");
+      joint.channels.push_back(*channel);
+    }
+    if (joint.channels.size() > 6) return Bad("joint '" + joint.name + "' has more than 6 channels");
+    bvh_.channel_count += static_cast<int>(joint.channels.size());
+    return {};
+  }
+
+  Status Open(std::string_view line, bool root) {
+    const std::string_view name = Trim(line.substr(root ? 4 : 5));
+    if (name.empty()) return Bad("a joint has no name");
+    BvhJoint joint;
+    joint.name = std::string(name);
+    joint.parent = stack_.empty() ? -1 : stack_.back();
+    bvh_.joints.push_back(joint);
+    if (static_cast<int>(stack_.size()) >= kMaxDepth) return Bad("joints are nested too deeply");
+    return Brace("'" + Shown(name) + "'");
+  }
+
+  Status Brace(const std::string& owner) {
+    const std::string_view line = lines_.Next();
+    if (line.empty()) return CutOff("'{' of " + owner);
+    if (line != "{") return Bad("'{' is expected after " + owner + ", not '" + Shown(line) + "'");
+    return {};
+  }
+
+  Status EndSite() {
+    if (stack_.empty()) return Bad("End Site outside of a joint");
+    if (Status brace = Brace("End Site"); !brace) return brace;
+    BvhJoint& joint = bvh_.joints[stack_.back()];
+    for (std::string_view line = lines_.Next(); line != "}"; line = lines_.Next()) {
+      if (line.empty()) return CutOff("'}' of an End Site");
+      const std::vector<std::string_view> words = SplitBlanks(line);
+      if (!SameWord(words[0], "OFFSET")) return Bad("an End Site holds OFFSET only, not '" + Shown(line) + "'");
+      const Expected<Vector3d> offset = Offset(words);
+      if (!offset) return Forward(offset);
+      joint.end_site = *offset;
+    }
+    joint.has_end_site = true;
+    return {};
+  }
+
+  Status Hierarchy() {
+    do {
+      const std::string_view line = lines_.Next();
+      if (line.empty()) return CutOff(bvh_.joints.empty() ? "ROOT" : "'}' of joint '" + bvh_.joints.back().name + "'");
+      const std::vector<std::string_view> words = SplitBlanks(line);
+      const bool root = SameWord(words[0], "ROOT");
+      if (root || SameWord(words[0], "JOINT")) {
+        if (root != stack_.empty()) return Bad("a file has one ROOT, and every JOINT stands inside it");
+        if (Status open = Open(line, root); !open) return open;
+        stack_.push_back(static_cast<int>(bvh_.joints.size()) - 1);
+      } else if (stack_.empty()) {
+        return Bad("ROOT is expected, not '" + Shown(line) + "'");
+      } else if (SameWord(words[0], "OFFSET")) {
+        const Expected<Vector3d> offset = Offset(words);
+        if (!offset) return Forward(offset);
+        bvh_.joints[stack_.back()].offset = *offset;
+      } else if (SameWord(words[0], "CHANNELS")) {
+        if (Status read = Channels(bvh_.joints[stack_.back()], words); !read) return read;
+      } else if (SameWord(words[0], "End") && words.size() > 1 && SameWord(words[1], "Site")) {
+        if (Status read = EndSite(); !read) return read;
+      } else if (line == "}") {
+        stack_.pop_back();
+      } else {
+        return Bad("'" + Shown(line) + "' is no part of a hierarchy");
+      }
+    } while (!stack_.empty());
+    return {};
+  }
+
+  Status Header() {
+    std::string_view line = lines_.Next();
+    if (line.empty()) return CutOff("MOTION");
+    if (!SameWord(line, "MOTION")) return Bad("MOTION is expected, not '" + Shown(line) + "'");
+    line = lines_.Next();
+    if (line.empty()) return CutOff("'Frames:'");
+    const std::size_t colon = std::min(line.find(':'), line.size() - 1);
+    const std::optional<long long> frames = ParseInteger(Trim(line.substr(colon + 1)));
+    if (!SameWord(Trim(line.substr(0, colon)), "Frames") || !frames) {
+      return Bad("'Frames: N' is expected, not '" + Shown(line) + "'");
+    }
+    if (*frames < 1) return Bad("the file holds " + std::to_string(*frames) + " frames");
+    announced_ = *frames;
+    line = lines_.Next();
+    if (line.empty()) return CutOff("'Frame Time:'");
+    const std::size_t second = std::min(line.find(':'), line.size() - 1);
+    const std::optional<double> time = ParseDouble(Trim(line.substr(second + 1)));
+    if (!SameWord(Trim(line.substr(0, second)), "Frame Time") || !time) {
+      return Bad("'Frame Time: S' is expected, not '" + Shown(line) + "'");
+    }
+    if (!(*time >= kShortestFrame && *time <= kLongestFrame)) {
+      return Bad("frame time " + FormatDouble(*time) + " s gives no frame rate", 0,
+                 "it must be from 1e-6 to 1e6 seconds");
+    }
+    if (bvh_.channel_count == 0) return Bad("no joint has a channel");
+    bvh_.frame_time_s = *time;
+    return {};
+  }
+
+  Status Frames() {
+    using Token = NumberScanner::Token;
+    NumberScanner scanner(lines_.rest(), false, lines_.number() + 1);
+    bvh_.values.reserve(std::min<std::size_t>(lines_.rest().size() / 2 + 1,
+                                              static_cast<std::size_t>(std::min<long long>(announced_, 1 << 24)) *
+                                                  static_cast<std::size_t>(bvh_.channel_count)));
+    int in_row = 0;
+    int line = scanner.line();
+    long long rows = 0;
+    for (bool more = true; more;) {
+      const Token token = scanner.Next();
+      if (token == Token::kNumber) {
+        bvh_.values.push_back(scanner.value());
+        ++in_row;
+        continue;
+      }
+      if (token == Token::kNotFinite || token == Token::kWord) {
+        return Bad("'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
+                       std::to_string(in_row) + " is no finite number",
+                   scanner.line());
+      }
+      more = token != Token::kEnd;
+      if (in_row != 0 && in_row != bvh_.channel_count) {
+        return Bad("frame " + std::to_string(rows) + " has " + std::to_string(in_row) + " numbers, the hierarchy has " +
+                       std::to_string(bvh_.channel_count) + " channels",
+                   line, "the file is cut off or damaged: copy it again");
+      }
+      if (in_row != 0) ++rows;
+      in_row = 0;
+      line = scanner.line();
+    }
+    if (rows != announced_) {
+      return Bad("the file announces " + std::to_string(announced_) + " frames and holds " + std::to_string(rows), line,
+                 rows < announced_ ? "the file is cut off: copy it again" : "correct the line 'Frames:'");
+    }
+    if (rows > std::numeric_limits<int>::max()) return Bad("too many frames");
+    bvh_.frames = static_cast<int>(rows);
+    return {};
+  }
+
+  Lines lines_;
+  const std::string& name_;
+  Bvh bvh_;
+  std::vector<int> stack_;
+  long long announced_ = 0;
+};
+
+}  // namespace
+
+Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name) { return Parser(bytes, name).Run(); }
+
+}  // namespace mocurate

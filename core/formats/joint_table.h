@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// Rows of numbers without a header: what Kinect data sets ship. A frame is `rows_per_frame` rows.
+struct JointTableLayout {
+  enum class Separator { kBlanks, kCommas, kAny };
+  int rows_per_frame = 1;
+  int columns = 0;  ///< numbers per row; 0: as many as the first row has
+  Separator separator = Separator::kAny;
+  bool allow_nan = false;  ///< "nan" is a value (a tracker's word for a missing joint), not an error
+};
+
+/// values[(frame * rows_per_frame + row) * columns + column], in the file's own units.
+struct JointTable {
+  int frames = 0;
+  int rows_per_frame = 0;
+  int columns = 0;
+  std::vector<double> values;
+
+  double at(int frame, int row, int column) const {
+    return values[(static_cast<std::size_t>(frame) * rows_per_frame + row) * columns + column];
+  }
+};
+
+/// Blank lines and a trailing separator are ignored; LF, CRLF, byte order mark. Error kMalformed "name:line" for an
+/// empty file, a row with another count of numbers, something that is no number, a number that is not finite, and a
+/// count of rows that rows_per_frame does not divide.
+Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name);
+
+/// The same as text: one row per line, numbers that read back as the same doubles.
+std::string WriteJointTable(const JointTable& table, char separator = ' ');
+
+}  // namespace mocurate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace mocurate {
+
+/// Walks over text that is mostly numbers, once, without copying; counts lines (1-based). LF, CRLF and CR end a line.
+class NumberScanner {
+ public:
+  enum class Token {
+    kNumber,     ///< value() holds it, finite
+    kNotFinite,  ///< "nan", "inf" or beyond the range of double; text() holds it
+    kWord,       ///< anything else up to the next blank, comma or end of line; text() holds it
+    kLineEnd,
+    kEnd,
+  };
+
+  /// `comma_separates`: a comma counts as a blank; otherwise it is part of a word.
+  NumberScanner(std::string_view bytes, bool comma_separates, int first_line = 1);
+
+  /// Next token; blanks are skipped. After kLineEnd, line() is already the next line.
+  Token Next();
+  double value() const { return value_; }
+  std::string_view text() const { return text_; }
+  int line() const { return line_; }
+
+ private:
+  Token Word();
+  const char* at_;
+  const char* end_;
+  bool comma_separates_;
+  int line_;
+  double value_ = 0.0;
+  std::string_view text_;
+};
+
+}  // namespace mocurate

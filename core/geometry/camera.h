@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/geometry/rigid.h"
+
+namespace mocurate {
+
+/// OpenCV model: x' = x(1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x^2), y' likewise (p1 and p2 swapped).
+struct LensDistortion {
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  bool IsZero() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
+};
+
+/// A calibrated view. Camera axes: x right, y down, z forward. Pixels: the centre of the first pixel is (0, 0).
+struct Camera {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
+  LensDistortion distortion;
+  RigidTransform camera_from_world;  ///< metres
+
+  /// Pixel of a point in the camera's frame; empty when the point is not in front (z <= 0).
+  std::optional<Vector2d> Project(const Vector3d& point_in_camera) const;
+  std::optional<Vector2d> ProjectWorld(const Vector3d& point_in_world) const;
+
+  /// Point in the camera's frame at `depth` metres along z behind a pixel; distortion is inverted by damped Newton
+  /// steps to rounding; beyond the radius where it folds back the ray is finite, but not exact.
+  Vector3d Unproject(const Vector2d& pixel, double depth) const;
+
+  /// Centre of projection in the world.
+  Vector3d Centre() const;
+};
+
+}  // namespace mocurate

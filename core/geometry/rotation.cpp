@@ -1,0 +1,176 @@
+#include "core/geometry/rotation.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace mocurate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSmall6DNorm = 1e-12;
+
+/// (1 - cos t) / t^2.
+double CosineFactor(double angle) {
+  if (angle < 1e-4) return 0.5 - angle * angle / 24.0;
+  const double sine = std::sin(0.5 * angle) / angle;
+  return 2.0 * sine * sine;
+}
+
+/// (t - sin t) / t^3.
+double SineFactor(double angle) {
+  const double square = angle * angle;
+  if (angle < 0.05) return 1.0 / 6.0 - square / 120.0 + square * square / 5040.0 - square * square * square / 362880.0;
+  return (angle - std::sin(angle)) / (square * angle);
+}
+
+/// (1 - t/2 cot(t/2)) / t^2.
+double InverseFactor(double angle) {
+  const double square = angle * angle;
+  if (angle < 0.05)
+    return 1.0 / 12.0 + square / 720.0 + square * square / 30240.0 + square * square * square / 1209600.0;
+  const double half = 0.5 * angle;
+  return (1.0 - half * std::cos(half) / std::sin(half)) / square;
+}
+
+/// Whether the first component that differs from zero by more than rounding is negative (unit axes).
+bool PointsBackwards(const Vector3d& axis) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(axis[i]) > 1e-12) return axis[i] < 0.0;
+  }
+  return false;
+}
+
+/// A unit vector perpendicular to a unit vector, always the same one.
+Vector3d Perpendicular(const Vector3d& unit) {
+  int least = 0;
+  for (int i = 1; i < 3; ++i) {
+    if (std::abs(unit[i]) < std::abs(unit[least])) least = i;
+  }
+  return unit.cross(Vector3d::Unit(least)).normalized();
+}
+
+Matrix3d Jacobian(const Vector3d& rotation_vector, double sign) {
+  const double angle = rotation_vector.stableNorm();
+  const Matrix3d hat = Hat(rotation_vector);
+  return Matrix3d::Identity() + sign * CosineFactor(angle) * hat + SineFactor(angle) * hat * hat;
+}
+
+}  // namespace
+
+Matrix3d Hat(const Vector3d& vector) {
+  Matrix3d hat;
+  hat << 0.0, -vector.z(), vector.y(), vector.z(), 0.0, -vector.x(), -vector.y(), vector.x(), 0.0;
+  return hat;
+}
+
+Quaterniond ExpQuaternion(const Vector3d& rotation_vector) {
+  const double angle = rotation_vector.stableNorm();
+  const double factor = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  Quaterniond rotation;
+  rotation.w() = std::cos(0.5 * angle);
+  rotation.vec() = factor * rotation_vector;
+  return rotation;
+}
+
+Matrix3d ExpMatrix(const Vector3d& rotation_vector) { return ExpQuaternion(rotation_vector).toRotationMatrix(); }
+
+Vector3d LogQuaternion(const Quaterniond& rotation) {
+  const double sine = rotation.vec().stableNorm();
+  if (sine == 0.0) return Vector3d::Zero();
+  const double angle = 2.0 * std::atan2(sine, std::abs(rotation.w()));
+  const Vector3d axis = rotation.vec() / sine;
+  if (angle >= kPi) return (PointsBackwards(axis) ? -kPi : kPi) * axis;
+  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
+  return sign * (angle / sine) * rotation.vec();
+}
+
+Vector3d LogMatrix(const Matrix3d& rotation) { return LogQuaternion(Quaterniond(rotation)); }
+
+Matrix3d RightJacobian(const Vector3d& rotation_vector) { return Jacobian(rotation_vector, -1.0); }
+
+Matrix3d LeftJacobian(const Vector3d& rotation_vector) { return Jacobian(rotation_vector, 1.0); }
+
+Matrix3d RightJacobianInverse(const Vector3d& rotation_vector) {
+  const Matrix3d hat = Hat(rotation_vector);
+  return Matrix3d::Identity() + 0.5 * hat + InverseFactor(rotation_vector.stableNorm()) * hat * hat;
+}
+
+Vector3d UnwrapNear(const Vector3d& rotation_vector, const Vector3d& previous) {
+  double angle = rotation_vector.stableNorm();
+  Vector3d axis = Vector3d::Zero();
+  if (angle > 1e-12) {
+    axis = rotation_vector / angle;
+  } else {
+    // The identity has no axis of its own: whole turns may lie along the previous one.
+    const double length = previous.stableNorm();
+    if (length < kPi) return rotation_vector;
+    axis = previous / length;
+    angle = 0.0;
+  }
+  const double turns = std::round((axis.dot(previous) - angle) / (2.0 * kPi));
+  return turns == 0.0 ? rotation_vector : Vector3d((angle + 2.0 * kPi * turns) * axis);
+}
+
+double AngleBetween(const Quaterniond& a, const Quaterniond& b) {
+  const Quaterniond b_from_a = a.conjugate() * b;
+  return 2.0 * std::atan2(b_from_a.vec().stableNorm(), std::abs(b_from_a.w()));
+}
+
+Quaterniond Slerp(const Quaterniond& a, const Quaterniond& b, double fraction) {
+  if (fraction == 0.0) return a;
+  if (fraction == 1.0) return a.dot(b) < 0.0 ? Quaterniond(-b.coeffs()) : b;
+  return (a * ExpQuaternion(fraction * LogQuaternion(a.conjugate() * b))).normalized();
+}
+
+Matrix3d NearestRotation(const Matrix3d& matrix) {
+  const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vector3d signs = Vector3d::Ones();
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+Quaterniond SwingBetween(const Vector3d& from, const Vector3d& to) {
+  const Vector3d a = from.stableNormalized();
+  const Vector3d b = to.stableNormalized();
+  const Vector3d cross = a.cross(b);
+  const double sine = cross.stableNorm();
+  const double cosine = a.dot(b);
+  if (sine < 1e-14 && cosine < 0.0) {
+    const Vector3d axis = Perpendicular(a);
+    return Quaterniond(0.0, axis.x(), axis.y(), axis.z());
+  }
+  if (sine == 0.0) return Quaterniond::Identity();
+  // Near a half turn the cross product is noisy; what has to hold is that the axis is perpendicular to `from`.
+  Vector3d axis = cross / sine;
+  axis = (axis - axis.dot(a) * a).normalized();
+  return ExpQuaternion(std::atan2(sine, cosine) * axis);
+}
+
+std::array<double, 6> Matrix6D(const Matrix3d& r, Rotation6D layout) {
+  if (layout == Rotation6D::kRows) return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};
+  return {r(0, 0), r(0, 1), r(1, 0), r(1, 1), r(2, 0), r(2, 1)};
+}
+
+Matrix3d MatrixFrom6D(const std::array<double, 6>& v, Rotation6D layout) {
+  const bool rows = layout == Rotation6D::kRows;
+  const Vector3d a = rows ? Vector3d(v[0], v[1], v[2]) : Vector3d(v[0], v[2], v[4]);
+  const Vector3d b = rows ? Vector3d(v[3], v[4], v[5]) : Vector3d(v[1], v[3], v[5]);
+  const Vector3d first = a / std::max(a.norm(), kSmall6DNorm);
+  const Vector3d rest = b - first.dot(b) * first;
+  const Vector3d second = rest / std::max(rest.norm(), kSmall6DNorm);
+  Matrix3d columns;
+  columns << first, second, first.cross(second);
+  return rows ? Matrix3d(columns.transpose()) : columns;
+}
+
+void MakeSignContinuous(Quaterniond* first, std::size_t count, std::size_t stride) {
+  for (std::size_t i = 0; i < count; ++i) {
+    Quaterniond& here = first[i * stride];
+    const double agreement = i == 0 ? here.w() : first[(i - 1) * stride].dot(here);
+    if (agreement < 0.0) here.coeffs() = -here.coeffs();
+  }
+}
+
+}  // namespace mocurate

@@ -1,0 +1,237 @@
+#include "core/motion/operations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion/kinematics.h"
+
+namespace mocurate {
+namespace {
+
+template <class T>
+void KeepRows(std::vector<T>& values, int rows, int begin, int end) {
+  if (values.empty() || rows == 0) return;
+  const std::ptrdiff_t width = static_cast<std::ptrdiff_t>(values.size() / static_cast<std::size_t>(rows));
+  values = std::vector<T>(values.begin() + begin * width, values.begin() + end * width);
+}
+
+void KeepFrames(JointPositions& positions, int begin, int end) {
+  KeepRows(positions.xyz, positions.frames, begin, end);
+  positions.frames = end - begin;
+}
+
+void KeepFrames(Motion& motion, int begin, int end) {
+  const int frames = motion.frame_count();
+  KeepFrames(motion.joints, begin, end);
+  KeepRows(motion.root_translation, frames, begin, end);
+  KeepRows(motion.rotation, frames, begin, end);
+  KeepRows(motion.state, frames, begin, end);
+  KeepRows(motion.position_cov, frames, begin, end);
+  KeepRows(motion.rotation_sigma, frames, begin, end);
+  KeepRows(motion.rotation_observed, frames, begin, end);
+  KeepRows(motion.contact, frames, begin, end);
+}
+
+struct Span {
+  int begin_frame = 0;  ///< frames of the clip
+  int end_frame = 0;
+  int frames = 0;  ///< of the whole clip
+  double begin_s = 0.0;
+  double end_s = 0.0;
+};
+
+struct Rows {
+  int begin = 0;
+  int end = 0;
+};
+
+/// Rows of a part of the evidence: the same frames if it has as many as the clip, else those whose time lies in the
+/// span (half a microsecond of tolerance: frame times computed by another path fall on the same side).
+Rows RowsOf(const Span& span, const std::vector<double>& times) {
+  if (static_cast<int>(times.size()) == span.frames) return {span.begin_frame, span.end_frame};
+  const double slack = 5e-7;
+  const auto first = std::lower_bound(times.begin(), times.end(), times.front() + span.begin_s - slack);
+  const auto last = std::lower_bound(first, times.end(), times.front() + span.end_s - slack);
+  return {static_cast<int>(first - times.begin()), static_cast<int>(last - times.begin())};
+}
+
+/// Times from the start of the span; the first time of the whole clip is the zero of its clock.
+void CutTimes(std::vector<double>& times, Rows rows, double begin_s) {
+  const double zero = times.front() + begin_s;
+  KeepRows(times, static_cast<int>(times.size()), rows.begin, rows.end);
+  for (double& time : times) time -= zero;
+}
+
+void CutTracks(JointTracks& tracks, const Span& span) {
+  if (tracks.time_s.empty()) return;
+  const Rows rows = RowsOf(span, tracks.time_s);
+  KeepRows(tracks.confidence, tracks.positions.frames, rows.begin, rows.end);
+  KeepFrames(tracks.positions, rows.begin, rows.end);
+  CutTimes(tracks.time_s, rows, span.begin_s);
+}
+
+void CutView(DepthView& view, const Span& span) {
+  if (view.time_s.empty()) return;
+  const Rows rows = RowsOf(span, view.time_s);
+  KeepRows(view.sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  KeepRows(view.files, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  CutTimes(view.time_s, rows, span.begin_s);
+}
+
+std::vector<Segment> CutSegments(const std::vector<Segment>& segments, double begin_s, double end_s) {
+  std::vector<Segment> kept;
+  for (Segment segment : segments) {
+    segment.begin_s = std::max(segment.begin_s, begin_s) - begin_s;
+    segment.end_s = std::min(segment.end_s, end_s) - begin_s;
+    if (segment.end_s - segment.begin_s > 1e-9) kept.push_back(segment);
+  }
+  return kept;
+}
+
+/// The identity counts frames of the recording, which may have another rate than the clip.
+void CutIdentity(const Span& span, ClipIdentity& identity) {
+  const int recorded = identity.end_frame - identity.begin_frame;
+  const double scale = recorded > 0 ? static_cast<double>(recorded) / span.frames : 1.0;
+  const int begin = identity.begin_frame;
+  identity.begin_frame = begin + static_cast<int>(std::lround(scale * span.begin_frame));
+  identity.end_frame = begin + static_cast<int>(std::lround(scale * span.end_frame));
+}
+
+int FrameCount(const Clip& clip) {
+  if (clip.motion) return clip.motion->frame_count();
+  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
+  return clip.evidence.depth_views.empty() ? 0 : static_cast<int>(clip.evidence.depth_views.front().files.size());
+}
+
+/// Time of frame `frame` (may be one past the last) from the first frame of what the clip's frames are counted in.
+double TimeOf(const Clip& clip, int frame) {
+  if (clip.motion) return clip.motion->rate.FrameTime(frame);
+  const std::vector<double>& times =
+      clip.evidence.tracks ? clip.evidence.tracks->time_s : clip.evidence.depth_views.front().time_s;
+  if (frame < static_cast<int>(times.size())) return times[static_cast<std::size_t>(frame)] - times.front();
+  return times.back() - times.front() + clip.rate.FrameTime(1);
+}
+
+Vector3d Rotated(const Matrix3d& rotation, Eigen::Map<Vector3d> vector) { return rotation * Vector3d(vector); }
+
+void TransformPositions(const RigidTransform& transform, JointPositions& positions) {
+  const Matrix3d rotation = transform.rotation.toRotationMatrix();
+  for (int f = 0; f < positions.frames; ++f) {
+    for (int j = 0; j < positions.joints; ++j) {
+      positions.at(f, j) = Rotated(rotation, positions.at(f, j)) + transform.translation;
+    }
+  }
+}
+
+void TransformMotion(const RigidTransform& transform, Motion& motion) {
+  TransformPositions(transform, motion.joints);
+  RotateCovariances(transform.rotation.toRotationMatrix(), motion.position_cov);
+  if (motion.joints_only()) return;
+  const int joints = motion.joint_count();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    motion.root_translation[f] = transform * motion.root_translation[f];
+    motion.rotation_at(f, 0) = (transform.rotation * motion.rotation_at(f, 0)).normalized();
+  }
+  MakeSignContinuous(motion.rotation.data(), static_cast<std::size_t>(motion.frame_count()),
+                     static_cast<std::size_t>(joints));
+  ComputeJoints(motion);
+}
+
+/// For each joint of the target the joint of the source: equal names first, then synonyms among those left over.
+std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target) {
+  std::vector<int> match(target.joints.size(), -1);
+  std::vector<bool> used(source.joints.size(), false);
+  const auto bare = [](const Skeleton& skeleton) {
+    Skeleton names = skeleton;
+    for (Joint& joint : names.joints) joint.synonyms.clear();
+    return names;
+  };
+  const Skeleton source_names = bare(source);
+  const auto take = [&](int t, const std::optional<int>& s) {
+    if (match[t] >= 0 || !s || used[*s]) return;
+    match[t] = *s;
+    used[*s] = true;
+  };
+  for (int t = 0; t < target.joint_count(); ++t) take(t, source_names.FindJoint(target.joints[t].name));
+  for (int t = 0; t < target.joint_count(); ++t) take(t, source.FindJoint(target.joints[t].name));
+  for (int t = 0; t < target.joint_count(); ++t) {
+    for (const std::string& synonym : target.joints[t].synonyms) take(t, source_names.FindJoint(synonym));
+  }
+  return match;
+}
+
+}  // namespace
+
+Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
+  const int frames = FrameCount(clip);
+  if (begin_frame < 0 || end_frame > frames || begin_frame >= end_frame) {
+    return Fail(ErrorCode::kUsage,
+                "frames [" + std::to_string(begin_frame) + ", " + std::to_string(end_frame) + ") of a clip with " +
+                    std::to_string(frames) + " frames",
+                clip.id(), "the span must not be empty and must lie inside the clip");
+  }
+  const Span span{begin_frame, end_frame, frames, TimeOf(clip, begin_frame), TimeOf(clip, end_frame)};
+  Clip cut = clip;
+  if (cut.motion) KeepFrames(*cut.motion, begin_frame, end_frame);
+  if (cut.evidence.tracks) CutTracks(*cut.evidence.tracks, span);
+  for (DepthView& view : cut.evidence.depth_views) CutView(view, span);
+  cut.segments = CutSegments(clip.segments, span.begin_s, span.end_s);
+  CutIdentity(span, cut.identity);
+  return cut;
+}
+
+void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances) {
+  for (std::size_t i = 0; i + 5 < covariances.size(); i += 6) {
+    float* c = covariances.data() + i;
+    Matrix3d m;
+    m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    m = map * m * map.transpose();
+    c[0] = static_cast<float>(m(0, 0));
+    c[1] = static_cast<float>(m(0, 1));
+    c[2] = static_cast<float>(m(0, 2));
+    c[3] = static_cast<float>(m(1, 1));
+    c[4] = static_cast<float>(m(1, 2));
+    c[5] = static_cast<float>(m(2, 2));
+  }
+}
+
+void Transform(const RigidTransform& world_from_clip, Clip& clip) {
+  if (clip.motion) TransformMotion(world_from_clip, *clip.motion);
+  if (clip.evidence.tracks) TransformPositions(world_from_clip, clip.evidence.tracks->positions);
+  const RigidTransform clip_from_world = Inverse(world_from_clip);
+  for (DepthView& view : clip.evidence.depth_views) {
+    view.camera.camera_from_world = view.camera.camera_from_world * clip_from_world;
+  }
+  clip.canonical_from_source = world_from_clip * clip.canonical_from_source;
+}
+
+Expected<Motion> MapJoints(const Motion& motion, const SkeletonPtr& target) {
+  const std::vector<int> match = MatchJoints(*motion.skeleton, *target);
+  std::string missing;
+  for (std::size_t t = 0; t < match.size(); ++t) {
+    if (match[t] < 0) missing += (missing.empty() ? "'" : ", '") + target->joints[t].name + "'";
+  }
+  if (!missing.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                "joints " + missing + " of skeleton '" + target->name + "' have no counterpart in '" +
+                    motion.skeleton->name + "'",
+                {}, "add the names as synonyms to one of the two skeletons");
+  }
+  Motion mapped = MakeJointsOnly(target, motion.rate, JointPositions(motion.frame_count(), target->joint_count()));
+  const int source_joints = motion.joint_count();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int t = 0; t < target->joint_count(); ++t) {
+      const int s = match[static_cast<std::size_t>(t)];
+      const std::size_t cell = static_cast<std::size_t>(f) * source_joints + s;
+      mapped.joints.at(f, t) = motion.joints.at(f, s);
+      if (!motion.state.empty()) mapped.state.push_back(motion.state[cell]);
+      for (int k = 0; k < 6 && !motion.position_cov.empty(); ++k) {
+        mapped.position_cov.push_back(motion.position_cov[6 * cell + k]);
+      }
+    }
+  }
+  mapped.contact = motion.contact;
+  return mapped;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/motion/clip.h"
+
+namespace mocurate {
+
+/// Each operation acts on *all* fields of a clip: motion with its optional fields, evidence, segments, identity. Spans
+/// are frames of the clip's motion or tracks.
+
+/// Frames [begin, end). Segments are cut and shifted, empty ones dropped; identity spans move along. Error kUsage if
+/// the span is empty or outside.
+Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame);
+
+/// To another rate by time: rotations by slerp, positions linearly, covariances and states from the nearer frame; the
+/// first frame stays, the last is the last one not after the old last frame. Same rate gives the same values exactly.
+/// Tracks are taken at the new times too (linear between two observed frames, else missing, confidence 0), depth views
+/// by the nearest picture.
+Clip Resample(const Clip& clip, FrameRate rate);
+
+/// Exactly `frame_count` >= 2 frames, first and last kept, evenly spaced in time. For recognisers.
+Motion ResampleToCount(const Motion& motion, int frame_count);
+
+/// Mirror image in the sagittal plane (x -> -x of the canonical world): joints change sides through
+/// Skeleton::joints[].mirror, rotations and translations are reflected (frames of partners map by
+/// Skeleton::Reflection). Tracks swap the names of their sides. Depth pictures stay as they are: their cameras are
+/// reflected, which gives them a negative fx. Twice is the identity.
+Clip Mirror(const Clip& clip);
+
+/// x -> world_from_clip * x for everything that has a place: motion, evidence, cameras; canonical_from_source is
+/// updated.
+void Transform(const RigidTransform& world_from_clip, Clip& clip);
+
+/// C <- map C map^T for every covariance (xx xy xz yy yz zz, six numbers each); `map` a rotation or a reflection.
+void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances);
+
+/// Joints renamed and reordered to another skeleton by names, then by synonyms among the joints left over; joints only,
+/// with states, position covariances and contacts. Error kInconsistent naming the
+/// joints without a counterpart.
+Expected<Motion> MapJoints(const Motion& motion, const SkeletonPtr& target);
+
+}  // namespace mocurate

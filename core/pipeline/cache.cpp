@@ -1,0 +1,135 @@
+#include <fcntl.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+#include "core/pipeline/cache_layout.h"
+#include "core/pipeline/content.h"
+#include "core/pipeline/runner.h"
+#include "core/pipeline/wire.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::time_t kTouchEvery_s = 3600;
+
+/// Notes the use of a record for Prune, at most once an hour. Fails silently: a cache may be read-only.
+void Touch(const fs::path& record) {
+  struct stat now {};
+  if (stat(record.c_str(), &now) != 0 || std::time(nullptr) - now.st_mtim.tv_sec < kTouchEvery_s) return;
+  utimensat(AT_FDCWD, record.c_str(), nullptr, 0);
+}
+
+/// Moves a file or folder to `target` on the same file system. A folder that is there already has the same content.
+Status MoveTo(const fs::path& temporary, const fs::path& target) {
+  std::error_code problem;
+  if (fs::is_directory(temporary, problem) && fs::exists(target, problem)) {
+    const Expected<Content> ours = ContentOf(temporary);
+    const Expected<Content> there = ContentOf(target);
+    if (ours && there && ours->sha256 == there->sha256) return {};
+    fs::remove_all(target, problem);
+  }
+  fs::rename(temporary, target, problem);
+  if (!problem) return {};
+  return Fail(ErrorCode::kCannotWrite, "artifact cannot be moved into the cache: " + problem.message(),
+              DisplayPath(target));
+}
+
+/// Whole or not at all, but without waiting for the disk: a record that a power cut damages or loses is not served, and
+/// its item runs again. Waiting here would stop all workers.
+Status WriteRecord(const fs::path& file, const std::string& text) {
+  std::string temporary = file.native() + "-XXXXXX";
+  const int descriptor = mkostemp(temporary.data(), O_CLOEXEC);
+  bool written = descriptor >= 0 && fchmod(descriptor, 0644) == 0;
+  for (std::size_t done = 0; written && done < text.size();) {
+    const ssize_t count = write(descriptor, text.data() + done, text.size() - done);
+    written = count > 0 || (count < 0 && errno == EINTR);
+    done += count > 0 ? static_cast<std::size_t>(count) : 0;
+  }
+  written = written && rename(temporary.c_str(), file.c_str()) == 0;
+  const int problem = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (written) return {};
+  if (descriptor >= 0) unlink(temporary.c_str());
+  return Fail(ErrorCode::kCannotWrite, std::string("cache record cannot be written: ") + std::strerror(problem),
+              DisplayPath(file), "free some space or choose another cache with MOCURATE_CACHE");
+}
+
+/// Canonical text of one part, so that no two lists of parts read the same.
+void AddPart(Sha256& hasher, const std::string& text) { hasher.Add(std::to_string(text.size()) + ":" + text + "\n"); }
+
+}  // namespace
+
+Cache::Cache(fs::path folder) : folder_(std::move(folder)) {}
+
+std::string Cache::Key(const StageDeclaration& stage, const ItemSpec& spec) {
+  Sha256 hasher;
+  AddPart(hasher, stage.name);
+  AddPart(hasher, std::to_string(stage.version));
+  AddPart(hasher, spec.item);
+  AddPart(hasher, CanonicalText(spec.options));
+  for (const StageInput& input : spec.inputs) {
+    AddPart(hasher, input.role);
+    AddPart(hasher, input.name);
+    AddPart(hasher, input.sha256);
+  }
+  return hasher.Hex();
+}
+
+std::optional<Cache::Entry> Cache::Find(const std::string& key) const {
+  const fs::path file = RecordPath(folder_, key);
+  std::optional<CacheRecord> record = ReadRecord(file);
+  if (!record || record->key != key) return std::nullopt;
+  Entry entry{std::move(record->outcome), {}, record->sha256};
+  if (!record->artifact.empty()) {
+    entry.artifact = file.parent_path() / record->artifact;
+    std::error_code problem;
+    if (!fs::exists(entry.artifact, problem) || BytesOf(entry.artifact) != record->bytes) return std::nullopt;
+  }
+  Touch(file);
+  return entry;
+}
+
+Expected<Cache::Entry> Cache::Put(const std::string& key, const fs::path& temporary, const StageOutcome& outcome) {
+  const fs::path file = RecordPath(folder_, key);
+  if (Status made = MakeFolder(file.parent_path()); !made) return Forward(made);
+  CacheRecord record{key, outcome, {}, {}, 0};
+  Entry entry{outcome, {}, {}};
+  if (!temporary.empty()) {
+    if (Status synced = SyncContent(temporary); !synced) return Forward(synced);
+    const Expected<Content> content = ContentOf(temporary);
+    if (!content) return Forward(content);
+    record.artifact = ArtifactName(key, content->sha256, temporary);
+    record.sha256 = entry.sha256 = content->sha256;
+    record.bytes = content->bytes;
+    entry.artifact = file.parent_path() / record.artifact;
+    if (Status moved = MoveTo(temporary, entry.artifact); !moved) return Forward(moved);
+  }
+  // Artifact first, then the record that makes it visible.
+  if (Status written = WriteRecord(file, RecordText(record)); !written) return Forward(written);
+  return entry;
+}
+
+fs::path DefaultCacheFolder() {
+  if (const char* chosen = std::getenv("MOCURATE_CACHE"); chosen != nullptr && *chosen != '\0') return chosen;
+  if (const char* caches = std::getenv("XDG_CACHE_HOME"); caches != nullptr && *caches == '/') {
+    return fs::path(caches) / "mocurate";
+  }
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') {
+    const passwd* user = getpwuid(getuid());
+    home = user != nullptr ? user->pw_dir : "/";
+  }
+  return fs::path(home) / ".cache" / "mocurate";
+}
+
+}  // namespace mocurate

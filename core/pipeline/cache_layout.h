@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+/// What the cache keeps beside an artifact: `objects/ab/<rest of the key>.json`.
+struct CacheRecord {
+  std::string key;
+  StageOutcome outcome;
+  std::string artifact;  ///< file name beside the record; empty without an artifact
+  std::string sha256;
+  std::uint64_t bytes = 0;
+};
+
+std::filesystem::path RecordPath(const std::filesystem::path& cache, const std::string& key);
+
+/// Empty when there is none or it cannot be read.
+std::optional<CacheRecord> ReadRecord(const std::filesystem::path& file);
+std::string RecordText(const CacheRecord& record);
+
+/// `<rest of the key>-<8 digits of the content's hash><extension>`: two processes with different bytes never overwrite
+/// each other, whoever writes its record last decides, and each record names whole bytes.
+std::string ArtifactName(const std::string& key, const std::string& sha256, const std::filesystem::path& artifact);
+
+/// Calls `visit` for every file or folder right below objects/??/; order is that of the names.
+void ForEachObject(const std::filesystem::path& cache, const std::function<void(const std::filesystem::path&)>& visit);
+
+}  // namespace mocurate

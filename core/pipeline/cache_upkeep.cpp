@@ -1,0 +1,98 @@
+#include <sys/stat.h>
+
+#include <ctime>
+#include <set>
+
+#include "core/pipeline/cache_layout.h"
+#include "core/pipeline/content.h"
+#include "core/pipeline/lock.h"
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSecondsPerDay = 86400.0;
+
+bool UnusedFor(const fs::path& path, double days) {
+  struct stat now {};
+  if (stat(path.c_str(), &now) != 0) return false;
+  struct timespec clock {};
+  clock_gettime(CLOCK_REALTIME, &clock);
+  const double age_s = static_cast<double>(clock.tv_sec - now.st_mtim.tv_sec) +
+                       1e-9 * static_cast<double>(clock.tv_nsec - now.st_mtim.tv_nsec);
+  return age_s >= days * kSecondsPerDay;
+}
+
+/// Key of a record file, from its name: it may be too broken to say so itself.
+std::string KeyOf(const fs::path& record) { return record.parent_path().filename().string() + record.stem().string(); }
+
+/// A record is `<62 digits>.json`; artifacts have a dash after the digits.
+bool IsRecord(const fs::path& entry) {
+  return entry.extension() == ".json" && entry.filename().native().find('-') == std::string::npos;
+}
+
+void PruneScratch(const fs::path& cache, double days) {
+  std::error_code problem;
+  for (fs::directory_iterator it(cache / "scratch", problem), end; !problem && it != end; it.increment(problem)) {
+    if (!UnusedFor(it->path(), days)) continue;
+    const Expected<std::optional<FileLock>> lock = FileLock::TryTake(it->path() / ".lock");
+    std::error_code ignored;
+    if (lock && lock->has_value()) fs::remove_all(it->path(), ignored);
+  }
+}
+
+}  // namespace
+
+Cache::Statistics Cache::Stat() const {
+  Statistics statistics;
+  ForEachObject(folder_, [&](const fs::path& entry) {
+    statistics.objects += IsRecord(entry) ? 1 : 0;
+    statistics.bytes += BytesOf(entry);
+  });
+  return statistics;
+}
+
+std::vector<std::string> Cache::Verify() const {
+  std::vector<std::string> wrong;
+  ForEachObject(folder_, [&](const fs::path& entry) {
+    if (!IsRecord(entry)) return;
+    const std::optional<CacheRecord> record = ReadRecord(entry);
+    bool agrees = record && record->key == KeyOf(entry);
+    if (agrees && !record->artifact.empty()) {
+      const Expected<Content> content = ContentOf(entry.parent_path() / record->artifact);
+      agrees = content && content->sha256 == record->sha256 && content->bytes == record->bytes;
+    }
+    if (!agrees) wrong.push_back(KeyOf(entry));
+  });
+  return wrong;
+}
+
+Cache::Statistics Cache::Prune(double days) {
+  Statistics removed;
+  std::set<fs::path> kept;
+  std::vector<fs::path> artifacts;
+  std::error_code ignored;
+  ForEachObject(folder_, [&](const fs::path& entry) {
+    if (!IsRecord(entry)) {
+      artifacts.push_back(entry);
+    } else if (UnusedFor(entry, days)) {
+      removed.objects += 1;
+      removed.bytes += BytesOf(entry);
+      fs::remove(entry, ignored);
+    } else if (const std::optional<CacheRecord> record = ReadRecord(entry)) {
+      kept.insert(entry.parent_path() / record->artifact);
+    }
+  });
+  // Records first: what is visible stays whole. An artifact without a record may be on its way in; its age decides.
+  for (const fs::path& artifact : artifacts) {
+    if (kept.count(artifact) > 0 || !UnusedFor(artifact, days)) continue;
+    removed.bytes += BytesOf(artifact);
+    fs::remove_all(artifact, ignored);
+  }
+  PruneScratch(folder_, days);
+  return removed;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,45 @@
+#include "core/pipeline/interruption.h"
+
+#include <unistd.h>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ};
+
+volatile std::sig_atomic_t count = 0;
+volatile std::sig_atomic_t last_signal = 0;
+
+void OnSignal(int signal) {
+  last_signal = signal;
+  count = count + 1;
+  if (count > 2) _exit(static_cast<int>(ExitCode::kInterrupted));
+}
+
+}  // namespace
+
+Interruption::Interruption() {
+  count = 0;
+  for (int i = 0; i < 4; ++i) {
+    struct sigaction action {};
+    sigemptyset(&action.sa_mask);
+    if (i < 2) {
+      action.sa_handler = OnSignal;  // no SA_RESTART: poll() shall return at once
+    } else {
+      action.sa_handler = SIG_IGN;
+    }
+    sigaction(kSignals[i], &action, &saved_[i]);
+  }
+}
+
+Interruption::~Interruption() {
+  for (int i = 0; i < 4; ++i) sigaction(kSignals[i], &saved_[i], nullptr);
+}
+
+int Interruption::Count() { return count; }
+
+const char* Interruption::SignalName() { return last_signal == SIGTERM ? "SIGTERM" : "SIGINT"; }
+
+}  // namespace mocurate

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <csignal>
+
+namespace mocurate {
+
+/// While it lives, SIGINT and SIGTERM are counted instead of ending the program (the third ends it at once), and a
+/// closed pipe or a file size limit is an error of the write, not a death. One at a time.
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  static int Count();
+  static const char* SignalName();
+
+ private:
+  struct sigaction saved_[4];
+};
+
+}  // namespace mocurate

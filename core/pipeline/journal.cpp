@@ -1,0 +1,81 @@
+#include "core/pipeline/journal.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <string>
+#include <utility>
+
+#include "core/base/file.h"
+#include "core/pipeline/wire.h"
+
+namespace mocurate {
+namespace {
+
+tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, int problem) {
+  return Fail(ErrorCode::kCannotWrite, std::string("journal cannot be written: ") + std::strerror(problem),
+              DisplayPath(path), "free some space or make the folder writable, then run again to go on");
+}
+
+/// "2024-05-01T12:34:56.789Z"
+std::string TimeNow() {
+  struct timespec now {};
+  clock_gettime(CLOCK_REALTIME, &now);
+  struct tm parts {};
+  gmtime_r(&now.tv_sec, &parts);
+  char date[32];
+  char text[48];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text, sizeof text, "%s.%03ldZ", date, now.tv_nsec / 1000000);
+  return text;
+}
+
+Status WriteWhole(int file, const std::filesystem::path& path, const std::string& text) {
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = write(file, text.data() + done, text.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return CannotWrite(path, count == 0 ? ENOSPC : errno);
+    done += static_cast<std::size_t>(count);
+  }
+  return {};
+}
+
+}  // namespace
+
+Journal::Journal(Journal&& other) noexcept : file_(std::exchange(other.file_, -1)), path_(std::move(other.path_)) {}
+
+Journal& Journal::operator=(Journal&& other) noexcept {
+  std::swap(file_, other.file_);
+  std::swap(path_, other.path_);
+  return *this;
+}
+
+Journal::~Journal() {
+  if (file_ >= 0) close(file_);
+}
+
+Expected<Journal> Journal::Open(const std::filesystem::path& path) {
+  Journal journal;
+  journal.path_ = path;
+  journal.file_ = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (journal.file_ < 0) return CannotWrite(path, errno);
+  // A full disk may have cut the last line short: the next one starts anew.
+  char last = '\n';
+  const off_t end = lseek(journal.file_, 0, SEEK_END);
+  if (end > 0 && pread(journal.file_, &last, 1, end - 1) == 1 && last != '\n') {
+    if (Status mended = WriteWhole(journal.file_, path, "\n"); !mended) return Forward(mended);
+  }
+  return journal;
+}
+
+Status Journal::Add(nlohmann::json entry) {
+  entry["time"] = TimeNow();
+  return WriteWhole(file_, path_, CanonicalText(entry) + "\n");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// An exclusive lock on a file, made when missing. Held until destroyed or until the process ends, however it ends.
+class FileLock {
+ public:
+  /// Empty when somebody else holds it. Error kCannotWrite.
+  static Expected<std::optional<FileLock>> TryTake(const std::filesystem::path& file);
+  /// Waits for it. Error kCannotWrite.
+  static Expected<FileLock> Take(const std::filesystem::path& file);
+
+  FileLock(FileLock&& other) noexcept;
+  FileLock& operator=(FileLock&& other) noexcept;
+  ~FileLock();
+
+  /// Replaces the text of the locked file (whoever finds it locked can read who holds it).
+  Status Say(const std::string& text) const;
+
+ private:
+  explicit FileLock(int file) : file_(file) {}
+  static Expected<std::optional<FileLock>> Try(const std::filesystem::path& file, int operation);
+  int file_ = -1;
+};
+
+}  // namespace mocurate

@@ -1,0 +1,105 @@
+#include "core/pipeline/runner.h"
+
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/pipeline/stage_run.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+int AvailableCores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
+}
+
+Expected<RunnerOptions> Resolved(RunnerOptions options) {
+  if (options.jobs < 0) {
+    return Fail(ErrorCode::kUsage, "jobs is " + std::to_string(options.jobs), "--jobs", "0 means one per core");
+  }
+  if (options.run_folder.empty() && !options.dry_run) {
+    return Fail(ErrorCode::kUsage, "no run folder is named", {}, "name one with -o DIR");
+  }
+  if (options.cache_folder.empty()) options.cache_folder = DefaultCacheFolder();
+  if (options.jobs == 0) options.jobs = AvailableCores();
+  std::error_code problem;
+  for (fs::path* folder : {&options.run_folder, &options.cache_folder, &options.worker_folder}) {
+    if (!folder->empty()) *folder = fs::absolute(*folder, problem);
+  }
+  return options;
+}
+
+Expected<FileLock> LockRunFolder(const fs::path& folder) {
+  if (Status made = MakeFolder(folder); !made) return Forward(made);
+  const fs::path file = folder / "lock";
+  Expected<std::optional<FileLock>> lock = FileLock::TryTake(file);
+  if (!lock) return Forward(lock);
+  if (!lock->has_value()) {
+    const std::string holder(Trim(ReadFile(file).value_or("")));
+    return Fail(ErrorCode::kUsage, "another run is at work here: process " + (holder.empty() ? "unknown" : holder),
+                DisplayPath(folder), "wait for it to end, or name another folder with -o DIR");
+  }
+  if (Status said = (*lock)->Say(std::to_string(getpid()) + "\n"); !said) return Forward(said);
+  return *std::move(*lock);
+}
+
+std::string Summary(const StageReport& report) {
+  std::string text =
+      report.stage + ": " + std::to_string(report.items.size()) + " items, " + std::to_string(report.done) + " done";
+  const std::pair<int, const char*> parts[] = {
+      {report.doubtful, " doubtful"}, {report.refused, " refused"}, {report.crashed, " crashed"}};
+  for (const auto& [count, name] : parts) {
+    if (count > 0) text += ", " + std::to_string(count) + name;
+  }
+  text += ", " + std::to_string(report.from_cache) + " from the cache, ";
+  return text + FormatDouble(static_cast<double>(static_cast<long long>(report.seconds * 10.0 + 0.5)) / 10.0) + " s";
+}
+
+}  // namespace
+
+struct Runner::Impl : RunnerState {
+  using RunnerState::RunnerState;
+};
+
+Runner::Runner(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Runner::~Runner() {
+  for (const std::unique_ptr<WorkerProcess>& worker : impl_->idle) worker->Dismiss();
+}
+
+Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
+  const Expected<RunnerOptions> resolved = Resolved(options);
+  if (!resolved) return Forward(resolved);
+  auto impl = std::make_unique<Impl>(*resolved);
+  if (!options.dry_run) {
+    Expected<FileLock> lock = LockRunFolder(resolved->run_folder);
+    if (!lock) return Forward(lock);
+    impl->lock = *std::move(lock);
+    Expected<Journal> journal = Journal::Open(resolved->run_folder / "journal.jsonl");
+    if (!journal) return Forward(journal);
+    impl->journal = *std::move(journal);
+    impl->interruption = std::make_unique<Interruption>();
+  }
+  return std::unique_ptr<Runner>(new Runner(std::move(impl)));
+}
+
+Expected<StageReport> Runner::Run(const StageDeclaration& stage, std::vector<ItemSpec> items) {
+  StageRun run(*impl_, stage, std::move(items));
+  if (impl_->options.dry_run) return run.Foresee();
+  Expected<StageReport> report = run.Execute();
+  if (report) LogInfo(Summary(*report));
+  return report;
+}
+
+const RunnerOptions& Runner::options() const { return impl_->options; }
+
+}  // namespace mocurate

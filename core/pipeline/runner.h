@@ -1,0 +1,98 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+struct RunnerOptions {
+  std::filesystem::path run_folder;     ///< journal.jsonl, curation_log.jsonl, lock
+  std::filesystem::path cache_folder;   ///< empty: $MOCURATE_CACHE, else ${XDG_CACHE_HOME:-~/.cache}/mocurate
+  std::filesystem::path worker_folder;  ///< where worker programs lie; empty: relative to this program
+  int jobs = 0;                         ///< worker processes; 0: one per core
+  bool dry_run = false;
+  bool progress = true;  ///< only ever shown on a terminal
+  double item_timeout_s = 3600.0;
+  std::optional<std::uint64_t> item_memory_bytes;
+};
+
+struct ItemSpec {
+  std::string item;
+  nlohmann::json options;
+  std::vector<StageInput> inputs;  ///< sha256 may be empty for source files: the runner hashes them
+};
+
+/// Item after its stage: with the artifact unless refused or crashed.
+struct ItemResult {
+  std::string item;
+  StageOutcome outcome;
+  std::filesystem::path artifact;  ///< in the cache; empty without one
+  std::string sha256;              ///< of the artifact's content
+  bool from_cache = false;
+};
+
+struct StageReport {
+  std::string stage;
+  std::vector<ItemResult> items;  ///< in the order of the specs
+  int done = 0, doubtful = 0, refused = 0, crashed = 0, from_cache = 0;
+  double seconds = 0.0;
+};
+
+/// Content-addressed cache: key -> artifact bytes + outcome. Visible means whole.
+class Cache {
+ public:
+  explicit Cache(std::filesystem::path folder);
+  const std::filesystem::path& folder() const { return folder_; }
+
+  struct Entry {
+    StageOutcome outcome;
+    std::filesystem::path artifact;
+    std::string sha256;
+  };
+  /// Key of an item: SHA-256 over stage name, version, item, canonical options, role + name + content of the inputs.
+  static std::string Key(const StageDeclaration& stage, const ItemSpec& spec);
+  std::optional<Entry> Find(const std::string& key) const;
+  /// Moves `temporary` (may be empty: no artifact) into the cache. Two processes may race; the same bytes win.
+  Expected<Entry> Put(const std::string& key, const std::filesystem::path& temporary, const StageOutcome& outcome);
+
+  struct Statistics {
+    std::size_t objects = 0;
+    std::uint64_t bytes = 0;
+  };
+  Statistics Stat() const;
+  /// Compares every artifact with its recorded hash; returns the keys that do not agree.
+  std::vector<std::string> Verify() const;
+  /// Removes objects not used for `days`.
+  Statistics Prune(double days);
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Runs stages of items over worker processes, one stage after the other. Holds the lock of the run folder.
+class Runner {
+ public:
+  static Expected<std::unique_ptr<Runner>> Make(const RunnerOptions& options);
+  ~Runner();
+
+  /// Errors: kInterrupted after SIGINT/SIGTERM (items in flight are finished first), kCannotWrite, kMissingOnHost,
+  /// kInternal. Failing items are in the report, not errors. With dry_run nothing is executed: `from_cache` tells which
+  /// items would be served; later stages whose inputs are unknown report zero items.
+  Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items);
+
+  const RunnerOptions& options() const;
+
+ private:
+  struct Impl;
+  explicit Runner(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+std::filesystem::path DefaultCacheFolder();
+
+}  // namespace mocurate

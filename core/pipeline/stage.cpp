@@ -1,0 +1,19 @@
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+std::string_view Name(OutcomeKind kind) {
+  switch (kind) {
+    case OutcomeKind::kDone:
+      return "done";
+    case OutcomeKind::kDoubtful:
+      return "doubtful";
+    case OutcomeKind::kRefused:
+      return "refused";
+    case OutcomeKind::kCrashed:
+      return "crashed";
+  }
+  return "crashed";
+}
+
+}  // namespace mocurate

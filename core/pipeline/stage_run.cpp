@@ -1,0 +1,218 @@
+#include "core/pipeline/stage_run.h"
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/pipeline/wire.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Items are looked up in slices of this length while workers are waiting for answers to be read.
+constexpr std::chrono::milliseconds kSlice{20};
+
+/// Refusals that speak of the machine's files, not of the content behind the key, are not kept.
+bool MayBeCached(const StageOutcome& outcome) {
+  if (outcome.kind == OutcomeKind::kCrashed) return false;
+  return outcome.kind != OutcomeKind::kRefused ||
+         (outcome.error.code != ErrorCode::kNotFound && outcome.error.code != ErrorCode::kUnreadable);
+}
+
+bool HasArtifact(const StageOutcome& outcome) {
+  return outcome.kind == OutcomeKind::kDone || outcome.kind == OutcomeKind::kDoubtful;
+}
+
+void Count(StageReport& report, const ItemResult& result) {
+  report.done += result.outcome.kind == OutcomeKind::kDone ? 1 : 0;
+  report.doubtful += result.outcome.kind == OutcomeKind::kDoubtful ? 1 : 0;
+  report.refused += result.outcome.kind == OutcomeKind::kRefused ? 1 : 0;
+  report.crashed += result.outcome.kind == OutcomeKind::kCrashed ? 1 : 0;
+  report.from_cache += result.from_cache ? 1 : 0;
+}
+
+ItemResult Served(const std::string& item, Cache::Entry entry) {
+  return {item, std::move(entry.outcome), std::move(entry.artifact), std::move(entry.sha256), true};
+}
+
+}  // namespace
+
+StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vector<ItemSpec> items)
+    : state_(state),
+      stage_(stage),
+      items_(std::move(items)),
+      progress_(stage.name, items_.size(), state.options.progress && !state.options.dry_run) {
+  report_.stage = stage.name;
+  report_.items.resize(items_.size());
+  for (std::size_t i = 0; i < items_.size(); ++i) report_.items[i].item = items_[i].item;
+}
+
+StageRun::~StageRun() {
+  for (const std::unique_ptr<Seat>& seat : seats_) {
+    if (seat->worker != nullptr && (seat->task || !seat->greeted)) seat->worker->Bury();
+  }
+}
+
+Expected<StageReport> StageRun::Execute() {
+  const Clock::time_point start = Clock::now();
+  while (true) {
+    HeedSignals();
+    if (abandoned_) break;
+    if (!fatal_) PrepareItems();
+    if (!fatal_) FillSeats();
+    if (fatal_) ready_.clear();
+    if (!Working() && (fatal_ || (ready_.empty() && next_ == items_.size()))) break;
+    WaitForWorkers();
+    progress_.Draw();
+  }
+  progress_.Clear();
+  for (std::unique_ptr<Seat>& seat : seats_) {
+    if (seat->worker != nullptr && seat->greeted && !seat->task) state_.idle.push_back(std::move(seat->worker));
+  }
+  if (fatal_) return tl::unexpected<Error>(*fatal_);
+  report_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return std::move(report_);
+}
+
+StageReport StageRun::Foresee() {
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (!HashInputs(i)) continue;
+    std::optional<Cache::Entry> entry = state_.cache.Find(Cache::Key(stage_, items_[i]));
+    if (!entry) continue;
+    report_.items[i] = Served(items_[i].item, *std::move(entry));
+    Count(report_, report_.items[i]);
+  }
+  return std::move(report_);
+}
+
+bool StageRun::Working() const {
+  for (const std::unique_ptr<Seat>& seat : seats_) {
+    if (seat->task) return true;
+  }
+  return false;
+}
+
+/// Looks items up, in their order, until every worker has something to do.
+void StageRun::PrepareItems() {
+  const Clock::time_point begin = Clock::now();
+  while (next_ < items_.size() && ready_.size() < static_cast<std::size_t>(state_.options.jobs) && !fatal_) {
+    if (Interruption::Count() > 0 || (Clock::now() - begin > kSlice && Working())) return;
+    const std::size_t index = next_++;
+    if (!HashInputs(index)) continue;
+    std::string key = Cache::Key(stage_, items_[index]);
+    if (std::optional<Cache::Entry> entry = state_.cache.Find(key)) {
+      Record(index, key, Served(items_[index].item, *std::move(entry)), 0.0);
+    } else {
+      Task task;
+      task.index = index;
+      task.key = std::move(key);
+      ready_.push_back(std::move(task));
+    }
+    progress_.Draw();
+  }
+}
+
+/// False, and the item is refused, when a source cannot be read.
+bool StageRun::HashInputs(std::size_t index) {
+  for (StageInput& input : items_[index].inputs) {
+    if (!input.sha256.empty()) continue;
+    Expected<std::string> sha256 = state_.memo.Sha256Of(input.path);
+    if (sha256) {
+      input.sha256 = *std::move(sha256);
+      continue;
+    }
+    ItemResult refused{items_[index].item, {}, {}, {}, false};
+    refused.outcome.kind = OutcomeKind::kRefused;
+    refused.outcome.error = sha256.error();
+    Record(index, "", std::move(refused), 0.0);
+    return false;
+  }
+  return true;
+}
+
+void StageRun::Dispatch(Seat& seat, Task task) {
+  if (!state_.workspace) {
+    Expected<Workspace> workspace = Workspace::Make(state_.options.cache_folder);
+    if (!workspace) return GiveUp(workspace.error());
+    state_.workspace = *std::move(workspace);
+  }
+  const Expected<fs::path> folder = state_.workspace->NewFolder();
+  if (!folder) return GiveUp(folder.error());
+  Expected<Workspace::Scratch> scratch = state_.workspace->ScratchOf(task.key);
+  if (!scratch) return GiveUp(scratch.error());
+  task.folder = *folder;
+  task.scratch = *std::move(scratch);
+  task.start = Clock::now();
+  const ItemSpec& spec = items_[task.index];
+  seat.worker->Send(ToJson(
+      StageRequest{stage_.name, spec.item, spec.options, spec.inputs, task.folder / "artifact", task.scratch.folder}));
+  seat.task = std::move(task);
+}
+
+/// The seat's item has its outcome: keeps the artifact, cleans up, records.
+void StageRun::Finish(Seat& seat, StageOutcome outcome) {
+  Task task = *std::move(seat.task);
+  seat.task.reset();
+  const double seconds = std::chrono::duration<double>(Clock::now() - task.start).count();
+  std::error_code ignored;
+  if (HasArtifact(outcome) && !fs::exists(task.folder / "artifact", ignored)) {
+    outcome.kind = OutcomeKind::kCrashed;
+    outcome.error = {ErrorCode::kInternal, "stage " + stage_.name + " wrote no artifact", items_[task.index].item, {}};
+  }
+  ItemResult result{items_[task.index].item, {}, {}, {}, false};
+  const bool crashed = outcome.kind == OutcomeKind::kCrashed;
+  if (MayBeCached(outcome)) {
+    Expected<Cache::Entry> entry = Keep(task, outcome);
+    if (!entry) return GiveUp(entry.error());
+    result.artifact = std::move(entry->artifact);
+    result.sha256 = std::move(entry->sha256);
+  }
+  result.outcome = std::move(outcome);
+  fs::remove_all(task.folder, ignored);
+  if (!crashed) fs::remove_all(task.scratch.folder, ignored);
+  Record(task.index, task.key, std::move(result), seconds);
+}
+
+Expected<Cache::Entry> StageRun::Keep(const Task& task, const StageOutcome& outcome) {
+  return state_.cache.Put(task.key, HasArtifact(outcome) ? task.folder / "artifact" : fs::path(), outcome);
+}
+
+void StageRun::Record(std::size_t index, const std::string& key, ItemResult result, double seconds) {
+  const StageOutcome& outcome = result.outcome;
+  const bool failed = !HasArtifact(outcome);
+  progress_.Count(!result.from_cache, failed);
+  if (!state_.options.dry_run) {
+    json entry = {{"stage", stage_.name},
+                  {"item", result.item},
+                  {"key", key},
+                  {"outcome", Name(outcome.kind)},
+                  {"from_cache", result.from_cache},
+                  {"seconds", seconds}};
+    if (failed) entry["reason"] = outcome.error.Message();
+    if (Status added = state_.journal.Add(std::move(entry)); !added) GiveUp(added.error());
+    if (failed && !result.from_cache) {
+      progress_.Clear();
+      LogWarning(stage_.name + ": " + DisplayPath(result.item) + " " + std::string(Name(outcome.kind)) + ": " +
+                 outcome.error.Message());
+    }
+  }
+  Count(report_, result);
+  report_.items[index] = std::move(result);
+}
+
+/// Ends the run: items in work are finished, nothing new is begun. The first reason stands.
+void StageRun::GiveUp(const Error& error) {
+  if (!fatal_) fatal_ = error;
+}
+
+Error StageRun::Interrupted() const {
+  return {ErrorCode::kInterrupted,
+          std::string("stopped by ") + Interruption::SignalName() + " in stage " + stage_.name + " after " +
+              std::to_string(report_.done + report_.doubtful + report_.refused + report_.crashed) + " of " +
+              std::to_string(items_.size()) + " items",
+          {},
+          "run the same command again to go on"};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/content.h"
+#include "core/pipeline/interruption.h"
+#include "core/pipeline/journal.h"
+#include "core/pipeline/lock.h"
+#include "core/pipeline/progress.h"
+#include "core/pipeline/runner.h"
+#include "core/pipeline/worker_process.h"
+#include "core/pipeline/workspace.h"
+
+namespace mocurate {
+
+/// What a runner keeps from stage to stage.
+struct RunnerState {
+  explicit RunnerState(const RunnerOptions& chosen) : options(chosen), cache(chosen.cache_folder) {}
+
+  RunnerOptions options;  ///< resolved: no empty folder, jobs > 0
+  Cache cache;
+  ContentMemo memo;
+  std::optional<FileLock> lock;
+  Journal journal;
+  std::optional<Workspace> workspace;  ///< made when the first item is executed
+  std::unique_ptr<Interruption> interruption;
+  std::vector<std::unique_ptr<WorkerProcess>> idle;  ///< workers waiting for the next stage
+};
+
+/// Where a worker program lies. Error kMissingOnHost.
+Expected<std::filesystem::path> FindWorkerProgram(const RunnerOptions& options, const std::string& name);
+
+/// One stage over its items: serves from the cache, hands the rest to workers, records what becomes of each.
+class StageRun {
+ public:
+  StageRun(RunnerState& state, const StageDeclaration& stage, std::vector<ItemSpec> items);
+  ~StageRun();
+  Expected<StageReport> Execute();
+  /// Only asks the cache.
+  StageReport Foresee();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// An item that is not in the cache.
+  struct Task {
+    std::size_t index = 0;
+    std::string key;
+    std::filesystem::path folder;  ///< holds the temporary output
+    Workspace::Scratch scratch;
+    Clock::time_point start;
+  };
+  struct Seat {
+    std::unique_ptr<WorkerProcess> worker;
+    bool greeted = false;  ///< its libraries are loaded, it has said hello
+    std::optional<Task> task;
+    Clock::time_point start;
+    std::string verdict;  ///< why we killed it; empty when we did not
+  };
+
+  // Items
+  void PrepareItems();
+  bool HashInputs(std::size_t index);
+  void Dispatch(Seat& seat, Task task);
+  void Finish(Seat& seat, StageOutcome outcome);
+  Expected<Cache::Entry> Keep(const Task& task, const StageOutcome& outcome);
+  void Record(std::size_t index, const std::string& key, ItemResult result, double seconds);
+  void GiveUp(const Error& error);
+
+  // Workers
+  void FillSeats();
+  void StartWorker();
+  void WaitForWorkers();
+  void Serve(Seat& seat);
+  void Answer(Seat& seat, const nlohmann::json& message);
+  void Greet(Seat& seat, const nlohmann::json& stages);
+  void Lost(Seat& seat);
+  void CheckLimits(Seat& seat);
+  void HeedSignals();
+  void Forward(WorkerProcess& worker);
+  bool Working() const;
+  Error Interrupted() const;
+
+  RunnerState& state_;
+  StageDeclaration stage_;
+  std::vector<ItemSpec> items_;
+  StageReport report_;
+  Progress progress_;
+  std::size_t next_ = 0;    ///< first item not looked at yet
+  std::deque<Task> ready_;  ///< items to execute
+  std::vector<std::unique_ptr<Seat>> seats_;
+  std::filesystem::path program_;
+  int failed_starts_ = 0;
+  std::optional<Error> fatal_;  ///< set: nothing new is begun
+  bool abandoned_ = false;      ///< second signal: nothing is waited for either
+};
+
+}  // namespace mocurate

@@ -1,0 +1,196 @@
+#include "core/pipeline/wire.h"
+
+#include <cstdint>
+
+namespace mocurate {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kHeader = 4;
+constexpr std::uint32_t kLargestMessage = 1u << 28;
+
+/// Length of the UTF-8 sequence at `at`, 0 when the bytes there are not UTF-8 (overlong forms and surrogates are not).
+std::size_t SequenceLength(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[at + i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || at + length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  }
+  const unsigned char second = byte(1);
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return 0;
+  if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return 0;
+  return length;
+}
+
+std::string Escape(std::string_view bytes) {
+  constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string text;
+  text.reserve(bytes.size());
+  for (std::size_t i = 0; i < bytes.size();) {
+    const std::size_t length = bytes[i] == '%' ? 0 : SequenceLength(bytes, i);
+    if (length > 0) {
+      text.append(bytes.substr(i, length));
+      i += length;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(bytes[i++]);
+    text += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return text;
+}
+
+int DigitValue(char digit) {
+  if (digit >= '0' && digit <= '9') return digit - '0';
+  if (digit >= 'A' && digit <= 'F') return digit - 'A' + 10;
+  return -1;
+}
+
+std::string Unescape(std::string_view text) {
+  std::string bytes;
+  bytes.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && DigitValue(text[i + 1]) >= 0 && DigitValue(text[i + 2]) >= 0) {
+      bytes += static_cast<char>(DigitValue(text[i + 1]) * 16 + DigitValue(text[i + 2]));
+      i += 2;
+    } else {
+      bytes += text[i];
+    }
+  }
+  return bytes;
+}
+
+/// The same value with `change` applied to every string and key.
+template <class Change>
+json WithStrings(const json& value, const Change& change) {
+  if (value.is_string()) return change(value.get_ref<const std::string&>());
+  if (value.is_array()) {
+    json array = json::array();
+    for (const json& element : value) array.push_back(WithStrings(element, change));
+    return array;
+  }
+  if (value.is_object()) {
+    json object = json::object();
+    for (const auto& [key, element] : value.items()) object[change(key)] = WithStrings(element, change);
+    return object;
+  }
+  return value;
+}
+
+/// Reads with nlohmann's throwing accessors; what they throw becomes kMalformed.
+template <class Read>
+auto Guarded(const char* thing, const Read& read) -> Expected<decltype(read())> {
+  try {
+    return read();
+  } catch (const json::exception& exception) {
+    return Fail(ErrorCode::kMalformed, std::string(thing) + " is not as expected: " + exception.what());
+  }
+}
+
+OutcomeKind KindFromName(const std::string& name) {
+  for (const OutcomeKind kind : {OutcomeKind::kDone, OutcomeKind::kDoubtful, OutcomeKind::kRefused}) {
+    if (Name(kind) == name) return kind;
+  }
+  return OutcomeKind::kCrashed;
+}
+
+Error ReadError(const json& value) {
+  return Error{ErrorCodeFromName(value.at("code").get<std::string>()), value.at("what").get<std::string>(),
+               value.at("where").get<std::string>(), value.at("hint").get<std::string>()};
+}
+
+}  // namespace
+
+std::string CanonicalText(const json& value) { return WithStrings(value, Escape).dump(); }
+
+Expected<json> FromCanonicalText(std::string_view text) {
+  const json parsed = json::parse(text.begin(), text.end(), nullptr, false);
+  if (parsed.is_discarded()) return Fail(ErrorCode::kMalformed, "text is not JSON");
+  return WithStrings(parsed, Unescape);
+}
+
+json ToJson(const Error& error) {
+  return {{"code", Name(error.code)}, {"what", error.what}, {"where", error.where}, {"hint", error.hint}};
+}
+
+json ToJson(const StageOutcome& outcome) {
+  json value = {{"kind", Name(outcome.kind)}, {"findings", outcome.findings}, {"summary", outcome.summary}};
+  if (outcome.kind == OutcomeKind::kRefused || outcome.kind == OutcomeKind::kCrashed) {
+    value["error"] = ToJson(outcome.error);
+  }
+  return value;
+}
+
+json ToJson(const StageRequest& request) {
+  json inputs = json::array();
+  for (const StageInput& input : request.inputs) {
+    inputs.push_back(
+        {{"role", input.role}, {"name", input.name}, {"path", input.path.native()}, {"sha256", input.sha256}});
+  }
+  return {{"stage", request.stage},
+          {"item", request.item},
+          {"options", request.options},
+          {"inputs", std::move(inputs)},
+          {"output", request.output.native()},
+          {"scratch", request.scratch.native()}};
+}
+
+Expected<Error> ErrorFromJson(const json& value) {
+  return Guarded("error", [&] { return ReadError(value); });
+}
+
+Expected<StageOutcome> OutcomeFromJson(const json& value) {
+  return Guarded("outcome", [&] {
+    StageOutcome outcome;
+    outcome.kind = KindFromName(value.at("kind").get<std::string>());
+    outcome.findings = value.at("findings").get<std::vector<Finding>>();
+    outcome.summary = value.at("summary");
+    if (value.contains("error")) outcome.error = ReadError(value.at("error"));
+    return outcome;
+  });
+}
+
+Expected<StageRequest> RequestFromJson(const json& value) {
+  return Guarded("request", [&] {
+    StageRequest request;
+    request.stage = value.at("stage").get<std::string>();
+    request.item = value.at("item").get<std::string>();
+    request.options = value.at("options");
+    for (const json& input : value.at("inputs")) {
+      request.inputs.push_back({input.at("role").get<std::string>(), input.at("name").get<std::string>(),
+                                input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
+    }
+    request.output = value.at("output").get<std::string>();
+    request.scratch = value.at("scratch").get<std::string>();
+    return request;
+  });
+}
+
+std::string Frame(const json& message) {
+  const std::string text = CanonicalText(message);
+  const auto size = static_cast<std::uint32_t>(text.size());
+  std::string frame;
+  frame.reserve(kHeader + text.size());
+  for (int shift = 0; shift < 32; shift += 8) frame += static_cast<char>((size >> shift) & 0xFF);
+  return frame + text;
+}
+
+Expected<std::optional<json>> TakeMessage(std::string& buffer) {
+  if (buffer.size() < kHeader) return std::optional<json>();
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < kHeader; ++i) {
+    size |= static_cast<std::uint32_t>(static_cast<unsigned char>(buffer[i])) << (8 * i);
+  }
+  if (size > kLargestMessage)
+    return Fail(ErrorCode::kMalformed, "message announces " + std::to_string(size) + " bytes");
+  if (buffer.size() < kHeader + size) return std::optional<json>();
+  Expected<json> message = FromCanonicalText(std::string_view(buffer).substr(kHeader, size));
+  buffer.erase(0, kHeader + size);
+  if (!message) return Forward(message);
+  return std::optional<json>(*std::move(message));
+}
+
+}  // namespace mocurate

@@ -1,0 +1,76 @@
+#include "core/pipeline/workspace.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "core/base/file.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLockName = ".lock";
+
+/// Removes the folders of runners that are gone. Call with the lock of `tmp` held.
+void Sweep(const fs::path& tmp) {
+  std::error_code problem;
+  for (fs::directory_iterator it(tmp, problem), end; !problem && it != end; it.increment(problem)) {
+    std::error_code ignored;
+    if (!it->is_directory(ignored)) continue;
+    const Expected<std::optional<FileLock>> lock = FileLock::TryTake(it->path() / kLockName);
+    if (lock && lock->has_value()) fs::remove_all(it->path(), ignored);
+  }
+}
+
+}  // namespace
+
+Expected<Workspace> Workspace::Make(const fs::path& cache_folder) {
+  const fs::path tmp = cache_folder / "tmp";
+  if (Status made = MakeFolder(tmp); !made) return Forward(made);
+  const Expected<FileLock> sweeping = FileLock::Take(tmp / kLockName);
+  if (!sweeping) return Forward(sweeping);
+  Sweep(tmp);
+  std::string pattern = (tmp / (std::to_string(getpid()) + "-XXXXXX")).native();
+  if (mkdtemp(pattern.data()) == nullptr) {
+    return Fail(ErrorCode::kCannotWrite, std::string("no folder can be made: ") + std::strerror(errno),
+                DisplayPath(tmp));
+  }
+  Expected<FileLock> own = FileLock::Take(fs::path(pattern) / kLockName);
+  if (!own) return Forward(own);
+  return Workspace(cache_folder, pattern, *std::move(own));
+}
+
+Workspace::~Workspace() {
+  std::error_code ignored;
+  if (lock_.has_value() && !own_.empty()) fs::remove_all(own_, ignored);
+}
+
+Expected<fs::path> Workspace::NewFolder() {
+  const fs::path folder = own_ / std::to_string(next_++);
+  if (Status made = MakeFolder(folder); !made) return Forward(made);
+  return folder;
+}
+
+Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
+  Scratch scratch{cache_ / "scratch" / key, std::nullopt};
+  while (true) {
+    if (Status made = MakeFolder(scratch.folder); !made) return Forward(made);
+    Expected<std::optional<FileLock>> lock = FileLock::TryTake(scratch.folder / kLockName);
+    std::error_code ignored;
+    if (!lock && !fs::exists(scratch.folder, ignored)) continue;  // its owner has just finished
+    if (!lock) return Forward(lock);
+    if (lock->has_value()) {
+      scratch.lock = std::move(*lock);
+      return scratch;
+    }
+    const Expected<fs::path> other = NewFolder();
+    if (!other) return Forward(other);
+    return Scratch{*other, std::nullopt};
+  }
+}
+
+}  // namespace mocurate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/axes.h"
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// Points that tell front from back and left from right; -1 where a source has none. Pairs are (left, right).
+struct HandednessPoints {
+  int head = -1;
+  int hip[2] = {-1, -1};
+  int knee[2] = {-1, -1};
+  int ankle[2] = {-1, -1};
+  int toe[2] = {-1, -1};
+  int shoulder[2] = {-1, -1};
+  int wrist[2] = {-1, -1};
+};
+
+/// `find` gives the index of a point by name ("left_hip", "head", ...), e.g. Skeleton::FindJoint.
+HandednessPoints FindHandednessPoints(const std::function<std::optional<int>(std::string_view name)>& find);
+
+/// What one part of the body says. `score` in [-1, 1]: -1 as in a right-handed frame, +1 as in a left-handed one (or
+/// with left and right exchanged); `weight` in [0, 1] grows with the share of frames in which the part says anything.
+struct HandednessCue {
+  std::string name;  ///< "feet", "knees", "hands"
+  int frames = 0;    ///< frames (times sides) with an opinion
+  double score = 0.0;
+  double weight = 0.0;
+};
+
+struct HandednessMeasure {
+  std::optional<Handedness> handedness;  ///< empty: the motion does not tell
+  double confidence = 0.0;               ///< in [0, 1]
+  std::vector<HandednessCue> cues;
+  /// In words what speaks against a right-handed frame ("knees bend backwards (in 97 % of 312 frames)"), or for it.
+  std::string evidence;
+};
+
+/// Handedness by anatomy: with r from the left to the right hip (shoulder), u up along the trunk and f to the front,
+/// the determinant of (r, u, f) is negative in a right-handed frame. To the front point the toes, the hinge of a knee
+/// bent by more than 40 degrees, and hands that reach away from the trunk. Any rotated frame gives the same answer.
+/// `confidence` (frames*K) may be null; points with confidence 0 are not read.
+HandednessMeasure MeasureHandedness(const JointPositions& positions, const HandednessPoints& points,
+                                    const std::vector<double>* confidence = nullptr);
+
+}  // namespace mocurate

@@ -1,0 +1,296 @@
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/store/fields.h"
+
+namespace mocurate::store {
+namespace {
+
+std::string ProvenanceText(const std::map<std::string, std::string>& provenance) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const auto& [key, value] : provenance) json[DisplayPath(key)] = DisplayPath(value);
+  return json.dump();
+}
+
+std::map<std::string, std::string> ProvenanceFrom(const std::string& text) {
+  std::map<std::string, std::string> provenance;
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  for (const auto& [key, value] : json.items()) provenance[key] = value.get<std::string>();
+  return provenance;
+}
+
+void AppendTransform(std::vector<double>& values, const RigidTransform& transform) {
+  const Quaterniond& q = transform.rotation;
+  values.insert(values.end(), {q.w(), q.x(), q.y(), q.z(), transform.translation.x(), transform.translation.y(),
+                               transform.translation.z()});
+}
+
+RigidTransform TransformFrom(const std::vector<double>& values, std::size_t row) {
+  const double* v = values.data() + 7 * row;
+  return {Quaterniond(v[0], v[1], v[2], v[3]), Vector3d(v[4], v[5], v[6])};
+}
+
+/// A text field of all clips.
+template <class Member>
+void PutTexts(const std::vector<const Clip*>& clips, const std::string& path, const Member& member, Content& content) {
+  std::vector<std::string> texts;
+  for (const Clip* clip : clips) texts.push_back(member(*clip));
+  const std::uint64_t rows = texts.size();
+  content.Put(path, {rows}, std::move(texts));
+}
+
+void PackSegments(const std::vector<const Clip*>& clips, Content& content) {
+  std::vector<std::int32_t> rows;
+  std::vector<double> begin;
+  std::vector<double> end;
+  std::vector<std::string> label;
+  std::vector<std::string> category;
+  std::vector<std::string> origin;
+  for (std::size_t row = 0; row < clips.size(); ++row) {
+    for (const Segment& segment : clips[row]->segments) {
+      rows.push_back(static_cast<std::int32_t>(row));
+      begin.push_back(segment.begin_s);
+      end.push_back(segment.end_s);
+      label.push_back(segment.label);
+      category.push_back(segment.category);
+      origin.push_back(segment.origin);
+    }
+  }
+  const std::uint64_t S = rows.size();
+  content.Put("/segments/clip", {S}, std::move(rows));
+  content.Put("/segments/begin_s", {S}, std::move(begin));
+  content.Put("/segments/end_s", {S}, std::move(end));
+  content.Put("/segments/label", {S}, std::move(label));
+  content.Put("/segments/category", {S}, std::move(category));
+  content.Put("/segments/origin", {S}, std::move(origin));
+}
+
+void UnpackSegments(const Content& content, std::vector<Clip>& clips) {
+  if (!content.Has("/segments/clip")) return;
+  const auto& rows = content.Values<std::int32_t>("/segments/clip");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    clips.at(static_cast<std::size_t>(rows[i]))
+        .segments.push_back(
+            {content.Values<double>("/segments/begin_s")[i], content.Values<double>("/segments/end_s")[i],
+             content.Values<std::string>("/segments/label")[i], content.Values<std::string>("/segments/category")[i],
+             content.Values<std::string>("/segments/origin")[i]});
+  }
+}
+
+void PackIdentities(const std::vector<const Clip*>& clips, Content& content) {
+  PutTexts(
+      clips, "/clips/id", [](const Clip& c) { return c.id(); }, content);
+  PutTexts(
+      clips, "/clips/source", [](const Clip& c) { return c.identity.source; }, content);
+  PutTexts(
+      clips, "/clips/person", [](const Clip& c) { return c.identity.person; }, content);
+  PutTexts(
+      clips, "/clips/recording", [](const Clip& c) { return c.identity.recording; }, content);
+  PutTexts(
+      clips, "/clips/session", [](const Clip& c) { return c.identity.session; }, content);
+  PutTexts(
+      clips, "/clips/view", [](const Clip& c) { return c.identity.view; }, content);
+  PutTexts(
+      clips, "/clips/licence", [](const Clip& c) { return c.identity.licence; }, content);
+  std::vector<std::int32_t> begin;
+  std::vector<std::int32_t> end;
+  for (const Clip* clip : clips) {
+    begin.push_back(clip->identity.begin_frame);
+    end.push_back(clip->identity.end_frame);
+  }
+  content.Put("/clips/begin_frame", {clips.size()}, std::move(begin));
+  content.Put("/clips/end_frame", {clips.size()}, std::move(end));
+}
+
+void PackDepth(const std::vector<DepthView>& views, Content& content) {
+  std::vector<std::string> cameras;
+  std::vector<std::string> paths;
+  std::vector<std::string> hashes;
+  std::vector<std::int32_t> width;
+  std::vector<std::int32_t> height;
+  std::vector<double> intrinsics;
+  std::vector<double> distortion;
+  std::vector<double> extrinsics;
+  std::vector<double> scale;
+  std::vector<double> times;
+  std::vector<std::int64_t> counts;
+  for (const DepthView& view : views) {
+    const Camera& camera = view.camera;
+    cameras.push_back(camera.name);
+    width.push_back(camera.width);
+    height.push_back(camera.height);
+    intrinsics.insert(intrinsics.end(), {camera.fx, camera.fy, camera.cx, camera.cy});
+    const LensDistortion& lens = camera.distortion;
+    distortion.insert(distortion.end(), {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
+    AppendTransform(extrinsics, camera.camera_from_world);
+    scale.push_back(view.metres_per_unit);
+    counts.push_back(static_cast<std::int64_t>(view.files.size()));
+    for (const auto& file : view.files) paths.push_back(file.native());
+    hashes.insert(hashes.end(), view.sha256.begin(), view.sha256.end());
+    times.insert(times.end(), view.time_s.begin(), view.time_s.end());
+  }
+  const std::uint64_t V = views.size();
+  const std::uint64_t D = paths.size();
+  content.Put("/depth/camera", {V}, std::move(cameras));
+  content.Put("/depth/width", {V}, std::move(width));
+  content.Put("/depth/height", {V}, std::move(height));
+  content.Put("/depth/intrinsics", {V, 4}, std::move(intrinsics));
+  content.Put("/depth/distortion", {V, 5}, std::move(distortion));
+  content.Put("/depth/camera_from_world", {V, 7}, std::move(extrinsics));
+  content.Put("/depth/metres_per_unit", {V}, std::move(scale));
+  content.Put("/depth/count", {V}, std::move(counts));
+  content.Put("/depth/path", {D}, std::move(paths));
+  content.Put("/depth/sha256", {D}, std::move(hashes));
+  content.Put("/depth/time_s", {D}, std::move(times));
+}
+
+Camera CameraFrom(const Content& content, std::size_t row) {
+  const double* k = content.Values<double>("/depth/intrinsics").data() + 4 * row;
+  const double* d = content.Values<double>("/depth/distortion").data() + 5 * row;
+  Camera camera;
+  camera.name = content.Values<std::string>("/depth/camera")[row];
+  camera.width = content.Values<std::int32_t>("/depth/width")[row];
+  camera.height = content.Values<std::int32_t>("/depth/height")[row];
+  camera.fx = k[0];
+  camera.fy = k[1];
+  camera.cx = k[2];
+  camera.cy = k[3];
+  camera.distortion = {d[0], d[1], d[2], d[3], d[4]};
+  camera.camera_from_world = TransformFrom(content.Values<double>("/depth/camera_from_world"), row);
+  return camera;
+}
+
+std::vector<DepthView> UnpackDepth(const Content& content) {
+  std::vector<DepthView> views;
+  std::size_t next = 0;
+  const auto& counts = content.Values<std::int64_t>("/depth/count");
+  for (std::size_t row = 0; row < counts.size(); ++row) {
+    DepthView view;
+    view.camera = CameraFrom(content, row);
+    view.metres_per_unit = content.Values<double>("/depth/metres_per_unit")[row];
+    for (const std::size_t end = next + static_cast<std::size_t>(counts[row]); next < end; ++next) {
+      view.files.emplace_back(content.Values<std::string>("/depth/path")[next]);
+      view.sha256.push_back(content.Values<std::string>("/depth/sha256")[next]);
+      view.time_s.push_back(content.Values<double>("/depth/time_s")[next]);
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+}  // namespace
+
+ClipIdentity IdentityOf(const Content& content, std::size_t row) {
+  const auto text = [&](const char* name) { return content.Values<std::string>(std::string("/clips/") + name)[row]; };
+  ClipIdentity identity;
+  identity.source = text("source");
+  identity.person = text("person");
+  identity.recording = text("recording");
+  identity.session = text("session");
+  identity.view = text("view");
+  identity.licence = text("licence");
+  identity.begin_frame = content.Values<std::int32_t>("/clips/begin_frame")[row];
+  identity.end_frame = content.Values<std::int32_t>("/clips/end_frame")[row];
+  return identity;
+}
+
+std::string TextOfRate(const FrameRate& rate) {
+  const auto reduced = FrameRate::Parse(rate.Text());
+  return reduced ? reduced->Text() : rate.Text();
+}
+
+std::string CommonRate(const std::vector<std::string>& rates) {
+  if (rates.empty()) return "mixed";
+  for (const std::string& rate : rates) {
+    if (rate != rates[0]) return "mixed";
+  }
+  return rates[0];
+}
+
+void PackClips(const std::vector<const Clip*>& clips, Content& content) {
+  PackIdentities(clips, content);
+  PutTexts(
+      clips, "/clips/role", [](const Clip& c) { return c.role; }, content);
+  PutTexts(
+      clips, "/clips/label", [](const Clip& c) { return c.label; }, content);
+  PutTexts(
+      clips, "/clips/rate", [](const Clip& c) { return TextOfRate(c.rate); }, content);
+  PutTexts(
+      clips, "/clips/provenance", [](const Clip& c) { return ProvenanceText(c.provenance); }, content);
+  PutTexts(
+      clips, "/clips/evidence_sha256", [](const Clip& c) { return c.evidence_sha256; }, content);
+  std::vector<double> rms;
+  std::vector<double> transforms;
+  for (const Clip* clip : clips) {
+    rms.push_back(clip->fit_rms);
+    AppendTransform(transforms, clip->canonical_from_source);
+  }
+  content.Put("/clips/fit_rms", {clips.size()}, std::move(rms));
+  content.Put("/clips/canonical_from_source", {clips.size(), 7}, std::move(transforms));
+  PackSegments(clips, content);
+}
+
+std::vector<Clip> UnpackClips(const Content& content) {
+  std::vector<Clip> clips(content.fields.at("/clips/id").rows());
+  for (std::size_t row = 0; row < clips.size(); ++row) {
+    Clip& clip = clips[row];
+    clip.identity = IdentityOf(content, row);
+    clip.role = content.Values<std::string>("/clips/role")[row];
+    clip.label = content.Values<std::string>("/clips/label")[row];
+    clip.rate = *FrameRate::Parse(content.Values<std::string>("/clips/rate")[row]);
+    clip.provenance = ProvenanceFrom(content.Values<std::string>("/clips/provenance")[row]);
+    clip.evidence_sha256 = content.Values<std::string>("/clips/evidence_sha256")[row];
+    clip.fit_rms = content.Values<double>("/clips/fit_rms")[row];
+    clip.canonical_from_source = TransformFrom(content.Values<double>("/clips/canonical_from_source"), row);
+  }
+  UnpackSegments(content, clips);
+  return clips;
+}
+
+Status PackEvidence(const Evidence& evidence, Content& content) {
+  for (const DepthView& view : evidence.depth_views) {
+    if (view.sha256.size() == view.files.size() && view.time_s.size() == view.files.size()) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "view has " + std::to_string(view.files.size()) + " depth images, " +
+                    std::to_string(view.sha256.size()) + " hashes and " + std::to_string(view.time_s.size()) + " times",
+                view.camera.name);
+  }
+  if (!evidence.depth_views.empty()) PackDepth(evidence.depth_views, content);
+  if (!evidence.tracks) return {};
+  const JointTracks& tracks = *evidence.tracks;
+  const std::uint64_t T = tracks.time_s.size();
+  const std::uint64_t K = tracks.names.size();
+  if (tracks.positions.xyz.size() != T * K * 3 || tracks.confidence.size() != T * K) {
+    return Fail(ErrorCode::kInconsistent,
+                "tracks have " + std::to_string(T) + " times and " + std::to_string(K) + " names, but " +
+                    std::to_string(tracks.positions.xyz.size()) + " coordinates and " +
+                    std::to_string(tracks.confidence.size()) + " confidences",
+                "/tracks");
+  }
+  std::vector<double> positions = tracks.positions.xyz;
+  for (std::size_t i = 0; i < positions.size(); ++i) {  // never read where nothing was observed
+    if (tracks.confidence[i / 3] == 0.0 && positions[i] - positions[i] != 0.0) positions[i] = 0.0;
+  }
+  content.Put("/tracks/names", {K}, tracks.names);
+  content.Put("/tracks/time_s", {T}, tracks.time_s);
+  content.Put("/tracks/positions", {T, K, 3}, std::move(positions));
+  content.Put("/tracks/confidence", {T, K}, tracks.confidence);
+  return {};
+}
+
+Evidence UnpackEvidence(const Content& content) {
+  Evidence evidence;
+  if (content.Has("/depth/count")) evidence.depth_views = UnpackDepth(content);
+  if (!content.Has("/tracks/names")) return evidence;
+  JointTracks tracks;
+  tracks.names = content.Values<std::string>("/tracks/names");
+  tracks.time_s = content.Values<double>("/tracks/time_s");
+  tracks.positions = JointPositions(static_cast<int>(tracks.time_s.size()), static_cast<int>(tracks.names.size()));
+  tracks.positions.xyz = content.Values<double>("/tracks/positions");
+  tracks.confidence = content.Values<double>("/tracks/confidence");
+  evidence.tracks = std::move(tracks);
+  return evidence;
+}
+
+}  // namespace mocurate::store

@@ -1,0 +1,122 @@
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/motion/motion.h"
+#include "core/store/content_file.h"
+#include "core/store/store.h"
+
+namespace mocurate {
+namespace {
+
+using store::Content;
+using store::Field;
+using store::Schema;
+
+Expected<const Schema*> SchemaOf(const store::Hdf5Reader& reader) {
+  const std::string where = store::Where(reader.file(), "/@schema");
+  if (!reader.Has("/@schema")) {
+    return Fail(ErrorCode::kMalformed, "is missing; this HDF5 file is none of mocurate's", where);
+  }
+  auto name = reader.Read("/@schema", store::FieldType::kText);
+  if (!name) return Forward(name);
+  std::string known;
+  for (const Schema* schema : store::AllSchemas()) {
+    if (schema->name == name->as<std::string>()[0]) return schema;
+    known += (known.empty() ? "" : ", ") + schema->name;
+  }
+  return Fail(ErrorCode::kMalformed, "is '" + name->as<std::string>()[0] + "'; known are " + known, where);
+}
+
+/// Extents of the symbols by what they count: {"clips": 12, "frames": 960, ...}.
+nlohmann::json CountsOf(const Schema& schema, const Content& content) {
+  const std::map<std::string, std::string> names = {{"C", "clips"},     {"F", "frames"},         {"J", "joints"},
+                                                    {"S", "segments"},  {"L", "labels"},         {"N", "findings"},
+                                                    {"M", "landmarks"}, {"K", "tracked_points"}, {"T", "track_frames"},
+                                                    {"V", "views"},     {"D", "depth_images"}};
+  nlohmann::json counts = nlohmann::json::object();
+  for (const Field& field : store::ConcreteFields(schema, content)) {
+    const store::Array* array = content.Find(field.path);
+    for (std::size_t i = 0; array != nullptr && i < field.shape.size(); ++i) {
+      const auto name = names.find(field.shape[i]);
+      if (name != names.end()) counts[name->second] = array->shape[i];
+    }
+  }
+  return counts;
+}
+
+nlohmann::json FieldsOf(const Schema& schema, const Content& content) {
+  nlohmann::json fields = nlohmann::json::array();
+  for (const Field& field : store::ConcreteFields(schema, content)) {
+    const store::Array* array = content.Find(field.path);
+    if (array == nullptr) continue;
+    fields.push_back({{"path", DisplayPath(field.path)},
+                      {"type", store::Name(field.type)},
+                      {"shape", array->shape},
+                      {"unit", field.unit},
+                      {"meaning", field.meaning}});
+  }
+  return fields;
+}
+
+nlohmann::json UnknownPaths(const Schema& schema, const Content& content, const store::Hdf5Reader& reader) {
+  std::set<std::string> known;
+  for (const Field& field : store::ConcreteFields(schema, content)) known.insert(field.path);
+  nlohmann::json unknown = nlohmann::json::array();
+  for (const std::string& path : reader.AllPaths()) {
+    if (known.count(path) == 0) unknown.push_back(DisplayPath(path));
+  }
+  return unknown;
+}
+
+double Seconds(const Content& content, const std::string& prefix) {
+  double seconds = 0.0;
+  const auto& counts = content.Values<std::int64_t>(prefix + "/clips/count");
+  const auto& rates = content.Values<std::string>(prefix + "/clips/rate");
+  for (std::size_t i = 0; i < counts.size(); ++i) seconds += FrameRate::Parse(rates[i])->FrameTime(counts[i]);
+  return seconds;
+}
+
+/// How often each text occurs.
+nlohmann::json Tally(const std::vector<std::string>& texts) {
+  nlohmann::json tally = nlohmann::json::object();
+  for (const std::string& text : texts) {
+    nlohmann::json& count = tally[DisplayPath(text)];
+    count = count.is_null() ? 1 : count.get<int>() + 1;
+  }
+  return tally;
+}
+
+}  // namespace
+
+Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path) {
+  auto reader = store::Hdf5Reader::Open(path);
+  if (!reader) return Forward(reader);
+  const auto schema = SchemaOf(*reader);
+  if (!schema) return Forward(schema);
+  auto content = store::ReadContent(**schema, *reader);
+  if (!content) return Forward(content);
+  nlohmann::json json = {{"schema", (*schema)->name},
+                         {"purpose", (*schema)->purpose},
+                         {"bytes", reader->bytes()},
+                         {"content_sha256", content->Text("/@content_sha256")},
+                         {"kinematics", content->Text("/@kinematics")},
+                         {"counts", CountsOf(**schema, *content)},
+                         {"fields", FieldsOf(**schema, *content)},
+                         {"unknown", UnknownPaths(**schema, *content, *reader)}};
+  for (const char* name : {"skeleton", "rate", "axes", "created_by"}) {
+    if (content->Has(std::string("/@") + name)) json[name] = DisplayPath(content->Text(std::string("/@") + name));
+  }
+  if (content->Has((*schema)->prefix + "/clips/count")) json["duration_s"] = Seconds(*content, (*schema)->prefix);
+  if (content->Has("/clips/person")) {
+    json["clips_per_person"] = Tally(content->Values<std::string>("/clips/person"));
+    json["clips_per_label"] = Tally(content->Values<std::string>("/clips/label"));
+    json["clips_per_source"] = Tally(content->Values<std::string>("/clips/source"));
+  }
+  json["splits"] = nlohmann::json::array();
+  for (const std::string& name : content->splits) json["splits"].push_back(DisplayPath(name));
+  return json;
+}
+
+}  // namespace mocurate

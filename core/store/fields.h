@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/motion/clip.h"
+#include "core/store/array.h"
+
+/// Between the value types of core/motion and the fields of the table. Pack* refuse what has inconsistent shapes;
+/// Unpack* need checked content. `prefix` is "" or "/truth".
+namespace mocurate::store {
+
+/// Bit i of /clips/field_mask stands for entry i.
+inline constexpr std::array<const char*, 5> kOptionalFrameFields = {"state", "position_cov", "rotation_sigma",
+                                                                    "rotation_observed", "contact"};
+
+void PackSkeleton(const Skeleton& skeleton, const std::string& prefix, Content& content);
+Skeleton UnpackSkeleton(const Content& content, const std::string& prefix);
+/// Whether two skeletons agree in everything that is stored.
+bool SameSkeleton(const Skeleton& a, const Skeleton& b);
+
+struct MotionRow {
+  std::string id;
+  const Motion* motion;
+};
+/// Writes /frames and the spans in /clips. Error kInconsistent naming the clip.
+Status PackMotions(const std::vector<MotionRow>& rows, const Skeleton& skeleton, bool joints_only,
+                   const std::string& prefix, Content& content);
+std::vector<Motion> UnpackMotions(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton);
+
+/// Identity, labels, segments, provenance; not motion and evidence.
+void PackClips(const std::vector<const Clip*>& clips, Content& content);
+std::vector<Clip> UnpackClips(const Content& content);
+ClipIdentity IdentityOf(const Content& content, std::size_t row);
+/// In lowest terms: equal rates have one text.
+std::string TextOfRate(const FrameRate& rate);
+/// The rate all agree on, else "mixed".
+std::string CommonRate(const std::vector<std::string>& rates);
+
+Status PackEvidence(const Evidence& evidence, Content& content);
+Evidence UnpackEvidence(const Content& content);
+
+/// A unit quaternion from four stored numbers (w, x, y, z) whose norm is nearly 1.
+Quaterniond ReadQuaternion(const float* stored);
+/// The four numbers stored for `rotation`: a quaternion read and stored again keeps its bits.
+std::array<float, 4> StoredQuaternion(const Quaterniond& rotation);
+
+}  // namespace mocurate::store

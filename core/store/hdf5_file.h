@@ -1,0 +1,95 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/store/array.h"
+
+namespace mocurate::store {
+
+/// Owns one HDF5 identifier.
+class Hdf5Id {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Hdf5Id() = default;
+  Hdf5Id(hid_t id, Close close) : id_(id), close_(close) {}
+  Hdf5Id(Hdf5Id&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
+  Hdf5Id& operator=(Hdf5Id&& other) noexcept;
+  ~Hdf5Id() { Reset(); }
+  void Reset();
+  hid_t get() const { return id_; }
+  bool ok() const { return id_ >= 0; }
+
+ private:
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// From now on HDF5 prints nothing on stderr from this thread, also not at exit after it has met a broken file.
+void SilenceHdf5();
+
+/// "file.h5:/frames/joints".
+std::string Where(const std::filesystem::path& file, const std::string& field);
+
+/// Reads fields of an HDF5 file. Trusts nothing in it: sizes are compared with the bytes that are stored before
+/// anything is allocated; links that are not hard, external and virtual storage and filters other than deflate, shuffle
+/// and fletcher32 are refused.
+class Hdf5Reader {
+ public:
+  /// Error kNotFound, kUnreadable, kMalformed (not HDF5, truncated).
+  static Expected<Hdf5Reader> Open(const std::filesystem::path& file);
+
+  /// A dataset "/a/b", or an attribute of the root "/@name".
+  bool Has(const std::string& path) const;
+  /// Error kMalformed when the field is of another type or does not fit its storage.
+  Expected<Array> Read(const std::string& path, FieldType type) const;
+  /// The text attribute `name` of a dataset; empty when there is none.
+  std::optional<std::string> AttributeOf(const std::string& path, const std::string& name) const;
+  /// Names of the groups directly below `group`, sorted; empty when there is no such group.
+  std::vector<std::string> GroupsBelow(const std::string& group) const;
+  /// Paths of all datasets and "/@name" of all attributes of the root, sorted.
+  std::vector<std::string> AllPaths() const;
+  const std::filesystem::path& file() const { return path_; }
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  Expected<Array> ReadDataset(const std::string& path, FieldType type) const;
+  Expected<Array> ReadAttribute(const std::string& path, FieldType type) const;
+  Status CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_t element_size, const std::string& path) const;
+  Expected<std::vector<std::string>> ReadTexts(hid_t dataset, hid_t type, std::uint64_t count,
+                                               const std::string& path) const;
+  Expected<std::vector<std::string>> ReadVariableTexts(hid_t dataset, std::uint64_t count,
+                                                       const std::string& path) const;
+
+  std::filesystem::path path_;
+  std::uint64_t bytes_ = 0;
+  Hdf5Id id_;
+};
+
+/// Builds an HDF5 file in memory: no input or output can fail inside HDF5. Same calls, same bytes: no times, fixed
+/// library bounds, contiguous, uncompressed. Bounds start at 1.8, whose metadata carry checksums.
+class Hdf5Writer {
+ public:
+  static Expected<Hdf5Writer> Create();
+  /// A dataset "/a/b" (its groups are made) or a text attribute "/@name". Texts are of fixed length, UTF-8,
+  /// zero-padded.
+  Status Write(const std::string& path, const Array& array);
+  Status AttributeOf(const std::string& path, const std::string& name, const std::string& text);
+  /// Hands the finished bytes to `sink`.
+  Status Finish(const std::function<Status(std::string_view bytes)>& sink);
+
+ private:
+  Status MakeGroups(const std::string& path);
+  Status PutAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
+  Hdf5Id id_;
+  Hdf5Id access_;
+};
+
+}  // namespace mocurate::store

@@ -1,0 +1,303 @@
+#include <algorithm>
+#include <cstring>
+#include <set>
+#include <system_error>
+
+#include "core/base/file.h"
+#include "core/store/hdf5_file.h"
+
+namespace mocurate::store {
+namespace {
+
+constexpr std::uint64_t kSmall = 64ull << 20;  // a compressed field may always grow to this
+
+/// The innermost reason HDF5 gives for the last failure on this thread.
+std::string Reason() {
+  std::string reason;
+  const auto visit = [](unsigned, const H5E_error2_t* error, void* data) -> herr_t {
+    auto& text = *static_cast<std::string*>(data);
+    if (text.empty() && error->desc != nullptr) text = error->desc;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &reason);
+  return reason.empty() ? "no reason given" : reason;
+}
+
+std::optional<FieldType> TypeOf(hid_t type) {
+  const std::size_t size = H5Tget_size(type);
+  switch (H5Tget_class(type)) {
+    case H5T_FLOAT:
+      if (size == 4) return FieldType::kFloat32;
+      if (size == 8) return FieldType::kFloat64;
+      return std::nullopt;
+    case H5T_INTEGER:
+      if (size == 1 && H5Tget_sign(type) == H5T_SGN_NONE) return FieldType::kUint8;
+      if (size == 4 && H5Tget_sign(type) == H5T_SGN_2) return FieldType::kInt32;
+      if (size == 8 && H5Tget_sign(type) == H5T_SGN_2) return FieldType::kInt64;
+      return std::nullopt;
+    case H5T_STRING:
+      return FieldType::kText;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string TypeText(hid_t type) {
+  if (const auto known = TypeOf(type)) return std::string(Name(*known));
+  const char* kind = H5Tget_class(type) == H5T_INTEGER ? "integer"
+                     : H5Tget_class(type) == H5T_FLOAT ? "float"
+                                                       : "other";
+  return std::string(kind) + " of " + std::to_string(H5Tget_size(type)) + " bytes";
+}
+
+/// Product of the extents; empty on overflow.
+std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::uint64_t start = 1) {
+  std::uint64_t product = start;
+  for (const hsize_t extent : extents) {
+    if (__builtin_mul_overflow(product, static_cast<std::uint64_t>(extent), &product)) return std::nullopt;
+  }
+  return product;
+}
+
+std::optional<std::vector<hsize_t>> ShapeOf(hid_t space) {
+  const H5S_class_t kind = H5Sget_simple_extent_type(space);
+  if (kind == H5S_SCALAR) return std::vector<hsize_t>{};
+  const int rank = kind == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space) : -1;
+  if (rank < 0) return std::nullopt;
+  std::vector<hsize_t> shape(static_cast<std::size_t>(rank));
+  if (rank > 0 && H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0) return std::nullopt;
+  return shape;
+}
+
+/// Text up to the padding; empty when a zero byte stands inside.
+std::optional<std::string> Unpad(const char* text, std::size_t size, H5T_str_t padding) {
+  std::size_t length = strnlen(text, size);
+  if (padding != H5T_STR_NULLTERM) {
+    for (std::size_t i = length; i < size; ++i) {
+      if (text[i] != '\0') return std::nullopt;
+    }
+  }
+  if (padding == H5T_STR_SPACEPAD) {
+    while (length > 0 && text[length - 1] == ' ') --length;
+  }
+  return std::string(text, length);
+}
+
+template <class T>
+Expected<Array> ReadNumbers(hid_t dataset, hid_t memory_type, std::uint64_t count, std::vector<std::uint64_t> shape,
+                            const std::string& where) {
+  std::vector<T> values(count);
+  if (count > 0 && H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+    return Fail(ErrorCode::kMalformed, "values cannot be read: " + Reason(), where);
+  }
+  return MakeArray(std::move(shape), std::move(values));
+}
+
+herr_t FreeVariable(hid_t type, hid_t space, char** text) { return H5Dvlen_reclaim(type, space, H5P_DEFAULT, text); }
+
+}  // namespace
+
+Expected<Hdf5Reader> Hdf5Reader::Open(const std::filesystem::path& file) {
+  SilenceHdf5();
+  std::error_code failure;
+  const auto status = std::filesystem::status(file, failure);
+  if (!std::filesystem::exists(status)) return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(file));
+  if (!std::filesystem::is_regular_file(status)) {
+    return Fail(ErrorCode::kUnreadable, "is not a regular file", DisplayPath(file));
+  }
+  Hdf5Reader reader;
+  reader.path_ = file;
+  reader.bytes_ = std::filesystem::file_size(file, failure);
+  if (failure) return Fail(ErrorCode::kUnreadable, failure.message(), DisplayPath(file));
+  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  H5Pset_file_locking(access.get(), false, true);
+  reader.id_ = Hdf5Id(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+  if (reader.id_.ok()) return reader;
+  const std::string reason = Reason();
+  if (reader.bytes_ > 0 && H5Fis_hdf5(file.c_str()) < 0) {
+    return Fail(ErrorCode::kUnreadable, "cannot be opened: " + reason, DisplayPath(file));
+  }
+  return Fail(ErrorCode::kMalformed,
+              reader.bytes_ == 0 ? "is empty; an HDF5 file was expected" : "is not a whole HDF5 file: " + reason,
+              Where(file, "/"), "make the file again; it may have been cut short while copying");
+}
+
+bool Hdf5Reader::Has(const std::string& path) const {
+  SilenceHdf5();
+  if (path.rfind("/@", 0) == 0) return H5Aexists_by_name(id_.get(), "/", path.c_str() + 2, H5P_DEFAULT) > 0;
+  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+    const std::string part = path.substr(0, end);
+    H5L_info_t link{};
+    if (H5Lexists(id_.get(), part.c_str(), H5P_DEFAULT) <= 0 ||
+        H5Lget_info(id_.get(), part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
+      return false;
+    }
+    if (end == std::string::npos) return true;
+  }
+}
+
+Expected<Array> Hdf5Reader::Read(const std::string& path, FieldType type) const {
+  SilenceHdf5();
+  return path.rfind("/@", 0) == 0 ? ReadAttribute(path, type) : ReadDataset(path, type);
+}
+
+Expected<Array> Hdf5Reader::ReadDataset(const std::string& path, FieldType type) const {
+  const std::string where = Where(path_, path);
+  const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.ok()) return Fail(ErrorCode::kMalformed, "cannot be opened as a dataset: " + Reason(), where);
+  const Hdf5Id stored_type(H5Dget_type(dataset.get()), H5Tclose);
+  if (!stored_type.ok() || TypeOf(stored_type.get()) != type) {
+    return Fail(ErrorCode::kMalformed,
+                "is of type " + TypeText(stored_type.get()) + "; the format asks for " + std::string(Name(type)),
+                where);
+  }
+  const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
+  const auto extents = ShapeOf(space.get());
+  const auto count = extents ? Product(*extents) : std::nullopt;
+  if (!count) return Fail(ErrorCode::kMalformed, "has no usable shape", where);
+  const bool variable = type == FieldType::kText && H5Tis_variable_str(stored_type.get()) > 0;
+  const std::uint64_t element_size = variable ? 1 : H5Tget_size(stored_type.get());
+  if (Status fits = CheckStorage(dataset.get(), *count, element_size, path); !fits) return Forward(fits);
+
+  std::vector<std::uint64_t> shape(extents->begin(), extents->end());
+  switch (type) {
+    case FieldType::kFloat32:
+      return ReadNumbers<float>(dataset.get(), H5T_NATIVE_FLOAT, *count, std::move(shape), where);
+    case FieldType::kFloat64:
+      return ReadNumbers<double>(dataset.get(), H5T_NATIVE_DOUBLE, *count, std::move(shape), where);
+    case FieldType::kInt32:
+      return ReadNumbers<std::int32_t>(dataset.get(), H5T_NATIVE_INT32, *count, std::move(shape), where);
+    case FieldType::kInt64:
+      return ReadNumbers<std::int64_t>(dataset.get(), H5T_NATIVE_INT64, *count, std::move(shape), where);
+    case FieldType::kUint8:
+      return ReadNumbers<std::uint8_t>(dataset.get(), H5T_NATIVE_UINT8, *count, std::move(shape), where);
+    case FieldType::kText:
+      break;
+  }
+  auto texts = variable ? ReadVariableTexts(dataset.get(), *count, path)
+                        : ReadTexts(dataset.get(), stored_type.get(), *count, path);
+  if (!texts) return Forward(texts);
+  return MakeArray(std::move(shape), std::move(*texts));
+}
+
+Status Hdf5Reader::CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_t element_size,
+                                const std::string& path) const {
+  const std::string where = Where(path_, path);
+  const auto needed = Product({count}, element_size);
+  const std::uint64_t stored = H5Dget_storage_size(dataset);
+  const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(creation.get());
+  if ((layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT) ||
+      H5Pget_external_count(creation.get()) != 0) {
+    return Fail(ErrorCode::kMalformed, "keeps its values outside this file", where);
+  }
+  std::uint64_t limit = stored;
+  const int filters = layout == H5D_CHUNKED ? H5Pget_nfilters(creation.get()) : 0;
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0;
+    unsigned config = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32) {
+      return Fail(ErrorCode::kMalformed, "is stored with HDF5 filter " + std::to_string(filter), where,
+                  "deflate, shuffle and fletcher32 are read");
+    }
+  }
+  if (filters > 0) limit = std::max(64 * stored, std::min(1032 * stored, kSmall));
+  std::optional<std::uint64_t> chunk = 0;
+  if (layout == H5D_CHUNKED && count > 0) {
+    std::vector<hsize_t> extents(H5S_MAX_RANK);
+    const int rank = H5Pget_chunk(creation.get(), H5S_MAX_RANK, extents.data());
+    extents.resize(static_cast<std::size_t>(std::max(rank, 0)));
+    chunk = Product(extents, element_size);
+  }
+  if (!needed || !chunk || stored > bytes_ || *needed > limit || *chunk > limit) {
+    return Fail(ErrorCode::kMalformed,
+                "announces " + (needed ? std::to_string(*needed) : std::string("more than 2^64")) + " bytes, but " +
+                    std::to_string(stored) + " are stored in a file of " + std::to_string(bytes_),
+                where);
+  }
+  return {};
+}
+
+Expected<std::vector<std::string>> Hdf5Reader::ReadTexts(hid_t dataset, hid_t type, std::uint64_t count,
+                                                         const std::string& path) const {
+  const std::size_t size = H5Tget_size(type);
+  std::vector<char> bytes(count * size);
+  if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+    return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), Where(path_, path));
+  }
+  std::vector<std::string> texts;
+  texts.reserve(count);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    auto text = Unpad(bytes.data() + i * size, size, H5Tget_strpad(type));
+    if (!text) {
+      return Fail(ErrorCode::kMalformed, "text " + std::to_string(i) + " has a zero byte inside", Where(path_, path));
+    }
+    texts.push_back(std::move(*text));
+  }
+  return texts;
+}
+
+Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, std::uint64_t count,
+                                                                 const std::string& path) const {
+  // One by one: a hostile file may point many elements at one long text.
+  const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
+  const hsize_t one = 1;
+  const Hdf5Id memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
+  const auto extents = ShapeOf(space.get());
+  std::vector<std::string> texts;
+  std::uint64_t total = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::vector<hsize_t> start(extents->size());
+    const std::vector<hsize_t> ones(extents->size(), 1);
+    std::uint64_t rest = i;
+    for (std::size_t d = start.size(); d-- > 0; rest /= (*extents)[d]) start[d] = rest % (*extents)[d];
+    if (!start.empty()) {
+      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, ones.data(), nullptr);
+    }
+    char* text = nullptr;
+    if (H5Dread(dataset, type.get(), memory.get(), space.get(), H5P_DEFAULT, &text) < 0) {
+      return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), Where(path_, path));
+    }
+    texts.emplace_back(text == nullptr ? "" : text);
+    FreeVariable(type.get(), memory.get(), &text);
+    total += texts.back().size();
+    if (total > bytes_) return Fail(ErrorCode::kMalformed, "texts are longer than the file", Where(path_, path));
+  }
+  return texts;
+}
+
+Expected<Array> Hdf5Reader::ReadAttribute(const std::string& path, FieldType type) const {
+  const std::string where = Where(path_, path);
+  const Hdf5Id attribute(H5Aopen_by_name(id_.get(), "/", path.c_str() + 2, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Hdf5Id stored_type(attribute.ok() ? H5Aget_type(attribute.get()) : -1, H5Tclose);
+  const Hdf5Id space(attribute.ok() ? H5Aget_space(attribute.get()) : -1, H5Sclose);
+  if (!stored_type.ok() || !space.ok() || H5Tget_class(stored_type.get()) != H5T_STRING || type != FieldType::kText ||
+      H5Sget_simple_extent_type(space.get()) != H5S_SCALAR) {
+    return Fail(ErrorCode::kMalformed, "is not a single text; the format asks for text", where);
+  }
+  if (H5Tis_variable_str(stored_type.get()) > 0) {
+    char* text = nullptr;
+    if (H5Aread(attribute.get(), stored_type.get(), &text) < 0) {
+      return Fail(ErrorCode::kMalformed, "cannot be read: " + Reason(), where);
+    }
+    Array array = MakeText(text == nullptr ? "" : text);
+    FreeVariable(stored_type.get(), space.get(), &text);
+    return array;
+  }
+  const std::size_t size = H5Tget_size(stored_type.get());
+  if (size > bytes_) return Fail(ErrorCode::kMalformed, "is longer than the file", where);
+  std::vector<char> bytes(size);
+  if (H5Aread(attribute.get(), stored_type.get(), bytes.data()) < 0) {
+    return Fail(ErrorCode::kMalformed, "cannot be read: " + Reason(), where);
+  }
+  auto text = Unpad(bytes.data(), size, H5Tget_strpad(stored_type.get()));
+  if (!text) return Fail(ErrorCode::kMalformed, "has a zero byte inside", where);
+  return MakeText(std::move(*text));
+}
+
+}  // namespace mocurate::store

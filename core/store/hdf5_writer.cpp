@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include "core/store/hdf5_file.h"
+
+namespace mocurate::store {
+namespace {
+
+constexpr std::size_t kGrowth = 4u << 20;
+constexpr std::size_t kLongestAttribute = 60000;  // an attribute must fit an object header of 64 kB
+
+tl::unexpected<Error> Broken(const std::string& path, const std::string& what) {
+  return Fail(ErrorCode::kCannotWrite, what + " in the HDF5 image in memory", path, "memory may be exhausted");
+}
+
+/// Properties of an object: no times, links and attributes in the object's own header.
+Hdf5Id Untimed(hid_t kind) {
+  Hdf5Id properties(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  H5Pset_attr_phase_change(properties.get(), 32, 16);
+  return properties;
+}
+
+Hdf5Id TextType(std::size_t length) {
+  Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), std::max<std::size_t>(length, 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return type;
+}
+
+hid_t FileType(FieldType type) {
+  switch (type) {
+    case FieldType::kFloat32:
+      return H5T_IEEE_F32LE;
+    case FieldType::kFloat64:
+      return H5T_IEEE_F64LE;
+    case FieldType::kInt32:
+      return H5T_STD_I32LE;
+    case FieldType::kInt64:
+      return H5T_STD_I64LE;
+    default:
+      return H5T_STD_U8LE;
+  }
+}
+
+struct Block {
+  Hdf5Id text_type;
+  std::string padded;
+};
+
+/// Texts side by side, zero-padded to the longest.
+Block Pad(const std::vector<std::string>& texts) {
+  Block block;
+  std::size_t longest = 1;
+  for (const std::string& text : texts) longest = std::max(longest, text.size());
+  block.padded.assign(longest * texts.size(), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    std::copy(texts[i].begin(), texts[i].end(), block.padded.begin() + static_cast<std::ptrdiff_t>(i * longest));
+  }
+  block.text_type = TextType(longest);
+  return block;
+}
+
+}  // namespace
+
+Expected<Hdf5Writer> Hdf5Writer::Create() {
+  SilenceHdf5();
+  static std::atomic<std::uint64_t> images{0};  // two images at a time must not share a name
+  Hdf5Writer writer;
+  writer.access_ = Hdf5Id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(writer.access_.get(), kGrowth, false);
+  H5Pset_libver_bounds(writer.access_.get(), H5F_LIBVER_V18, H5F_LIBVER_V110);
+  H5Pset_fclose_degree(writer.access_.get(), H5F_CLOSE_STRONG);
+  const Hdf5Id creation = Untimed(H5P_FILE_CREATE);
+  H5Pset_link_phase_change(creation.get(), 64, 48);
+  const std::string name = "mocurate-image-" + std::to_string(images.fetch_add(1));
+  writer.id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.get(), writer.access_.get()), H5Fclose);
+  if (!writer.id_.ok()) return Broken("/", "no file can be made");
+  return writer;
+}
+
+Status Hdf5Writer::MakeGroups(const std::string& path) {
+  const Hdf5Id properties = Untimed(H5P_GROUP_CREATE);
+  H5Pset_link_phase_change(properties.get(), 64, 48);
+  for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
+    const std::string part = path.substr(0, end);
+    if (H5Lexists(id_.get(), part.c_str(), H5P_DEFAULT) > 0) continue;
+    const Hdf5Id group(H5Gcreate2(id_.get(), part.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose);
+    if (!group.ok()) return Broken(part, "the group cannot be made");
+  }
+  return {};
+}
+
+Status Hdf5Writer::PutAttribute(hid_t object, const std::string& name, const std::string& text,
+                                const std::string& path) {
+  if (text.size() > kLongestAttribute) {
+    return Fail(ErrorCode::kInconsistent,
+                "has " + std::to_string(text.size()) + " bytes; an attribute holds at most " +
+                    std::to_string(kLongestAttribute),
+                path);
+  }
+  const Block block = Pad({text});
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Id attribute(H5Acreate2(object, name.c_str(), block.text_type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  if (!attribute.ok() || H5Awrite(attribute.get(), block.text_type.get(), block.padded.data()) < 0) {
+    return Broken(path, "the attribute cannot be written");
+  }
+  return {};
+}
+
+Status Hdf5Writer::Write(const std::string& path, const Array& array) {
+  SilenceHdf5();
+  if (path.rfind("/@", 0) == 0) return PutAttribute(id_.get(), path.substr(2), array.as<std::string>().at(0), path);
+  if (Status made = MakeGroups(path); !made) return made;
+  Block block;
+  if (array.type() == FieldType::kText) block = Pad(array.as<std::string>());
+  const void* data = std::visit([](const auto& held) { return static_cast<const void*>(held.data()); }, array.values);
+  if (block.text_type.ok()) data = block.padded.data();
+  const hid_t type = block.text_type.ok() ? block.text_type.get() : FileType(array.type());
+  const std::vector<hsize_t> extents(array.shape.begin(), array.shape.end());
+  const Hdf5Id space(extents.empty() ? H5Screate(H5S_SCALAR)
+                                     : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
+                     H5Sclose);
+  const Hdf5Id properties = Untimed(H5P_DATASET_CREATE);
+  H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
+  H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
+  const Hdf5Id dataset(
+      H5Dcreate2(id_.get(), path.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.ok()) return Broken(path, "the dataset cannot be made");
+  if (array.size() > 0 && H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
+    return Broken(path, "the values cannot be written");
+  }
+  return {};
+}
+
+Status Hdf5Writer::AttributeOf(const std::string& path, const std::string& name, const std::string& text) {
+  SilenceHdf5();
+  const Hdf5Id object(H5Oopen(id_.get(), path.c_str(), H5P_DEFAULT), H5Oclose);
+  return PutAttribute(object.get(), name, text, path);
+}
+
+Status Hdf5Writer::Finish(const std::function<Status(std::string_view)>& sink) {
+  SilenceHdf5();
+  if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0) return Broken("/", "the file cannot be finished");
+  const ssize_t size = H5Fget_file_image(id_.get(), nullptr, 0);
+  void* memory = nullptr;  // the driver hands out the address of its pointer
+  if (size <= 0 || H5Fget_vfd_handle(id_.get(), access_.get(), &memory) < 0 || memory == nullptr) {
+    return Broken("/", "the file cannot be finished");
+  }
+  return sink(std::string_view(*static_cast<const char**>(memory), static_cast<std::size_t>(size)));
+}
+
+}  // namespace mocurate::store

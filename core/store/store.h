@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/motion/clip.h"
+
+namespace mocurate {
+
+/// One split: clip rows per part, the rule in words, and what the leak check found.
+struct Split {
+  std::string name;
+  std::vector<int> train;
+  std::vector<int> validation;
+  std::vector<int> test;
+  std::string rule;
+  std::string leak_check;  ///< "ok: no person in two parts", or what leaks
+};
+
+/// Coarse/fine label hierarchy; parent is empty for a coarse label.
+struct LabelName {
+  std::string name;
+  std::string parent;
+};
+
+/// A Dataset or MotionSet: clips with motion, one skeleton, either all with rotations or all joints only.
+struct Dataset {
+  SkeletonPtr skeleton;
+  bool joints_only = false;
+  std::vector<Clip> clips;        ///< sorted by id; evidence not stored here
+  std::vector<LabelName> labels;  ///< class index = position
+  std::vector<Split> splits;
+  std::vector<Finding> findings;
+  std::string recipe;
+  std::string created_by;  ///< program and version
+  AxisConvention axes;     ///< canonical unless a foreign file says otherwise
+
+  /// Position of a label; -1 when it is not there.
+  int LabelIndex(const std::string& label) const;
+  /// Null when there is none of that name.
+  const Split* FindSplit(const std::string& name) const;
+};
+
+/// Ground truth of a synthetic capture, in its own file group /truth/: motion per clip id.
+struct Truth {
+  std::map<std::string, Motion> motion;
+};
+
+/// The dataset file of design section 5, schema "mocurate/1". Same content, same bytes; appears whole or not at all.
+Status WriteDataset(const Dataset& dataset, const std::filesystem::path& path);
+/// Checks the whole file against the table of fields and content_sha256. Error kMalformed names file and dataset path.
+Expected<Dataset> ReadDataset(const std::filesystem::path& path);
+
+/// An evidence artifact, schema "mocurate-evidence/1": one clip with evidence and possibly a given motion.
+Status WriteEvidence(const Clip& clip, const std::filesystem::path& path);
+Expected<Clip> ReadEvidence(const std::filesystem::path& path);
+
+/// Truth, schema "mocurate-truth/1". No stage before `evaluate` opens it.
+Status WriteTruth(const Truth& truth, const std::filesystem::path& path);
+Expected<Truth> ReadTruth(const std::filesystem::path& path);
+
+/// What a file is and holds, as JSON: schema, skeleton, counts, fields with shape, type and unit.
+Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path);
+
+/// docs/store_format.md, generated from the table of fields.
+std::string StoreFormatDocument();
+
+}  // namespace mocurate

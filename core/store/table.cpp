@@ -1,0 +1,257 @@
+#include "core/store/table.h"
+
+#include "core/store/rules.h"
+
+namespace mocurate::store {
+namespace {
+
+using Shape = std::vector<std::string>;
+constexpr FieldType kF4 = FieldType::kFloat32;
+constexpr FieldType kF8 = FieldType::kFloat64;
+constexpr FieldType kI4 = FieldType::kInt32;
+constexpr FieldType kI8 = FieldType::kInt64;
+constexpr FieldType kU1 = FieldType::kUint8;
+constexpr FieldType kText = FieldType::kText;
+constexpr Presence kAlways = Presence::kAlways;
+constexpr Presence kOptional = Presence::kOptional;
+constexpr Presence kMotion = Presence::kMotion;
+constexpr Presence kTree = Presence::kTree;
+
+/// Adds fields below one group, all with the same presence.
+class Group {
+ public:
+  Group(std::vector<Field>& fields, std::string path, Presence presence)
+      : fields_(fields), path_(std::move(path)), presence_(presence) {}
+
+  Group& Add(const std::string& name, FieldType type, Shape shape, const std::string& unit, Rule rule,
+             const std::string& meaning) {
+    return Add(name, type, std::move(shape), unit, std::move(rule), meaning, presence_);
+  }
+  Group& Add(const std::string& name, FieldType type, Shape shape, const std::string& unit, Rule rule,
+             const std::string& meaning, Presence presence) {
+    fields_.push_back(Field{path_ + "/" + name, type, std::move(shape), unit, presence, std::move(rule), meaning,
+                            presence == Presence::kGroup ? path_ : ""});
+    return *this;
+  }
+
+ private:
+  std::vector<Field>& fields_;
+  std::string path_;
+  Presence presence_;
+};
+
+void AddRoot(std::vector<Field>& fields, const std::string& schema, const std::vector<std::string>& kinematics,
+             Presence motion) {
+  Group(fields, "", kAlways)
+      .Add("@schema", kText, {}, "", EqualTo(schema), "what this file is")
+      .Add("@kinematics", kText, {}, "", OneOf(kinematics),
+           "tree: rotations on the skeleton's tree, joints follow from them; joints: positions only")
+      .Add("@units", kText, {}, "", EqualTo("m s rad"), "units of all fields that name no other")
+      .Add("@content_sha256", kText, {}, "", Sha256Digits(false), "of all other fields of this table, see below")
+      .Add("@skeleton", kText, {}, "", Anything(), "name of the skeleton", motion);
+}
+
+void AddSkeleton(std::vector<Field>& fields, const std::string& prefix, Presence presence) {
+  const std::string path = prefix + "/skeleton";
+  Group(fields, path, presence)
+      .Add("names", kText, {"J"}, "", UniqueNames(), "joints; joint 0 is the root")
+      .Add("parents", kI4, {"J"}, "", Parents(), "position of the parent")
+      .Add("rest_offsets", kF8, {"J", "3"}, "m", Finite(), "from the parent in the rest pose, y up, facing +z")
+      .Add("mirror", kI4, {"J"}, "", MirrorPartners(), "partner on the other side, itself on the midline")
+      .Add("radius", kF8, {"J"}, "m", AtLeast(0), "capsule of the bone that ends at the joint")
+      .Add("surface_point", kU1, {"J"}, "", InRange(0, 1), "1: a point on the surface kept as a joint, never rotates");
+  Group(fields, path + "/reflections", Presence::kGroup)
+      .Add("joint", kI4, {"R"}, "", RowOf("/skeleton/names"), "joint whose reflection is given")
+      .Add("matrix", kF8, {"R", "3", "3"}, "", Finite(),
+           "frame of the mirror partner from the joint's, in a mirror image");
+  Group(fields, path + "/synonyms", Presence::kGroup)
+      .Add("joint", kI4, {"Y"}, "", RowOf("/skeleton/names"), "joint that has another name")
+      .Add("name", kText, {"Y"}, "", NotEmpty(), "the other name");
+  Group(fields, path + "/limits", Presence::kGroup)
+      .Add("given", kU1, {"J"}, "", InRange(0, 1), "1 for joints with limits")
+      .Add("min", kF8, {"J", "3"}, "rad", Finite(), "least rotation vector, in the frame of the rest pose")
+      .Add("max", kF8, {"J", "3"}, "rad", NotBelow("min"), "greatest rotation vector");
+  Group(fields, path + "/landmarks", Presence::kGroup)
+      .Add("name", kText, {"M"}, "", UniqueNames(), "points that are no joint of the tree")
+      .Add("joint", kI4, {"M"}, "", RowOf("/skeleton/names"), "joint they are fixed to")
+      .Add("offset", kF8, {"M", "3"}, "m", Finite(), "in the joint's frame, rest pose");
+  Group(fields, path + "/lie", Presence::kGroup)
+      .Add("chain_length", kI4, {"H"}, "", ChainLengths(), "joints of each Lie chain")
+      .Add("chain_joint", kI4, {"Q"}, "", RowOf("/skeleton/names"), "joints of the chains, one chain after the other")
+      .Add("raw_offset", kF8, {"J", "3"}, "", Finite(), "unit direction of the bone, zero for the root");
+}
+
+void AddFrames(std::vector<Field>& fields, const std::string& prefix, Presence presence) {
+  Group(fields, prefix + "/frames", presence)
+      .Add("root_translation", kF4, {"F", "3"}, "m", Finite(), "of joint 0 in the world", kTree)
+      .Add("rotation", kF4, {"F", "J", "4"}, "", UnitQuaternion(1e-5), "parent_from_joint; world_from_root", kTree)
+      .Add("joints", kF4, {"F", "J", "3"}, "m", ForwardKinematicsJoints(), "positions in the world")
+      .Add("state", kU1, {"F", "J"}, "", InRange(0, 3), "0 observed, 1 repaired, 2 interpolated, 3 inferred", kOptional)
+      .Add("position_cov", kF4, {"F", "J", "6"}, "m2", Covariance(), "xx xy xz yy yz zz", kOptional)
+      .Add("rotation_sigma", kF4, {"F", "J", "3"}, "rad", AtLeast(0), "standard deviation", kOptional)
+      .Add("rotation_observed", kF4, {"F", "J", "3"}, "", AtMost(1), "1 - posterior/prior variance", kOptional)
+      .Add("contact", kU1, {"F", "2"}, "", InRange(0, 1), "left and right foot on the floor", kOptional);
+}
+
+/// Where each clip's frames lie. `rows` is "C", or "1" in a file of one clip.
+void AddSpans(std::vector<Field>& fields, const std::string& prefix, const std::string& rows, Presence presence) {
+  Group(fields, prefix + "/clips", presence)
+      .Add("offset", kI8, {rows}, "frames", OffsetsTileFrames(), "first row of the clip in /frames")
+      .Add("count", kI8, {rows}, "frames", AtLeast(1), "rows of the clip in /frames")
+      .Add("field_mask", kU1, {rows}, "bits", OptionalFieldMask(),
+           "which optional fields of /frames the clip has: 1 state, 2 position_cov, 4 rotation_sigma, 8 "
+           "rotation_observed, "
+           "16 contact; rows of others are zero")
+      .Add("bone_length", kF8, {rows, "J"}, "m", AtLeast(0), "of the person, bone that ends at the joint", kTree);
+}
+
+void AddClips(std::vector<Field>& fields, const std::string& rows) {
+  Group(fields, "/clips", kAlways)
+      .Add("id", kText, {rows}, "", SortedIds(), "source/person/recording#begin-end")
+      .Add("source", kText, {rows}, "", Anything(), "data set the clip comes from")
+      .Add("person", kText, {rows}, "", Anything(), "who moves")
+      .Add("recording", kText, {rows}, "", Anything(), "take")
+      .Add("begin_frame", kI4, {rows}, "frames", AtLeast(0), "span in the recording, [begin, end)")
+      .Add("end_frame", kI4, {rows}, "frames", NotBelow("begin_frame"), "span in the recording, [begin, end)")
+      .Add("session", kText, {rows}, "", Anything(), "session, or empty")
+      .Add("view", kText, {rows}, "", Anything(), "camera, or empty")
+      .Add("licence", kText, {rows}, "", Anything(), "of the source")
+      .Add("role", kText, {rows}, "", Anything(), "train, test or empty, as the source declares it")
+      .Add("label", kText, {rows}, "", Anything(), "of the whole clip, or empty")
+      .Add("rate", kText, {rows}, "Hz", RateText(), "frames per second as a fraction: 30, 120000/1001")
+      .Add("fit_rms", kF8, {rows}, "m", AtLeast(0), "residual of the fit; 0 if not fitted")
+      .Add("canonical_from_source", kF8, {rows, "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
+      .Add("provenance", kText, {rows}, "", JsonTexts(), "JSON object of texts; bytes that are not UTF-8 as \\xNN")
+      .Add("evidence_sha256", kText, {rows}, "", Anything(), "of the evidence artifact, or empty");
+  Group(fields, "/segments", Presence::kGroup)
+      .Add("clip", kI4, {"S"}, "", RowOf("/clips/id"), "row of the clip")
+      .Add("begin_s", kF8, {"S"}, "s", Finite(), "from the clip's first frame")
+      .Add("end_s", kF8, {"S"}, "s", NotBelow("begin_s"), "from the clip's first frame, not included")
+      .Add("label", kText, {"S"}, "", Anything(), "what happens")
+      .Add("category", kText, {"S"}, "", Anything(), "coarser class, or empty")
+      .Add("origin", kText, {"S"}, "", Anything(), "annotated, measured, file_name");
+}
+
+void AddDatasetParts(std::vector<Field>& fields) {
+  Group(fields, "", kAlways)
+      .Add("@rate", kText, {}, "Hz", RateOfClips(), "the rate of every clip, or mixed")
+      .Add("@axes", kText, {}, "", AxesText(), "where +x +y +z point; +x +y +z is canonical: y up, facing +z")
+      .Add("@created_by", kText, {}, "", Anything(), "program and version")
+      .Add("recipe", kText, {}, "", Anything(), "configuration that made the file");
+  Group(fields, "/clips", kAlways)
+      .Add("class", kI4, {"C"}, "", ClassOfLabel(), "row of the clip's label in /labels, -1 if it is not there");
+  Group(fields, "/labels", Presence::kGroup)
+      .Add("name", kText, {"L"}, "", UniqueNames(), "class index is the position")
+      .Add("parent", kText, {"L"}, "", Anything(), "coarser label, or empty");
+  Group(fields, "/splits/*", Presence::kGroup)
+      .Add("train", kI4, {"*"}, "", SplitRows(), "clip rows")
+      .Add("validation", kI4, {"*"}, "", SplitRows(), "clip rows")
+      .Add("test", kI4, {"*"}, "", SplitRows(), "clip rows")
+      .Add("rule", kText, {}, "", Anything(), "how the split was made")
+      .Add("leak_check", kText, {}, "", Anything(), "what the leak check found");
+  Group(fields, "/findings", Presence::kGroup)
+      .Add("clip", kText, {"N"}, "", Anything(), "clip id; may be of a clip that was dropped")
+      .Add("frame_begin", kI4, {"N"}, "frames", Anything(), "[begin, end) of the clip; 0, 0 is the whole clip")
+      .Add("frame_end", kI4, {"N"}, "frames", NotBelow("frame_begin"), "[begin, end) of the clip")
+      .Add("joint", kText, {"N"}, "", Anything(), "joint name, or empty")
+      .Add("code", kText, {"N"}, "", NotEmpty(), "stable text")
+      .Add("severity", kText, {"N"}, "", OneOf({"info", "warning", "error"}), "how grave it is")
+      .Add("value", kF8, {"N"}, "as the message says", Finite(), "measured number")
+      .Add("message", kText, {"N"}, "", Anything(), "explains the value")
+      .Add("action", kText, {"N"}, "", Anything(), "what was done about it");
+}
+
+void AddEvidence(std::vector<Field>& fields) {
+  Group(fields, "/tracks", Presence::kGroup)
+      .Add("names", kText, {"K"}, "", Anything(), "tracked points, names of the source")
+      .Add("time_s", kF8, {"T"}, "s", Rising(true), "time of each frame")
+      .Add("positions", kF8, {"T", "K", "3"}, "m", Finite(), "in the world; of no meaning where confidence is 0")
+      .Add("confidence", kF8, {"T", "K"}, "", InRange(0, 1), "0: not observed");
+  Group(fields, "/depth", Presence::kGroup)
+      .Add("camera", kText, {"V"}, "", Anything(), "name of each view")
+      .Add("width", kI4, {"V"}, "px", AtLeast(0), "of the image")
+      .Add("height", kI4, {"V"}, "px", AtLeast(0), "of the image")
+      .Add("intrinsics", kF8, {"V", "4"}, "px", Finite(), "fx fy cx cy; the centre of the first pixel is (0, 0)")
+      .Add("distortion", kF8, {"V", "5"}, "", Finite(), "k1 k2 p1 p2 k3 (OpenCV)")
+      .Add("camera_from_world", kF8, {"V", "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
+      .Add("metres_per_unit", kF8, {"V"}, "m", AtLeast(0), "depth of one unit of the images")
+      .Add("count", kI8, {"V"}, "", ViewCounts(), "images of each view")
+      .Add("path", kText, {"D"}, "", NotEmpty(),
+           "16-bit PNG files of view 0, then view 1, ...; bytes as the system has them")
+      .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty")
+      .Add("time_s", kF8, {"D"}, "s", RisingPerView(), "time of each image");
+}
+
+Schema MakeDatasetSchema() {
+  Schema schema{"mocurate/1", "A dataset, or a set of generated motions: clips with motion, one skeleton.", "", {}};
+  AddRoot(schema.fields, schema.name, {"tree", "joints"}, kAlways);
+  AddSkeleton(schema.fields, "", kAlways);
+  AddClips(schema.fields, "C");
+  AddSpans(schema.fields, "", "C", kAlways);
+  AddFrames(schema.fields, "", kAlways);
+  AddDatasetParts(schema.fields);
+  return schema;
+}
+
+Schema MakeEvidenceSchema() {
+  Schema schema{"mocurate-evidence/1", "One clip with its evidence, and the motion it has (given, or fitted).", "", {}};
+  AddRoot(schema.fields, schema.name, {"none", "tree", "joints"}, kMotion);
+  AddClips(schema.fields, "1");
+  AddEvidence(schema.fields);
+  AddSkeleton(schema.fields, "", kMotion);
+  AddSpans(schema.fields, "", "1", kMotion);
+  AddFrames(schema.fields, "", kMotion);
+  return schema;
+}
+
+Schema MakeTruthSchema() {
+  Schema schema{"mocurate-truth/1", "True motion of a synthetic capture, by clip id.", "/truth", {}};
+  AddRoot(schema.fields, schema.name, {"none", "tree", "joints"}, kMotion);
+  AddSkeleton(schema.fields, "/truth", kMotion);
+  Group(schema.fields, "/truth/clips", kMotion)
+      .Add("id", kText, {"C"}, "", SortedIds(), "source/person/recording#begin-end")
+      .Add("rate", kText, {"C"}, "Hz", RateText(), "frames per second as a fraction");
+  AddSpans(schema.fields, "/truth", "C", kMotion);
+  AddFrames(schema.fields, "/truth", kMotion);
+  return schema;
+}
+
+}  // namespace
+
+const Schema& DatasetSchema() {
+  static const Schema schema = MakeDatasetSchema();
+  return schema;
+}
+
+const Schema& EvidenceSchema() {
+  static const Schema schema = MakeEvidenceSchema();
+  return schema;
+}
+
+const Schema& TruthSchema() {
+  static const Schema schema = MakeTruthSchema();
+  return schema;
+}
+
+std::vector<const Schema*> AllSchemas() { return {&DatasetSchema(), &EvidenceSchema(), &TruthSchema()}; }
+
+std::vector<std::pair<std::string, std::string>> Symbols() {
+  return {{"C", "clips"},
+          {"F", "frames of all clips"},
+          {"J", "joints"},
+          {"S", "segments"},
+          {"L", "labels"},
+          {"N", "findings"},
+          {"M", "landmarks"},
+          {"R", "given reflections"},
+          {"Y", "synonyms"},
+          {"H", "Lie chains"},
+          {"Q", "joints of the Lie chains"},
+          {"K", "tracked points"},
+          {"T", "frames of the tracks"},
+          {"V", "views"},
+          {"D", "depth images of all views"},
+          {"*", "any number"}};
+}
+
+}  // namespace mocurate::store

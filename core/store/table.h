@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/store/array.h"
+
+namespace mocurate::store {
+
+/// What a rule may look at: its own field and, by path, the others (their types and shapes have been checked).
+struct RuleContext {
+  const Array& array;
+  const Content& content;
+  std::string path;
+  std::string prefix;  ///< "" or "/truth": what stands before /frames, /clips, ...
+  /// A field that stands beside this one in the same group.
+  const Array* Sibling(const std::string& name) const;
+};
+
+/// A rule in words, and its check: says what breaks it, or nothing.
+struct Rule {
+  std::string words;
+  std::function<std::optional<std::string>(const RuleContext&)> check;
+};
+
+/// When a field has to be there.
+enum class Presence {
+  kAlways,
+  kOptional,
+  kGroup,   ///< whenever another field of Field::group is
+  kMotion,  ///< when /@kinematics is not "none", and only then
+  kTree,    ///< when /@kinematics is "tree", and only then
+};
+
+/// One line of the table: everything there is to know about a field.
+struct Field {
+  std::string path;  ///< * stands for the name of a split
+  FieldType type;
+  std::vector<std::string> shape;  ///< symbols ("F") and fixed extents ("3"); empty for a scalar
+  std::string unit;
+  Presence presence;
+  Rule rule;
+  std::string meaning;
+  std::string group;  ///< for kGroup
+};
+
+/// One kind of file.
+struct Schema {
+  std::string name;     ///< "mocurate/1"
+  std::string purpose;  ///< one sentence
+  std::string prefix;   ///< "" or "/truth"
+  std::vector<Field> fields;
+};
+
+const Schema& DatasetSchema();
+const Schema& EvidenceSchema();
+const Schema& TruthSchema();
+std::vector<const Schema*> AllSchemas();
+
+/// What the symbols of the shapes mean, for the document.
+std::vector<std::pair<std::string, std::string>> Symbols();
+
+/// The table with * replaced by every split of `content`.
+std::vector<Field> ConcreteFields(const Schema& schema, const Content& content);
+
+/// Checks presence, type, shape and rule of every field. `where` makes the place of a field from its path; `code` is
+/// the code of the error.
+Status CheckContent(const Schema& schema, const Content& content, ErrorCode code,
+                    const std::function<std::string(const std::string& path)>& where);
+
+}  // namespace mocurate::store

@@ -1,0 +1,83 @@
+#include <map>
+
+#include "core/base/file.h"
+#include "core/store/store.h"
+#include "eval/metrics/fit_error.h"
+#include "eval/stages.h"
+
+namespace mocurate {
+namespace {
+
+struct Inputs {
+  std::map<std::string, Motion> truth;
+  std::map<std::string, Clip> fits;       ///< by clip id
+  std::map<std::string, Clip> evidence;   ///< by clip id
+};
+
+Expected<Inputs> ReadInputs(const StageRequest& request) {
+  Inputs inputs;
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "truth") {
+      auto truth = ReadTruth(input.path);
+      if (!truth) return Forward(truth);
+      inputs.truth.merge(truth->motion);
+    } else if (input.role == "fit") {
+      auto dataset = ReadDataset(input.path);
+      if (!dataset) return Forward(dataset);
+      for (Clip& clip : dataset->clips) inputs.fits.emplace(clip.id(), std::move(clip));
+    } else if (input.role == "evidence") {
+      auto clip = ReadEvidence(input.path);
+      if (!clip) return Forward(clip);
+      const std::string id = clip->id();
+      inputs.evidence.emplace(id, std::move(*clip));
+    }
+  }
+  return inputs;
+}
+
+nlohmann::json ToJson(const FitError& error) {
+  return {{"joint_mm", error.joint_mm},
+          {"evidence_mm", error.evidence_mm},
+          {"rotation_deg", error.rotation_deg},
+          {"bone_direction_deg", error.bone_direction_deg},
+          {"frames", error.frames}};
+}
+
+}  // namespace
+
+Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
+  const auto inputs = ReadInputs(request);
+  if (!inputs) return Forward(inputs);
+  nlohmann::json per_clip = nlohmann::json::object();
+  FitError total;
+  for (const auto& [id, fitted] : inputs->fits) {
+    const auto truth = inputs->truth.find(id);
+    if (truth == inputs->truth.end()) continue;
+    const auto evidence = inputs->evidence.find(id);
+    const auto error = CompareWithTruth(fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence,
+                                        truth->second);
+    if (!error) return Forward(error);
+    per_clip[id] = ToJson(*error);
+    total.frames += error->frames;
+    total.joint_mm += error->joint_mm * error->frames;
+    total.evidence_mm += error->evidence_mm * error->frames;
+    total.rotation_deg += error->rotation_deg * error->frames;
+    total.bone_direction_deg += error->bone_direction_deg * error->frames;
+  }
+  if (total.frames == 0) {
+    return Fail(ErrorCode::kInconsistent, "no fitted clip has a truth of its id", "fit_error",
+                "the truth belongs to another capture");
+  }
+  for (double* sum : {&total.joint_mm, &total.evidence_mm, &total.rotation_deg, &total.bone_direction_deg}) {
+    *sum /= total.frames;
+  }
+  StageOutcome outcome;
+  outcome.summary = ToJson(total);
+  outcome.summary["clips"] = per_clip.size();
+  nlohmann::json artifact = outcome.summary;
+  artifact["per_clip"] = std::move(per_clip);
+  if (Status written = WriteFile(request.output, artifact.dump(1)); !written) return Forward(written);
+  return outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,39 @@
+#include "eval/metrics/fid.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace mocurate {
+
+Expected<FeatureStatistics> StatisticsOf(const Features& features) {
+  if (features.rows() < 2) {
+    return Fail(ErrorCode::kInconsistent, std::to_string(features.rows()) + " motions; a covariance needs at least 2",
+                "features");
+  }
+  if (!features.allFinite()) {
+    return Fail(ErrorCode::kInconsistent, "a feature is not a finite number", "features",
+                "the motions hold NaN or infinite positions, or the recogniser was trained to divergence");
+  }
+  FeatureStatistics statistics;
+  statistics.mean = features.colwise().mean();
+  const Eigen::MatrixXd centred = features.rowwise() - statistics.mean.transpose();
+  statistics.covariance = centred.transpose() * centred / static_cast<double>(features.rows() - 1);
+  return statistics;
+}
+
+Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatistics& b) {
+  if (a.mean.size() != b.mean.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(a.mean.size()) + " and " + std::to_string(b.mean.size()) + " features per motion", "features",
+                "both sets must come from the same recogniser");
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> first(a.covariance);
+  const Eigen::VectorXd roots = first.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd root = first.eigenvectors() * roots.asDiagonal() * first.eigenvectors().transpose();
+  const Eigen::MatrixXd product = root * b.covariance * root;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> second(0.5 * (product + product.transpose()),
+                                                              Eigen::EigenvaluesOnly);
+  const double trace_root = second.eigenvalues().cwiseMax(0.0).cwiseSqrt().sum();
+  return (a.mean - b.mean).squaredNorm() + a.covariance.trace() + b.covariance.trace() - 2.0 * trace_root;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,69 @@
+#include "fitting/clouds/cloud_match.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr double kTurnPenalty = 0.04;  ///< m that a surface facing another way counts as farther, per (1 - cosine)
+constexpr double kLeastSigma = 0.003;  ///< m
+constexpr double kPriorPoints = 30.0;  ///< points that the radius known before counts as
+
+double Median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
+                                    double max_distance) {
+  std::vector<CapsuleEnds> ends;
+  for (const FleshCapsule& capsule : body.capsules) ends.push_back(EndsOf(capsule, state, frame));
+  std::vector<CloudMatch> matches;
+  for (int i = 0; i < cloud.size(); ++i) {
+    CloudMatch best;
+    double least = max_distance + 2.0 * kTurnPenalty;
+    for (std::size_t c = 0; c < body.capsules.size(); ++c) {
+      const double radius = body.capsules[c].radius;
+      const CapsulePoint on = ClosestOnCapsule(ends[c].begin, ends[c].end, radius, cloud.points.col(i));
+      const double distance = std::abs(on.distance);
+      if (distance > max_distance || distance >= least) continue;
+      const double score = distance + kTurnPenalty * (1.0 - on.normal.dot(cloud.normals.col(i)));
+      if (score >= least) continue;
+      least = score;
+      best = {i, static_cast<int>(c), on.distance};
+    }
+    if (least < max_distance + 2.0 * kTurnPenalty) matches.push_back(best);
+  }
+  return matches;
+}
+
+double RobustSigma(std::vector<double> distances) {
+  if (distances.empty()) return kLeastSigma;
+  for (double& distance : distances) distance = std::abs(distance);
+  return std::max(kLeastSigma, 1.4826 * Median(distances));
+}
+
+void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,
+                    double max_distance, FleshBody& body) {
+  std::vector<std::vector<double>> radii(body.capsules.size());
+  for (int f = begin; f < end; ++f) {
+    for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], max_distance)) {
+      const FleshCapsule& capsule = body.capsules[match.capsule];
+      const double radius = capsule.radius + match.distance;
+      radii[match.capsule].push_back(radius);
+      if (capsule.mirror != match.capsule) radii[capsule.mirror].push_back(radius);
+    }
+  }
+  for (std::size_t c = 0; c < radii.size(); ++c) {
+    if (radii[c].empty()) continue;
+    const auto count = static_cast<double>(radii[c].size());
+    const double median = Median(radii[c]);
+    body.capsules[c].radius += (median - body.capsules[c].radius) * count / (count + kPriorPoints);
+  }
+}
+
+}  // namespace mocurate

@@ -1,0 +1,80 @@
+#include "fitting/clouds/cloud_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fitting/clouds/capsule_distance_cost.h"
+#include "fitting/costs/bone_prior_cost.h"
+#include "fitting/costs/joint_limit_cost.h"
+#include "fitting/costs/joint_velocity_cost.h"
+#include "fitting/costs/rest_prior_cost.h"
+#include "fitting/costs/rotation_smoothness_cost.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kBodyPatch = 0.05;   ///< m; points closer than this share the error of the capsule body
+constexpr double kLimitSpread = 0.1;  ///< rad
+
+ceres::Problem::Options ProblemOptions(PoseUpdate& update) {
+  ceres::Problem::Options options;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  options.evaluation_callback = &update;
+  return options;
+}
+
+/// Square root of a point's share in its patch.
+double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
+
+}  // namespace
+
+CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const CloudFrames& frames, double sigma,
+                           const PointCloudOptions& options)
+    : body_(body),
+      state_(state),
+      frames_(frames),
+      options_(options),
+      weight_(PatchShare(options.voxel_size) / sigma),
+      update_(state, frames.after_previous ? frames.begin - 1 : frames.begin, frames.end),
+      loss_(options.huber_sigmas * PatchShare(options.voxel_size)),
+      problem_(ProblemOptions(update_)) {}
+
+void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches) {
+  for (const CloudMatch& match : matches) {
+    auto* cost = new CapsuleDistanceCost(state_, frame, body_.capsules[match.capsule], cloud.points.col(match.point),
+                                         weight_, frames_.free_bones);
+    problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
+  }
+  for (int j = 1; j < state_.joints(); ++j) {
+    if (!state_.active(j)) continue;
+    problem_.AddResidualBlock(new RestPriorCost(options_.rest_spread), nullptr, state_.rotation(frame, j));
+    const auto& limits = body_.skeleton->joints[j].limits;
+    if (!limits) continue;
+    problem_.AddResidualBlock(new JointLimitCost(*limits, kLimitSpread), nullptr, state_.rotation(frame, j));
+  }
+}
+
+void CloudProblem::AddStep() {
+  const int previous = frames_.begin - 1;
+  const double turn_weight = 1.0 / (options_.rotation_walk * std::sqrt(frames_.frame_seconds));
+  for (int j = 0; j < state_.joints(); ++j) {
+    if (!state_.active(j)) continue;
+    problem_.AddResidualBlock(new RotationSmoothnessCost(state_, previous, j, turn_weight), nullptr,
+                              state_.rotation(previous, j), state_.rotation(previous + 1, j));
+    problem_.SetParameterBlockConstant(state_.rotation(previous, j));
+  }
+  const double move_weight = 1.0 / (options_.velocity_walk * std::sqrt(frames_.frame_seconds));
+  auto* cost = new JointVelocityCost(state_, previous, 0, move_weight, false);
+  problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
+  problem_.SetParameterBlockConstant(state_.translation(previous));
+}
+
+void CloudProblem::AddBonePriors(const std::vector<double>& prior, const std::vector<double>& spread) {
+  for (int j = 1; j < state_.joints(); ++j) {
+    if (!problem_.HasParameterBlock(state_.bone(j))) continue;
+    problem_.AddResidualBlock(new BonePriorCost(prior[j], spread[j]), nullptr, state_.bone(j));
+  }
+}
+
+}  // namespace mocurate

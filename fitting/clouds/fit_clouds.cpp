@@ -1,0 +1,113 @@
+#include "fitting/clouds/fit_clouds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/motion/kinematics.h"
+#include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/cloud_tracking.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kObservingPoints = 10;  ///< of the capsules at a joint make it observed
+
+Motion MotionOf(const CloudTrack& track, const FrameRate& rate) {
+  const PoseState& state = track.state;
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation;
+  std::vector<double> bone_length;
+  for (int f = 0; f < state.frames(); ++f) {
+    translation.emplace_back(Eigen::Map<const Vector3d>(state.translation(f)));
+    for (int j = 0; j < state.joints(); ++j) {
+      rotation.push_back(ExpQuaternion(Eigen::Map<const Vector3d>(state.rotation(f, j))));
+    }
+  }
+  for (int j = 0; j < state.joints(); ++j) {
+    bone_length.push_back(*state.bone(j));
+    MakeSignContinuous(rotation.data() + j, state.frames(), state.joints());
+  }
+  return MakeMotion(track.body.skeleton, rate, std::move(translation), std::move(rotation), std::move(bone_length));
+}
+
+/// Points near each joint: those of the capsules that end at it or move with it.
+std::vector<int> PointsOfJoints(const FleshBody& body, const std::vector<CloudMatch>& matches) {
+  std::vector<int> points(body.skeleton->joints.size(), 0);
+  for (const CloudMatch& match : matches) {
+    const FleshCapsule& capsule = body.capsules[match.capsule];
+    ++points[capsule.frame];
+    if (capsule.end_joint != capsule.frame) ++points[capsule.end_joint];
+  }
+  return points;
+}
+
+/// Residuals and joint states in one pass over all frames.
+void Measure(const CloudTrack& track, double max_distance, FitResult& result) {
+  std::vector<double> residuals;
+  double square = 0.0;
+  for (int f = 0; f < track.state.frames(); ++f) {
+    const bool is_fitted = track.outcomes[f].iterations > 0;
+    std::vector<CloudMatch> matches;
+    if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], max_distance);
+    for (const int points : PointsOfJoints(track.body, matches)) {
+      result.motion.state.push_back(points >= kObservingPoints ? JointState::kObserved : JointState::kInferred);
+    }
+    for (const CloudMatch& match : matches) {
+      residuals.push_back(std::abs(match.distance));
+      square += match.distance * match.distance;
+    }
+  }
+  if (residuals.empty()) return;
+  result.residual_rms = std::sqrt(square / static_cast<double>(residuals.size()));
+  result.noise_sigma = RobustSigma(residuals);
+  const auto place = residuals.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(residuals.size() - 1));
+  std::nth_element(residuals.begin(), place, residuals.end());
+  result.residual_p95 = *place;
+}
+
+void ReportFramesWithoutPoints(const CloudTrack& track, FitResult& result) {
+  const auto frames = static_cast<int>(track.outcomes.size());
+  for (int begin = 0; begin < frames; ++begin) {
+    int end = begin;
+    while (end < frames && track.outcomes[end].iterations == 0) ++end;
+    if (end == begin) continue;
+    Finding finding;
+    finding.code = "frames_without_evidence";
+    finding.frame_begin = begin;
+    finding.frame_end = end;
+    finding.value = end - begin;
+    finding.message = "too few depth points in " + std::to_string(end - begin) + " frames";
+    finding.action = "pose of the frame before, or after, kept";
+    result.findings.push_back(finding);
+    begin = end;
+  }
+}
+
+}  // namespace
+
+Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
+                              const PointCloudOptions& options) {
+  Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options);
+  if (!clouds) return Forward(clouds);
+  const auto track = TrackClouds(std::move(*clouds), skeleton,
+                                 bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
+                                 1.0 / clip.rate.hz(), options);
+  if (!track) return Forward(track);
+  FitResult result;
+  result.motion = MotionOf(*track, clip.rate);
+  Measure(*track, options.max_distance, result);
+  ReportFramesWithoutPoints(*track, result);
+  result.converged = true;
+  for (const CapsuleFitOutcome& outcome : track->outcomes) {
+    result.iterations += outcome.iterations;
+    result.initial_cost += outcome.initial_cost;
+    result.final_cost += outcome.final_cost;
+    if (outcome.iterations > 0 && !outcome.converged) result.converged = false;
+  }
+  result.termination = result.converged ? "converged" : "iteration limit";
+  return result;
+}
+
+}  // namespace mocurate

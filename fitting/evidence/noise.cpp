@@ -1,0 +1,94 @@
+#include "fitting/evidence/noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr double kMadToSigma = 1.4826;
+constexpr double kSmallestSigma = 1e-4;
+constexpr std::size_t kEnoughSamples = 10;
+
+/// Departures of frame f from the line between f-1 and f+1, scaled to the variance of one sample. Appends three.
+void AppendDepartures(const SkeletonTracks& tracks, int joint, std::vector<double>& departures) {
+  for (int f = 1; f + 1 < tracks.frames(); ++f) {
+    if (!tracks.seen(f - 1, joint) || !tracks.seen(f, joint) || !tracks.seen(f + 1, joint)) continue;
+    const double a = (tracks.time_s[f] - tracks.time_s[f - 1]) / (tracks.time_s[f + 1] - tracks.time_s[f - 1]);
+    const Vector3d line = (1.0 - a) * tracks.positions.at(f - 1, joint) + a * tracks.positions.at(f + 1, joint);
+    const double scale = 1.0 / std::sqrt(1.0 + (1.0 - a) * (1.0 - a) + a * a);
+    for (int i = 0; i < 3; ++i) departures.push_back(std::abs(scale * (tracks.positions.at(f, joint)[i] - line[i])));
+  }
+}
+
+std::vector<double> ObservedLengths(const SkeletonTracks& tracks, int joint) {
+  std::vector<double> lengths;
+  const int parent = tracks.skeleton->joints[joint].parent;
+  if (parent < 0) return lengths;
+  for (int f = 0; f < tracks.frames(); ++f) {
+    if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) continue;
+    lengths.push_back((tracks.positions.at(f, joint) - tracks.positions.at(f, parent)).norm());
+  }
+  return lengths;
+}
+
+/// Sigma per axis of the two ends of a bone: its length varies with sqrt(2) sigma. 0 when it is not observed enough.
+double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<double>& bone_length) {
+  std::vector<double> lengths = ObservedLengths(tracks, joint);
+  if (lengths.size() < kEnoughSamples) return 0.0;
+  const double centre = bone_length.empty() ? Median(lengths) : bone_length[joint];
+  for (double& length : lengths) length = std::abs(length - centre);
+  return kMadToSigma * Median(lengths) / std::sqrt(2.0);
+}
+
+}  // namespace
+
+double Median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length) {
+  const int joints = tracks.joints();
+  std::vector<double> all;
+  std::vector<double> white(joints, 0.0);
+  std::vector<double> bone(joints, 0.0);
+  std::vector<bool> enough(joints, false);
+  for (int j = 0; j < joints; ++j) {
+    std::vector<double> departures;
+    AppendDepartures(tracks, j, departures);
+    all.insert(all.end(), departures.begin(), departures.end());
+    enough[j] = departures.size() >= 3 * kEnoughSamples;
+    white[j] = kMadToSigma * Median(departures);
+    bone[j] = BoneSigma(tracks, j, bone_length);
+  }
+  double bone_square = 0.0;
+  int bones = 0;
+  for (int j = 0; j < joints; ++j) {
+    if (bone[j] == 0.0) continue;
+    bone_square += bone[j] * bone[j];
+    ++bones;
+  }
+  NoiseEstimate noise;
+  noise.white = kMadToSigma * Median(all);
+  noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestSigma});
+  noise.joint_sigma.assign(joints, noise.sigma);
+  for (int j = 0; j < joints; ++j) {
+    double square = 0.0;  // mean over the bones that meet at the joint
+    int meeting = 0;
+    for (int k = 0; k < joints; ++k) {
+      if (bone[k] == 0.0 || (k != j && tracks.skeleton->joints[k].parent != j)) continue;
+      square += bone[k] * bone[k];
+      ++meeting;
+    }
+    if (enough[j] || meeting > 0) {
+      noise.joint_sigma[j] = std::max({white[j], meeting > 0 ? std::sqrt(square / meeting) : 0.0, kSmallestSigma});
+    }
+  }
+  return noise;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "fitting/evidence/skeleton_tracks.h"
+
+namespace mocurate {
+
+/// Standard deviation of tracks per axis, metres.
+struct NoiseEstimate {
+  double sigma = 0.0;               ///< of all joints together
+  double white = 0.0;               ///< part that is independent from frame to frame
+  std::vector<double> joint_sigma;  ///< (J); sigma for joints with too few samples
+};
+
+/// Noise from the tracks themselves, by medians (1.4826 MAD), the larger of two estimates per joint: what a frame departs
+/// from the line between its two neighbours in time (white noise), and what observed bones depart from `bone_length`
+/// (J, or empty: from their own median), which also sees wobble that a tracker has smoothed. Never below 0.1 mm.
+NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length);
+
+/// Median of numbers; 0 of none. Reorders them.
+double Median(std::vector<double>& values);
+
+}  // namespace mocurate

@@ -1,0 +1,62 @@
+#include "fitting/evidence/outliers.h"
+
+#include <algorithm>
+
+#include "fitting/evidence/noise.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kReach_s = 0.12;
+constexpr double kOutlierSigmas = 10.0;
+constexpr double kSmallestOutlier = 0.15;
+
+/// Frames around a frame in which the joint is seen, itself first.
+std::vector<int> SeenNearby(const SkeletonTracks& tracks, int frame, int joint) {
+  std::vector<int> nearby{frame};
+  const double time = tracks.time_s[frame];
+  for (int f = frame - 1; f >= 0 && time - tracks.time_s[f] <= kReach_s; --f) {
+    if (tracks.seen(f, joint)) nearby.push_back(f);
+  }
+  for (int f = frame + 1; f < tracks.frames() && tracks.time_s[f] - time <= kReach_s; ++f) {
+    if (tracks.seen(f, joint)) nearby.push_back(f);
+  }
+  return nearby;
+}
+
+Vector3d MedianOver(const SkeletonTracks& tracks, const std::vector<int>& frames, int joint) {
+  Vector3d median;
+  for (int i = 0; i < 3; ++i) {
+    std::vector<double> values;
+    for (const int f : frames) values.push_back(tracks.positions.at(f, joint)[i]);
+    median[i] = Median(values);
+  }
+  return median;
+}
+
+}  // namespace
+
+Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint) {
+  return MedianOver(tracks, SeenNearby(tracks, frame, joint), joint);
+}
+
+std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<double>& joint_sigma) {
+  std::vector<bool> rejected(tracks.confidence.size(), false);
+  for (int j = 0; j < tracks.joints(); ++j) {
+    const double allowed = std::max(kOutlierSigmas * joint_sigma[j], kSmallestOutlier);
+    for (int f = 0; f < tracks.frames(); ++f) {
+      if (!tracks.seen(f, j)) continue;
+      const std::vector<int> nearby = SeenNearby(tracks, f, j);
+      if (nearby.size() < 3) continue;
+      const Vector3d median = MedianOver(tracks, nearby, j);
+      if ((tracks.positions.at(f, j) - median).norm() <= allowed) continue;
+      rejected[static_cast<std::size_t>(f) * tracks.joints() + j] = true;
+    }
+  }
+  for (std::size_t i = 0; i < rejected.size(); ++i) {
+    if (rejected[i]) tracks.confidence[i] = 0.0;
+  }
+  return rejected;
+}
+
+}  // namespace mocurate

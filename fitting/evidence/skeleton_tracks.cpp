@@ -1,0 +1,133 @@
+#include "fitting/evidence/skeleton_tracks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+bool IsLandmark(const Skeleton& skeleton, const std::string& name) {
+  return std::any_of(skeleton.landmarks.begin(), skeleton.landmarks.end(),
+                     [&](const Landmark& landmark) { return landmark.name == name; });
+}
+
+/// Joint of each track; -1 for a landmark.
+Expected<std::vector<int>> JointsOfTracks(const JointTracks& tracks, const Skeleton& skeleton) {
+  std::vector<int> joint_of_track;
+  std::vector<std::string> track_of_joint(skeleton.joints.size());
+  std::string unknown;
+  for (const std::string& name : tracks.names) {
+    const std::optional<int> joint = skeleton.FindJoint(name);
+    if (!joint) {
+      if (!IsLandmark(skeleton, name)) unknown += (unknown.empty() ? "" : ", ") + name;
+      joint_of_track.push_back(-1);
+      continue;
+    }
+    if (!track_of_joint[*joint].empty()) {
+      return Fail(ErrorCode::kInconsistent,
+                  "tracks '" + track_of_joint[*joint] + "' and '" + name + "' are both joint '" +
+                      skeleton.joints[*joint].name + "' of skeleton '" + skeleton.name + "'",
+                  "tracks", "rename one of them in the source declaration");
+    }
+    track_of_joint[*joint] = name;
+    joint_of_track.push_back(*joint);
+  }
+  if (unknown.empty()) return joint_of_track;
+  std::string known;
+  for (const Joint& joint : skeleton.joints) known += (known.empty() ? "" : ", ") + joint.name;
+  return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' has no joint named " + unknown, "tracks",
+              "add a synonym to the skeleton or choose another skeleton; its joints are " + known);
+}
+
+Status CheckShapes(const JointTracks& tracks) {
+  const std::size_t frames = tracks.time_s.size();
+  const std::size_t points = tracks.names.size();
+  if (static_cast<std::size_t>(tracks.positions.frames) != frames ||
+      static_cast<std::size_t>(tracks.positions.joints) != points || tracks.positions.xyz.size() != 3 * frames * points ||
+      tracks.confidence.size() != frames * points) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(frames) + " times and " + std::to_string(points) + " names, but positions are " +
+                    std::to_string(tracks.positions.frames) + " x " + std::to_string(tracks.positions.joints) + " and " +
+                    std::to_string(tracks.confidence.size()) + " confidences",
+                "tracks");
+  }
+  for (std::size_t f = 0; f < frames; ++f) {
+    if (std::isfinite(tracks.time_s[f]) && (f == 0 || tracks.time_s[f] > tracks.time_s[f - 1])) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "time " + FormatDouble(tracks.time_s[f]) + " s does not follow the time of the frame before",
+                "tracks frame " + std::to_string(f), "times must increase");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<bool> SkeletonTracks::SeenJoints() const {
+  std::vector<bool> any(joints(), false);
+  for (int f = 0; f < frames(); ++f) {
+    for (int j = 0; j < joints(); ++j) any[j] = any[j] || seen(f, j);
+  }
+  return any;
+}
+
+std::vector<bool> SkeletonTracks::SeenFrames() const {
+  std::vector<bool> any(frames(), false);
+  for (int f = 0; f < frames(); ++f) {
+    for (int j = 0; j < joints(); ++j) any[f] = any[f] || seen(f, j);
+  }
+  return any;
+}
+
+Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr& skeleton) {
+  if (Status shapes = CheckShapes(tracks); !shapes) return tl::unexpected<Error>(shapes.error());
+  const Expected<std::vector<int>> joint_of_track = JointsOfTracks(tracks, *skeleton);
+  if (!joint_of_track) return Forward(joint_of_track);
+
+  SkeletonTracks mapped;
+  mapped.skeleton = skeleton;
+  mapped.time_s = tracks.time_s;
+  mapped.positions = JointPositions(tracks.positions.frames, skeleton->joint_count());
+  mapped.confidence.assign(mapped.positions.xyz.size() / 3, 0.0);
+  bool anything = false;
+  for (int f = 0; f < mapped.frames(); ++f) {
+    for (std::size_t k = 0; k < tracks.names.size(); ++k) {
+      const double confidence = tracks.confidence[f * tracks.names.size() + k];
+      const int joint = (*joint_of_track)[k];
+      if (confidence == 0.0 || joint < 0) continue;
+      const std::string where = "track '" + tracks.names[k] + "' frame " + std::to_string(f);
+      if (!(confidence > 0.0 && confidence <= 1.0)) {
+        return Fail(ErrorCode::kMalformed, "confidence " + FormatDouble(confidence) + " is outside [0, 1]", where);
+      }
+      const Vector3d position = tracks.positions.at(f, static_cast<int>(k));
+      if (!position.allFinite()) {
+        return Fail(ErrorCode::kMalformed, "the position is no number though its confidence is not 0", where,
+                    "missing observations have confidence 0");
+      }
+      mapped.positions.at(f, joint) = position;
+      mapped.confidence[static_cast<std::size_t>(f) * mapped.joints() + joint] = confidence;
+      anything = true;
+    }
+  }
+  if (!anything) {
+    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + std::to_string(mapped.frames()) + " frames",
+                "tracks", "a clip without evidence cannot be fitted; drop it");
+  }
+  return mapped;
+}
+
+SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
+  SkeletonTracks cut;
+  cut.skeleton = tracks.skeleton;
+  cut.time_s.assign(tracks.time_s.begin() + begin, tracks.time_s.begin() + end);
+  cut.positions = JointPositions(end - begin, tracks.joints());
+  const auto first = static_cast<std::ptrdiff_t>(begin) * tracks.joints();
+  const auto last = static_cast<std::ptrdiff_t>(end) * tracks.joints();
+  cut.positions.xyz.assign(tracks.positions.xyz.begin() + 3 * first, tracks.positions.xyz.begin() + 3 * last);
+  cut.confidence.assign(tracks.confidence.begin() + first, tracks.confidence.begin() + last);
+  return cut;
+}
+
+}  // namespace mocurate

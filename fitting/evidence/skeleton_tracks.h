@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/motion/clip.h"
+
+namespace mocurate {
+
+/// Joint tracks sorted by the joints of a skeleton. F frames, J joints. Where confidence is 0 the position is 0 and means
+/// nothing. Metres, canonical world.
+struct SkeletonTracks {
+  SkeletonPtr skeleton;
+  std::vector<double> time_s;      ///< (F) increasing
+  JointPositions positions;        ///< (F,J,3)
+  std::vector<double> confidence;  ///< (F*J) in [0, 1]
+
+  int frames() const { return positions.frames; }
+  int joints() const { return positions.joints; }
+  double confidence_at(int frame, int joint) const {
+    return confidence[static_cast<std::size_t>(frame) * positions.joints + joint];
+  }
+  bool seen(int frame, int joint) const { return confidence_at(frame, joint) > 0.0; }
+  /// Whether the joint is seen in any frame. (J)
+  std::vector<bool> SeenJoints() const;
+  /// Whether any joint is seen in the frame. (F)
+  std::vector<bool> SeenFrames() const;
+};
+
+/// Finds the joint of every track by name or synonym; names of landmarks are left out. Values with confidence 0 are not
+/// read. Errors: kInconsistent for names the skeleton does not know (all of them), two tracks of one joint, shapes that
+/// disagree, time that does not increase, no observation at all; kMalformed for a seen value that is no number and for
+/// confidence outside [0, 1].
+Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr& skeleton);
+
+/// Frames [begin, end).
+SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end);
+
+}  // namespace mocurate

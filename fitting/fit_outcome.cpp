@@ -1,0 +1,109 @@
+#include "fitting/fit_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/quality/measures.h"
+#include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/solver/joint_track_fit.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kLargeResidual = 0.15;  ///< metres RMS; beyond, skeleton and evidence hardly belong together
+
+double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
+
+std::string MethodName(FitMethod method) {
+  switch (method) {
+    case FitMethod::kJointTracks: return "joint_tracks";
+    case FitMethod::kPointClouds: return "point_clouds";
+    case FitMethod::kNone: return "none";
+  }
+  return "";
+}
+
+Finding Doubt(const std::string& code, double value, const std::string& message) {
+  Finding finding;
+  finding.code = code;
+  finding.value = value;
+  finding.message = message;
+  finding.action = "flagged";
+  return finding;
+}
+
+nlohmann::json StateCounts(const Motion& motion) {
+  std::size_t counts[4] = {};
+  for (const JointState state : motion.state) ++counts[static_cast<std::size_t>(state)];
+  return {{"observed", counts[0]}, {"repaired", counts[1]}, {"interpolated", counts[2]}, {"inferred", counts[3]}};
+}
+
+}  // namespace
+
+Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
+                                    const std::vector<double>& bone_length, const FittingOptions& options) {
+  if (!clip.evidence.tracks) {
+    return Fail(ErrorCode::kInconsistent, "the clip has no joint tracks", clip.id(),
+                clip.evidence.depth_views.empty() ? "set fitting.method to none for given motion"
+                                                  : "set fitting.method to point_clouds for depth views");
+  }
+  Expected<SkeletonTracks> tracks = MapTracks(*clip.evidence.tracks, skeleton);
+  if (!tracks) {
+    Error error = tracks.error();
+    error.where = clip.id() + ": " + error.where;
+    return tl::unexpected<Error>(error);
+  }
+  const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
+  return FitJointTracks(*tracks, clip.rate, bones, Bones::kFixed, options.joint_tracks);
+}
+
+Expected<FitResult> TakeGivenMotion(const Clip& clip) {
+  if (!clip.motion) {
+    return Fail(ErrorCode::kInconsistent, "the clip has no motion to hand on", clip.id(),
+                "set fitting.method to joint_tracks or point_clouds");
+  }
+  FitResult result;
+  result.motion = *clip.motion;
+  result.converged = true;
+  result.termination = "given";
+  return result;
+}
+
+StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options) {
+  StageOutcome outcome;
+  outcome.findings = fit.findings;
+  if (!fit.converged) {
+    outcome.findings.push_back(Doubt("fit_not_converged", fit.iterations,
+                                     "the fit stopped after " + std::to_string(fit.iterations) + " iterations: " +
+                                         fit.termination));
+    outcome.kind = OutcomeKind::kDoubtful;
+  }
+  if (!(fit.residual_rms <= kLargeResidual)) {
+    outcome.findings.push_back(Doubt("large_residual", Millimetres(fit.residual_rms),
+                                     "the body lies far from its evidence: is it the right skeleton and unit?"));
+    outcome.kind = OutcomeKind::kDoubtful;
+  }
+  for (Finding& finding : outcome.findings) finding.clip = clip.id();
+
+  const Skeleton& skeleton = *fit.motion.skeleton;
+  outcome.summary = {{"method", MethodName(options.method)},
+                     {"residual_rms_mm", Millimetres(fit.residual_rms)},
+                     {"residual_p95_mm", Millimetres(fit.residual_p95)},
+                     {"noise_sigma_mm", Millimetres(fit.noise_sigma)},
+                     {"iterations", fit.iterations},
+                     {"converged", fit.converged},
+                     {"termination", fit.termination},
+                     {"cost", std::round(fit.final_cost * 1e3) / 1e3},
+                     {"states", StateCounts(fit.motion)},
+                     {"after", MeasuresJson(MeasureMotion(fit.motion), skeleton)}};
+  if (clip.evidence.tracks) {
+    const Expected<SkeletonTracks> tracks = MapTracks(*clip.evidence.tracks, fit.motion.skeleton);
+    if (tracks) {
+      outcome.summary["before"] = MeasuresJson(
+          MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
+    }
+  }
+  return outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/base/error.h"
+#include "core/motion/clip.h"
+#include "core/pipeline/stage.h"
+#include "fitting/fit_result.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// Fit of a clip's joint tracks with given bones (J; empty: rest lengths). Errors of MapTracks and FitJointTracks;
+/// kInconsistent for a clip without tracks.
+Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
+                                    const std::vector<double>& bone_length, const FittingOptions& options);
+
+/// Hands the motion of a clip on as a result. Error kInconsistent without one.
+Expected<FitResult> TakeGivenMotion(const Clip& clip);
+
+/// What the stage tells about a fit: the summary of fitting/stages.h and findings with the clip's id. Doubtful when the
+/// solver did not converge or the residual is large. `clip` still has its evidence.
+StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options);
+
+}  // namespace mocurate

@@ -1,0 +1,67 @@
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/version.h"
+#include "core/store/store.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/fit_outcome.h"
+#include "fitting/proportions.h"
+#include "fitting/stages.h"
+
+namespace mocurate {
+namespace {
+
+/// Bone lengths of the person; empty without a proportions artifact.
+Expected<std::vector<double>> ReadBoneLengths(const StageRequest& request, const Skeleton& skeleton) {
+  for (const StageInput& input : request.inputs) {
+    if (input.role != "proportions") continue;
+    const Expected<std::string> text = ReadFile(input.path);
+    if (!text) return Forward(text);
+    const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
+    return BoneLengthsFromJson(json, skeleton, "proportions of " + input.name);
+  }
+  return std::vector<double>{};
+}
+
+Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const FittingOptions& options) {
+  if (options.method == FitMethod::kNone) return TakeGivenMotion(clip);
+  const Expected<SkeletonPtr> skeleton = LoadSkeleton(options.skeleton);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<std::vector<double>> bones = ReadBoneLengths(request, **skeleton);
+  if (!bones) return Forward(bones);
+  if (options.method == FitMethod::kPointClouds) return FitClouds(clip, *skeleton, *bones, options.point_clouds);
+  return FitTracksOfClip(clip, *skeleton, *bones, options);
+}
+
+}  // namespace
+
+Expected<StageOutcome> FittingStage(const StageRequest& request) {
+  const Expected<FittingOptions> options = OptionsFromJson<FittingOptions>(request.options, "fitting");
+  if (!options) return Forward(options);
+  const StageInput* evidence = nullptr;
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "evidence") evidence = &input;
+  }
+  if (evidence == nullptr) return Fail(ErrorCode::kInternal, "fitting got no evidence", request.item);
+  Expected<Clip> clip = ReadEvidence(evidence->path);
+  if (!clip) return Forward(clip);
+  Expected<FitResult> fit = Fit(request, *clip, *options);
+  if (!fit) return Forward(fit);
+
+  StageOutcome outcome = OutcomeOfFit(*clip, *fit, *options);
+  Dataset dataset;
+  dataset.created_by = CreatedBy();
+  dataset.skeleton = fit->motion.skeleton;
+  dataset.joints_only = fit->motion.joints_only();
+  dataset.findings = outcome.findings;
+  clip->fit_rms = fit->residual_rms;
+  clip->motion = std::move(fit->motion);
+  clip->evidence = Evidence{};
+  if (clip->evidence_sha256.empty()) clip->evidence_sha256 = evidence->sha256;
+  clip->provenance["fitting"] = options->method == FitMethod::kNone ? "given motion" : CreatedBy();
+  dataset.clips.push_back(std::move(*clip));
+  if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);
+  return outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,89 @@
+#include "fitting/options.h"
+
+#include <algorithm>
+
+#include "core/base/sha256.h"
+
+namespace mocurate {
+namespace {
+
+void DeclareMethod(OptionVisitor& v, FitMethod& method) {
+  v.Choice("method", method,
+           {{"joint_tracks", FitMethod::kJointTracks},
+            {"point_clouds", FitMethod::kPointClouds},
+            {"none", FitMethod::kNone}},
+           "evidence the skeleton is fitted to; none hands a given motion on");
+}
+
+}  // namespace
+
+void JointTrackOptions::Declare(OptionVisitor& v) {
+  v.Choice("noise", noise, {{"pooled", NoiseScale::kPooled}, {"per_joint", NoiseScale::kPerJoint}},
+           "one noise scale for all joints, or one each; both are estimated from the tracks");
+  v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
+  v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
+  v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "joint position, metres per square root second");
+  v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
+  v.Number("limit_spread", limit_spread, Unit::kRadian, {1e-3, 1e2}, "distance beyond a joint limit");
+  v.Number("bone_spread", bone_spread, Unit::kMetre, {1e-4, 1.0}, "distance from the prior length of a free bone");
+  v.Number("max_gap", max_gap_s, Unit::kSecond, {1e-3, 1e4}, "frames further apart are not smoothed together");
+  v.Number("relative_tolerance", relative_tolerance, Unit::kNone, {1e-12, 1e-1},
+           "the solver stops at this relative change of cost");
+  v.Integer("max_iterations", max_iterations, {1, 1000}, "of the solver, per window");
+  v.Integer("window_frames", window_frames, {10, 100000}, "longer clips are fitted in windows of this length");
+  v.Integer("window_overlap", window_overlap, {1, 10000}, "frames of look-ahead that the next window fits again");
+}
+
+void CloudOutlierOptions::Declare(OptionVisitor& v) {
+  v.Bool("enabled", enabled, "drop points far from their neighbours");
+  v.Integer("neighbours", neighbours, {2, 1000}, "neighbours whose mean distance is looked at");
+  v.Number("spread_ratio", spread_ratio, Unit::kNone, {0.1, 100.0}, "standard deviations above the mean that stay");
+}
+
+void PointCloudOptions::Declare(OptionVisitor& v) {
+  v.Number("voxel_size", voxel_size, Unit::kMetre, {1e-3, 0.5}, "points are thinned to one per voxel");
+  v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
+  v.Group("outliers", outliers, "statistical outlier removal");
+  v.Number("capsule_radius_scale", capsule_radius_scale, Unit::kNone, {0.1, 10.0}, "factor on the skeleton's radii");
+  v.Integer("iterations", iterations, {1, 1000}, "of matching points to capsules, per frame");
+  v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
+  v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "root position, metres per square root second");
+  v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
+  v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
+  v.Number("start_facing_deg", start_facing_deg, Unit::kNone, {-360.0, 360.0},
+           "heading of the first pose about +y in degrees; 0 faces +z");
+}
+
+void FittingOptions::Declare(OptionVisitor& v) {
+  DeclareMethod(v, method);
+  v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
+  v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
+  v.Group("point_clouds", point_clouds, "fit of fused depth views");
+}
+
+void ProportionsOptions::Declare(OptionVisitor& v) {
+  DeclareMethod(v, method);
+  v.Text("skeleton", skeleton, "skeleton whose bone lengths are wanted: a name or a YAML file");
+  v.Bool("symmetric", symmetric, "left and right limbs share their lengths");
+  v.Integer("refine_clips", refine_clips, {0, kMaxProportionClips},
+            "clips on which bones are fitted together with the pose; 0 keeps the medians");
+  v.Integer("refine_frames", refine_frames, {2, 10000}, "frames of each, from its middle");
+  v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
+}
+
+std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids) {
+  std::vector<std::pair<std::string, std::string>> ranked;
+  for (std::string& id : clip_ids) ranked.emplace_back(Sha256Hex(id), std::move(id));
+  std::sort(ranked.begin(), ranked.end());
+  if (ranked.size() > kMaxProportionClips) ranked.resize(kMaxProportionClips);
+  std::vector<std::string> chosen;
+  for (auto& [hash, id] : ranked) chosen.push_back(std::move(id));
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+StageDeclaration ProportionsDeclaration() { return {"proportions", 1, "mocurate-annotate"}; }
+
+StageDeclaration FittingDeclaration() { return {"fitting", 1, "mocurate-annotate"}; }
+
+}  // namespace mocurate

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+/// Which evidence a clip is fitted to. kNone hands a given motion on as it is.
+enum class FitMethod { kJointTracks, kPointClouds, kNone };
+
+/// Whether all joints share one noise scale or each has its own.
+enum class NoiseScale { kPooled, kPerJoint };
+
+/// Fit of a skeleton to joint tracks. The noise of the tracks is estimated from them, never set here. Spreads are
+/// standard deviations of what a person does: a random walk of q per square root of a second moves q * sqrt(dt) in dt.
+struct JointTrackOptions {
+  NoiseScale noise = NoiseScale::kPooled;
+  double huber_sigmas = 2.5;           ///< residuals beyond this many sigmas count linearly
+  double rotation_walk = 0.55;         ///< rad per sqrt(s), each joint
+  double velocity_walk = 0.33;         ///< m per sqrt(s), each joint
+  double rest_spread = 3.3;            ///< rad from the rest pose; holds what no evidence determines
+  double limit_spread = 0.1;           ///< rad beyond a joint limit
+  double bone_spread = 0.02;           ///< m from the prior bone length, where bones are free
+  double max_gap_s = 0.5;              ///< frames further apart than this are not smoothed together
+  double relative_tolerance = 1e-4;    ///< stop at this relative change of cost
+  std::int64_t max_iterations = 50;
+  std::int64_t window_frames = 600;    ///< longer clips are fitted in windows
+  std::int64_t window_overlap = 60;    ///< frames of look-ahead that the next window fits again
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Outliers of a fused point cloud.
+struct CloudOutlierOptions {
+  bool enabled = true;
+  std::int64_t neighbours = 20;  ///< mean distance to this many neighbours is looked at
+  double spread_ratio = 2.0;     ///< points further than mean + ratio * standard deviation are dropped
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Fit of a capsule body to fused depth views.
+struct PointCloudOptions {
+  double voxel_size = 0.015;        ///< m, after fusing the views
+  double max_distance = 0.1;        ///< m from the body; farther points do not pull
+  CloudOutlierOptions outliers;
+  double capsule_radius_scale = 1.0;
+  std::int64_t iterations = 10;     ///< of matching points to capsules, per frame
+  double rotation_walk = 0.55;      ///< rad per sqrt(s), each joint
+  double velocity_walk = 0.33;      ///< m per sqrt(s), root
+  double rest_spread = 1.0;         ///< rad from the rest pose
+  double huber_sigmas = 2.5;
+  double start_facing_deg = 0.0;    ///< heading of the first pose about +y, degrees; 0 faces +z
+
+  void Declare(OptionVisitor& v);
+};
+
+struct FittingOptions {
+  FitMethod method = FitMethod::kJointTracks;
+  std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
+  JointTrackOptions joint_tracks;
+  PointCloudOptions point_clouds;
+
+  void Declare(OptionVisitor& v);
+};
+
+struct ProportionsOptions {
+  FitMethod method = FitMethod::kJointTracks;
+  std::string skeleton;
+  bool symmetric = true;             ///< left and right limbs share their lengths
+  std::int64_t refine_clips = 0;     ///< clips on which bones are fitted together with the pose; 0: medians only
+  std::int64_t refine_frames = 60;   ///< frames of each, from its middle
+  JointTrackOptions joint_tracks;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Largest number of one person's clips that proportions are read from.
+inline constexpr int kMaxProportionClips = 30;
+
+/// The clips that stand for a person: at most kMaxProportionClips ids, smallest SHA-256 first chosen, returned sorted.
+/// Which clips exist beside a chosen one changes little, their order nothing.
+std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids);
+
+StageDeclaration ProportionsDeclaration();
+StageDeclaration FittingDeclaration();
+
+}  // namespace mocurate

@@ -1,0 +1,137 @@
+#include "fitting/proportions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "core/motion/kinematics.h"
+#include "fitting/evidence/noise.h"
+#include "fitting/solver/bone_lengths.h"
+#include "fitting/solver/joint_track_fit.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kRounding = 1e-4;
+
+/// The middle of a clip, at most `frames` long.
+SkeletonTracks Middle(const SkeletonTracks& clip, int frames) {
+  if (clip.frames() <= frames) return clip;
+  const int begin = (clip.frames() - frames) / 2;
+  return CutTracks(clip, begin, begin + frames);
+}
+
+bool AnythingSeen(const SkeletonTracks& clip) {
+  const std::vector<bool> seen = clip.SeenJoints();
+  return std::find(seen.begin(), seen.end(), true) != seen.end();
+}
+
+/// Medians over fits of evenly chosen clips with free bones. Bones that no clip observes keep their length.
+Status Refine(const std::vector<SkeletonTracks>& clips, const ProportionsOptions& options, Proportions& person) {
+  const std::size_t wanted = std::min<std::size_t>(static_cast<std::size_t>(options.refine_clips), clips.size());
+  const int joints = person.skeleton->joint_count();
+  std::vector<std::vector<double>> fitted(joints);
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const SkeletonTracks part = Middle(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames));
+    if (!AnythingSeen(part)) continue;
+    const Expected<FitResult> fit =
+        FitJointTracks(part, FrameRate{}, person.bone_length, Bones::kFree, options.joint_tracks);
+    if (!fit) return tl::unexpected<Error>(fit.error());
+    for (int j = 1; j < joints; ++j) fitted[j].push_back(fit->motion.bone_length[j]);
+  }
+  for (int j = 1; j < joints; ++j) {
+    if (!fitted[j].empty() && person.samples[j] > 0) person.bone_length[j] = Median(fitted[j]);
+  }
+  if (options.symmetric) {
+    MakeSymmetric(*person.skeleton, std::vector<double>(person.samples.begin(), person.samples.end()),
+                  person.bone_length);
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
+                                          const ProportionsOptions& options) {
+  const BoneEstimate medians = EstimateBoneLengths(clips, *skeleton, options.symmetric);
+  Proportions person;
+  person.skeleton = skeleton;
+  person.bone_length = medians.length;
+  person.samples = medians.samples;
+  person.bone_spread = medians.spread;
+  person.scale = medians.scale;
+  for (const SkeletonTracks& clip : clips) person.frames += clip.frames();
+  if (!clips.empty()) {
+    if (Status refined = Refine(clips, options, person); !refined) return tl::unexpected<Error>(refined.error());
+  }
+  for (double& length : person.bone_length) length = std::round(length / kRounding) * kRounding;
+  return person;
+}
+
+double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length) {
+  const std::vector<Quaterniond> rest(skeleton.joints.size(), Quaterniond::Identity());
+  std::vector<Vector3d> joints(skeleton.joints.size());
+  ForwardKinematics(skeleton, Vector3d::Zero(), rest.data(), bone_length, joints.data());
+  double low = 0.0;
+  double high = 0.0;
+  for (const Vector3d& joint : joints) {
+    low = std::min(low, joint.y());
+    high = std::max(high, joint.y());
+  }
+  return high - low;
+}
+
+nlohmann::json ProportionsJson(const Proportions& person) {
+  // Decimal fractions: the nearest double of k / 10 prints as short text.
+  const auto tenths_of_mm = [](double metres) { return std::round(metres * 1e4); };
+  nlohmann::json lengths = nlohmann::json::object();
+  nlohmann::json samples = nlohmann::json::object();
+  nlohmann::json spreads = nlohmann::json::object();
+  for (int j = 1; j < person.skeleton->joint_count(); ++j) {
+    const std::string& name = person.skeleton->joints[j].name;
+    lengths[name] = tenths_of_mm(person.bone_length[j]) / 1e4;
+    samples[name] = person.samples[j];
+    spreads[name] = tenths_of_mm(person.bone_spread[j]) / 1e1;
+  }
+  return {{"person", person.person},
+          {"skeleton", person.skeleton->name},
+          {"bone_length_m", lengths},
+          {"samples", samples},
+          {"bone_spread_mm", spreads},
+          {"clips", person.clips},
+          {"frames", person.frames},
+          {"scale", std::round(person.scale * 1e4) / 1e4},
+          {"stature_m", tenths_of_mm(Stature(*person.skeleton, person.bone_length)) / 1e4}};
+}
+
+Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
+                                                  const std::string& where) {
+  if (!json.is_object() || !json.contains("skeleton") || !json["skeleton"].is_string() ||
+      !json.contains("bone_length_m") || !json["bone_length_m"].is_object()) {
+    return Fail(ErrorCode::kMalformed, "no proportions: 'skeleton' and 'bone_length_m' are expected", where,
+                "run the stage proportions again");
+  }
+  const std::string& name = json["skeleton"].get_ref<const std::string&>();
+  if (name != skeleton.name) {
+    return Fail(ErrorCode::kInconsistent,
+                "proportions are of skeleton '" + name + "', the fit wants '" + skeleton.name + "'", where,
+                "give both stages the same skeleton");
+  }
+  std::vector<double> lengths(skeleton.joints.size(), 0.0);
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    const auto found = json["bone_length_m"].find(skeleton.joints[j].name);
+    if (found == json["bone_length_m"].end() || !found->is_number()) {
+      return Fail(ErrorCode::kInconsistent, "no length for the bone that ends at '" + skeleton.joints[j].name + "'", where);
+    }
+    lengths[j] = found->get<double>();
+    if (!(lengths[j] >= 0.0 && lengths[j] < 10.0)) {
+      return Fail(ErrorCode::kMalformed,
+                  FormatDouble(lengths[j]) + " m is no length of the bone that ends at '" + skeleton.joints[j].name + "'",
+                  where);
+    }
+  }
+  return lengths;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// One person's bone lengths and where they come from.
+struct Proportions {
+  std::string person;
+  SkeletonPtr skeleton;
+  std::vector<double> bone_length;      ///< (J) metres, whole 0.1 mm
+  std::vector<int> samples;             ///< (J) observed lengths behind each bone; 0: from the rest skeleton
+  std::vector<double> bone_spread;      ///< (J) metres, robust spread over frames before any fit
+  std::vector<std::string> clips;       ///< ids, sorted
+  int frames = 0;
+  double scale = 1.0;                   ///< of the person against the rest skeleton
+};
+
+/// Median lengths of all clips, then refined: up to refine_clips of them are fitted with their bones free around the
+/// medians, and the bones become the median of those fits. No clips: the rest lengths. Rounded to 0.1 mm.
+/// Error kInternal if a fit fails.
+Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
+                                          const ProportionsOptions& options);
+
+/// {"person", "skeleton", "bone_length_m": {joint: m}, "samples": {joint: n}, "bone_spread_mm": {joint: mm}, "clips",
+///  "frames", "scale", "stature_m"}
+nlohmann::json ProportionsJson(const Proportions& proportions);
+
+/// Bone lengths (J) of a proportions artifact for a skeleton. Error kInconsistent for another skeleton or a missing joint,
+/// kMalformed for what is no length.
+Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
+                                                  const std::string& where);
+
+/// Height of the rest pose with these bones: highest minus lowest joint, metres.
+double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length);
+
+}  // namespace mocurate

@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/store/store.h"
+#include "fitting/proportions.h"
+#include "fitting/stages.h"
+
+namespace mocurate {
+
+Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
+  const Expected<ProportionsOptions> options = OptionsFromJson<ProportionsOptions>(request.options, "proportions");
+  if (!options) return Forward(options);
+  const Expected<SkeletonPtr> skeleton = LoadSkeleton(options->skeleton);
+  if (!skeleton) return Forward(skeleton);
+
+  std::map<std::string, const StageInput*> inputs;
+  std::vector<std::string> names;
+  for (const StageInput& input : request.inputs) {
+    if (input.role != "evidence" || !inputs.emplace(input.name, &input).second) continue;
+    names.push_back(input.name);
+  }
+  StageOutcome outcome;
+  std::vector<SkeletonTracks> clips;
+  std::vector<std::string> ids;
+  for (const std::string& name : ChooseProportionClips(names)) {
+    const Expected<Clip> clip = ReadEvidence(inputs[name]->path);
+    if (!clip) return Forward(clip);
+    ids.push_back(clip->id());
+    if (options->method != FitMethod::kJointTracks || !clip->evidence.tracks) continue;
+    Expected<SkeletonTracks> tracks = MapTracks(*clip->evidence.tracks, *skeleton);
+    if (tracks) {
+      clips.push_back(std::move(*tracks));
+      continue;
+    }
+    Finding finding;
+    finding.clip = clip->id();
+    finding.code = "no_proportions_from_clip";
+    finding.message = tracks.error().Message();
+    finding.action = "left out";
+    outcome.findings.push_back(finding);
+  }
+  Expected<Proportions> person = EstimateProportions(clips, *skeleton, *options);
+  if (!person) return Forward(person);
+  person->person = request.item;
+  person->clips = std::move(ids);
+  nlohmann::json json = ProportionsJson(*person);
+  if (Status written = WriteFile(request.output, json.dump(2) + "\n"); !written) return Forward(written);
+  outcome.summary = std::move(json);
+  outcome.summary.erase("clips");
+  outcome.summary["clips"] = person->clips.size();
+  return outcome;
+}
+
+}  // namespace mocurate

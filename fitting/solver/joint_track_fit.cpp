@@ -1,0 +1,189 @@
+#include "fitting/solver/joint_track_fit.h"
+
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion/kinematics.h"
+#include "fitting/evidence/noise.h"
+#include "fitting/evidence/outliers.h"
+#include "fitting/solver/closed_form_start.h"
+#include "fitting/solver/one_thread.h"
+#include "fitting/solver/track_problem.h"
+
+namespace mocurate {
+namespace {
+
+ceres::Solver::Options SolverOptions(const JointTrackOptions& options) {
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  solver.num_threads = 1;
+  solver.function_tolerance = options.relative_tolerance;
+  solver.gradient_tolerance = 1e-12;
+  solver.parameter_tolerance = 1e-12;
+  solver.max_num_iterations = static_cast<int>(options.max_iterations);
+  solver.logging_type = ceres::SILENT;
+  return solver;
+}
+
+/// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
+Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
+                    const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options,
+                    FitResult& result) {
+  const int frames = tracks.frames();
+  const int window = static_cast<int>(options.window_frames);
+  const int step = std::max(1, window - static_cast<int>(options.window_overlap));
+  result.converged = true;
+  result.termination = "converged";
+  for (int begin = 0; begin < frames; begin += step) {
+    const int end = frames - begin <= window ? frames : begin + window;
+    TrackProblem problem(tracks, state, joint_sigma, bone_prior, bones, options, begin, end);
+    ceres::Solver::Summary summary;
+    const OneThread one_thread;
+    ceres::Solve(SolverOptions(options), &problem.problem(), &summary);
+    if (!summary.IsSolutionUsable()) {
+      return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message,
+                  "frames " + std::to_string(begin) + " to " + std::to_string(end));
+    }
+    result.iterations += static_cast<int>(summary.iterations.size()) - 1;
+    result.initial_cost += summary.initial_cost;
+    result.final_cost += summary.final_cost;
+    if (summary.termination_type == ceres::NO_CONVERGENCE) {
+      result.converged = false;
+      result.termination = "iteration limit";
+    }
+    if (end == frames) break;
+    if (bones == Bones::kFree) bones = Bones::kFixed;  // the first window decides
+  }
+  return {};
+}
+
+/// A tracker's error wobbles slowly beside its white noise; only the white part may be smoothed away. With sigma of all
+/// noise and white of the white part, data and smoothness are balanced for sqrt(sigma * white): the walks widen by
+/// sqrt(sigma / white), at most threefold.
+double WalkWidening(const NoiseEstimate& noise) {
+  return noise.white > 0.0 ? std::clamp(std::sqrt(noise.sigma / noise.white), 1.0, 3.0) : 1.0;
+}
+
+std::vector<JointState> StatesOf(const SkeletonTracks& tracks, const std::vector<bool>& rejected) {
+  const std::vector<bool> seen_joints = tracks.SeenJoints();
+  std::vector<JointState> states;
+  states.reserve(rejected.size());
+  for (int f = 0; f < tracks.frames(); ++f) {
+    for (int j = 0; j < tracks.joints(); ++j) {
+      states.push_back(rejected[states.size()] ? JointState::kRepaired
+                       : tracks.seen(f, j)     ? JointState::kObserved
+                       : seen_joints[j]        ? JointState::kInterpolated
+                                               : JointState::kInferred);
+    }
+  }
+  return states;
+}
+
+Motion MotionOf(const SkeletonTracks& tracks, const FrameRate& rate, const PoseState& state) {
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation;
+  std::vector<double> bone_length;
+  for (int f = 0; f < state.frames(); ++f) {
+    translation.emplace_back(Eigen::Map<const Vector3d>(state.translation(f)));
+    for (int j = 0; j < state.joints(); ++j) {
+      rotation.push_back(ExpQuaternion(Eigen::Map<const Vector3d>(state.rotation(f, j))));
+    }
+  }
+  for (int j = 0; j < state.joints(); ++j) {
+    bone_length.push_back(*state.bone(j));
+    MakeSignContinuous(rotation.data() + j, state.frames(), state.joints());
+  }
+  return MakeMotion(tracks.skeleton, rate, std::move(translation), std::move(rotation), std::move(bone_length));
+}
+
+void MeasureResiduals(const SkeletonTracks& tracks, FitResult& result) {
+  std::vector<double> residuals;
+  double square = 0.0;
+  for (int f = 0; f < tracks.frames(); ++f) {
+    for (int j = 0; j < tracks.joints(); ++j) {
+      if (!tracks.seen(f, j)) continue;
+      residuals.push_back((result.motion.joints.at(f, j) - tracks.positions.at(f, j)).norm());
+      square += residuals.back() * residuals.back();
+    }
+  }
+  if (residuals.empty()) return;
+  result.residual_rms = std::sqrt(square / static_cast<double>(residuals.size()));
+  const auto place = residuals.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(residuals.size() - 1));
+  std::nth_element(residuals.begin(), place, residuals.end());
+  result.residual_p95 = *place;
+}
+
+/// One finding per run of frames in which no joint is seen.
+void ReportFramesWithoutEvidence(const SkeletonTracks& tracks, FitResult& result) {
+  const std::vector<bool> seen = tracks.SeenFrames();
+  for (int begin = 0; begin < tracks.frames(); ++begin) {
+    if (seen[begin]) continue;
+    int end = begin;
+    while (end < tracks.frames() && !seen[end]) ++end;
+    Finding finding;
+    finding.code = "frames_without_evidence";
+    finding.frame_begin = begin;
+    finding.frame_end = end;
+    finding.value = end - begin;
+    finding.message = "no joint is seen in " + std::to_string(end - begin) + " frames";
+    finding.action = "interpolated";
+    result.findings.push_back(finding);
+    begin = end;
+  }
+}
+
+/// One finding per joint that has samples rejected.
+void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejected, FitResult& result) {
+  for (int j = 0; j < tracks.joints(); ++j) {
+    Finding finding;
+    int count = 0;
+    for (int f = 0; f < tracks.frames(); ++f) {
+      if (!rejected[static_cast<std::size_t>(f) * tracks.joints() + j]) continue;
+      if (count++ == 0) finding.frame_begin = f;
+      finding.frame_end = f + 1;
+    }
+    if (count == 0) continue;
+    finding.code = "outliers_rejected";
+    finding.severity = Severity::kInfo;
+    finding.joint = tracks.skeleton->joints[j].name;
+    finding.value = count;
+    finding.message = std::to_string(count) + " samples jump away from their neighbours in time";
+    finding.action = "repaired";
+    result.findings.push_back(finding);
+  }
+}
+
+}  // namespace
+
+Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
+                                   const std::vector<double>& bone_length, Bones bones,
+                                   const JointTrackOptions& options) {
+  FitResult result;
+  const NoiseEstimate noise = EstimateNoise(given, bone_length);
+  result.noise_sigma = noise.sigma;
+  const std::vector<double> joint_sigma = options.noise == NoiseScale::kPerJoint
+                                              ? noise.joint_sigma
+                                              : std::vector<double>(noise.joint_sigma.size(), noise.sigma);
+  SkeletonTracks tracks = given;
+  const std::vector<bool> rejected = RejectOutliers(tracks, joint_sigma);
+  JointTrackOptions walks = options;
+  const double widening = WalkWidening(noise);
+  walks.rotation_walk *= widening;
+  walks.velocity_walk *= widening;
+  PoseState state(*tracks.skeleton, tracks.frames(), bone_length, JointsWithEvidenceBelow(tracks));
+  ClosedFormStart(tracks, state);
+  if (Status solved = SolveWindows(tracks, state, joint_sigma, bone_length, bones, walks, result); !solved) {
+    return tl::unexpected<Error>(solved.error());
+  }
+  result.motion = MotionOf(tracks, rate, state);
+  result.motion.state = StatesOf(tracks, rejected);
+  MeasureResiduals(tracks, result);
+  ReportFramesWithoutEvidence(tracks, result);
+  ReportOutliers(tracks, rejected, result);
+  return result;
+}
+
+}  // namespace mocurate

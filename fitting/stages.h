@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/pipeline/stage.h"
+
+namespace mocurate {
+
+/// At most 30 clips of one person (inputs role "evidence", item = person) -> JSON artifact
+/// {"person", "skeleton", "bone_length_m": {joint: length}, "clips", "frames", "scale"...}: one set of bone lengths,
+/// rounded to 0.1 mm. Summary: spread of each bone over frames before (mm), stature.
+Expected<StageOutcome> ProportionsStage(const StageRequest& request);
+
+/// One clip: evidence (role "evidence") and its person's proportions (role "proportions") -> Dataset file with one clip
+/// that has a motion with rotations. Summary: method, residual_rms_mm, residual_p95_mm, iterations, termination, and
+/// "before"/"after" objects: bone_spread_mm, jerk, missing_share, frames.
+Expected<StageOutcome> FittingStage(const StageRequest& request);
+
+}  // namespace mocurate

@@ -1,0 +1,130 @@
+#include "ingest/discover.h"
+
+#include <algorithm>
+
+#include "core/base/file.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+struct FolderFile {
+  std::string name;  ///< below the folder, with '/', printable
+  std::filesystem::path path;
+};
+
+/// Files down to `depth` folders below `folder`, sorted by name.
+Expected<std::vector<FolderFile>> ListFiles(const std::filesystem::path& folder, int depth) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (folder.empty() || !fs::exists(folder, error)) {
+    return Fail(ErrorCode::kNotFound, folder.empty() ? "no folder with captures is given" : "the folder does not exist",
+                folder.empty() ? "ingest.path" : DisplayPath(folder), "set ingest.path (--set ingest.path=DIR)");
+  }
+  if (!fs::is_directory(folder, error)) {
+    return Fail(ErrorCode::kUnreadable, "is no folder", DisplayPath(folder),
+                "ingest.path names the folder of the files");
+  }
+  std::vector<FolderFile> files;
+  fs::recursive_directory_iterator at(folder, error);
+  if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
+  for (const fs::recursive_directory_iterator end; at != end;) {
+    std::error_code unknown;
+    if (at->is_directory(unknown) && at.depth() >= depth) at.disable_recursion_pending();
+    if (at->is_regular_file(unknown)) {
+      files.push_back({DisplayPath(at->path().lexically_relative(folder)), at->path()});
+    }
+    at.increment(error);
+    if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
+  }
+  std::sort(files.begin(), files.end(), [](const FolderFile& a, const FolderFile& b) {
+    return a.name != b.name ? a.name < b.name : a.path.native() < b.path.native();
+  });
+  return files;
+}
+
+int DepthOf(const std::string& name) { return static_cast<int>(std::count(name.begin(), name.end(), '/')); }
+
+/// Adds the depth images of one sequence: those whose fields agree with the fields of the sequence's own name.
+void AddDepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamedFile& named,
+                   ItemSpec& item) {
+  for (const FolderFile& file : files) {
+    const std::optional<NameFields> fields = pattern.Match(file.name);
+    if (!fields) continue;
+    const bool same = std::all_of(fields->begin(), fields->end(), [&](const auto& field) {
+      const auto own = named.fields.find(field.first);
+      return own == named.fields.end() || own->second == field.second;
+    });
+    if (same) item.inputs.push_back({"depth", file.name, file.path, ""});
+  }
+}
+
+/// `matches`: the name is as declared, but its label is not.
+Finding LeftOut(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
+  const bool failed =
+      source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore);
+  Finding finding;
+  finding.clip = name;
+  finding.code = matches ? "label_unknown" : "name_mismatch";
+  finding.severity = failed ? Severity::kError : Severity::kWarning;
+  finding.message = why.what + (why.hint.empty() ? "" : " (" + why.hint + ")");
+  finding.action = "left out";
+  return finding;
+}
+
+}  // namespace
+
+Expected<Discovery> Discover(const IngestOptions& options) {
+  const SourceOptions& source = options.source;
+  if (Status ok = CheckSource(source); !ok) return Forward(ok);
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
+  if (!pattern) return Forward(pattern);
+  const Expected<NamePattern> depth_pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
+  if (!depth_pattern) return Forward(depth_pattern);
+  const Expected<std::vector<FolderFile>> files =
+      ListFiles(options.path, std::max(pattern->depth(), depth_pattern->depth()));
+  if (!files) return Forward(files);
+
+  Discovery discovery;
+  const bool has_depth = source.format == SourceFormat::kDepthSequence;
+  const nlohmann::json stage_options = OptionsToJson(source);
+  for (const FolderFile& file : *files) {
+    if (has_depth && depth_pattern->Match(file.name)) continue;
+    const bool matches = pattern->Match(file.name).has_value();
+    if (!matches && (source.other_files == OtherFiles::kIgnore || DepthOf(file.name) != pattern->depth())) continue;
+    const Expected<NamedFile> named = ReadName(source, file.name);
+    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
+    if (!named) {
+      discovery.findings.push_back(LeftOut(file.name, source, matches, named.error()));
+      continue;
+    }
+    ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
+    if (has_depth) {
+      discovery.truth.push_back(item);
+      AddDepthFiles(*files, *depth_pattern, *named, item);
+    }
+    discovery.items.push_back(std::move(item));
+  }
+  if (discovery.items.empty()) {
+    return Fail(ErrorCode::kNotFound, "no file matches the pattern '" + source.files + "'", DisplayPath(options.path),
+                discovery.findings.empty() ? "is it the right folder?"
+                                           : "e.g. '" + discovery.findings.front().clip + "' does not match");
+  }
+  const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
+  std::sort(discovery.items.begin(), discovery.items.end(), by_item);
+  std::sort(discovery.truth.begin(), discovery.truth.end(), by_item);
+  for (std::size_t i = 1; i < discovery.items.size(); ++i) {
+    if (discovery.items[i].item != discovery.items[i - 1].item) continue;
+    return Fail(ErrorCode::kConfig,
+                "'" + discovery.items[i - 1].inputs[0].name + "' and '" + discovery.items[i].inputs[0].name +
+                    "' are both '" + discovery.items[i].item + "'",
+                "ingest.source.recording", "take more fields of the name into `recording`");
+  }
+  return discovery;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,180 @@
+#include "ingest/sense/clip_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/geometry/axes.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kContradicts = 0.55;    // least confidence of a measured value that contradicts a declared one
+constexpr double kManyMissing = 0.2;     // share of missing samples worth a warning
+constexpr double kRateTolerance = 0.01;  // relative
+constexpr double kBodySlack = 0.15;      // of the body's length, before a declared unit is doubted
+
+using Json = nlohmann::json;
+
+double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
+Json Value(Json value, const char* from, double confidence, const std::string& evidence) {
+  const bool unknown = value.is_null() || (value.is_string() && value.get<std::string>().empty());
+  if (unknown) return {{"value", nullptr}, {"from", "unknown"}, {"confidence", 0.0}, {"evidence", evidence}};
+  return {{"value", std::move(value)}, {"from", from}, {"confidence", Rounded(confidence)}, {"evidence", evidence}};
+}
+
+Json Value(const Measured& measured) {
+  return Value(measured.value, "measured", measured.confidence, measured.evidence);
+}
+
+/// A declared value, with what was measured beside it.
+Json Declared(Json value, const std::string& who, const Measured& measured) {
+  if (value.is_string() && value.get<std::string>().empty()) return Value(measured);
+  Json json = Value(std::move(value), "declared", 1.0, who);
+  if (!measured.value.empty()) {
+    json["measured"] = {
+        {"value", measured.value}, {"confidence", Rounded(measured.confidence)}, {"evidence", measured.evidence}};
+  }
+  return json;
+}
+
+/// "-z": where a canonical direction lies in the source's axes.
+std::string SourceAxis(const AxisConvention& axes, int canonical) {
+  for (int i = 0; i < 3; ++i) {
+    const double component = axes.canonical_from_source(canonical, i);
+    if (std::abs(component) > 0.5) return std::string(component < 0.0 ? "-" : "+") + "xyz"[i];
+  }
+  return "";
+}
+
+/// What is said of a clip without looking at its numbers.
+struct Statements {
+  std::string units, up, handedness, facing, axes, who;
+};
+
+Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOptions>& source) {
+  Statements said{clip.units, clip.up, clip.handedness, "", "", "said by the format"};
+  if (!source) return said;
+  said.who = "said by the source '" + source->name + "'";
+  if (!source->units.empty()) said.units = source->units;
+  const auto axes = AxisConvention::Parse(source->axes);
+  if (!axes) return said;
+  said.axes = source->axes;
+  said.up = SourceAxis(*axes, 1);
+  said.facing = SourceAxis(*axes, 2);
+  said.handedness = axes->handedness() == Handedness::kLeft ? "left" : "right";
+  return said;
+}
+
+void CompareUnits(const Statements& said, const ClipMeasures& m, const std::string& where, Json& findings) {
+  const auto declared = MetresPerUnit(said.units);
+  if (!declared) {
+    findings.push_back(InspectionFinding("units_unknown", Severity::kError, where, 0.0, declared.error().Message()));
+    return;
+  }
+  if (!(m.body > 0.0)) return;
+  const double metres = m.body * *declared;
+  if (metres > kShortestBody * (1.0 - kBodySlack) && metres < kTallestBody * (1.0 + kBodySlack)) return;
+  findings.push_back(InspectionFinding(
+      "units_contradiction", Severity::kError, where, Rounded(metres),
+      "in the declared unit '" + said.units + "' the person measures " + FormatDouble(Rounded(metres)) +
+          " m from head to foot" + (m.units.value.empty() ? "" : "; in " + m.units.value + " it would be a person")));
+}
+
+void Compare(const char* code, const char* what, const std::string& declared, const Measured& measured,
+             Severity severity, const std::string& where, Json& findings) {
+  if (declared.empty() || measured.value.empty() || measured.value == declared || measured.confidence < kContradicts)
+    return;
+  findings.push_back(InspectionFinding(code, severity, where, Rounded(measured.confidence),
+                                       std::string(what) + " is declared " + declared + ", the motion says " +
+                                           measured.value + " (" + measured.evidence + ")"));
+}
+
+void CompareRate(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
+  if (!clip.rate_hz || !source.rate_hz) return;
+  if (std::abs(*clip.rate_hz / *source.rate_hz - 1.0) <= kRateTolerance) return;
+  findings.push_back(InspectionFinding(
+      "rate_contradiction", Severity::kError, where, *clip.rate_hz,
+      "the file says " + FormatDouble(*clip.rate_hz) + " Hz, the source " + FormatDouble(*source.rate_hz) + " Hz"));
+}
+
+Json RateOf(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m) {
+  if (clip.rate_hz) return Value(*clip.rate_hz, "declared", 1.0, "said by the file");
+  if (source && source->rate_hz) return Declared(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
+  if (m.rate.value.empty()) return Value(Json(), "unknown", 0.0, "the file does not say it");
+  return Value(*ParseDouble(m.rate.value), "measured", m.rate.confidence, m.rate.evidence);
+}
+
+Json FirstFrame(const ObservedClip& clip) {
+  if (clip.positions.empty()) return Value(Json(), "unknown", 0.0, "no joints");
+  Json points = Json::array();
+  for (int j = 0; j < clip.positions.joints; ++j) {
+    const bool seen = clip.confidence.empty() || clip.confidence[j] > 0.0;
+    const auto at = clip.positions.at(0, j);
+    points.push_back({{"joint", clip.names.empty() ? Json() : Json(clip.names[j])},
+                      {"position", seen ? Json({Rounded(at.x()), Rounded(at.y()), Rounded(at.z())}) : Json()}});
+  }
+  return Value(std::move(points), "declared", 1.0, "in the file's own unit and axes");
+}
+
+void NameFields(const SourceOptions& source, const std::string& file, Json& json, Json& findings) {
+  const auto named = ReadName(source, file);
+  if (!named) {
+    findings.push_back(InspectionFinding("name_mismatch", Severity::kWarning, file, 0.0, named.error().Message()));
+    return;
+  }
+  json["item"] = named->item();
+  json["person"] = Value(named->identity.person, "declared", 1.0, "name of the file");
+  json["label"] = Value(named->label, "declared", 1.0, "name of the file");
+}
+
+}  // namespace
+
+Json InspectionFinding(const std::string& code, Severity severity, const std::string& where, double value,
+                       const std::string& message) {
+  return {{"code", code}, {"severity", Name(severity)}, {"where", where}, {"value", value}, {"message", message}};
+}
+
+Json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
+                Json& findings) {
+  const ClipMeasures m = Measure(clip);
+  const Statements said = StatementsOf(clip, source);
+  const std::string where = file + clip.id;
+  Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
+  if (source) NameFields(*source, file, json, findings);
+  json["frames"] = Value(clip.frames, "measured", 1.0, clip.layout_evidence);
+  json["rate_hz"] = RateOf(clip, source, m);
+  const bool has_joints = clip.joints > 0;
+  json["joints"] =
+      Value(has_joints ? Json(clip.joints) : Json(), clip.format == "joint_table" && !source ? "measured" : "declared",
+            clip.format == "joint_table" && !source ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
+  json["people"] = Value(clip.people, "declared", 1.0, "files of this format hold one person");
+  json["skeleton"] = Value(clip.skeleton, clip.skeleton_from.c_str(), clip.skeleton_confidence, clip.skeleton_evidence);
+  json["units"] = Declared(said.units, said.who, m.units);
+  json["up"] = Declared(said.up, said.who, m.up);
+  json["handedness"] = Declared(said.handedness, said.who, m.handedness);
+  json["facing"] = Declared(said.facing, said.who, m.facing);
+  json["axes"] = Declared(said.axes, said.who, m.axes);
+  json["missing_share"] = has_joints ? Value(Rounded(m.missing_share), "measured", 1.0,
+                                             "joints that are zero, no numbers, or have confidence 0")
+                                     : Value(Json(), "unknown", 0.0, "no joints");
+  json["first_frame"] = FirstFrame(clip);
+
+  for (const Remark& remark : clip.remarks) {
+    findings.push_back(InspectionFinding(remark.code, remark.severity, where, Rounded(remark.value), remark.message));
+  }
+  if (m.missing_share > kManyMissing) {
+    findings.push_back(
+        InspectionFinding("many_missing", Severity::kWarning, where, Rounded(m.missing_share),
+                          FormatDouble(Rounded(100.0 * m.missing_share)) + " % of the joints are missing"));
+  }
+  if (!said.units.empty()) CompareUnits(said, m, where, findings);
+  Compare("up_contradiction", "up", said.up, m.up, Severity::kError, where, findings);
+  Compare("handedness_contradiction", "the frame", said.handedness, m.handedness, Severity::kError, where, findings);
+  if (source) CompareRate(clip, *source, where, findings);
+  return json;
+}
+
+}  // namespace mocurate

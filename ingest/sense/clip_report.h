@@ -1,0 +1,20 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "ingest/sense/measure.h"
+
+namespace mocurate {
+
+/// One clip as it stands in the answer of InspectPath. With a source, its statements are the values and the measured
+/// ones stand beside them; contradictions and remarks are appended to `findings`.
+nlohmann::json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
+                          nlohmann::json& findings);
+
+/// {"code", "severity", "where", "value", "message"}
+nlohmann::json InspectionFinding(const std::string& code, Severity severity, const std::string& where, double value,
+                                 const std::string& message);
+
+}  // namespace mocurate

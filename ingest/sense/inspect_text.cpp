@@ -1,0 +1,105 @@
+#include <map>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "ingest/sense/inspect.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostPlaces = 3;  // named per kind of finding
+
+std::string Text(const Json& value) {
+  if (value.is_null()) return "?";
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+std::string Percent(const Json& share) {
+  return std::to_string(static_cast<int>(share.get<double>() * 100.0 + 0.5)) + " %";
+}
+
+std::string Line(const std::string& name, const std::string& text) {
+  return "  " + name + std::string(name.size() < 12 ? 12 - name.size() : 1, ' ') + text + "\n";
+}
+
+std::string Field(const char* name, const Json& field) {
+  std::string text = Text(field.at("value"));
+  const std::string from = field.at("from");
+  if (from == "measured")
+    text += "  measured, " + Percent(field.at("confidence")) + " sure: " + field.at("evidence").get<std::string>();
+  if (from == "declared") text += "  " + field.at("evidence").get<std::string>();
+  if (from == "unknown") text += "  " + field.at("evidence").get<std::string>();
+  if (field.contains("measured")) {
+    const Json& measured = field.at("measured");
+    text += "; measured " + Text(measured.at("value")) + ", " + Percent(measured.at("confidence")) +
+            " sure: " + measured.at("evidence").get<std::string>();
+  }
+  return Line(name, text);
+}
+
+std::string ClipText(const Json& clip) {
+  std::string text = clip.at("id").get<std::string>() + ": " + clip.at("format").get<std::string>() + "\n";
+  for (const char* name : {"person", "label"}) {
+    if (clip.contains(name)) text += Field(name, clip.at(name));
+  }
+  for (const char* name :
+       {"frames", "rate_hz", "joints", "skeleton", "units", "up", "handedness", "facing", "axes", "missing_share"}) {
+    text += Field(name, clip.at(name));
+  }
+  return text;
+}
+
+std::string GroupText(const Json& group) {
+  const Json& frames = group.at("frames");
+  std::string text =
+      (group.at("folder").get<std::string>().empty() ? "" : group.at("folder").get<std::string>() + "/: ") +
+      std::to_string(group.at("clips").get<std::size_t>()) + " clips, " + group.at("format").get<std::string>() + "\n";
+  text += Line("frames",
+               Text(frames.at("sum")) + " (" + Text(frames.at("min")) + " to " + Text(frames.at("max")) + " a clip)");
+  text += Line("joints", Text(group.at("joints")));
+  for (const char* name : {"rate_hz", "skeleton", "units", "up", "handedness", "facing", "axes"}) {
+    const Json& field = group.at(name);
+    std::string value = Text(field.at("value"));
+    if (!field.at("value").is_null())
+      value += "  " + field.at("from").get<std::string>() + ", " + Percent(field.at("share")) + " agree";
+    text += Line(name, value);
+  }
+  return text;
+}
+
+std::string FindingsText(const Json& findings) {
+  std::map<std::string, std::vector<const Json*>> by_code;
+  for (const Json& finding : findings) {
+    by_code[finding.at("severity").get<std::string>() + " " + finding.at("code").get<std::string>()].push_back(
+        &finding);
+  }
+  std::string text;
+  for (const auto& [code, members] : by_code) {
+    text += code + (members.size() > 1 ? " (" + std::to_string(members.size()) + " times)" : "") + "\n";
+    for (std::size_t i = 0; i < members.size() && i < kMostPlaces; ++i) {
+      text += "  " + members[i]->at("where").get<std::string>() + ": " + members[i]->at("message").get<std::string>() +
+              "\n";
+    }
+    if (members.size() > kMostPlaces) text += "  and " + std::to_string(members.size() - kMostPlaces) + " more\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string InspectionText(const Json& inspection) {
+  const Json& clips = inspection.at("clips");
+  std::string text = inspection.at("path").get<std::string>() + ": " + inspection.at("format").get<std::string>() +
+                     ", " + std::to_string(clips.size()) + (clips.size() == 1 ? " clip\n" : " clips\n");
+  if (clips.size() <= 2) {
+    for (const Json& clip : clips) text += "\n" + ClipText(clip);
+  } else {
+    for (const Json& group : inspection.at("groups")) text += "\n" + GroupText(group);
+  }
+  const std::string findings = FindingsText(inspection.at("findings"));
+  return text + (findings.empty() ? "" : "\n" + findings);
+}
+
+}  // namespace mocurate

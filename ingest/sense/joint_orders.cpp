@@ -1,0 +1,155 @@
+#include "ingest/sense/joint_orders.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/synthetic/tracker.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFramesLookedAt = 64;
+constexpr double kFromMad = 1.4826;
+
+std::vector<std::string> SmplJoints(std::size_t count) {
+  std::vector<std::string> names = {"pelvis",     "left_hip",      "right_hip",      "spine1",      "left_knee",
+                                    "right_knee", "spine2",        "left_ankle",     "right_ankle", "spine3",
+                                    "left_foot",  "right_foot",    "neck",           "left_collar", "right_collar",
+                                    "head",       "left_shoulder", "right_shoulder", "left_elbow",  "right_elbow",
+                                    "left_wrist", "right_wrist",   "left_hand",      "right_hand"};
+  names.resize(count);
+  return names;
+}
+
+double MedianOf(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Median and robust relative spread of the distance between two points; spread 1 when hardly ever seen together.
+struct Distance {
+  double median = 0.0;
+  double spread = 1.0;
+};
+
+Distance DistanceBetween(const JointPositions& positions, const std::vector<double>& confidence, int a, int b) {
+  std::vector<double> lengths;
+  const int step = std::max(1, positions.frames / kFramesLookedAt);
+  const auto seen = [&](int f, int k) {
+    return confidence.empty() || confidence[static_cast<std::size_t>(f) * positions.joints + k] > 0.0;
+  };
+  for (int f = 0; f < positions.frames; f += step) {
+    if (seen(f, a) && seen(f, b)) lengths.push_back((positions.at(f, a) - positions.at(f, b)).norm());
+  }
+  Distance distance;
+  if (lengths.size() < 2) return distance;
+  distance.median = MedianOf(lengths);
+  if (!(distance.median > 0.0)) return distance;
+  for (double& length : lengths) length = std::abs(length - distance.median);
+  distance.spread = std::min(1.0, kFromMad * MedianOf(lengths) / distance.median);
+  return distance;
+}
+
+}  // namespace
+
+const std::vector<JointOrder>& KnownJointOrders() {
+  static const std::vector<JointOrder> orders = {
+      {"kard",
+       "openni15",
+       {"head", "neck", "right_shoulder", "right_elbow", "right_wrist", "left_shoulder", "left_elbow", "left_wrist",
+        "torso", "right_hip", "right_knee", "right_ankle", "left_hip", "left_knee", "left_ankle"}},
+      {"florence3d",
+       "openni15",
+       {"head", "neck", "torso", "left_shoulder", "left_elbow", "left_wrist", "right_shoulder", "right_elbow",
+        "right_wrist", "left_hip", "left_knee", "left_ankle", "right_hip", "right_knee", "right_ankle"}},
+      {"cad60",
+       "openni15",
+       {"head", "neck", "torso", "left_shoulder", "left_elbow", "right_shoulder", "right_elbow", "left_hip",
+        "left_knee", "right_hip", "right_knee", "left_wrist", "right_wrist", "left_ankle", "right_ankle"}},
+      {"msr_action3d", "kinect20", {"left_shoulder", "right_shoulder", "shoulder_center", "spine",       "left_hip",
+                                    "right_hip",     "hip_center",     "left_elbow",      "right_elbow", "left_wrist",
+                                    "right_wrist",   "left_hand",      "right_hand",      "left_knee",   "right_knee",
+                                    "left_ankle",    "right_ankle",    "left_foot",       "right_foot",  "head"}},
+      {"kinect1", "kinect20", {"hip_center",  "spine",      "shoulder_center", "head",           "left_shoulder",
+                               "left_elbow",  "left_wrist", "left_hand",       "right_shoulder", "right_elbow",
+                               "right_wrist", "right_hand", "left_hip",        "left_knee",      "left_ankle",
+                               "left_foot",   "right_hip",  "right_knee",      "right_ankle",    "right_foot"}},
+      {"studio", "kinect20", TrackedJoints()},
+      {"kinect2", "ntu25", {"spine_base",     "spine_mid",     "neck",       "head",           "left_shoulder",
+                            "left_elbow",     "left_wrist",    "left_hand",  "right_shoulder", "right_elbow",
+                            "right_wrist",    "right_hand",    "left_hip",   "left_knee",      "left_ankle",
+                            "left_foot",      "right_hip",     "right_knee", "right_ankle",    "right_foot",
+                            "spine_shoulder", "left_hand_tip", "left_thumb", "right_hand_tip", "right_thumb"}},
+      {"smpl", "smpl24", SmplJoints(24)},
+      {"smpl22", "smpl24", SmplJoints(22)}};
+  return orders;
+}
+
+std::vector<ObservedBone> BonesOf(const std::vector<std::string>& joints, const Skeleton& skeleton) {
+  std::vector<int> point_of_joint(skeleton.joints.size(), -1);
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    if (const auto joint = skeleton.FindJoint(joints[k])) point_of_joint[*joint] = static_cast<int>(k);
+  }
+  std::vector<ObservedBone> bones;
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    if (point_of_joint[j] < 0) continue;
+    Vector3d offset = skeleton.joints[j].rest_offset;  // distance in the rest pose, whatever is stepped over
+    int parent = skeleton.joints[j].parent;
+    while (parent >= 0 && point_of_joint[parent] < 0) {
+      offset += skeleton.joints[parent].rest_offset;
+      parent = skeleton.joints[parent].parent;
+    }
+    if (parent >= 0) bones.push_back({point_of_joint[parent], point_of_joint[j], offset.norm()});
+  }
+  return bones;
+}
+
+BodyScore ScoreBody(const JointPositions& positions, const std::vector<double>& confidence,
+                    const std::vector<ObservedBone>& bones) {
+  BodyScore score{1.0, 1.0};
+  if (bones.empty() || positions.frames < 2) return score;
+  double spread = 0.0;
+  std::vector<double> ratios;
+  for (const ObservedBone& bone : bones) {
+    const Distance distance = DistanceBetween(positions, confidence, bone.from, bone.to);
+    spread += distance.spread;
+    if (distance.median > 0.0 && bone.rest_length > 0.0) ratios.push_back(std::log(distance.median / bone.rest_length));
+  }
+  score.spread = spread / static_cast<double>(bones.size());
+  if (ratios.empty()) return score;
+  std::vector<double> sorted = ratios;
+  const double scale = MedianOf(sorted);
+  double sum = 0.0;
+  for (const double ratio : ratios) sum += std::min(1.0, std::abs(ratio - scale));
+  score.proportion = sum / static_cast<double>(ratios.size());
+  return score;
+}
+
+std::vector<OrderScore> ScoreOrders(const JointPositions& positions, const std::vector<double>& confidence) {
+  std::vector<OrderScore> scores;
+  for (const JointOrder& order : KnownJointOrders()) {
+    if (static_cast<int>(order.joints.size()) != positions.joints) continue;
+    const auto skeleton = LoadSkeleton(order.skeleton);
+    if (!skeleton) continue;
+    scores.push_back({&order, ScoreBody(positions, confidence, BonesOf(order.joints, **skeleton))});
+  }
+  std::stable_sort(scores.begin(), scores.end(),
+                   [](const OrderScore& a, const OrderScore& b) { return a.score.total() < b.score.total(); });
+  return scores;
+}
+
+double Rigidity(const JointPositions& positions, const std::vector<double>& confidence) {
+  std::vector<double> best;
+  for (int a = 0; a < positions.joints; ++a) {
+    double smallest = 1.0;
+    for (int b = 0; b < positions.joints; ++b) {
+      if (a != b) smallest = std::min(smallest, DistanceBetween(positions, confidence, a, b).spread);
+    }
+    best.push_back(smallest);
+  }
+  return MedianOf(best);
+}
+
+}  // namespace mocurate

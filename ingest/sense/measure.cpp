@@ -1,0 +1,257 @@
+#include "ingest/sense/measure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/geometry/axes.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kTypicalBody = 1.5;
+constexpr double kDecided = 0.5;        // least confidence of a direction that is told
+constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
+
+struct UnitOfLength {
+  const char* name;
+  double metres;
+};
+constexpr UnitOfLength kUnits[] = {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"0.0564 m", 0.0564}};
+
+std::string Rounded(double value, double step) { return FormatDouble(std::round(value / step) * step); }
+
+std::string Shown(double value) {
+  if (!(value > 0.0)) return "0";
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return step >= 1.0 ? Rounded(value, step) : FormatDouble(std::round(value / step) / std::round(1.0 / step));
+}
+
+double MedianOf(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Sum of directions, one a frame.
+struct Directions {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+  void Add(const Vector3d& v) {
+    if (!(v.norm() > 1e-12)) return;
+    sum += v.normalized();
+    ++count;
+  }
+  Vector3d mean() const { return count == 0 ? Vector3d::Zero() : Vector3d(sum / count); }
+};
+
+class Body {
+ public:
+  explicit Body(const ObservedClip& clip) : clip_(clip), p_(clip.points) {}
+
+  bool Has(int f, int point) const {
+    if (point < 0) return false;
+    return clip_.confidence.empty() ||
+           clip_.confidence[static_cast<std::size_t>(f) * clip_.positions.joints + point] > 0.0;
+  }
+  bool Has(int f, const int (&pair)[2]) const { return Has(f, pair[0]) && Has(f, pair[1]); }
+  Vector3d At(int f, int point) const { return clip_.positions.at(f, point); }
+  Vector3d Middle(int f, const int (&pair)[2]) const { return 0.5 * (At(f, pair[0]) + At(f, pair[1])); }
+  int frames() const { return clip_.positions.frames; }
+
+  double Length(int a, int b) const {
+    std::vector<double> lengths;
+    for (int f = 0; f < frames(); ++f) {
+      if (Has(f, a) && Has(f, b)) lengths.push_back((At(f, a) - At(f, b)).norm());
+    }
+    return MedianOf(lengths);
+  }
+
+  /// Head to foot along the bones; 0 if a part is not there.
+  double Chain() const {
+    double leg = 0.0;
+    int legs = 0;
+    for (int side = 0; side < 2; ++side) {
+      const double thigh = Length(p_.hip[side], p_.knee[side]);
+      const double shank = Length(p_.knee[side], p_.ankle[side]);
+      if (thigh > 0.0 && shank > 0.0) leg += thigh + shank, ++legs;
+    }
+    std::vector<double> trunk, head;
+    for (int f = 0; f < frames(); ++f) {
+      if (!Has(f, p_.hip) || !Has(f, p_.shoulder)) continue;
+      trunk.push_back((Middle(f, p_.hip) - Middle(f, p_.shoulder)).norm());
+      if (Has(f, p_.head)) head.push_back((At(f, p_.head) - Middle(f, p_.shoulder)).norm());
+    }
+    if (legs == 0 || trunk.empty() || head.empty()) return 0.0;
+    return leg / legs + MedianOf(trunk) + MedianOf(head);
+  }
+
+  Directions Up() const {
+    Directions up;
+    for (int f = 0; f < frames(); ++f) {
+      if (Has(f, p_.head) && Has(f, p_.ankle))
+        up.Add(At(f, p_.head) - Middle(f, p_.ankle));
+      else if (Has(f, p_.hip) && Has(f, p_.shoulder))
+        up.Add(Middle(f, p_.shoulder) - Middle(f, p_.hip));
+    }
+    return up;
+  }
+
+  /// Left to right, at hips and shoulders.
+  std::optional<Vector3d> Right(int f) const {
+    Vector3d right = Vector3d::Zero();
+    if (Has(f, p_.hip)) right += At(f, p_.hip[1]) - At(f, p_.hip[0]);
+    if (Has(f, p_.shoulder)) right += At(f, p_.shoulder[1]) - At(f, p_.shoulder[0]);
+    if (!(right.norm() > 1e-12)) return std::nullopt;
+    return right.normalized();
+  }
+
+ private:
+  const ObservedClip& clip_;
+  const HandednessPoints& p_;
+};
+
+/// The axis a mean direction lies nearest to, as "+y".
+Measured NearestAxis(const Vector3d& mean) {
+  Measured measured;
+  int axis = 0;
+  mean.cwiseAbs().maxCoeff(&axis);
+  measured.confidence = std::min(1.0, std::abs(mean[axis]));
+  if (measured.confidence >= kDecided) measured.value = std::string(mean[axis] < 0.0 ? "-" : "+") + "xyz"[axis];
+  return measured;
+}
+
+Vector3d AxisVector(const std::string& text) {
+  Vector3d vector = Vector3d::Zero();
+  vector[text[1] - 'x'] = text[0] == '-' ? -1.0 : 1.0;
+  return vector;
+}
+
+Measured UnitsFromLength(double length, double typical, double low, double high, const std::string& what,
+                         double trust) {
+  Measured units;
+  units.evidence = what + " is " + Shown(length) + " in the file's unit";
+  double best = 1e9;
+  for (const UnitOfLength& unit : kUnits) {
+    const double metres = length * unit.metres;
+    const double off = std::abs(std::log(metres / typical));
+    if (metres < low || metres > high || off > best) continue;
+    best = off;
+    units.value = unit.name;
+    units.confidence = trust * std::max(0.2, 1.0 - off / 0.6);
+    units.evidence = what + " is " + Shown(length) + " = " + Shown(metres) + " m in " + unit.name;
+  }
+  if (units.value.empty()) units.evidence += "; no usual unit makes that a person";
+  return units;
+}
+
+/// Without names: the longest side of the box around all points.
+double Extent(const ObservedClip& clip) {
+  std::vector<double> extents;
+  for (int f = 0; f < clip.positions.frames; ++f) {
+    Vector3d low = Vector3d::Constant(1e300), high = Vector3d::Constant(-1e300);
+    for (int j = 0; j < clip.positions.joints; ++j) {
+      if (!clip.confidence.empty() && clip.confidence[static_cast<std::size_t>(f) * clip.positions.joints + j] == 0.0)
+        continue;
+      low = low.cwiseMin(clip.positions.at(f, j));
+      high = high.cwiseMax(clip.positions.at(f, j));
+    }
+    if (high.x() >= low.x()) extents.push_back((high - low).maxCoeff());
+  }
+  return MedianOf(extents);
+}
+
+void MeasureFacing(const Body& body, ClipMeasures& m) {
+  if (m.up.value.empty() || m.handedness.value.empty()) return;
+  const Vector3d up = AxisVector(m.up.value);
+  const double sign = m.handedness.value == "right" ? 1.0 : -1.0;
+  Directions front;
+  for (int f = 0; f < body.frames(); ++f) {
+    if (const auto right = body.Right(f)) front.Add(sign * up.cross(*right));
+  }
+  Measured facing = NearestAxis(front.mean());
+  facing.confidence *= m.handedness.confidence;
+  facing.evidence = "mean over " + std::to_string(front.count) + " frames of the direction across hips and shoulders";
+  if (facing.value.empty()) facing.evidence += "; the person turns or stands slantwise";
+  m.facing = facing;
+  if (facing.value.empty() || facing.value[1] == m.up.value[1]) return;
+  const Vector3d forward = AxisVector(facing.value);
+  const Vector3d left = sign * up.cross(forward);
+  AxisConvention convention;
+  for (int i = 0; i < 3; ++i) {
+    convention.canonical_from_source.col(i) = Vector3d(left[i], up[i], forward[i]);
+  }
+  m.axes = {convention.Text(), std::min({m.up.confidence, m.handedness.confidence, m.facing.confidence}),
+            "from up, handedness and facing; facing is a habit of the recording, not a rule"};
+}
+
+/// Weak: people in action move their faster joints at about half a metre per second.
+Measured GuessRate(const ObservedClip& clip, double metres_per_unit) {
+  Measured rate;
+  std::vector<double> steps;
+  std::vector<double> frame;
+  for (int f = 0; f + 1 < clip.positions.frames; ++f) {
+    frame.clear();
+    for (int j = 0; j < clip.positions.joints; ++j) {
+      const std::size_t at = static_cast<std::size_t>(f) * clip.positions.joints + j;
+      if (!clip.confidence.empty() &&
+          (clip.confidence[at] == 0.0 || clip.confidence[at + clip.positions.joints] == 0.0))
+        continue;
+      frame.push_back((clip.positions.at(f + 1, j) - clip.positions.at(f, j)).norm());
+    }
+    if (frame.size() < 3) continue;
+    const auto tenth = frame.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(frame.size() - 1));
+    std::nth_element(frame.begin(), tenth, frame.end());
+    steps.push_back(*tenth * metres_per_unit);
+  }
+  const double step = MedianOf(steps);
+  if (!(step > 1e-5)) return rate;
+  const double wanted = kTypicalSpeed / step;
+  double best = 1e9;
+  for (const double usual : {10.0, 15.0, 30.0, 60.0, 120.0}) {
+    const double off = std::abs(std::log(usual / wanted));
+    if (off >= best) continue;
+    best = off;
+    rate.value = FormatDouble(usual);
+  }
+  rate.confidence = 0.2;
+  rate.evidence = "a guess: the faster joints move " + Shown(1000.0 * step) + " mm from frame to frame, at " +
+                  FormatDouble(kTypicalSpeed) + " m/s that is " + Shown(wanted) + " Hz";
+  return rate;
+}
+
+}  // namespace
+
+ClipMeasures Measure(const ObservedClip& clip) {
+  ClipMeasures m;
+  if (!clip.confidence.empty()) {
+    const auto missing = std::count(clip.confidence.begin(), clip.confidence.end(), 0.0);
+    m.missing_share = static_cast<double>(missing) / static_cast<double>(clip.confidence.size());
+  }
+  if (clip.positions.empty()) return m;
+  const Body body(clip);
+  m.body = body.Chain();
+  if (m.body > 0.0) {
+    m.units = UnitsFromLength(m.body, kTypicalBody, kShortestBody, kTallestBody, "head to foot along the bones", 1.0);
+  } else if (clip.joints >= 10) {
+    m.units = UnitsFromLength(Extent(clip), 1.55, 0.7, 2.3, "the longest side of the box around all points", 0.5);
+  }
+  const Directions up = body.Up();
+  m.up = NearestAxis(up.mean());
+  m.up.evidence = up.count > 0 ? "head above feet, mean over " + std::to_string(up.count) + " frames"
+                               : "no named head, hips or feet";
+  const HandednessMeasure handedness =
+      MeasureHandedness(clip.positions, clip.points, clip.confidence.empty() ? nullptr : &clip.confidence);
+  m.handedness.confidence = handedness.confidence;
+  m.handedness.evidence = handedness.evidence.empty() ? "neither knees, feet nor hands tell" : handedness.evidence;
+  if (handedness.handedness) m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
+  MeasureFacing(body, m);
+  for (const UnitOfLength& unit : kUnits) {
+    if (m.units.value == unit.name && !clip.rate_hz) m.rate = GuessRate(clip, unit.metres);
+  }
+  return m;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "ingest/sense/observed_clip.h"
+
+namespace mocurate {
+namespace {
+
+/// Points by the names of a skeleton.
+HandednessPoints PointsByName(const std::vector<std::string>& names, const Skeleton& skeleton) {
+  return FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
+    const auto joint = skeleton.FindJoint(name);
+    for (std::size_t k = 0; joint && k < names.size(); ++k) {
+      if (skeleton.FindJoint(names[k]) == joint) return static_cast<int>(k);
+    }
+    return std::nullopt;
+  });
+}
+
+std::string Rounded(double value) { return FormatDouble(std::round(value * 1000.0) / 1000.0); }
+
+std::string Words(const OrderScore& score) {
+  return "order '" + score.order->name + "': bones change their length by " + Rounded(100.0 * score.score.spread) +
+         " %, proportions are off by " + Rounded(100.0 * score.score.proportion) + " %";
+}
+
+}  // namespace
+
+void RecogniseOrder(ObservedClip& clip) {
+  const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
+  if (scores.empty() || scores[0].score.total() > kBodyLike) {
+    const double rigidity = Rigidity(clip.positions, clip.confidence);
+    if (!scores.empty())
+      clip.skeleton_evidence = "the best of the known orders does not fit; " + Words(scores[0]);
+    else
+      clip.skeleton_evidence = "no known order has " + std::to_string(clip.joints) + " joints";
+    if (rigidity > kBodyLike) {
+      clip.remarks.push_back({"not_joint_positions", Severity::kError, rigidity,
+                              "no two points keep their distance (it changes by " + Rounded(100.0 * rigidity) +
+                                  " % for the most rigid pairs): these numbers are no joint positions"});
+    }
+    return;
+  }
+  const OrderScore& best = scores[0];
+  clip.names = best.order->joints;
+  clip.skeleton = best.order->skeleton;
+  clip.skeleton_from = "measured";
+  clip.skeleton_evidence = Words(best);
+  clip.skeleton_confidence = 1.0 - best.score.total() / kBodyLike;
+  if (scores.size() > 1) {
+    const double margin = 1.0 - best.score.total() / std::max(1e-9, scores[1].score.total());
+    clip.skeleton_confidence = std::min(1.0, std::max(clip.skeleton_confidence, 0.0) * 0.5 + margin * 0.5);
+    clip.skeleton_evidence += "; next is " + Words(scores[1]);
+  }
+  if (const auto skeleton = LoadSkeleton(clip.skeleton)) clip.points = PointsByName(clip.names, **skeleton);
+}
+
+void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
+  clip.skeleton = source.skeleton;
+  clip.skeleton_from = "declared";
+  clip.skeleton_confidence = 1.0;
+  clip.names = source.joints;
+  const auto skeleton = LoadSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
+  if (!skeleton) {
+    clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
+    return;
+  }
+  if (clip.names.empty()) {
+    for (const Joint& joint : (*skeleton)->joints) clip.names.push_back(joint.name);
+  }
+  if (static_cast<int>(clip.names.size()) != clip.joints) {
+    clip.remarks.push_back({"joints_contradiction", Severity::kError, static_cast<double>(clip.joints),
+                            "the file has " + std::to_string(clip.joints) + " joints, the declaration " +
+                                std::to_string(clip.names.size())});
+    clip.names.clear();
+    return;
+  }
+  clip.points = PointsByName(clip.names, **skeleton);
+  const BodyScore score = ScoreBody(clip.positions, clip.confidence, BonesOf(clip.names, **skeleton));
+  clip.skeleton_evidence = "bones change their length by " + Rounded(100.0 * score.spread) +
+                           " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
+  const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
+  if (clip.frames < 8 || scores.empty() || score.total() < kBodyLike) return;
+  if (scores[0].score.total() > kBodyLike || scores[0].score.total() > 0.6 * score.total()) return;
+  clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
+                          "read in the declared order, " + clip.skeleton_evidence + "; " + Words(scores[0])});
+}
+
+}  // namespace mocurate

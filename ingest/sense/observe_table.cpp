@@ -1,0 +1,207 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/joint_table.h"
+#include "ingest/sense/observed_clip.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFewestJoints = 10;
+constexpr int kMostJoints = 60;
+constexpr const char* kAxisColumns[] = {"x", "y", "z"};
+constexpr double kSmooth = 0.35;  // a frame's step against the size of the body: a body moves less
+
+/// Where the numbers of a table stand, if a frame is read in one way.
+struct Layout {
+  int joints = 0;
+  int rows_per_frame = 0;
+  int first_column = 0;  ///< of the first joint in a row
+  int columns_per_joint = 3;
+  std::vector<int> x_columns;  ///< (joints) where it is irregular: column of x
+  std::string words;
+  int axis[3] = {0, 1, 2};  ///< columns of x, y, z after the joint's first
+};
+
+bool IsMissing(const Vector3d& value) { return !value.allFinite() || value.isZero(0.0); }
+
+ObservedClip Read(const JointTable& rows, const Layout& layout) {
+  ObservedClip clip;
+  clip.format = "joint_table";
+  clip.joints = layout.joints;
+  clip.frames = rows.frames / layout.rows_per_frame;
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  clip.confidence.assign(static_cast<std::size_t>(clip.frames) * clip.joints, 0.0);
+  const int per_row = layout.joints / layout.rows_per_frame;
+  for (int f = 0; f < clip.frames; ++f) {
+    for (int j = 0; j < clip.joints; ++j) {
+      const int row = f * layout.rows_per_frame + j / per_row;
+      const int column = layout.x_columns.empty() ? layout.first_column + (j % per_row) * layout.columns_per_joint
+                                                  : layout.x_columns[j];
+      const auto number = [&](int axis) { return rows.at(row, 0, column + layout.axis[axis]); };
+      const Vector3d value(number(0), number(1), number(2));
+      if (IsMissing(value)) continue;
+      clip.positions.at(f, j) = value;
+      clip.confidence[static_cast<std::size_t>(f) * clip.joints + j] = 1.0;
+    }
+  }
+  clip.layout_evidence = layout.words;
+  return clip;
+}
+
+/// CAD-60: frame number; 11 joints with 9 orientation values, their confidence, x y z, confidence; 4 joints without.
+Layout Cad60Layout() {
+  Layout layout{15, 1, 0, 3, {}, "171 numbers a row: frame number, 11 joints with orientation, 4 without (CAD-60)"};
+  for (int j = 0; j < 11; ++j) layout.x_columns.push_back(1 + 14 * j + 10);
+  for (int j = 0; j < 4; ++j) layout.x_columns.push_back(1 + 14 * 11 + 4 * j);
+  return layout;
+}
+
+std::string RowWords(int rows, int joints, int columns) {
+  return std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers = " + std::to_string(rows / joints) +
+         " frames of " + std::to_string(joints) + " joints, one a row";
+}
+
+/// Every way to read the table that its counts allow.
+std::vector<Layout> PossibleLayouts(int rows, int columns) {
+  std::vector<Layout> layouts;
+  if (columns == 171) layouts.push_back(Cad60Layout());
+  if (columns == 3 || columns == 4) {
+    for (int joints = kFewestJoints; joints <= kMostJoints; ++joints) {
+      if (rows % joints == 0) layouts.push_back({joints, joints, 0, columns, {}, RowWords(rows, joints, columns)});
+    }
+    return layouts;
+  }
+  for (const int leading : {0, 1}) {
+    for (const int per_joint : {3, 4}) {
+      const int rest = columns - leading;
+      const int joints = rest / per_joint;
+      if (rest % per_joint != 0 || joints < kFewestJoints || joints > kMostJoints) continue;
+      layouts.push_back({joints,
+                         1,
+                         leading,
+                         per_joint,
+                         {},
+                         "rows of " + std::to_string(columns) + " numbers: one frame of " + std::to_string(joints) +
+                             " joints with " + std::to_string(per_joint) + " each" +
+                             (leading > 0 ? " after one leading number" : "")});
+    }
+  }
+  return layouts;
+}
+
+/// Median step of a joint between frames against the size of the body: small when frames are cut at the right rows.
+double Roughness(const ObservedClip& clip) {
+  std::vector<double> steps, sizes;
+  const int step = std::max(1, clip.frames / 64);
+  const auto seen = [&](int f, int j) { return clip.confidence[static_cast<std::size_t>(f) * clip.joints + j] > 0.0; };
+  for (int f = 0; f + 1 < clip.frames; f += step) {
+    for (int j = 0; j < clip.joints; ++j) {
+      if (seen(f, j) && seen(f + 1, j)) steps.push_back((clip.positions.at(f + 1, j) - clip.positions.at(f, j)).norm());
+      if (seen(f, j) && seen(f, 0)) sizes.push_back((clip.positions.at(f, j) - clip.positions.at(f, 0)).norm());
+    }
+  }
+  if (steps.empty() || sizes.empty()) return 1.0;
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const double size = median(sizes);
+  return size > 0.0 ? median(steps) / size : 1.0;
+}
+
+/// The best reading: a known order that fits, else the smoothest one.
+Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& name) {
+  const std::vector<Layout> layouts = PossibleLayouts(rows.frames, rows.columns);
+  std::optional<ObservedClip> best, smoothest;
+  double least_rough = 2.0;
+  std::string others;
+  for (const Layout& layout : layouts) {
+    if (rows.frames % layout.rows_per_frame != 0) continue;
+    ObservedClip clip = Read(rows, layout);
+    const double roughness = Roughness(clip);
+    RecogniseOrder(clip);
+    if (!clip.names.empty() && roughness < kSmooth) {
+      if (best) others += (others.empty() ? "" : ", ") + std::to_string(std::min(clip.joints, best->joints));
+      if (!best || clip.skeleton_confidence > best->skeleton_confidence) best = clip;
+    }
+    if (!smoothest || roughness < least_rough) {
+      least_rough = roughness;
+      smoothest = std::move(clip);
+    }
+  }
+  if (best) {
+    if (!others.empty()) {
+      best->remarks.push_back({"layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
+                               "the row count also allows " + others + " joints, and bone lengths do not exclude it"});
+    }
+    return std::move(*best);
+  }
+  if (!smoothest || least_rough > kSmooth) {
+    return Fail(ErrorCode::kUnsupported,
+                std::to_string(rows.frames) + " rows of " + std::to_string(rows.columns) +
+                    " numbers are read as no table of joints",
+                name, "declare rows_per_frame, columns and joints in a source (--source CONFIG)");
+  }
+  smoothest->remarks.push_back({"layout_unknown", Severity::kWarning, least_rough,
+                                "no known order of joints fits; " + std::to_string(smoothest->joints) +
+                                    " joints a frame give the smoothest motion"});
+  return std::move(*smoothest);
+}
+
+Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptions& source, const std::string& name) {
+  Layout layout;
+  layout.joints = static_cast<int>(source.joints.size());
+  layout.rows_per_frame = source.rows_per_frame > 0 ? static_cast<int>(source.rows_per_frame) : layout.joints;
+  layout.columns_per_joint = static_cast<int>(source.columns.size());
+  const int per_row = layout.rows_per_frame > 0 ? layout.joints / layout.rows_per_frame : 0;
+  if (per_row < 1 || rows.columns != per_row * layout.columns_per_joint || rows.frames % layout.rows_per_frame != 0) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(rows.frames) + " rows of " + std::to_string(rows.columns) +
+                    " numbers are not what the source declares: frames of " + std::to_string(layout.rows_per_frame) +
+                    " rows with " + std::to_string(per_row * layout.columns_per_joint) + " numbers",
+                name, "mend rows_per_frame, columns or joints, or the file is cut off");
+  }
+  const auto place = [&](const char* column) {
+    return static_cast<int>(std::find(source.columns.begin(), source.columns.end(), column) - source.columns.begin());
+  };
+  for (int axis = 0; axis < 3; ++axis) layout.axis[axis] = place(kAxisColumns[axis]);
+  const int confidence = place("confidence");
+  layout.words = "as declared: " + RowWords(rows.frames, layout.rows_per_frame, rows.columns);
+  ObservedClip clip = Read(rows, layout);
+  if (confidence < layout.columns_per_joint) {
+    for (int f = 0; f < clip.frames; ++f) {
+      for (int j = 0; j < clip.joints; ++j) {
+        const int row = f * layout.rows_per_frame + j / per_row;
+        const double value = rows.at(row, 0, (j % per_row) * layout.columns_per_joint + confidence);
+        if (!(value > 0.0)) clip.confidence[static_cast<std::size_t>(f) * clip.joints + j] = 0.0;
+      }
+    }
+  }
+  DeclareOrder(source, clip);
+  return clip;
+}
+
+}  // namespace
+
+Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
+                                                 const std::optional<SourceOptions>& source) {
+  JointTableLayout layout;
+  layout.allow_nan = true;
+  const Expected<JointTable> rows = ParseJointTable(bytes, layout, name);
+  if (!rows) return Forward(rows);
+  const bool declared = source && source->format == SourceFormat::kJointTable && !source->joints.empty() &&
+                        std::all_of(std::begin(kAxisColumns), std::end(kAxisColumns), [&](const char* column) {
+                          return std::count(source->columns.begin(), source->columns.end(), column) == 1;
+                        });
+  Expected<ObservedClip> clip = declared ? DeclaredReading(*rows, *source, name) : BestReading(*rows, name);
+  if (!clip) return Forward(clip);
+  if (std::none_of(clip->confidence.begin(), clip->confidence.end(), [](double c) { return c > 0.0; })) {
+    clip->remarks.push_back({"no_joint_seen", Severity::kError, 1.0, "every joint of every frame is missing"});
+  }
+  return std::vector<ObservedClip>{std::move(*clip)};
+}
+
+}  // namespace mocurate

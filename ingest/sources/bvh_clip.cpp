@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/bvh.h"
+#include "core/motion/kinematics.h"
+#include "ingest/sources/bvh_skeleton.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kRateTolerance = 1e-3;  // relative: BVH writers round the frame time to six digits
+
+std::string Millimetres(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
+
+/// Joints whose bones change their length: flagged up to `max_slide`, refused beyond.
+Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide, const std::string& name,
+                    std::vector<Finding>& findings) {
+  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+    const double slide = offsets.joints[j].slide;
+    if (slide <= BvhOffsets::kConstant || offsets.joints[j].above_carrier) continue;
+    if (slide > max_slide) {
+      return Fail(ErrorCode::kUnsupported,
+                  "joint '" + bvh.joints[j].name + "' slides along its bone by " + Millimetres(slide) +
+                      ", more than the " + Millimetres(max_slide) + " of max_slide",
+                  name, "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the mean offset");
+    }
+    Finding finding;
+    finding.code = "bone_slides";
+    finding.joint = bvh.joints[j].name;
+    finding.value = slide;
+    finding.message = "the bone changes its length by " + Millimetres(slide) + " over the clip";
+    finding.action = "mean offset used";
+    findings.push_back(finding);
+  }
+  return {};
+}
+
+void NoteRate(const SourceOptions& source, const Bvh& bvh, std::vector<Finding>& findings) {
+  if (!source.rate_hz || std::abs(bvh.hz() / *source.rate_hz - 1.0) <= kRateTolerance) return;
+  Finding finding;
+  finding.code = "rate_contradiction";
+  finding.value = bvh.hz();
+  finding.message = "the file says " + FormatDouble(std::round(bvh.hz() * 1e4) / 1e4) + " Hz, the source declares " +
+                    FormatDouble(*source.rate_hz) + " Hz";
+  finding.action = "the file's rate is used";
+  findings.push_back(finding);
+}
+
+/// World place of the carrier in one frame, and of the root so that the carrier lies there with fixed bones.
+Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const BvhSkeleton& fit,
+                   const Matrix3d& metres_from_file, const Matrix3d& world_from_file) {
+  Vector3d place = Vector3d::Zero();      // of the current joint, file frame
+  Vector3d from_root = Vector3d::Zero();  // of the current joint with fixed bones, world axes, metres
+  Matrix3d global = Matrix3d::Identity();
+  for (const int j : offsets.Path(bvh)) {
+    place += global * BvhLocalPosition(bvh, frame, j);
+    if (bvh.joints[j].parent >= 0) {
+      from_root += world_from_file * global * world_from_file.transpose() * fit.offset[j];
+    }
+    global = global * BvhLocalRotation(bvh, frame, j);
+  }
+  return metres_from_file * place - from_root;
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<double> scale = MetresPerUnit(source.units);
+  if (!scale) return Forward(scale);
+  const Expected<SkeletonPtr> declared = SourceSkeleton(source);
+  if (!declared) return Forward(declared);
+  const Expected<Bvh> bvh = ParseBvh(file.bytes, file.name);
+  if (!bvh) return Forward(bvh);
+
+  IngestedClip ingested;
+  NoteRate(source, *bvh, ingested.findings);
+  const Matrix3d& world_from_file = axes->canonical_from_source;
+  const Matrix3d metres_from_file = *scale * world_from_file;
+  const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide);
+  if (Status ok = CheckSliding(offsets, *bvh, source.max_slide, file.name, ingested.findings); !ok) return Forward(ok);
+  const Expected<BvhSkeleton> fit = MakeBvhSkeleton(*bvh, offsets, *declared, source.name, file.name);
+  if (!fit) return Forward(fit);
+
+  const int joints = fit->skeleton->joint_count();
+  std::vector<Vector3d> root_translation;
+  std::vector<Quaterniond> rotation(static_cast<std::size_t>(bvh->frames) * joints);
+  for (int f = 0; f < bvh->frames; ++f) {
+    root_translation.push_back(RootPlace(*bvh, f, offsets, *fit, metres_from_file, world_from_file));
+    for (int j = 0; j < joints; ++j) {
+      const Matrix3d local = BvhLocalRotation(*bvh, f, j);
+      rotation[static_cast<std::size_t>(f) * joints + fit->target[j]] =
+          Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
+    }
+  }
+  for (int j = 0; j < joints; ++j) {
+    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
+  }
+  ingested.clip.rate = FrameRate::FromHz(bvh->hz());
+  ingested.clip.motion =
+      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
+  if (offsets.carrier > 0) {
+    ingested.clip.provenance["translation_from"] = bvh->joints[offsets.carrier].name;
+  }
+  return ingested;
+}
+
+}  // namespace mocurate

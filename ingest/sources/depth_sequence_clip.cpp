@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <map>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "core/formats/depth_sequence.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+/// Files by view and frame number.
+using FilesOfView = std::map<long long, const StageInput*>;
+
+Expected<std::map<std::string, FilesOfView>> SortFiles(const SourceFile& file) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(file.source.depth_files, "ingest.source.depth_files");
+  if (!pattern) return Forward(pattern);
+  std::map<std::string, FilesOfView> views;
+  for (const StageInput& input : file.depth_files) {
+    const std::optional<NameFields> fields = pattern->Match(input.name);
+    if (!fields || fields->count("view") == 0 || fields->count("frame") == 0) {
+      return Fail(ErrorCode::kConfig, "'" + file.source.depth_files + "' gives no {view} and {frame} for " + input.name,
+                  "ingest.source.depth_files", "e.g. 'depth/{view}_{frame:4}.png'");
+    }
+    const std::optional<long long> frame = ParseInteger(fields->at("frame"));
+    if (!frame) continue;
+    views[fields->at("view")][*frame] = &input;
+  }
+  return views;
+}
+
+Expected<DepthView> MakeView(const SourceFile& file, const DepthSequence& sequence, const DepthSequenceView& view,
+                             const FilesOfView& files, FrameRate rate, const RigidTransform& world_from_rig) {
+  DepthView made;
+  made.camera.name = view.name;
+  made.camera.width = view.width;
+  made.camera.height = view.height;
+  made.camera.fx = view.fx, made.camera.fy = view.fy, made.camera.cx = view.cx, made.camera.cy = view.cy;
+  made.camera.camera_from_world = view.camera_from_rig * Inverse(world_from_rig);
+  made.metres_per_unit = file.source.depth_unit;
+  const long long first = files.empty() ? 0 : files.begin()->first;
+  for (int f = 0; f < sequence.frames; ++f) {
+    const auto found = files.find(first + f);
+    if (found == files.end()) {
+      return Fail(ErrorCode::kNotFound,
+                  "view '" + view.name + "' has no depth image for frame " + std::to_string(f) + " of " +
+                      std::to_string(sequence.frames),
+                  file.name, "check ingest.source.depth_files, or the folder is incomplete");
+    }
+    const StageInput& input = *found->second;
+    std::string hash = input.sha256;
+    if (hash.empty()) {
+      Expected<std::string> computed = Sha256OfFile(input.path);
+      if (!computed) return Forward(computed);
+      hash = std::move(*computed);
+    }
+    made.files.emplace_back(input.name);
+    made.sha256.push_back(std::move(hash));
+    made.time_s.push_back(rate.FrameTime(f));
+  }
+  return made;
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
+  if (!axes) return Forward(axes);
+  if (axes->handedness() == Handedness::kLeft) {
+    return Fail(
+        ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
+        "a rig of cameras with rotations is right-handed; the usual one (x right, y down, z forward) is '+x -y -z'");
+  }
+  const Expected<DepthSequence> sequence = ParseDepthSequence(file.bytes, file.name);
+  if (!sequence) return Forward(sequence);
+  const auto views = SortFiles(file);
+  if (!views) return Forward(views);
+  IngestedClip ingested;
+  Clip& clip = ingested.clip;
+  clip.rate = FrameRate::FromHz(sequence->fps);
+  const RigidTransform world_from_rig{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
+  for (const DepthSequenceView& view : sequence->views) {
+    const auto files = views->find(view.name);
+    Expected<DepthView> made = MakeView(file, *sequence, view, files == views->end() ? FilesOfView() : files->second,
+                                        clip.rate, world_from_rig);
+    if (!made) return Forward(made);
+    clip.evidence.depth_views.push_back(std::move(*made));
+  }
+  for (const DepthSequenceLabel& label : sequence->labels) {
+    clip.segments.push_back(
+        {clip.rate.FrameTime(label.first), clip.rate.FrameTime(label.last + 1), label.action, "", "annotated"});
+  }
+  if (!sequence->body.empty()) clip.provenance["body"] = sequence->body;
+  if (!sequence->floor.empty()) clip.provenance["floor"] = sequence->floor;
+  return ingested;
+}
+
+}  // namespace mocurate

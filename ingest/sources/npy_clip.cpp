@@ -1,0 +1,79 @@
+#include <cmath>
+
+#include "core/formats/npy.h"
+#include "core/motion/kinematics.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+std::string ShapeText(const NpyArray& array) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < array.shape.size(); ++i) text += (i ? ", " : "") + std::to_string(array.shape[i]);
+  return text + ")";
+}
+
+/// For each joint of the skeleton its place in the file: declared names, or the skeleton's own order.
+Expected<std::vector<int>> FileOrder(const SourceOptions& source, const Skeleton& skeleton) {
+  std::vector<int> place(skeleton.joints.size(), -1);
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (source.joints.empty()) place[j] = j;
+  }
+  for (std::size_t k = 0; k < source.joints.size(); ++k) {
+    if (const auto joint = skeleton.FindJoint(source.joints[k])) place[*joint] = static_cast<int>(k);
+  }
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (place[j] < 0) {
+      return Fail(ErrorCode::kConfig,
+                  "joint '" + skeleton.joints[j].name + "' of skeleton '" + skeleton.name + "' is not in the source",
+                  "ingest.source.joints", "joints-only motion needs every joint of its skeleton");
+    }
+  }
+  return place;
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<double> scale = MetresPerUnit(source.units);
+  if (!scale) return Forward(scale);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<std::vector<int>> place = FileOrder(source, **skeleton);
+  if (!place) return Forward(place);
+  const Expected<NpyArray> array = ParseNpy(file.bytes, file.name);
+  if (!array) return Forward(array);
+
+  const std::size_t wide = source.joints.empty() ? (*skeleton)->joints.size() : source.joints.size();
+  const bool cube = array->shape.size() == 3 && array->shape[1] == wide && array->shape[2] == 3;
+  const bool flat = array->shape.size() == 2 && array->shape[1] == wide * 3;
+  if ((!cube && !flat) || array->shape[0] == 0) {
+    return Fail(ErrorCode::kInconsistent,
+                "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
+                file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
+  }
+  const int frames = static_cast<int>(array->shape[0]);
+  const int joints = (*skeleton)->joint_count();
+  JointPositions positions(frames, joints);
+  const Matrix3d metres_from_source = *scale * axes->canonical_from_source;
+  for (int f = 0; f < frames; ++f) {
+    for (int j = 0; j < joints; ++j) {
+      const double* raw = array->values.data() + (static_cast<std::size_t>(f) * wide + (*place)[j]) * 3;
+      if (!std::isfinite(raw[0]) || !std::isfinite(raw[1]) || !std::isfinite(raw[2])) {
+        return Fail(ErrorCode::kMalformed,
+                    "joint '" + (*skeleton)->joints[j].name + "' is not finite in frame " + std::to_string(f),
+                    file.name, "a joints-only motion has no missing joints");
+      }
+      positions.at(f, j) = metres_from_source * Vector3d(raw[0], raw[1], raw[2]);
+    }
+  }
+  IngestedClip ingested;
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(positions));
+  return ingested;
+}
+
+}  // namespace mocurate

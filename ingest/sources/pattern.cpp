@@ -1,0 +1,112 @@
+#include "ingest/sources/pattern.h"
+
+#include <algorithm>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kMatchBudget = 100000;  // steps of backtracking; far beyond any sensible pattern
+
+}  // namespace
+
+Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::string& where) {
+  NamePattern pattern;
+  pattern.text_ = text;
+  pattern.depth_ = static_cast<int>(std::count(text.begin(), text.end(), '/'));
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t open = text.find('{', at);
+    const std::string literal = text.substr(at, open - at);
+    if (literal.find('}') != std::string::npos) {
+      return Fail(ErrorCode::kConfig, "pattern '" + text + "' closes a field that was not opened", where);
+    }
+    if (!literal.empty()) pattern.parts_.push_back({false, literal, 0});
+    if (open == std::string::npos) break;
+    const std::size_t close = text.find('}', open);
+    if (close == std::string::npos) {
+      return Fail(ErrorCode::kConfig, "pattern '" + text + "' has a '{' without '}'", where);
+    }
+    Part field{true, text.substr(open + 1, close - open - 1), 0};
+    const std::size_t colon = field.text.find(':');
+    if (colon != std::string::npos) {
+      const std::optional<long long> width = ParseInteger(field.text.substr(colon + 1));
+      if (!width || *width < 1 || *width > 1000) {
+        return Fail(ErrorCode::kConfig, "field '{" + field.text + "}' has no width from 1 to 1000", where);
+      }
+      field.width = static_cast<std::size_t>(*width);
+      field.text.resize(colon);
+    }
+    if (field.text.empty() || field.text.find('{') != std::string::npos) {
+      return Fail(ErrorCode::kConfig, "pattern '" + text + "' has a field without a name", where);
+    }
+    const bool touches = !pattern.parts_.empty() && pattern.parts_.back().is_field;
+    if (touches && pattern.parts_.back().width == 0 && field.width == 0) {
+      return Fail(ErrorCode::kConfig,
+                  "fields '" + pattern.parts_.back().text + "' and '" + field.text + "' cannot be told apart", where,
+                  "give one of them a width, e.g. {" + field.text + ":2}");
+    }
+    pattern.parts_.push_back(field);
+    at = close + 1;
+  }
+  return pattern;
+}
+
+std::optional<NameFields> NamePattern::Match(std::string_view name) const {
+  NameFields fields;
+  int budget = kMatchBudget;
+  if (!MatchFrom(0, name, fields, budget)) return std::nullopt;
+  return fields;
+}
+
+bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget) const {
+  if (part == parts_.size()) return rest.empty();
+  if (--budget < 0) return false;
+  const Part& p = parts_[part];
+  if (!p.is_field) {
+    return rest.substr(0, p.text.size()) == p.text && MatchFrom(part + 1, rest.substr(p.text.size()), fields, budget);
+  }
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  const std::size_t first = p.width > 0 ? p.width : 1;
+  const std::size_t last = p.width > 0 ? p.width : slash;
+  const auto known = fields.find(p.text);
+  const std::optional<std::string> before =
+      known == fields.end() ? std::nullopt : std::optional<std::string>(known->second);
+  for (std::size_t length = first; length <= last && length <= slash; ++length) {
+    const std::string value(rest.substr(0, length));
+    if (before && *before != value) continue;
+    fields[p.text] = value;
+    if (MatchFrom(part + 1, rest.substr(length), fields, budget)) return true;
+  }
+  if (before)
+    fields[p.text] = *before;
+  else
+    fields.erase(p.text);
+  return false;
+}
+
+std::vector<std::string> NamePattern::FieldNames() const {
+  std::vector<std::string> names;
+  for (const Part& part : parts_) {
+    if (part.is_field && std::find(names.begin(), names.end(), part.text) == names.end()) names.push_back(part.text);
+  }
+  return names;
+}
+
+std::string FillFields(const std::string& text, const NameFields& fields) {
+  std::string filled;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t open = text.find('{', at);
+    const std::size_t close = open == std::string::npos ? open : text.find('}', open);
+    if (close == std::string::npos) return filled + text.substr(at);
+    filled += text.substr(at, open - at);
+    const auto field = fields.find(text.substr(open + 1, close - open - 1));
+    if (field != fields.end()) filled += field->second;
+    at = close + 1;
+  }
+  return filled;
+}
+
+}  // namespace mocurate

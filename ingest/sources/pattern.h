@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+using NameFields = std::map<std::string, std::string>;
+
+/// A path pattern with fields: "a{action}_s{person}.txt". {name} takes one or more characters (as few as possible),
+/// {name:4} exactly four; never a '/'. A field that stands twice must be the same both times.
+class NamePattern {
+ public:
+  /// Error kConfig: braces that do not close, empty or doubled-up fields side by side without a width.
+  static Expected<NamePattern> Parse(const std::string& text, const std::string& where);
+
+  /// The fields of a name; empty when it does not match.
+  std::optional<NameFields> Match(std::string_view name) const;
+
+  /// Number of folders in the pattern.
+  int depth() const { return depth_; }
+  std::vector<std::string> FieldNames() const;
+  const std::string& text() const { return text_; }
+
+ private:
+  struct Part {
+    bool is_field = false;
+    std::string text;       ///< literal text, or the name of the field
+    std::size_t width = 0;  ///< of a field; 0: any
+  };
+  bool MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget) const;
+  std::vector<Part> parts_;
+  std::string text_;
+  int depth_ = 0;
+};
+
+/// Replaces {field} in `text`; a field that is not there becomes empty.
+std::string FillFields(const std::string& text, const NameFields& fields);
+
+}  // namespace mocurate

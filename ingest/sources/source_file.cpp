@@ -1,0 +1,124 @@
+#include "ingest/sources/source_file.h"
+
+#include <algorithm>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+std::string WithoutEnding(std::string name) {
+  const std::size_t dot = name.rfind('.');
+  const std::size_t slash = name.rfind('/');
+  if (dot != std::string::npos && (slash == std::string::npos || dot > slash + 1) && dot > 0) name.resize(dot);
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
+/// A part of an id holds no '/' and no '#'.
+std::string IdPart(std::string text) {
+  std::replace(text.begin(), text.end(), '/', '.');
+  std::replace(text.begin(), text.end(), '#', '.');
+  return text;
+}
+
+Expected<std::string> LabelOf(const SourceOptions& source, const NameFields& fields, const std::string& name) {
+  const std::string text = FillFields(source.label, fields);
+  if (source.labels.empty()) return text;
+  const auto found = source.labels.find(text);
+  if (found != source.labels.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [key, label] : source.labels) known.push_back(key);
+  const std::optional<std::string> near = Nearest(text, known);
+  return Fail(ErrorCode::kInconsistent, "the label '" + text + "' is not listed under ingest.source.labels", name,
+              near ? "did you mean '" + *near + "'?" : "add it, or mend the file name");
+}
+
+}  // namespace
+
+std::string NamedFile::item() const { return identity.source + "/" + identity.person + "/" + identity.recording; }
+
+Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
+  if (!pattern) return Forward(pattern);
+  std::optional<NameFields> fields = pattern->Match(relative_name);
+  if (!fields) {
+    return Fail(ErrorCode::kInconsistent, "the name does not match the pattern '" + source.files + "'", relative_name,
+                "rename the file, mend ingest.source.files, or set other_files: ignore");
+  }
+  NamedFile named;
+  named.fields = std::move(*fields);
+  named.fields["file"] = WithoutEnding(relative_name);
+  named.identity.source = source.name;
+  named.identity.person = IdPart(FillFields(source.person, named.fields));
+  if (named.identity.person.empty()) named.identity.person = "unknown";
+  named.identity.recording = IdPart(FillFields(source.recording, named.fields));
+  if (named.identity.recording.empty()) {
+    return Fail(ErrorCode::kConfig, "'" + source.recording + "' gives an empty name for " + relative_name,
+                "ingest.source.recording");
+  }
+  named.identity.session = FillFields(source.session, named.fields);
+  named.identity.view = FillFields(source.view, named.fields);
+  named.identity.licence = source.licence;
+  named.style = FillFields(source.style, named.fields);
+  Expected<std::string> label = LabelOf(source, named.fields, relative_name);
+  if (!label) return Forward(label);
+  named.label = std::move(*label);
+  const auto role = source.roles.find(named.identity.person);
+  if (role != source.roles.end()) named.role = role->second;
+  return named;
+}
+
+Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
+  if (source.skeleton.empty()) return SkeletonPtr();
+  Expected<SkeletonPtr> skeleton = LoadSkeleton(source.skeleton);
+  if (!skeleton) return skeleton;
+  std::vector<std::string> known;
+  for (const Joint& joint : (*skeleton)->joints) known.push_back(joint.name);
+  for (const Landmark& landmark : (*skeleton)->landmarks) known.push_back(landmark.name);
+  for (std::size_t i = 0; i < source.joints.size(); ++i) {
+    const std::string& name = source.joints[i];
+    const bool twice = std::find(source.joints.begin(), source.joints.begin() + static_cast<std::ptrdiff_t>(i), name) !=
+                       source.joints.begin() + static_cast<std::ptrdiff_t>(i);
+    if (twice) return Fail(ErrorCode::kConfig, "joint '" + name + "' is listed twice", "ingest.source.joints");
+    if ((*skeleton)->FindJoint(name) || std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::optional<std::string> near = Nearest(name, known);
+    return Fail(ErrorCode::kConfig, "joint '" + name + "' is unknown to skeleton '" + (*skeleton)->name + "'",
+                "ingest.source.joints",
+                near ? "did you mean '" + *near + "'?" : "use the skeleton's names or synonyms");
+  }
+  return skeleton;
+}
+
+void CheckHandedness(const SourceOptions& source, IngestedClip& ingested) {
+  const Clip& clip = ingested.clip;
+  HandednessMeasure measure;
+  if (clip.evidence.tracks) {
+    const JointTracks& tracks = *clip.evidence.tracks;
+    const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+    const auto find = [&](std::string_view name) -> std::optional<int> {
+      const std::optional<int> joint = skeleton && *skeleton ? (*skeleton)->FindJoint(name) : std::nullopt;
+      for (std::size_t k = 0; k < tracks.names.size(); ++k) {
+        if (tracks.names[k] == name) return static_cast<int>(k);
+        if (joint && (*skeleton)->FindJoint(tracks.names[k]) == joint) return static_cast<int>(k);
+      }
+      return std::nullopt;
+    };
+    measure = MeasureHandedness(tracks.positions, FindHandednessPoints(find), &tracks.confidence);
+  } else if (clip.motion) {
+    const Skeleton& skeleton = *clip.motion->skeleton;
+    measure = MeasureHandedness(clip.motion->joints,
+                                FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); }));
+  }
+  if (measure.handedness != Handedness::kLeft) return;
+  Finding finding;
+  finding.code = "handedness_contradiction";
+  finding.severity = Severity::kError;
+  finding.value = measure.confidence;
+  finding.message = measure.evidence + ": with axes '" + source.axes +
+                    "' the motion is left-handed, or left and right are exchanged; mend ingest.source.axes";
+  finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+  ingested.findings.push_back(finding);
+}
+
+}  // namespace mocurate

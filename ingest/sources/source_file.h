@@ -1,0 +1,68 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/motion/clip.h"
+#include "core/quality/handedness.h"
+#include "ingest/options.h"
+#include "ingest/sources/pattern.h"
+
+namespace mocurate {
+
+/// Who and what a file name tells, by the source's declaration.
+struct NamedFile {
+  NameFields fields;      ///< of the pattern, plus "file"
+  ClipIdentity identity;  ///< without the span of frames
+  std::string label;
+  std::string style;
+  std::string role;
+
+  /// Item of the stage: source/person/recording.
+  std::string item() const;
+};
+
+/// Error kConfig for a broken declaration, kInconsistent for a name that does not match or a label that is not listed.
+Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name);
+
+/// One file turned into a clip. Findings carry no clip id yet.
+struct IngestedClip {
+  Clip clip;
+  std::vector<Finding> findings;
+};
+
+/// What a reader of one format gets. `bytes` of the file, `name` for messages.
+struct SourceFile {
+  const SourceOptions& source;
+  const NamedFile& named;
+  const std::string& name;
+  const std::string& bytes;
+  std::vector<StageInput> depth_files;
+};
+
+/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
+/// otherwise.
+Expected<IngestedClip> ReadJointTableClip(const SourceFile& file);
+
+/// BVH -> given motion. Local frames are turned with the axes, OFFSETs become rest offsets and bone lengths. The joint
+/// whose position moves carries the translation: it is moved into the root, whose own place is then that joint's place
+/// minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones by more
+/// than max_slide are refused.
+Expected<IngestedClip> ReadBvhClip(const SourceFile& file);
+
+/// (frames, joints, 3) or (frames, joints * 3) -> joints-only motion.
+Expected<IngestedClip> ReadNpyClip(const SourceFile& file);
+
+/// JSON and depth images -> depth views by reference (file names below the source's folder), cameras in the canonical
+/// world, annotated segments.
+Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file);
+
+/// Compares the handedness that the motion shows with the frame it is supposed to be in (right-handed, after the
+/// declared axes). Appends a finding "handedness_contradiction" (error) or nothing. Reads tracks, else the motion.
+void CheckHandedness(const SourceOptions& source, IngestedClip& ingested);
+
+/// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names the unknown joint.
+Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);
+
+}  // namespace mocurate

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "core/motion/skeleton.h"
+
+namespace mocurate {
+
+/// Angles of an arm, radians. All zero: it hangs straight down.
+struct ArmPose {
+  double flex = 0.0;    ///< raised to the front
+  double abduct = 0.0;  ///< raised to its own side
+  double twist = 0.0;   ///< about itself: at a right angle a bent forearm points to its own side instead of forwards
+  double elbow = 0.0;
+  double wrist = 0.0;
+};
+
+/// Angles of a leg, radians. All zero: it stands straight.
+struct LegPose {
+  double flex = 0.0;
+  double abduct = 0.0;
+  double twist = 0.0;  ///< toes outwards
+  double knee = 0.0;
+  double point = 0.0;  ///< toes down, against a level foot
+};
+
+/// A posture in anatomical angles. Sides are (left, right).
+struct Pose {
+  ArmPose arm[2];
+  LegPose leg[2];
+  double trunk_bend = 0.0;   ///< forwards
+  double trunk_twist = 0.0;  ///< right shoulder forwards
+  double trunk_side = 0.0;   ///< to the right
+  double head_nod = 0.0;
+  double head_turn = 0.0;  ///< to the left
+  double lean = 0.0;       ///< of the pelvis, forwards
+  double yaw = 0.0;        ///< of the whole body about +y
+  double height = 0.0;     ///< of the lowest foot above the floor, metres
+};
+
+/// Rotations (J) of skeleton "kinect20", parent_from_joint; for the root world_from_root with the person facing +z.
+std::vector<Quaterniond> RotationsOf(const Pose& pose, const Skeleton& skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,284 @@
+#include "report/filmstrip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "report/html.h"
+#include "report/svg.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kThreeQuarter = 0.45;  ///< radians
+constexpr double kRaised = 0.12;
+
+const Motion* MotionOf(const DrawnClip& clip) {
+  if (clip.fitted.motion) return &*clip.fitted.motion;
+  return clip.evidence.motion ? &*clip.evidence.motion : nullptr;
+}
+
+const JointTracks* TracksOf(const DrawnClip& clip) {
+  return clip.evidence.evidence.tracks ? &*clip.evidence.evidence.tracks : nullptr;
+}
+
+bool Present(const JointTracks& tracks, int frame, int point) {
+  if (frame >= tracks.positions.frames) return false;
+  const std::size_t index = static_cast<std::size_t>(frame) * tracks.positions.joints + point;
+  return tracks.confidence[index] > 0.0 && tracks.positions.at(frame, point).allFinite();
+}
+
+/// From the right to the left side of the body in a frame, by a pair of joints.
+std::optional<Vector3d> Sideways(const DrawnClip& clip, int frame) {
+  if (const Motion* motion = MotionOf(clip)) {
+    for (const auto& pair : {motion->skeleton->Hips(), motion->skeleton->Shoulders()}) {
+      if (pair) return Vector3d(motion->joints.at(frame, (*pair)[0]) - motion->joints.at(frame, (*pair)[1]));
+    }
+  }
+  return std::nullopt;
+}
+
+Vector3d OriginOf(const DrawnClip& clip) {
+  if (const Motion* motion = MotionOf(clip)) return motion->joints.at(0, 0);
+  if (const JointTracks* tracks = TracksOf(clip)) {
+    for (int f = 0; f < tracks->positions.frames; ++f) {
+      for (int k = 0; k < tracks->positions.joints; ++k) {
+        if (Present(*tracks, f, k)) return tracks->positions.at(f, k);
+      }
+    }
+  }
+  return Vector3d::Zero();
+}
+
+const char* BoneClass(int side) { return side > 0 ? "bone left" : side < 0 ? "bone right" : "bone"; }
+
+std::string Segment(const Vector3d& a, const Vector3d& b, const char* css_class) {
+  return "<line x1=\"" + Coordinate(a.x()) + "\" y1=\"" + Coordinate(a.y()) + "\" x2=\"" + Coordinate(b.x()) + "\" y2=\"" +
+         Coordinate(b.y()) + "\" class=\"" + css_class + "\"/>";
+}
+
+/// Places one still after the other on a strip; centimetres to units of the drawing.
+class StripDrawing {
+ public:
+  StripDrawing(const DrawnClip& clip, const std::vector<int>& frames) : clip_(clip), view_(ViewpointOf(clip)) {
+    for (const int frame : frames) {
+      AddExtent(frame);
+    }
+    if (!(high_ > low_)) low_ = -1.0, high_ = 1.0;
+    scale_ = (kHeight - 34.0) / (high_ - low_);
+    cell_ = std::clamp(2.0 * widest_ * scale_ + 14.0, 80.0, 260.0);
+  }
+
+  double cell() const { return cell_; }
+  static constexpr double kHeight = 210.0;
+
+  std::string Still(int frame, int position) const {
+    const Vector3d centre = view_.Turn(CentreOf(frame));
+    const auto place = [&](const Vector3d& world) {
+      const Vector3d seen = view_.Turn(world);
+      return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x()), 8.0 + scale_ * (high_ - seen.y()), 0.0);
+    };
+    std::string svg = "<g>";
+    if (const JointTracks* tracks = TracksOf(clip_)) {
+      const Motion* motion = MotionOf(clip_);
+      for (const auto& [a, b] : MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr).lines) {
+        if (!Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
+        svg += Segment(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
+      }
+      for (int k = 0; k < tracks->positions.joints; ++k) {
+        if (!Present(*tracks, frame, k)) continue;
+        const Vector3d at = place(tracks->positions.at(frame, k));
+        svg += "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.4\" class=\"point\"/>";
+      }
+    }
+    if (const Motion* motion = MotionOf(clip_)) {
+      const std::vector<int> sides = SidesOf(*motion->skeleton);
+      for (int j = 1; j < motion->joint_count(); ++j) {
+        svg += Segment(place(motion->joints.at(frame, motion->skeleton->joints[j].parent)), place(motion->joints.at(frame, j)),
+                       BoneClass(sides[j]));
+      }
+    }
+    return svg + "</g>\n";
+  }
+
+ private:
+  Vector3d CentreOf(int frame) const {
+    if (const Motion* motion = MotionOf(clip_)) return motion->joints.at(frame, 0);
+    Vector3d sum = Vector3d::Zero();
+    int count = 0;
+    if (const JointTracks* tracks = TracksOf(clip_)) {
+      for (int k = 0; k < tracks->positions.joints; ++k) {
+        if (!Present(*tracks, frame, k)) continue;
+        sum += tracks->positions.at(frame, k);
+        ++count;
+      }
+    }
+    return count > 0 ? Vector3d(sum / count) : sum;
+  }
+
+  void AddExtent(int frame) {
+    const Vector3d centre = view_.Turn(CentreOf(frame));
+    const auto add = [&](const Vector3d& world) {
+      const Vector3d seen = view_.Turn(world);
+      low_ = std::min(low_, seen.y());
+      high_ = std::max(high_, seen.y());
+      widest_ = std::max(widest_, std::abs(seen.x() - centre.x()));
+    };
+    if (const Motion* motion = MotionOf(clip_)) {
+      for (int j = 0; j < motion->joint_count(); ++j) add(motion->joints.at(frame, j));
+    } else if (const JointTracks* tracks = TracksOf(clip_)) {
+      for (int k = 0; k < tracks->positions.joints; ++k) {
+        if (Present(*tracks, frame, k)) add(tracks->positions.at(frame, k));
+      }
+    }
+  }
+
+  const DrawnClip& clip_;
+  Viewpoint view_;
+  double low_ = std::numeric_limits<double>::infinity();
+  double high_ = -std::numeric_limits<double>::infinity();
+  double widest_ = 0.3;
+  double scale_ = 1.0;
+  double cell_ = 100.0;
+};
+
+std::array<int, 3> Millimetres(const Vector3d& point, const Vector3d& origin) {
+  std::array<int, 3> mm{};
+  for (int i = 0; i < 3; ++i) mm[i] = static_cast<int>(std::lround(std::clamp(1e3 * (point[i] - origin[i]), -1e6, 1e6)));
+  return mm;
+}
+
+nlohmann::json JointFrame(const Motion& motion, int frame, const Vector3d& origin) {
+  nlohmann::json row = nlohmann::json::array();
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    for (const int value : Millimetres(motion.joints.at(frame, j), origin)) row.push_back(value);
+  }
+  return row;
+}
+
+nlohmann::json PointFrame(const JointTracks& tracks, int frame, const Vector3d& origin) {
+  nlohmann::json row = nlohmann::json::array();
+  for (int k = 0; k < tracks.positions.joints; ++k) {
+    if (!Present(tracks, frame, k)) {
+      for (int i = 0; i < 3; ++i) row.push_back(nullptr);
+      continue;
+    }
+    for (const int value : Millimetres(tracks.positions.at(frame, k), origin)) row.push_back(value);
+  }
+  return row;
+}
+
+}  // namespace
+
+std::vector<int> SidesOf(const Skeleton& skeleton) {
+  std::vector<int> sides(skeleton.joints.size(), 0);
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    if (joint.mirror < 0 || joint.mirror == j) continue;
+    const double own = joint.rest_offset.x();
+    const double other = skeleton.joints[joint.mirror].rest_offset.x();
+    if (std::abs(own - other) > 1e-6) sides[j] = own > other ? 1 : -1;
+    else if (joint.parent >= 0) sides[j] = sides[joint.parent];
+  }
+  return sides;
+}
+
+TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton* skeleton) {
+  TrackDrawing drawing;
+  if (skeleton == nullptr) return drawing;
+  drawing.point_of_joint.assign(skeleton->joints.size(), -1);
+  for (std::size_t k = 0; k < tracks.names.size(); ++k) {
+    if (const auto joint = skeleton->FindJoint(tracks.names[k])) drawing.point_of_joint[*joint] = static_cast<int>(k);
+  }
+  for (int j = 0; j < skeleton->joint_count(); ++j) {
+    if (drawing.point_of_joint[j] < 0) continue;
+    int ancestor = skeleton->joints[j].parent;
+    while (ancestor >= 0 && drawing.point_of_joint[ancestor] < 0) ancestor = skeleton->joints[ancestor].parent;
+    if (ancestor >= 0) drawing.lines.push_back({drawing.point_of_joint[ancestor], drawing.point_of_joint[j]});
+  }
+  return drawing;
+}
+
+Vector3d Viewpoint::Turn(const Vector3d& point) const {
+  const double x = std::cos(yaw) * point.x() - std::sin(yaw) * point.z();
+  const double z = std::sin(yaw) * point.x() + std::cos(yaw) * point.z();
+  return {x, std::cos(pitch) * point.y() - std::sin(pitch) * z, std::sin(pitch) * point.y() + std::cos(pitch) * z};
+}
+
+Viewpoint ViewpointOf(const DrawnClip& clip) {
+  Viewpoint view{kThreeQuarter, kRaised};
+  const auto sideways = Sideways(clip, FrameCountOf(clip) / 2);
+  if (sideways && std::hypot(sideways->x(), sideways->z()) > 1e-6) {
+    view.yaw = kThreeQuarter - std::atan2(sideways->z(), sideways->x());
+  }
+  return view;
+}
+
+int FrameCountOf(const DrawnClip& clip) {
+  if (const Motion* motion = MotionOf(clip)) return motion->frame_count();
+  const JointTracks* tracks = TracksOf(clip);
+  return tracks != nullptr ? tracks->positions.frames : 0;
+}
+
+std::vector<int> StillFrames(int frame_count, int stills) {
+  std::vector<int> frames;
+  const int count = std::min(frame_count, stills);
+  for (int i = 0; i < count; ++i) {
+    frames.push_back(count == 1 ? 0 : static_cast<int>(static_cast<std::int64_t>(i) * (frame_count - 1) / (count - 1)));
+  }
+  return frames;
+}
+
+std::string FilmstripSvg(const DrawnClip& clip, int stills) {
+  const std::vector<int> frames = StillFrames(FrameCountOf(clip), stills);
+  if (frames.empty()) return "";
+  const StripDrawing drawing(clip, frames);
+  const double width = drawing.cell() * static_cast<double>(frames.size());
+  const FrameRate rate = MotionOf(clip) != nullptr ? MotionOf(clip)->rate : clip.evidence.rate;
+  std::string svg = "<svg class=\"strip\" viewBox=\"0 0 " + Coordinate(width) + " " + Coordinate(StripDrawing::kHeight) +
+                    "\" role=\"img\" aria-label=\"Stick figures of " + EscapeHtml(clip.item) + ", " +
+                    std::to_string(frames.size()) + " stills from " + std::to_string(FrameCountOf(clip)) + " frames\">\n";
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    svg += drawing.Still(frames[i], static_cast<int>(i));
+    svg += "<text x=\"" + Coordinate((static_cast<double>(i) + 0.5) * drawing.cell()) + "\" y=\"" +
+           Coordinate(StripDrawing::kHeight - 4.0) + "\" text-anchor=\"middle\" class=\"label\">" +
+           FixedText(rate.FrameTime(frames[i]), 2) + " s</text>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers) {
+  const Motion* motion = MotionOf(clip);
+  const JointTracks* tracks = TracksOf(clip);
+  const Vector3d origin = OriginOf(clip);
+  const int per_frame = 3 * ((motion ? motion->joint_count() : 0) + (tracks ? tracks->positions.joints : 0));
+  const int frames = FrameCountOf(clip);
+  const int allowed = std::max(2, most_numbers / std::max(1, per_frame));
+  const int step = std::max(1, (frames + allowed - 1) / allowed);
+  const Viewpoint view = ViewpointOf(clip);
+  nlohmann::json data = {{"name", clip.item},
+                         {"hz", motion ? motion->rate.hz() : clip.evidence.rate.hz()},
+                         {"step", step},
+                         {"yaw", std::round(view.yaw * 1e3) / 1e3},
+                         {"pitch", view.pitch},
+                         {"bones", nlohmann::json::array()},
+                         {"lines", nlohmann::json::array()},
+                         {"joints", nlohmann::json::array()},
+                         {"points", nlohmann::json::array()}};
+  if (motion != nullptr) {
+    const std::vector<int> sides = SidesOf(*motion->skeleton);
+    for (int j = 1; j < motion->joint_count(); ++j) data["bones"].push_back({motion->skeleton->joints[j].parent, j, sides[j]});
+  }
+  if (tracks != nullptr) {
+    for (const auto& line : MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr).lines) data["lines"].push_back(line);
+  }
+  for (int f = 0; f < frames; f += step) {
+    if (motion != nullptr) data["joints"].push_back(JointFrame(*motion, f, origin));
+    if (tracks != nullptr) data["points"].push_back(PointFrame(*tracks, f, origin));
+  }
+  return data;
+}
+
+}  // namespace mocurate

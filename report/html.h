@@ -1,0 +1,37 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mocurate {
+
+/// Text as it may stand in HTML and in attribute values. Bytes that are not UTF-8 become U+FFFD.
+std::string EscapeHtml(std::string_view text);
+
+/// JSON that may stand inside <script type="application/json">: no "</" and no "<!--" can occur in it.
+std::string JsonForScript(const nlohmann::json& json);
+
+/// Fixed digits with a point in any locale; an en dash for what is not finite.
+std::string FixedText(double value, int digits);
+/// About three significant digits, as HTML: "0.012", "12.3", "1234", "&lt; 0.001".
+std::string ShortText(double value);
+/// 1234567 -> "1 234 567" (thin spaces).
+std::string CountText(long long count);
+/// 0.9312 -> "93.1 %".
+std::string PercentText(double share);
+
+/// Cells are HTML already. The first column is the row's heading; `numeric` columns (all but the first) line up right.
+struct HtmlTable {
+  std::string caption;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  bool numeric = true;
+
+  std::string Html() const;
+};
+
+std::string Paragraph(const std::string& html, const char* css_class = "");
+
+}  // namespace mocurate

@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Formats every source file; with --check only tells which ones differ.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+mode=(-i)
+[ "${1:-}" = "--check" ] && mode=(--dry-run -Werror)
+git ls-files -co --exclude-standard '*.h' '*.cpp' | xargs -r clang-format "${mode[@]}"

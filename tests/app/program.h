@@ -1,0 +1,112 @@
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace mocurate::program {
+
+namespace fs = std::filesystem;
+
+inline std::string ReadText(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+inline void WriteText(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// A folder of one test, removed at its end; holds its own cache.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "mocurate_app_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const fs::path& path() const { return path_; }
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+struct Result {
+  int exit_code = -1;  ///< 128 + signal when killed
+  std::string out;
+  std::string err;
+  nlohmann::json Json() const { return nlohmann::json::parse(out); }
+};
+
+/// A started program; output goes to files of the folder.
+class Started {
+ public:
+  Started(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache")
+      : out_(folder / "out.txt"), err_(folder / "err.txt") {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const int out = open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err = open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(out, 1);
+    dup2(err, 2);
+    setenv("MOCURATE_CACHE", (folder / cache).c_str(), 1);
+    const std::string program = std::string(MOCURATE_BINARY_FOLDER) + "/mocurate";
+    std::vector<char*> argv{const_cast<char*>(program.c_str())};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+  }
+
+  pid_t pid() const { return pid_; }
+  void Signal(int signal) const { kill(pid_, signal); }
+  bool Running() {
+    if (done_) return false;
+    done_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+    return !done_;
+  }
+  Result Wait() {
+    if (!done_) waitpid(pid_, &status_, 0);
+    done_ = true;
+    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), ReadText(out_), ReadText(err_)};
+  }
+
+ private:
+  fs::path out_, err_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool done_ = false;
+};
+
+inline Result Run(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache") {
+  return Started(folder, arguments, cache).Wait();
+}
+
+/// A small synthetic job up to the dataset: a few clips, seconds.
+inline std::vector<std::string> SmallJob(const Folder& folder, const std::string& output, const std::string& jobs = "2") {
+  return {"run",   "-o",    (folder / output).string(),
+          "--to",  "assemble", "--jobs", jobs,
+          "--set", "ingest.synthetic.subjects=3", "--set", "ingest.synthetic.repetitions=1",
+          "--set", "ingest.synthetic.duration=1.5 s"};
+}
+
+}  // namespace mocurate::program

@@ -1,0 +1,158 @@
+// Whole runs: the same bytes whatever happens on the way, one bad clip never costs another, nothing is done twice.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/base/random.h"
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::Run;
+using program::SmallJob;
+using program::Started;
+using program::WriteText;
+using ::testing::HasSubstr;
+
+int FromCache(const nlohmann::json& document) {
+  int count = 0;
+  for (const auto& stage : document["stages"]) count += stage["from_cache"].get<int>();
+  return count;
+}
+
+int Items(const nlohmann::json& document) {
+  int count = 0;
+  for (const auto& stage : document["stages"]) count += stage["items"].get<int>();
+  return count;
+}
+
+TEST(Run, GivesTheSameBytesWithOneAndTwoJobsAndServesTheSecondRunFromTheCache) {
+  const Folder folder;
+  std::vector<std::string> one = SmallJob(folder, "one", "1");
+  one.emplace_back("--json");
+  const Result first = Run(folder, one, "cache1");
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_GT(first.Json()["kept"], 10);
+  ASSERT_EQ(Run(folder, SmallJob(folder, "two", "2"), "cache2").exit_code, 0);
+  EXPECT_EQ(ReadText(folder / "one/dataset.h5"), ReadText(folder / "two/dataset.h5"));
+  EXPECT_EQ(ReadText(folder / "one/curation_log.jsonl"), ReadText(folder / "two/curation_log.jsonl"));
+  const Result again = Run(folder, one, "cache1");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(FromCache(again.Json()), Items(again.Json()));
+}
+
+TEST(Run, AnOptionOfCanonRedoesNothingBeforeIt) {
+  const Folder folder;
+  std::vector<std::string> arguments = SmallJob(folder, "r");
+  arguments.emplace_back("--json");
+  ASSERT_EQ(Run(folder, arguments).exit_code, 0);
+  arguments.insert(arguments.end(), {"--set", "canon.facing.anchor=last"});
+  const Result changed = Run(folder, arguments);
+  ASSERT_EQ(changed.exit_code, 0) << changed.err;
+  for (const auto& stage : changed.Json()["stages"]) {
+    const bool before = stage["stage"] == "ingest" || stage["stage"] == "fitting" || stage["stage"] == "proportions";
+    if (before) EXPECT_EQ(stage["from_cache"], stage["items"]) << stage["stage"];
+    if (stage["stage"] == "canon") EXPECT_EQ(stage["from_cache"], 0);
+  }
+}
+
+TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
+  const Folder folder;
+  ASSERT_EQ(Run(folder, SmallJob(folder, "r")).exit_code, 0);
+  // The capture is a folder like any other: take it as a source, with one file emptied and one cut off.
+  const fs::path capture = folder / "capture";
+  fs::copy(folder / "r/capture", capture);
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(capture)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  ASSERT_GT(files.size(), 5u);
+  WriteText(files[1], "");
+  const std::string text = ReadText(files[3]);
+  WriteText(files[3], text.substr(0, text.size() / 2 + 7));
+  WriteText(capture / "notes.doc", "not a capture");
+
+  const auto job = [&](const std::string& tolerated) {
+    std::vector<std::string> arguments = SmallJob(folder, "bad");
+    arguments.insert(arguments.end(), {"--set", "ingest.synthetic.enabled=false", "--set", "ingest.path=" + capture.string(),
+                                       "--set", "tolerated_failures=" + tolerated, "--json"});
+    return Run(folder, arguments);
+  };
+  const Result strict = job("0");
+  EXPECT_EQ(strict.exit_code, 1) << strict.err;
+  const Result tolerant = job("0.5");
+  EXPECT_EQ(tolerant.exit_code, 0) << tolerant.err;
+  EXPECT_EQ(tolerant.Json()["kept"], static_cast<int>(files.size()) - 2);
+  EXPECT_EQ(tolerant.Json()["failed"], 2);
+  const std::string log = ReadText(folder / "bad/curation_log.jsonl");
+  EXPECT_THAT(log, HasSubstr("\"decision\":\"dropped\""));
+  EXPECT_THAT(log, HasSubstr(files[3].filename().string().substr(0, 6)));
+}
+
+TEST(Run, SurvivesRandomKillsAndEndsWithTheSameBytes) {
+  const Folder folder;
+  ASSERT_EQ(Run(folder, SmallJob(folder, "calm"), "calm_cache").exit_code, 0);
+  Random random(7, "kills");
+  int killed = 0;
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    Started run(folder, SmallJob(folder, "stormy"), "stormy_cache");
+    std::this_thread::sleep_for(std::chrono::milliseconds(random.Below(400)));
+    if (run.Running()) ++killed;
+    run.Signal(SIGKILL);
+    run.Wait();
+  }
+  EXPECT_GT(killed, 5);
+  const Result last = Run(folder, SmallJob(folder, "stormy"), "stormy_cache");
+  ASSERT_EQ(last.exit_code, 0) << last.err;
+  EXPECT_EQ(ReadText(folder / "calm/dataset.h5"), ReadText(folder / "stormy/dataset.h5"));
+}
+
+TEST(Run, StopsOnRequestWith75AndGoesOn) {
+  const Folder folder;
+  Started run(folder, SmallJob(folder, "r", "1"));
+  while (run.Running() && !fs::exists(folder / "r/journal.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  run.Signal(SIGTERM);
+  const Result stopped = run.Wait();
+  EXPECT_EQ(stopped.exit_code, 75) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("run again"));
+  EXPECT_EQ(Run(folder, SmallJob(folder, "r", "1")).exit_code, 0);
+}
+
+TEST(Run, ADryRunWritesNothing) {
+  const Folder folder;
+  std::vector<std::string> arguments = SmallJob(folder, "r");
+  arguments.emplace_back("--dry-run");
+  const Result result = Run(folder, arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_FALSE(fs::exists(folder / "r"));
+}
+
+TEST(Run, FolderNamesMayHoldBlanksAndBytesThatAreNotUtf8) {
+  const Folder folder;
+  const std::string odd = "my r\xfcn";
+  const Result result = Run(folder, SmallJob(folder, odd));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(folder.path() / odd / "dataset.h5"));
+}
+
+TEST(Run, TwoRunsOfOneFolderAreRefused) {
+  const Folder folder;
+  Started first(folder, SmallJob(folder, "r", "1"));
+  while (first.Running() && !fs::exists(folder / "r/journal.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const Folder other;
+  std::vector<std::string> arguments = SmallJob(folder, "r", "1");
+  const Result second = Run(other, arguments);
+  EXPECT_NE(second.exit_code, 0);
+  EXPECT_THAT(second.err, HasSubstr("lock"));
+  first.Wait();
+}
+
+}  // namespace
+}  // namespace mocurate

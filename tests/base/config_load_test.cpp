@@ -1,0 +1,134 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/resources.h"
+#include "tests/base/config_message.h"
+#include "tests/base/scratch_folder.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Reads main.yaml of a folder.
+std::string LoadMessage(const ScratchFolder& folder) {
+  const auto node = LoadConfig(folder / "main.yaml");
+  return node ? "" : node.error().Message();
+}
+
+TEST(ConfigInclude, LaterAndInnerValuesWin) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(MakeFolder(folder / "sub"));
+  ASSERT_TRUE(WriteFile(folder / "sub/a.yaml",
+                        "seed: 1\nheight: 1\npeople: [a, b]\npath: d\ntrim: {enabled: false, still_speed: 1}\n"));
+  ASSERT_TRUE(WriteFile(folder / "b.yaml", "seed: 2\nangle: 1\n"));
+  ASSERT_TRUE(WriteFile(folder / "main.yaml",
+                        "include: [sub/a.yaml, b.yaml]\nangle: 2\npeople: [c]\ntrim:\n  still_speed: 2 m/s\n"));
+  const auto node = LoadConfig(folder / "main.yaml");
+  ASSERT_TRUE(node) << node.error().Message();
+  const auto options = OptionsFromConfig<SampleOptions>(*node);
+  ASSERT_TRUE(options) << options.error().Message();
+  EXPECT_EQ(options->seed, 2);
+  EXPECT_EQ(options->height, 1.0);
+  EXPECT_EQ(options->angle, 2.0);
+  EXPECT_EQ(options->people, (std::vector<std::string>{"c"})) << "lists are replaced, not joined";
+  EXPECT_FALSE(options->trim.enabled) << "mappings are merged";
+  EXPECT_EQ(options->trim.still_speed, 2.0);
+  EXPECT_EQ(options->path, folder / "sub/d") << "relative to the file that says it";
+}
+
+TEST(ConfigInclude, ProblemsOfIncludedFilesAreToldThere) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteFile(folder / "a.yaml", "seed: 1\nseed: 2\n"));
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: [a.yaml, none.yaml, [x]]\n"));
+  const std::string root = folder.path().native();
+  EXPECT_EQ(LoadMessage(folder), root + "/a.yaml:2:1: key 'seed' stands twice, first in line 1 (keep one of them)\n" +
+                                     root + "/main.yaml:1:19: cannot include 'none.yaml': no such file (" + root +
+                                     "/none.yaml)\n" + root +
+                                     "/main.yaml:1:30: include must be a path or a list of paths");
+}
+
+TEST(ConfigInclude, ACircleIsRefused) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: ./main.yaml\n"));
+  EXPECT_EQ(LoadMessage(folder), (folder / "main.yaml").native() + ":1:10: './main.yaml' includes itself");
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: a.yaml\n"));
+  ASSERT_TRUE(WriteFile(folder / "a.yaml", "include: main.yaml\n"));
+  EXPECT_EQ(LoadMessage(folder),
+            (folder / "a.yaml").native() + ":1:10: 'main.yaml' includes itself, by way of 'a.yaml'");
+}
+
+TEST(ConfigInclude, FilesThatIncludeTwiceCannotGrowWithoutBound) {
+  const ScratchFolder folder;
+  for (int i = 0; i < 20; ++i) {
+    const std::string next = "f" + std::to_string(i + 1) + ".yaml";
+    ASSERT_TRUE(WriteFile(folder / ("f" + std::to_string(i) + ".yaml"), "include: [" + next + ", " + next + "]\n"));
+  }
+  ASSERT_TRUE(WriteFile(folder / "f20.yaml", "seed: 1\n"));
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: f0.yaml\n"));
+  EXPECT_THAT(LoadMessage(folder), HasSubstr("too many includes (at most 32 deep and 256 in all)"));
+}
+
+TEST(ConfigInclude, EmbeddedFilesAreFoundByName) {
+  const std::vector<std::string> paths = ResourcePaths();
+  if (paths.empty()) GTEST_SKIP() << "nothing is embedded";
+  const std::string name = paths.front();
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) ::setenv("MOCURATE_TEST_DATA", "data", 1);  // embedded configurations may refer to it
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: resource:" + name + "\nown: 1\n"));
+  const auto node = LoadConfig(folder / "main.yaml");
+  ASSERT_TRUE(node) << node.error().Message();
+  EXPECT_GT(node->mapping.size(), 1u);
+  EXPECT_TRUE(LoadConfig("resource:" + name));
+  if (data == nullptr) ::unsetenv("MOCURATE_TEST_DATA");
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: resource:" + name + "x\n"));
+  EXPECT_THAT(LoadMessage(folder), HasSubstr("no such embedded file (resource:" + name + "x) (did you mean '" + name));
+}
+
+TEST(ConfigInclude, MayNameTheEnvironment) {
+  const ScratchFolder folder;
+  ::setenv("MOCURATE_CONFIG_TEST", folder.path().c_str(), 1);
+  ASSERT_TRUE(WriteFile(folder / "a.yaml", "seed: 5\n"));
+  EXPECT_EQ(ReadSample("include: ${MOCURATE_CONFIG_TEST}/a.yaml")->seed, 5);
+  ::unsetenv("MOCURATE_CONFIG_TEST");
+  EXPECT_EQ(MessageOf("include: ${MOCURATE_CONFIG_TEST}/a.yaml"),
+            "c.yaml:1:10: ${MOCURATE_CONFIG_TEST} names no environment variable (include: cannot use keys) (export "
+            "MOCURATE_CONFIG_TEST=..., or give the value with --set)");
+}
+
+TEST(Config, AMissingFileIsNotFound) {
+  const auto node = LoadConfig("no/such.yaml");
+  ASSERT_FALSE(node);
+  EXPECT_EQ(node.error(), (Error{ErrorCode::kNotFound, "no such file", "no/such.yaml", ""}));
+}
+
+TEST(ConfigSet, AssignsByPath) {
+  const auto options =
+      ReadSample("joints: [{name: a}, {name: b}]\npath: x\npeople: [p]",
+                 {"seed=9", "trim.still_speed=1 m/s", "joints.1.name=c=d", "path=here", "labels={a: b}", "people=[]"});
+  ASSERT_TRUE(options) << options.error().Message();
+  EXPECT_EQ(options->seed, 9);
+  EXPECT_EQ(options->trim.still_speed, 1.0);
+  EXPECT_EQ(options->joints[0].name, "a");
+  EXPECT_EQ(options->joints[1].name, "c=d");
+  EXPECT_EQ(options->path, "here") << "relative to the current folder";
+  EXPECT_EQ(options->labels.at("a"), "b");
+  EXPECT_TRUE(options->people.empty());
+}
+
+TEST(ConfigSet, TellsWhatCannotBeAssigned) {
+  EXPECT_EQ(MessageOf("seed: 1\njoints: [{}]", {"seed", "=3", "a..b=1", "seed.x=1", "joints.1.name=x", "title=[a"}),
+            "--set: 'seed' must be KEY=VALUE (e.g. --set canon.trim.margin='40 ms')\n"
+            "--set: '=3' must be KEY=VALUE (e.g. --set canon.trim.margin='40 ms')\n"
+            "--set: 'a..b=1' must be KEY=VALUE (e.g. --set canon.trim.margin='40 ms')\n"
+            "--set: 'seed' is a single value, it has no 'x'\n"
+            "--set: 'joints' is a list of 1, '1' is not one of its positions (positions: 0 to 0)\n"
+            "--set title:1:1: not YAML: end of sequence flow not found");
+  EXPECT_EQ(MessageOf("", {"seed=x", "trim.sped=1"}),
+            "--set: seed: 'x' must be a whole number\n"
+            "--set: unknown option 'trim.sped' (known here: enabled, still_speed)");
+}
+
+}  // namespace
+}  // namespace mocurate

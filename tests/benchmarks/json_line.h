@@ -1,0 +1,28 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <vector>
+
+namespace mocurate::benchmarks {
+
+/// Runs `work` once unmeasured, then `repeats` times, and prints one JSON line with the median.
+inline void Report(const char* name, int items, const char* unit, int repeats, const std::function<void()>& work) {
+  work();
+  std::vector<double> seconds;
+  for (int i = 0; i < repeats; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::sort(seconds.begin(), seconds.end());
+  const double median = seconds[seconds.size() / 2];
+  std::printf(
+      "{\"name\": \"%s\", \"seconds_median\": %.6f, \"seconds_min\": %.6f, \"repeats\": %d, \"items\": %d, "
+      "\"unit\": \"%s\", \"items_per_s\": %.3f, \"threads\": 1}\n",
+      name, median, seconds.front(), repeats, items, unit, items / median);
+}
+
+}  // namespace mocurate::benchmarks

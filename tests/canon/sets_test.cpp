@@ -1,0 +1,218 @@
+// Trimming, splitting and assembling: what is kept, what is dropped and why, and what leaks.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "canon/audit/nearest_neighbour.h"
+#include "canon/frames/tracks.h"
+#include "canon/options.h"
+#include "canon/splits/splits.h"
+#include "canon/stages.h"
+#include "canon/trim/trim.h"
+#include "core/motion/kinematics.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+SkeletonPtr Skeleton15() { return *LoadSkeleton("openni15"); }
+
+/// Stands still, moves from `begin` to `end`, stands still.
+Clip ClipMoving(const std::string& person, const std::string& label, int frames, int begin, int end, double reach) {
+  const SkeletonPtr skeleton = Skeleton15();
+  JointPositions joints(frames, skeleton->joint_count());
+  for (int f = 0; f < frames; ++f) {
+    const double phase = std::clamp(static_cast<double>(f - begin) / (end - begin), 0.0, 1.0);
+    Vector3d place = Vector3d::Zero();
+    for (int j = 0; j < skeleton->joint_count(); ++j) {
+      const int parent = skeleton->joints[j].parent;
+      place = skeleton->joints[j].rest_offset;
+      if (parent >= 0) place += joints.at(f, parent);
+      joints.at(f, j) = place;
+    }
+    for (int j = 0; j < skeleton->joint_count(); ++j) joints.at(f, j) += Vector3d(0, 0, reach * phase);
+  }
+  Clip clip;
+  clip.identity = {"test", person, label + std::to_string(frames) + "_" + std::to_string(begin), "", "", "", 0, frames};
+  clip.label = label;
+  clip.rate = FrameRate{30, 1};
+  clip.motion = MakeJointsOnly(skeleton, clip.rate, joints);
+  return clip;
+}
+
+Dataset SetOf(std::vector<Clip> clips) {
+  Dataset dataset;
+  dataset.skeleton = Skeleton15();
+  dataset.joints_only = true;
+  dataset.clips = std::move(clips);
+  dataset.labels = {{"a", ""}, {"b", ""}};
+  return dataset;
+}
+
+TEST(Trim, CutsStillFramesFromBothEndsAndKeepsTheMargin) {
+  TrimOptions options;
+  options.rule = TrimRule::kMotionEnergy;
+  options.margin_s = 0.1;
+  std::vector<Finding> findings;
+  const auto spans = FindSpans(options, ClipMoving("p", "a", 120, 40, 80, 1.0), findings);
+  ASSERT_EQ(spans.size(), 1u);
+  EXPECT_NEAR(spans[0].begin, 37, 1);
+  EXPECT_NEAR(spans[0].end, 84, 1);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].action, "trimmed");
+}
+
+TEST(Trim, AClipThatNeverMovesIsDroppedWithItsFastestSpeed) {
+  TrimOptions options;
+  options.rule = TrimRule::kMotionEnergy;
+  std::vector<Finding> findings;
+  EXPECT_TRUE(FindSpans(options, ClipMoving("p", "a", 60, 10, 50, 0.0), findings).empty());
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "never_moves");
+  EXPECT_THAT(findings[0].message, HasSubstr("trim.still_speed"));
+}
+
+TEST(Trim, AnnotatedSegmentsBecomeClipsAndUnwantedLabelsAreLeftOut) {
+  Clip clip = ClipMoving("p", "a", 90, 10, 50, 1.0);
+  clip.segments = {{0.0, 1.0, "idle", "", "annotated"}, {1.0, 2.0, "wave", "", "annotated"}, {2.0, 2.05, "jump", "", "annotated"}};
+  TrimOptions options;
+  options.rule = TrimRule::kAnnotated;
+  options.drop_labels = {"idle"};
+  std::vector<Finding> findings;
+  const auto spans = FindSpans(options, clip, findings);
+  ASSERT_EQ(spans.size(), 1u);
+  EXPECT_EQ(spans[0].label, "wave");
+  EXPECT_EQ(spans[0].begin, 30);
+  EXPECT_EQ(spans[0].end, 60);
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[1].code, "too_short");
+}
+
+TEST(Tracks, MissingObservationsAreInterpolatedAndMarkedAndNeverRead) {
+  const SkeletonPtr skeleton = Skeleton15();
+  JointTracks tracks;
+  tracks.positions = JointPositions(3, skeleton->joint_count());
+  tracks.time_s = {0.0, 1.0, 2.0};
+  tracks.confidence.assign(3 * skeleton->joint_count(), 1.0);
+  for (const Joint& joint : skeleton->joints) tracks.names.push_back(joint.name);
+  tracks.positions.at(0, 2) = Vector3d(0, 0, 0);
+  tracks.positions.at(1, 2) = Vector3d(std::nan(""), 1e9, 0);
+  tracks.positions.at(2, 2) = Vector3d(2, 0, 0);
+  tracks.confidence[skeleton->joint_count() + 2] = 0.0;
+  const auto motion = MotionFromTracks(tracks, skeleton, FrameRate{1, 1});
+  ASSERT_TRUE(motion) << motion.error().Message();
+  EXPECT_EQ(Vector3d(motion->joints.at(1, 2)), Vector3d(1, 0, 0));
+  EXPECT_EQ(motion->state[skeleton->joint_count() + 2], JointState::kInterpolated);
+}
+
+TEST(Tracks, AJointThatNobodyTracksIsNamed) {
+  JointTracks tracks;
+  tracks.names = {"head"};
+  tracks.positions = JointPositions(2, 1);
+  tracks.time_s = {0, 1};
+  tracks.confidence = {1, 1};
+  const auto motion = MotionFromTracks(tracks, Skeleton15(), FrameRate{1, 1});
+  ASSERT_FALSE(motion);
+  EXPECT_THAT(motion.error().what, HasSubstr("left_knee"));
+}
+
+TEST(Split, ByPersonNeverSharesAPerson) {
+  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1),
+                                 ClipMoving("p3", "b", 42, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p3"};
+  options.validation = {"p2"};
+  const auto split = MakeSplit(options, dataset);
+  ASSERT_TRUE(split) << split.error().Message();
+  EXPECT_EQ(split->train, std::vector<int>{0});
+  EXPECT_EQ(split->validation, std::vector<int>{1});
+  EXPECT_EQ(split->test, std::vector<int>{2});
+  EXPECT_THAT(split->leak_check, HasSubstr("ok"));
+}
+
+TEST(Split, EqualClipsOfTwoPersonsLeak) {
+  Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 40, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p2"};
+  const auto split = MakeSplit(options, dataset);
+  ASSERT_TRUE(split);
+  EXPECT_THAT(split->leak_check, HasSubstr("1 clips of equal content"));
+}
+
+TEST(Split, APersonThatDoesNotExistIsAnErrorThatListsTheOthers) {
+  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p9"};
+  const auto split = MakeSplit(options, dataset);
+  ASSERT_FALSE(split);
+  EXPECT_THAT(split.error().what, HasSubstr("'p9'"));
+  EXPECT_THAT(split.error().hint, HasSubstr("p1"));
+}
+
+TEST(Split, ByFractionDoesNotDependOnWhichOtherClipsThereAre) {
+  std::vector<Clip> clips;
+  for (int i = 0; i < 60; ++i) clips.push_back(ClipMoving("p", "a", 40 + i, 5, 30, 1));
+  SplitOptions options;
+  options.test_share = 0.3;
+  const auto all = MakeSplit(options, SetOf(clips));
+  clips.resize(30);
+  const auto half = MakeSplit(options, SetOf(clips));
+  ASSERT_TRUE(all && half);
+  for (const int row : half->test) EXPECT_THAT(all->test, ::testing::Contains(row));
+  EXPECT_NEAR(static_cast<double>(all->test.size()), 18.0, 9.0);
+}
+
+TEST(NearestNeighbour, RecognisesMotionsThatDiffer) {
+  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1.0), ClipMoving("p1", "b", 40, 5, 30, -1.0),
+                                 ClipMoving("p2", "a", 50, 6, 38, 0.9), ClipMoving("p2", "b", 50, 6, 38, -0.9)});
+  Split split;
+  split.train = {0, 1};
+  split.test = {2, 3};
+  const auto result = NearestNeighbour(dataset, split, 32);
+  EXPECT_EQ(result.correct, 2);
+  EXPECT_EQ(result.count, 2);
+}
+
+TEST(Stages, CanonThenAssembleGivesAReadableDataset) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "mocurate_canon_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  AssembleOptions options;
+  options.splits.resize(1);
+  options.splits[0].by = SplitBy::kPerson;
+  options.splits[0].test = {"p2"};
+  StageRequest assemble{"assemble", "dataset", OptionsToJson(options), {}, folder / "dataset.h5", folder};
+  int n = 0;
+  for (const char* person : {"p1", "p2"}) {
+    for (const char* label : {"a", "b"}) {
+      Dataset one = SetOf({ClipMoving(person, label, 40 + n, 5, 30, 1)});
+      one.labels.clear();
+      const auto input = folder / ("fit" + std::to_string(n) + ".h5");
+      ASSERT_TRUE(WriteDataset(one, input));
+      const auto output = folder / ("canon" + std::to_string(n++) + ".h5");
+      const StageRequest canon{"canon", "x", OptionsToJson(CanonOptions()), {{"motion", "x", input, ""}}, output, folder};
+      const auto outcome = CanonStage(canon);
+      ASSERT_TRUE(outcome) << outcome.error().Message();
+      EXPECT_EQ(outcome->summary.at("clips"), 1);
+      assemble.inputs.push_back({"clip", "x", output, ""});
+    }
+  }
+  const auto assembled = AssembleStage(assemble);
+  ASSERT_TRUE(assembled) << assembled.error().Message();
+  const auto dataset = ReadDataset(folder / "dataset.h5");
+  ASSERT_TRUE(dataset) << dataset.error().Message();
+  EXPECT_EQ(dataset->clips.size(), 4u);
+  EXPECT_EQ(dataset->labels.size(), 2u);
+  ASSERT_EQ(dataset->splits.size(), 1u);
+  EXPECT_EQ(dataset->splits[0].test.size(), 2u);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mocurate

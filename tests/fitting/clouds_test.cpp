@@ -1,0 +1,208 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/depth_fusion.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "tests/fitting/cloud_scene.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::filesystem::path Folder(const std::string& name) {
+  return std::filesystem::path(::testing::TempDir()) / ("mocurate_clouds_" + name);
+}
+
+/// Someone who stands, lowers the arms and bends the knees a little, frame after frame.
+Motion Standing(const SkeletonPtr& skeleton, int frames) {
+  const int joints = skeleton->joint_count();
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation(static_cast<std::size_t>(frames) * joints, Quaterniond::Identity());
+  for (int f = 0; f < frames; ++f) {
+    translation.emplace_back(0.1 + 0.01 * f, 0.05, -0.05);
+    const auto turn = [&](const char* name, const Vector3d& by) {
+      rotation[static_cast<std::size_t>(f) * joints + *skeleton->FindJoint(name)] = ExpQuaternion(by);
+    };
+    turn("plain_left_shoulder", {0.0, 0.0, -0.9 + 0.05 * f});
+    turn("plain_right_shoulder", {0.0, 0.0, 0.7 - 0.1 * f});
+    turn("plain_right_elbow", {0.0, 0.4, 0.0});
+    turn("plain_left_knee", {0.3 + 0.05 * f, 0.0, 0.0});
+  }
+  return MakeMotion(skeleton, FrameRate{12, 1}, translation, rotation, skeleton->RestBoneLengths());
+}
+
+TEST(CloudFit, RecoversACapsulePersonInThreeViews) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const Motion truth = Standing(skeleton, 3);
+  const auto clip = RenderClip(truth, Folder("person"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  ASSERT_TRUE(fit) << fit.error().Message();
+  const Status whole = fit->motion.Check();
+  EXPECT_TRUE(whole) << whole.error().Message();
+  const double error = MeanJointError(fit->motion.joints, truth.joints);
+  RecordProperty("mean_joint_error_mm", std::to_string(1000.0 * error));
+  EXPECT_LT(error, 0.015);
+  EXPECT_LT(fit->residual_rms, 0.01);
+  EXPECT_GT(fit->iterations, 0);
+  ASSERT_EQ(fit->motion.state.size(), 3u * skeleton->joints.size());
+  EXPECT_EQ(fit->motion.state[*skeleton->FindJoint("plain_left_knee")], JointState::kObserved);
+}
+
+TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const auto clip = RenderClip(Standing(skeleton, 3), Folder("gap"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  for (const DepthView& view : clip->evidence.depth_views) {
+    DepthImage nothing{view.camera.width, view.camera.height, {}};
+    nothing.values.resize(static_cast<std::size_t>(nothing.width) * nothing.height, 0);
+    ASSERT_TRUE(WriteDepthImage(nothing, view.files[2]));
+  }
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  ASSERT_TRUE(fit) << fit.error().Message();
+  ASSERT_EQ(fit->findings.size(), 1u);
+  EXPECT_EQ(fit->findings[0].code, "frames_without_evidence");
+  EXPECT_EQ(fit->findings[0].frame_begin, 2);
+  EXPECT_EQ(fit->findings[0].frame_end, 3);
+  EXPECT_EQ(fit->motion.joints.at(2, 5), fit->motion.joints.at(1, 5));
+  EXPECT_EQ(fit->motion.state.back(), JointState::kInferred);
+}
+
+class Fusion : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const SkeletonPtr skeleton = PlainSkeleton();
+    ASSERT_NE(skeleton, nullptr);
+    truth_ = Standing(skeleton, 1);
+    auto clip = RenderClip(truth_, Folder("fusion"));
+    ASSERT_TRUE(clip) << clip.error().Message();
+    views_ = clip->evidence.depth_views;
+  }
+
+  Motion truth_;
+  std::vector<DepthView> views_;
+};
+
+TEST_F(Fusion, PutsEveryPointOnTheBodysSurfaceWithANormalThatPointsOut) {
+  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  ASSERT_TRUE(cloud) << cloud.error().Message();
+  ASSERT_GT(cloud->size(), 1000);
+  const CapsuleBody body = CapsuleBody::Make(truth_.skeleton);
+  std::vector<Vector3d> joints;
+  for (int j = 0; j < truth_.joint_count(); ++j) joints.emplace_back(truth_.joints.at(0, j));
+  double square = 0.0;
+  int outward = 0;
+  for (int i = 0; i < cloud->size(); ++i) {
+    const auto nearest = ClosestOnBody(body, joints.data(), cloud->points.col(i));
+    square += nearest->on_capsule.distance * nearest->on_capsule.distance;
+    EXPECT_NEAR(cloud->normals.col(i).norm(), 1.0, 1e-6);
+    if (nearest->on_capsule.normal.dot(cloud->normals.col(i)) > 0.5) ++outward;
+  }
+  EXPECT_LT(std::sqrt(square / cloud->size()), 0.002);
+  EXPECT_GT(outward, 0.95 * cloud->size());
+}
+
+TEST_F(Fusion, GivesTheSamePointsInTheSameSortedOrderEveryTime) {
+  const auto once = FuseViews(views_, 0, FusionOptions());
+  const auto again = FuseViews(views_, 0, FusionOptions());
+  ASSERT_TRUE(once && again);
+  EXPECT_EQ(once->points, again->points);
+  EXPECT_EQ(once->normals, again->normals);
+  for (int i = 1; i < once->size(); ++i) EXPECT_LE(once->points(0, i - 1), once->points(0, i));
+}
+
+TEST_F(Fusion, AMissingImageIsNamed) {
+  views_[1].files[0] = Folder("fusion") / "c1_99.png";
+  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  ASSERT_FALSE(cloud);
+  EXPECT_EQ(cloud.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(cloud.error().Message(), HasSubstr("c1_99.png"));
+}
+
+TEST_F(Fusion, AnImageOfAnotherSizeIsNamedWithBothSizes) {
+  views_[2].camera.width = 640;
+  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  ASSERT_FALSE(cloud);
+  EXPECT_EQ(cloud.error().code, ErrorCode::kInconsistent);
+  EXPECT_THAT(cloud.error().Message(), HasSubstr("c2_0.png"));
+  EXPECT_THAT(cloud.error().Message(), HasSubstr("320 x 300 pixels, camera 'c2' has 640 x 300"));
+}
+
+TEST_F(Fusion, ADamagedImageIsNamedAndNothingIsPrinted) {
+  views_[0].files[0] = Folder("fusion") / "damaged.png";
+  std::ofstream(views_[0].files[0]) << "no image at all";
+  ::testing::internal::CaptureStdout();
+  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+  ASSERT_FALSE(cloud);
+  EXPECT_EQ(cloud.error().code, ErrorCode::kUnreadable);
+  EXPECT_THAT(cloud.error().Message(), HasSubstr("damaged.png"));
+}
+
+TEST_F(Fusion, AnImageThatChangedSinceItWasIngestedIsRefused) {
+  views_[0].sha256 = {std::string(64, '0')};
+  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  ASSERT_FALSE(cloud);
+  EXPECT_THAT(cloud.error().Message(), HasSubstr("has changed since it was ingested"));
+}
+
+TEST(CloudFit, AClipWithoutOrWithUnequalViewsIsRefused) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  Clip clip;
+  EXPECT_EQ(FitClouds(clip, skeleton, {}, PointCloudOptions()).error().code, ErrorCode::kInconsistent);
+  clip.evidence.depth_views.resize(2);
+  clip.evidence.depth_views[0].files = {"a.png", "b.png"};
+  clip.evidence.depth_views[1].files = {"c.png"};
+  const auto fit = FitClouds(clip, skeleton, {}, PointCloudOptions());
+  EXPECT_THAT(fit.error().Message(), HasSubstr("has 1 depth images"));
+}
+
+class RenderedSequenceFit : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("MOCURATE_TEST_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    auto read = ReadRenderedSequence(std::filesystem::path(data) / "clouds" / "rendered_seq", 10);
+    ASSERT_TRUE(read) << read.error().Message();
+    sequence_ = std::move(*read);
+    auto skeleton = LoadSkeleton("smpl24");
+    ASSERT_TRUE(skeleton) << skeleton.error().Message();
+    skeleton_ = *skeleton;
+  }
+
+  RenderedSequence sequence_;
+  SkeletonPtr skeleton_;
+};
+
+TEST_F(RenderedSequenceFit, ViewsOfOnePersonAgreeWhereTheyOverlap) {
+  const auto first = BackProject(sequence_.clip.evidence.depth_views[0], 0);
+  const auto second = BackProject(sequence_.clip.evidence.depth_views[1], 0);
+  ASSERT_TRUE(first && second);
+  std::vector<double> nearest;
+  for (Eigen::Index i = 0; i < first->cols(); i += 50) {
+    nearest.push_back(std::sqrt((second->colwise() - first->col(i)).colwise().squaredNorm().minCoeff()));
+  }
+  std::sort(nearest.begin(), nearest.end());
+  EXPECT_LT(nearest[nearest.size() / 4], 0.005);
+}
+
+TEST_F(RenderedSequenceFit, JointsLieNearTheTruthWithBonesFromTheClouds) {
+  const auto bones = BoneLengthsFromClouds({sequence_.clip}, skeleton_, PointCloudOptions());
+  ASSERT_TRUE(bones) << bones.error().Message();
+  const auto fit = FitClouds(sequence_.clip, skeleton_, *bones, PointCloudOptions());
+  ASSERT_TRUE(fit) << fit.error().Message();
+  const double error = MeanJointError(fit->motion.joints, sequence_.truth);
+  RecordProperty("mean_joint_error_mm", std::to_string(1000.0 * error));
+  EXPECT_LT(error, 0.04);
+  EXPECT_LT(fit->residual_rms, 0.02);
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,217 @@
+#include "fitting/solver/joint_track_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/fitting/takes.h"
+#include "tests/fitting/track_problems.h"
+
+namespace mocurate {
+namespace {
+
+FitResult Fit(const Take& take, const JointTrackOptions& options = {}) {
+  const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  EXPECT_TRUE(fit.has_value()) << fit.error().Message();
+  return *fit;
+}
+
+JointTrackOptions Tight() {
+  JointTrackOptions options;
+  options.relative_tolerance = 1e-10;
+  options.max_iterations = 200;
+  return options;
+}
+
+TEST(JointTrackFit, RecoversNoiseFreeTracks) {
+  const Take take = SmoothTake(60);
+  const FitResult fit = Fit(take, Tight());
+  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 1e-4);
+  EXPECT_TRUE(fit.converged);
+  EXPECT_TRUE(fit.motion.Check().has_value()) << fit.motion.Check().error().Message();
+  EXPECT_EQ(fit.motion.bone_length, take.truth.bone_length);
+  for (int f = 0; f < 60; ++f) {
+    EXPECT_LT(AngleBetween(fit.motion.rotation_at(f, 0), take.truth.rotation_at(f, 0)), 2e-3) << "frame " << f;
+  }
+}
+
+class AnyPosture : public testing::TestWithParam<Vector3d> {};
+
+INSTANTIATE_TEST_SUITE_P(JointTrackFit, AnyPosture,
+                         testing::Values(Vector3d(EIGEN_PI, 0, 0), Vector3d(0, 0, EIGEN_PI), Vector3d(0, EIGEN_PI, 0),
+                                         Vector3d(EIGEN_PI / 2, 0, 0), Vector3d(-EIGEN_PI / 2, 0, 0),
+                                         Vector3d(1.2, -2.0, 1.7)));
+
+TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
+  Take take = SmoothTake(40, ExpQuaternion(GetParam()));
+  const FitResult clean = Fit(take, Tight());
+  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 1e-4);
+  AddNoise(take.tracks, 0.01, 5);
+  EXPECT_LT(RmsError(Fit(take).motion.joints, take.truth.joints), 0.012);
+}
+
+TEST(JointTrackFit, FollowsAPersonThatSpinsSeveralTimes) {
+  const Take take = SmoothTake(150, Quaterniond::Identity(), 30.0, 6.0);  // five turns
+  EXPECT_LT(LargestError(Fit(take, Tight()).motion.joints, take.truth.joints), 5e-4);
+}
+
+TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
+  Take take = SmoothTake(90);
+  Random random(1, "half");
+  for (int f = 0; f < 90; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      if (random.Uniform() < 0.5) Hide(take.tracks, f, j);
+    }
+  }
+  const FitResult fit = Fit(take);
+  EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 0.01);
+  EXPECT_LT(fit.residual_rms, 0.005);
+  Take other = take;
+  for (std::size_t i = 0; i < other.tracks.confidence.size(); ++i) {
+    if (other.tracks.confidence[i] > 0.0) continue;
+    for (int k = 0; k < 3; ++k) other.tracks.positions.xyz[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
+  }
+  EXPECT_EQ(Fit(other).motion.joints.xyz, fit.motion.joints.xyz);
+}
+
+TEST(JointTrackFit, MarksWhereEachJointComesFrom) {
+  Take take = SmoothTake(30);
+  for (int f = 0; f < 30; ++f) Hide(take.tracks, f, 5);
+  Hide(take.tracks, 10, 2);
+  const FitResult fit = Fit(take);
+  const int joints = take.tracks.joints();
+  EXPECT_EQ(fit.motion.state[10 * joints + 2], JointState::kInterpolated);
+  EXPECT_EQ(fit.motion.state[11 * joints + 2], JointState::kObserved);
+  EXPECT_EQ(fit.motion.state[10 * joints + 5], JointState::kInferred);
+}
+
+TEST(JointTrackFit, InterpolatesFramesWithoutAnyEvidence) {
+  Take take = SmoothTake(60);
+  for (int f = 25; f < 31; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+  }
+  const FitResult fit = Fit(take);
+  EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 0.02);
+  ASSERT_EQ(fit.findings.size(), 1u);
+  EXPECT_EQ(fit.findings[0].code, "frames_without_evidence");
+  EXPECT_EQ(fit.findings[0].frame_begin, 25);
+  EXPECT_EQ(fit.findings[0].frame_end, 31);
+  EXPECT_EQ(fit.motion.state[27 * take.tracks.joints()], JointState::kInterpolated);
+}
+
+TEST(JointTrackFit, SurvivesAFirstFrameAloneAndASingleFrame) {
+  const Take single = SmoothTake(1);
+  EXPECT_LT(LargestError(Fit(single, Tight()).motion.joints, single.truth.joints), 1e-3);
+  Take take = SmoothTake(20);
+  for (int f = 1; f < 20; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+  }
+  const FitResult fit = Fit(take);
+  EXPECT_TRUE(fit.motion.Check().has_value());
+  EXPECT_LT((fit.motion.joints.at(19, 0) - take.truth.joints.at(0, 0)).norm(), 0.1);
+}
+
+TEST(JointTrackFit, ResistsGrossOutliers) {
+  Take take = SmoothTake(60);
+  AddNoise(take.tracks, 0.005, 2);
+  const double undisturbed = RmsError(Fit(take).motion.joints, take.truth.joints);
+  Random random(4, "outliers");
+  for (int f = 0; f < 60; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      if (random.Uniform() < 0.03) take.tracks.positions.at(f, j) += Vector3d(1.0, -2.0, 0.7);
+    }
+  }
+  const FitResult fit = Fit(take);
+  EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2.0 * undisturbed);
+  ASSERT_FALSE(fit.findings.empty());
+  EXPECT_EQ(fit.findings[0].code, "outliers_rejected");
+}
+
+TEST(JointTrackFit, TrustsConfidence) {
+  Take take = SmoothTake(40);
+  AddNoise(take.tracks, 0.01, 9);
+  for (int f = 0; f < 40; ++f) {  // one joint says something else, quietly
+    take.tracks.positions.at(f, 1) += Vector3d(0.03, 0, 0);
+    take.tracks.confidence[static_cast<std::size_t>(f) * take.tracks.joints() + 1] = 0.05;
+  }
+  const FitResult quiet = Fit(take);
+  for (double& confidence : take.tracks.confidence) confidence = 1.0;
+  const FitResult loud = Fit(take);
+  const auto pull = [&](const FitResult& fit) {
+    Vector3d sum = Vector3d::Zero();
+    for (int f = 0; f < 40; ++f) sum += (fit.motion.joints.at(f, 1) - take.truth.joints.at(f, 1)) / 40.0;
+    return sum.norm();
+  };
+  EXPECT_LT(pull(quiet), 0.6 * pull(loud));
+}
+
+TEST(JointTrackFit, DoesNotSmoothAcrossAGapInTime) {
+  Take take = SmoothTake(40);
+  const double jump = 3.0;
+  for (int f = 20; f < 40; ++f) {
+    take.tracks.time_s[f] += 5.0;
+    for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j).x() += jump;
+  }
+  AddNoise(take.tracks, 0.01, 11);
+  const FitResult fit = Fit(take);
+  const double before = fit.motion.joints.at(19, 0).x() - take.truth.joints.at(19, 0).x();
+  const double after = fit.motion.joints.at(20, 0).x() - take.truth.joints.at(20, 0).x() - jump;
+  EXPECT_LT(std::abs(before), 0.02);
+  EXPECT_LT(std::abs(after), 0.02);
+}
+
+TEST(JointTrackFit, GivesTheSameSmoothnessAtAnyRate) {
+  Take slow = SmoothTake(45, Quaterniond::Identity(), 15.0);
+  Take fast = SmoothTake(180, Quaterniond::Identity(), 60.0);
+  AddNoise(slow.tracks, 0.02, 21);
+  AddNoise(fast.tracks, 0.02, 21);
+  // Four times the evidence in the same time must not cost accuracy, as smoothness by frame would.
+  EXPECT_LT(RmsError(Fit(fast).motion.joints, fast.truth.joints), RmsError(Fit(slow).motion.joints, slow.truth.joints));
+}
+
+TEST(JointTrackFit, WindowsAgreeWithTheWholeClip) {
+  Take take = SmoothTake(200);
+  AddNoise(take.tracks, 0.01, 31);
+  JointTrackOptions windows = Tight();
+  windows.window_frames = 60;
+  windows.window_overlap = 20;
+  const FitResult whole = Fit(take, Tight());
+  const FitResult parts = Fit(take, windows);
+  EXPECT_LT(RmsError(whole.motion.joints, parts.motion.joints), 5e-4);
+}
+
+TEST(JointTrackFit, GivesTheSameBytesAgain) {
+  Take take = SmoothTake(50);
+  AddNoise(take.tracks, 0.02, 41);
+  const FitResult first = Fit(take);
+  const FitResult second = Fit(take);
+  EXPECT_EQ(first.motion.joints.xyz, second.motion.joints.xyz);
+  EXPECT_EQ(first.final_cost, second.final_cost);
+}
+
+TEST(JointTrackFit, SaysWhenItDidNotConverge) {
+  Take take = SmoothTake(30);
+  AddNoise(take.tracks, 0.02, 51);
+  JointTrackOptions options = Tight();
+  options.max_iterations = 1;
+  const FitResult fit = Fit(take, options);
+  EXPECT_FALSE(fit.converged);
+  EXPECT_EQ(fit.termination, "iteration limit");
+}
+
+TEST(JointTrackFit, FindsTheNoiseOfTheTracks) {
+  Take take = SmoothTake(100);
+  AddNoise(take.tracks, 0.02, 61);
+  EXPECT_NEAR(Fit(take).noise_sigma, 0.02, 0.002);
+}
+
+TEST(JointTrackFit, PlacesARootThatNoTrackGives) {
+  Take take = SmoothTake(40, ExpQuaternion(Vector3d(0, 2.5, 0)));
+  for (int f = 0; f < 40; ++f) Hide(take.tracks, f, 0);
+  const FitResult fit = Fit(take, Tight());
+  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,111 @@
+#include "fitting/proportions.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "fitting/solver/bone_lengths.h"
+#include "tests/fitting/takes.h"
+
+namespace mocurate {
+namespace {
+
+/// A take of a person 8 % larger than the rest skeleton.
+Take LargerPerson(int frames) {
+  Take take = SmoothTake(frames);
+  std::vector<double> bones = take.truth.bone_length;
+  for (double& bone : bones) bone *= 1.08;
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, take.truth.rotation, bones);
+  take.tracks.positions = take.truth.joints;
+  return take;
+}
+
+TEST(Proportions, AreExactWithoutNoise) {
+  const Take take = LargerPerson(50);
+  const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  EXPECT_NEAR(person->scale, 1.08, 1e-6);
+  for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 2e-4);
+}
+
+TEST(Proportions, AreNotInflatedByNoise) {
+  Take take = LargerPerson(400);
+  AddNoise(take.tracks, 0.02, 3);
+  const BoneEstimate bones = EstimateBoneLengths({take.tracks}, *take.tracks.skeleton, true);
+  for (int j = 1; j < take.tracks.joints(); ++j) {
+    EXPECT_NEAR(bones.length[j], take.truth.bone_length[j], 0.006) << take.tracks.skeleton->joints[j].name;
+  }
+}
+
+TEST(Proportions, OfUnseenJointsFollowTheRest) {
+  Take take = LargerPerson(50);
+  for (int f = 0; f < 50; ++f) {
+    Hide(take.tracks, f, 0);   // root: from the distances between chest and hips
+    Hide(take.tracks, f, 13);  // a leaf: rest length times scale
+  }
+  const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  EXPECT_NEAR(person->bone_length[1], take.truth.bone_length[1], 0.02);
+  EXPECT_NEAR(person->bone_length[9], take.truth.bone_length[9], 0.01);
+  EXPECT_NEAR(person->bone_length[13], 0.12 * 1.08, 2e-4);
+  EXPECT_EQ(person->samples[13], 0);
+}
+
+TEST(Proportions, AreSymmetricUnlessAskedOtherwise) {
+  Take take = LargerPerson(60);
+  AddNoise(take.tracks, 0.01, 8);
+  ProportionsOptions options;
+  const auto both = EstimateProportions({take.tracks}, take.tracks.skeleton, options);
+  EXPECT_EQ(both->bone_length[5], both->bone_length[8]);
+  options.symmetric = false;
+  const auto each = EstimateProportions({take.tracks}, take.tracks.skeleton, options);
+  EXPECT_NE(each->bone_length[5], each->bone_length[8]);
+}
+
+TEST(Proportions, CanBeRefinedByFitsWithFreeBones) {
+  Take take = LargerPerson(120);
+  AddNoise(take.tracks, 0.02, 13);
+  ProportionsOptions options;
+  options.refine_clips = 2;
+  const auto person = EstimateProportions({take.tracks, take.tracks}, take.tracks.skeleton, options);
+  ASSERT_TRUE(person.has_value());
+  for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 0.012);
+}
+
+TEST(Proportions, GoThroughTheirArtifact) {
+  const Take take = LargerPerson(20);
+  auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  person->person = "p1";
+  const nlohmann::json json = ProportionsJson(*person);
+  EXPECT_EQ(json["person"], "p1");
+  const auto read = BoneLengthsFromJson(json, *take.tracks.skeleton, "p1");
+  ASSERT_TRUE(read.has_value()) << read.error().Message();
+  for (int j = 1; j < take.tracks.joints(); ++j) {
+    EXPECT_NEAR((*read)[j], person->bone_length[j], 1e-12);
+    EXPECT_NEAR(std::round((*read)[j] * 1e4), (*read)[j] * 1e4, 1e-9);  // whole tenths of a millimetre
+  }
+}
+
+TEST(Proportions, OfAnotherSkeletonAreRefused) {
+  const Take take = LargerPerson(20);
+  const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  Skeleton other = *take.tracks.skeleton;
+  other.name = "other";
+  const auto read = BoneLengthsFromJson(ProportionsJson(*person), other, "proportions of p1");
+  ASSERT_FALSE(read.has_value());
+  EXPECT_EQ(read.error().code, ErrorCode::kInconsistent);
+  EXPECT_NE(read.error().what.find("test_body"), std::string::npos);
+}
+
+TEST(ProportionClips, AreTheSameWhateverTheirOrder) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 100; ++i) ids.push_back("kard/s01/clip" + std::to_string(i));
+  const std::vector<std::string> chosen = ChooseProportionClips(ids);
+  EXPECT_EQ(chosen.size(), static_cast<std::size_t>(kMaxProportionClips));
+  std::reverse(ids.begin(), ids.end());
+  EXPECT_EQ(ChooseProportionClips(ids), chosen);
+}
+
+}  // namespace
+}  // namespace mocurate

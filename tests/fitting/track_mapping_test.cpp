@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "fitting/fit_outcome.h"
+#include "tests/fitting/takes.h"
+
+namespace mocurate {
+namespace {
+
+/// The error of mapping damaged tracks.
+Error ErrorOf(const JointTracks& tracks) {
+  const auto mapped = MapTracks(tracks, TestBody());
+  EXPECT_FALSE(mapped.has_value());
+  return mapped ? Error{} : mapped.error();
+}
+
+TEST(TrackMapping, FindsJointsByName) {
+  const Take take = SmoothTake(5);
+  const auto mapped = MapTracks(AsSource(take.tracks), TestBody());
+  ASSERT_TRUE(mapped.has_value()) << mapped.error().Message();
+  EXPECT_EQ(mapped->positions.xyz, take.tracks.positions.xyz);
+}
+
+TEST(TrackMapping, NamesAllUnknownJoints) {
+  JointTracks tracks = AsSource(SmoothTake(5).tracks);
+  tracks.names[3] = "tail";
+  tracks.names[8] = "third_eye";
+  const Error error = ErrorOf(tracks);
+  EXPECT_EQ(error.code, ErrorCode::kInconsistent);
+  EXPECT_EQ(error.what, "skeleton 'test_body' has no joint named tail, third_eye");
+  EXPECT_NE(error.hint.find("left_shoulder"), std::string::npos);
+}
+
+TEST(TrackMapping, RefusesTwoTracksOfOneJoint) {
+  JointTracks tracks = AsSource(SmoothTake(5).tracks);
+  tracks.names[4] = "head";
+  EXPECT_NE(ErrorOf(tracks).what.find("are both joint 'head'"), std::string::npos);
+}
+
+TEST(TrackMapping, RefusesValuesThatAreNoNumbersWhereSeen) {
+  JointTracks tracks = AsSource(SmoothTake(5).tracks);
+  tracks.positions.at(2, 3).y() = std::numeric_limits<double>::quiet_NaN();
+  const Error error = ErrorOf(tracks);
+  EXPECT_EQ(error.code, ErrorCode::kMalformed);
+  EXPECT_EQ(error.where, "track 'left_shoulder' frame 2");
+}
+
+TEST(TrackMapping, RefusesConfidenceOutsideItsRange) {
+  for (const double confidence : {-0.1, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+    JointTracks tracks = AsSource(SmoothTake(5).tracks);
+    tracks.confidence[7] = confidence;
+    EXPECT_EQ(ErrorOf(tracks).code, ErrorCode::kMalformed);
+  }
+}
+
+TEST(TrackMapping, RefusesTimeThatStandsStill) {
+  JointTracks tracks = AsSource(SmoothTake(5).tracks);
+  tracks.time_s[3] = tracks.time_s[2];
+  EXPECT_EQ(ErrorOf(tracks).where, "tracks frame 3");
+}
+
+TEST(TrackMapping, RefusesShapesThatDisagree) {
+  JointTracks tracks = AsSource(SmoothTake(5).tracks);
+  tracks.confidence.pop_back();
+  EXPECT_EQ(ErrorOf(tracks).code, ErrorCode::kInconsistent);
+}
+
+TEST(TrackMapping, RefusesAClipInWhichNothingIsSeen) {
+  JointTracks tracks = AsSource(SmoothTake(5).tracks);
+  std::fill(tracks.confidence.begin(), tracks.confidence.end(), 0.0);
+  EXPECT_EQ(ErrorOf(tracks).what, "no joint is seen in any of 5 frames");
+}
+
+TEST(FitOfClip, NeedsTracks) {
+  const auto fit = FitTracksOfClip(Clip{}, TestBody(), {}, FittingOptions{});
+  ASSERT_FALSE(fit.has_value());
+  EXPECT_EQ(fit.error().what, "the clip has no joint tracks");
+}
+
+TEST(FitOfClip, FlagsASkeletonThatDoesNotBelongToItsEvidence) {
+  Take take = SmoothTake(20);
+  for (double& value : take.tracks.positions.xyz) value *= 10.0;  // as if centimetres were taken for decimetres
+  Clip clip;
+  clip.rate = FrameRate{30, 1};
+  clip.evidence.tracks = AsSource(take.tracks);
+  const auto fit = FitTracksOfClip(clip, TestBody(), {}, FittingOptions{});
+  ASSERT_TRUE(fit.has_value());
+  const StageOutcome outcome = OutcomeOfFit(clip, *fit, FittingOptions{});
+  EXPECT_EQ(outcome.kind, OutcomeKind::kDoubtful);
+  EXPECT_EQ(outcome.findings.back().code, "large_residual");
+}
+
+TEST(FittingOptions, SayThemselvesAndAreReadBack) {
+  FittingOptions options;
+  options.method = FitMethod::kPointClouds;
+  options.skeleton = "smpl24";
+  options.joint_tracks.max_gap_s = 0.2;
+  const nlohmann::json json = OptionsToJson(options);
+  EXPECT_EQ(json["method"], "point_clouds");
+  const auto read = OptionsFromJson<FittingOptions>(json);
+  ASSERT_TRUE(read.has_value()) << read.error().Message();
+  EXPECT_EQ(OptionsToJson(*read), json);
+  EXPECT_FALSE(OptionsFromJson<FittingOptions>(nlohmann::json{{"metod", "none"}}).has_value());
+}
+
+}  // namespace
+}  // namespace mocurate

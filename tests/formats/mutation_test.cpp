@@ -1,0 +1,134 @@
+// Damaged files: whatever happens to the bytes, a reader answers with a value or an error, soon, and never crashes (run
+// under sanitizers by scripts/sanitize.sh). The same entry points are driven by libFuzzer in tests/fuzz.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "core/base/random.h"
+#include "core/formats/bvh.h"
+#include "core/formats/depth_sequence.h"
+#include "core/formats/joint_table.h"
+#include "core/formats/npy.h"
+
+namespace mocurate {
+namespace {
+
+/// One to four edits: a byte changed, a piece cut out, doubled or replaced by something that formats care about.
+std::string Mutated(std::string bytes, Random& random) {
+  static const std::string kSpices[] = {"nan",
+                                        "-",
+                                        "1e999",
+                                        "{",
+                                        "}",
+                                        "\n",
+                                        "\r",
+                                        "\0x",
+                                        "99999999999999999999",
+                                        ":",
+                                        "CHANNELS 6",
+                                        "JOINT a\n{\n",
+                                        "End Site\n{\n",
+                                        "[",
+                                        "]",
+                                        "\"",
+                                        "(",
+                                        ",",
+                                        "\xFF",
+                                        "-1",
+                                        "0",
+                                        "4294967296",
+                                        "null"};
+  const std::uint64_t edits = 1 + random.Below(4);
+  for (std::uint64_t i = 0; i < edits && !bytes.empty(); ++i) {
+    const std::size_t at = random.Below(bytes.size());
+    const std::size_t length = std::min<std::size_t>(random.Below(64), bytes.size() - at);
+    switch (random.Below(5)) {
+      case 0:
+        bytes[at] = static_cast<char>(random.Next() & 0xFF);
+        break;
+      case 1:
+        bytes.erase(at, length);
+        break;
+      case 2:
+        bytes.insert(at, bytes.substr(at, length));
+        break;
+      case 3:
+        bytes.insert(at, kSpices[random.Below(std::size(kSpices))]);
+        break;
+      default:
+        bytes.resize(at);
+        break;
+    }
+  }
+  return bytes;
+}
+
+void Survives(const std::string& seed, int rounds, const std::function<void(const std::string&)>& read) {
+  read(seed);
+  Random random(7, "mutation");
+  for (int i = 0; i < rounds; ++i) read(Mutated(seed, random));
+}
+
+TEST(DamagedFiles, Bvh) {
+  const std::string seed =
+      "HIERARCHY\nROOT Hips\n{\n OFFSET 1 2 3\n CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation\n"
+      " JOINT A\n {\n  OFFSET 0 5 0\n  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  {\n   OFFSET 0 1 0\n  "
+      "}\n"
+      " }\n}\nMOTION\nFrames: 2\nFrame Time: 0.0333\n1 2 3 4 5 6 7 8 9\n1 2 3 4 5 6 7 8 9\n";
+  int read = 0;
+  Survives(seed, 20000, [&](const std::string& bytes) {
+    const auto bvh = ParseBvh(bytes, "damaged");
+    if (!bvh) return;
+    ++read;
+    ASSERT_EQ(bvh->values.size(), static_cast<std::size_t>(bvh->frames) * bvh->channel_count);
+    std::vector<Vector3d> positions;
+    BvhForward(*bvh, bvh->frames - 1, positions);
+    const auto again = ParseBvh(WriteBvh(*bvh), "again");
+    ASSERT_TRUE(again) << again.error().Message() << "\n" << bytes;
+    ASSERT_EQ(again->values, bvh->values);
+  });
+  EXPECT_GT(read, 100);
+}
+
+TEST(DamagedFiles, JointTable) {
+  std::string seed;
+  for (int i = 0; i < 30; ++i) seed += "-133.46135 562.2903 2687.6377\n";
+  JointTableLayout layout;
+  layout.rows_per_frame = 3;
+  Survives(seed, 20000, [&](const std::string& bytes) {
+    const auto table = ParseJointTable(bytes, layout, "damaged");
+    if (!table) return;
+    ASSERT_EQ(table->values.size(), static_cast<std::size_t>(table->frames) * 3 * table->columns);
+    for (const double value : table->values) ASSERT_TRUE(std::isfinite(value));
+  });
+}
+
+TEST(DamagedFiles, Npy) {
+  NpyArray array;
+  array.shape = {4, 2, 3};
+  array.dtype = "<f4";
+  array.values.assign(24, 1.5);
+  Survives(WriteNpy(array), 20000, [](const std::string& bytes) {
+    const auto read = ParseNpy(bytes, "damaged");
+    if (!read) return;
+    ASSERT_LE(read->values.size() * 4, bytes.size());
+  });
+}
+
+TEST(DamagedFiles, DepthSequence) {
+  const std::string seed =
+      R"({"body":"male","fps":12,"frames":1,"labels":[{"action":"idle","first":0,"last":0}],"views":{"d1":{"R_p_to_d":
+      [[1,0,0],[0,1,0],[0,0,1]],"t_m":[1,2,3],"fx_fy_cx_cy":[360,361,250,200],"size":[512,424]}},"frames_data":[
+      {"frame":0,"rotvec24":[[0,0,0],[0,0,1]],"translation_added":[0,1,0],"joints_m":[[1,2,3],[4,5,6]]}]})";
+  Survives(seed, 5000, [](const std::string& bytes) {
+    (void)ParseDepthSequence(bytes, "damaged");
+    (void)ParseDepthSequenceTruth(bytes, "damaged");
+  });
+  Survives(std::string(100000, '['), 3, [](const std::string& bytes) { (void)ParseDepthSequence(bytes, "deep"); });
+}
+
+}  // namespace
+}  // namespace mocurate

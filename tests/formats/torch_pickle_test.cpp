@@ -1,0 +1,181 @@
+#include "core/formats/torch_pickle.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "core/base/file.h"
+#include "core/base/random.h"
+
+namespace mocurate {
+namespace {
+
+std::string Pickle(const std::string& body) { return std::string("\x80\x02", 2) + body + "."; }
+
+std::string Text(const std::string& text) {
+  return std::string("X") + static_cast<char>(text.size()) + std::string(3, '\0') + text;
+}
+
+const std::string kMagic("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 15);
+
+// A file of torch.save around the pickle of its object; no storage follows.
+std::string File(const std::string& object, const std::string& keys = "]", const std::string& storages = "") {
+  return kMagic + Pickle(std::string("M\xe9\x03", 3)) + Pickle("}" + Text("little_endian") + "\x88s") + Pickle(object) +
+         Pickle(keys) + storages;
+}
+
+std::string Storage(const std::string& element_class, int size) {
+  return "((" + Text("storage") + "ctorch\n" + element_class + "\n" + Text("7") + Text("cpu") + "K" +
+         static_cast<char>(size) + "NtQ";
+}
+
+// {"w": tensor} over a storage of `stored` floats.
+std::string TensorObject(int stored, int offset, int rows, int columns, int row_stride, int column_stride) {
+  const auto k = [](int value) { return std::string("K") + static_cast<char>(value); };
+  return "}" + Text("w") + "ctorch._utils\n_rebuild_tensor_v2\n" + Storage("FloatStorage", stored) + k(offset) +
+         k(rows) + k(columns) + "\x86" + k(row_stride) + k(column_stride) + "\x86\x89NtRs";
+}
+
+std::string Floats(const std::vector<float>& values) {
+  const std::int64_t count = static_cast<std::int64_t>(values.size());
+  return std::string(reinterpret_cast<const char*>(&count), 8) +
+         std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size());
+}
+
+TEST(TorchPickle, ATensorIsReadThroughItsStrides) {
+  const std::string bytes = File(TensorObject(6, 0, 2, 3, 1, 2), "](" + Text("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
+  const Expected<TorchTable> table = ParseTorchPickle(bytes, "t.tar");
+  ASSERT_TRUE(table) << table.error().Message();
+  const TorchTensor* tensor = table->Find("w");
+  ASSERT_NE(tensor, nullptr);
+  EXPECT_EQ(tensor->shape, (std::vector<std::int64_t>{2, 3}));
+  EXPECT_EQ(tensor->values, (std::vector<double>{0, 2, 4, 1, 3, 5}));
+}
+
+TEST(TorchPickle, ATensorThatReachesOutsideItsStorageIsRefused) {
+  for (const auto& object : {TensorObject(6, 1, 2, 3, 1, 2), TensorObject(6, 0, 2, 4, 1, 2),
+                             TensorObject(6, 6, 1, 1, 1, 1), TensorObject(6, 0, 100, 100, 100, 100)}) {
+    const Expected<TorchTable> table =
+        ParseTorchPickle(File(object, "](" + Text("7") + "e", Floats({0, 1, 2, 3, 4, 5})), "t.tar");
+    ASSERT_FALSE(table);
+    EXPECT_EQ(table.error().code, ErrorCode::kMalformed) << table.error().Message();
+  }
+}
+
+TEST(TorchPickle, ATinyStorageCannotBeBlownUpBeyondTheLimit) {
+  TorchLimits limits;
+  limits.elements = 100;
+  const std::string bytes = File(TensorObject(1, 0, 100, 100, 0, 0), "](" + Text("7") + "e", Floats({1}));
+  EXPECT_FALSE(ParseTorchPickle(bytes, "t.tar", limits));
+}
+
+TEST(TorchPickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
+  const std::string evil = File("cposix\nsystem\n" + Text("touch evil") + "\x85R");
+  const Expected<TorchTable> table = ParseTorchPickle(evil, "evil.tar");
+  ASSERT_FALSE(table);
+  EXPECT_EQ(table.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(table.error().what.find("posix system"), std::string::npos) << table.error().what;
+  EXPECT_FALSE(std::filesystem::exists("evil"));
+}
+
+TEST(TorchPickle, AnUnknownOpcodeIsNamed) {
+  const Expected<TorchTable> table = ParseTorchPickle(File("\x8c\x01"
+                                                           "a"),
+                                                      "t.tar");
+  ASSERT_FALSE(table);
+  EXPECT_NE(table.error().what.find("0x8c"), std::string::npos) << table.error().what;
+}
+
+TEST(TorchPickle, ScalarsAreListedByTheirPath) {
+  const Expected<TorchTable> table = ParseTorchPickle(File("}" + Text("a") + "}" + Text("b") +
+                                                           "J\xff\xff\xff\xff"
+                                                           "s"
+                                                           "s" +
+                                                           Text("c") +
+                                                           "]K\x05"
+                                                           "aG\x3f\xf8" +
+                                                           std::string(6, '\0') +
+                                                           "a"
+                                                           "s" +
+                                                           Text("name") + Text("x") + "s"),
+                                                      "t.tar");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->numbers.at("a/b"), -1.0);
+  EXPECT_EQ(table->numbers.at("c/0"), 5.0);
+  EXPECT_EQ(table->numbers.at("c/1"), 1.5);
+  EXPECT_EQ(table->texts.at("name"), "x");
+}
+
+TEST(TorchPickle, ContainersThatHoldThemselvesOrExplodeEnd) {
+  EXPECT_FALSE(ParseTorchPickle(File(std::string("]q\0h\0a", 6)), "cycle.tar"));
+  std::string bomb = std::string("]q\0", 3);
+  for (char i = 1; i < 40; ++i) {  // each list holds the one before it twice: 2^40 visits
+    bomb += std::string("](h") + static_cast<char>(i - 1) + "h" + static_cast<char>(i - 1) + "eq" + i;
+  }
+  EXPECT_FALSE(ParseTorchPickle(File(bomb), "bomb.tar"));
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += i == 0 ? ")" : "\x85";
+  EXPECT_FALSE(ParseTorchPickle(File(deep), "deep.tar"));
+}
+
+TEST(TorchPickle, AZipFileIsToldApart) {
+  const Expected<TorchTable> table = ParseTorchPickle("PK\x03\x04zip", "t.pt");
+  ASSERT_FALSE(table);
+  EXPECT_EQ(table.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(table.error().hint.find("_use_new_zipfile_serialization"), std::string::npos);
+}
+
+TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {
+  const std::string good = File(TensorObject(6, 0, 2, 3, 3, 1), "](" + Text("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
+  ASSERT_TRUE(ParseTorchPickle(good, "good"));
+  Random random(1, "torch_pickle.mutation");
+  int refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::string bytes = good;
+    const int changes = 1 + static_cast<int>(random.Below(4));
+    for (int i = 0; i < changes; ++i) {
+      const std::size_t at = random.Below(bytes.size());
+      switch (random.Below(4)) {
+        case 0:
+          bytes[at] = static_cast<char>(random.Next());
+          break;
+        case 1:
+          bytes.erase(at, 1 + random.Below(8));
+          break;
+        case 2:
+          bytes.insert(at, bytes.substr(random.Below(bytes.size()), random.Below(20)));
+          break;
+        default:
+          bytes.resize(at + 1);
+          break;
+      }
+    }
+    const Expected<TorchTable> table = ParseTorchPickle(bytes, "mutant");
+    if (!table) {
+      ++refused;
+      EXPECT_FALSE(table.error().what.empty());
+      EXPECT_FALSE(table.error().where.empty());
+    }
+  }
+  EXPECT_GT(refused, 10000);
+}
+
+TEST(TorchPickle, PublishedWeightsAreReadWhole) {
+  const char* goldens = std::getenv("MOCURATE_GOLDENS");
+  if (goldens == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is not set";
+  const Expected<TorchTable> table =
+      ReadTorchPickle(std::filesystem::path(goldens) / "published/action_recognition_model_humanact12.tar");
+  ASSERT_TRUE(table) << table.error().Message();
+  const TorchTensor* weight = table->Find("model/recurrent.weight_ih_l0");
+  ASSERT_NE(weight, nullptr);
+  EXPECT_EQ(weight->shape, (std::vector<std::int64_t>{384, 72}));
+  double sum = 0.0;
+  for (const double value : weight->values) sum += value;
+  EXPECT_NEAR(sum, 479.57619494272285, 1e-9);
+  EXPECT_EQ(table->numbers.at("iteration"), 30000.0);
+}
+
+}  // namespace
+}  // namespace mocurate

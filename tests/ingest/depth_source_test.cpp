@@ -1,0 +1,107 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/formats/depth_sequence.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+class RenderedSequence : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+};
+
+TEST_F(RenderedSequence, IsOneClipOfThreeViewsAndFiveSegments) {
+  const auto discovery = Discover(Declared("rendered_seq"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 1u);
+  EXPECT_EQ(discovery->items[0].item, "rendered_seq/male/seq_male");
+  EXPECT_EQ(discovery->items[0].inputs.size(), 1u + 3 * 48);
+  const Ingested ingested = RunIngest(discovery->items[0], "rendered");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  const Clip& clip = ingested.clip;
+  EXPECT_EQ(clip.id(), "rendered_seq/male/seq_male#0-48");
+  EXPECT_EQ(clip.rate, (FrameRate{12, 1}));
+  ASSERT_EQ(clip.evidence.depth_views.size(), 3u);
+  const DepthView& view = clip.evidence.depth_views[1];
+  EXPECT_EQ(view.camera.name, "d2");
+  EXPECT_EQ(view.camera.width, 512);
+  EXPECT_EQ(view.files[47].string(), "depth/d2_0047.png");
+  EXPECT_EQ(view.sha256[47].size(), 64u);
+  EXPECT_DOUBLE_EQ(view.metres_per_unit, 0.001);
+  ASSERT_EQ(clip.segments.size(), 5u);
+  EXPECT_EQ(clip.segments[1].label, "wave_right_hand");
+  EXPECT_EQ(clip.segments[1].origin, "annotated");
+  EXPECT_DOUBLE_EQ(clip.segments[1].begin_s, 0.5);
+  EXPECT_DOUBLE_EQ(clip.segments[1].end_s, 23.0 / 12.0);
+}
+
+TEST_F(RenderedSequence, TheTruthProjectsIntoEveryViewAsInTheRigsOwnFrame) {
+  const auto discovery = Discover(Declared("rendered_seq"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->truth.size(), 1u);
+  const Ingested ingested = RunIngest(discovery->items[0], "rendered_views");
+  ASSERT_TRUE(ingested.outcome);
+  StageRequest request;
+  request.item = discovery->truth[0].item;
+  request.options = discovery->truth[0].options;
+  request.inputs = discovery->truth[0].inputs;
+  request.output = std::filesystem::path(::testing::TempDir()) / "mocurate_ingest_truth.h5";
+  const auto outcome = TruthStage(request);
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  const auto truth = ReadTruth(request.output);
+  ASSERT_TRUE(truth) << truth.error().Message();
+  const Motion& motion = truth->motion.at(ingested.clip.id());
+  const Status whole = motion.Check();
+  EXPECT_TRUE(whole) << whole.error().Message();
+  EXPECT_EQ(motion.skeleton->name, "smpl24");
+
+  const auto bytes = ReadFile(discovery->truth[0].inputs[0].path);
+  const auto raw = ParseDepthSequenceTruth(*bytes, "x");
+  const auto sequence = ParseDepthSequence(*bytes, "x");
+  ASSERT_TRUE(raw && sequence);
+  double worst = 0.0;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    // y up: the head is above the pelvis; facing the sensor: the left hip at +x.
+    EXPECT_GT(motion.joints.at(f, 15).y(), motion.joints.at(f, 0).y());
+    EXPECT_GT(motion.joints.at(f, 1).x(), motion.joints.at(f, 2).x());
+    for (int j = 0; j < 24; ++j) {
+      for (int v = 0; v < 3; ++v) {
+        const Camera& camera = ingested.clip.evidence.depth_views[v].camera;
+        const Vector3d here = camera.camera_from_world * motion.joints.at(f, j);
+        const Vector3d there = sequence->views[v].camera_from_rig * raw->joint[f * 24 + j];
+        worst = std::max(worst, (here - there).norm());
+        EXPECT_TRUE(camera.ProjectWorld(motion.joints.at(f, j)).has_value());
+      }
+    }
+  }
+  EXPECT_LT(worst, 1e-5);
+}
+
+TEST_F(RenderedSequence, AMissingDepthImageIsRefusedWithViewAndFrame) {
+  auto discovery = Discover(Declared("rendered_seq"));
+  ASSERT_TRUE(discovery);
+  std::vector<StageInput>& inputs = discovery->items[0].inputs;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (inputs[i].name == "depth/d3_0010.png") inputs.erase(inputs.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  const Ingested ingested = RunIngest(discovery->items[0], "rendered_gap");
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("view 'd3' has no depth image for frame 10 of 48"));
+}
+
+TEST_F(RenderedSequence, LeftHandedAxesAreRefused) {
+  const auto discovery = Discover(Declared("rendered_seq", {"ingest.source.axes='+x -y +z'"}));
+  ASSERT_TRUE(discovery);
+  const Ingested ingested = RunIngest(discovery->items[0], "rendered_left");
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("axes '+x -y +z' are left-handed"));
+}
+
+}  // namespace
+}  // namespace mocurate

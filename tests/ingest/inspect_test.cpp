@@ -1,0 +1,264 @@
+#include "ingest/sense/inspect.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "ingest/synthetic/studio.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+fs::path DataFolder() {
+  const char* folder = std::getenv("MOCURATE_TEST_DATA");
+  return folder == nullptr ? fs::path() : fs::path(folder);
+}
+
+#define NEEDS_DATA() \
+  if (DataFolder().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set"
+
+Json Value(const Json& clip, const char* field) { return clip.at(field).at("value"); }
+
+std::vector<std::string> Codes(const Json& inspection, const std::string& severity) {
+  std::vector<std::string> codes;
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("severity") == severity) codes.push_back(finding.at("code"));
+  }
+  return codes;
+}
+
+/// Share of clips whose field is told, and told as expected.
+struct Score {
+  int clips = 0, told = 0, right = 0;
+};
+Score ScoreOf(const Json& inspection, const char* field, const Json& expected) {
+  Score score;
+  for (const Json& clip : inspection.at("clips")) {
+    ++score.clips;
+    if (Value(clip, field).is_null()) continue;
+    ++score.told;
+    if (Value(clip, field) == expected) ++score.right;
+  }
+  return score;
+}
+
+void ExpectTold(const Json& inspection, const char* field, const Json& expected, double told, double right) {
+  const Score score = ScoreOf(inspection, field, expected);
+  std::printf("  %-24s %-10s told %d of %d, right %d\n", inspection.at("path").get<std::string>().substr(0, 40).c_str(),
+              field, score.told, score.clips, score.right);
+  EXPECT_GE(score.told, told * score.clips) << field;
+  EXPECT_GE(score.right, right * score.told) << field;
+}
+
+class Inspection : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              (std::string("inspection_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path Written(const std::string& name, const std::string& bytes) {
+    EXPECT_TRUE(WriteFile(folder_ / name, bytes));
+    return folder_ / name;
+  }
+  fs::path folder_;
+};
+
+SourceOptions Kard() {
+  SourceOptions source;
+  source.name = "kard";
+  source.format = SourceFormat::kJointTable;
+  source.files = "a{action}_s{person}_e{repetition}_realworld.txt";
+  source.units = "mm";
+  source.axes = "+x +y -z";
+  source.rate_hz = 30.0;
+  source.skeleton = "openni15";
+  source.rows_per_frame = 15;
+  source.joints = {"head",          "neck",       "right_shoulder", "right_elbow", "right_hand",
+                   "left_shoulder", "left_elbow", "left_hand",      "torso",       "right_hip",
+                   "right_knee",    "right_foot", "left_hip",       "left_knee",   "left_foot"};
+  return source;
+}
+
+TEST_F(Inspection, AKardFileIsRecognisedWithoutAnyDeclaration) {
+  NEEDS_DATA();
+  const Json inspection = InspectPath(DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt", std::nullopt);
+  ASSERT_EQ(inspection.at("clips").size(), 1u) << inspection.dump(1);
+  const Json& clip = inspection.at("clips")[0];
+  EXPECT_EQ(inspection.at("format"), "joint_table");
+  EXPECT_EQ(Value(clip, "joints"), 15);
+  EXPECT_EQ(Value(clip, "skeleton"), "openni15");
+  EXPECT_EQ(clip.at("first_frame").at("value")[0].at("joint"), "head");
+  EXPECT_EQ(clip.at("first_frame").at("value")[2].at("joint"), "right_shoulder");
+  EXPECT_EQ(Value(clip, "units"), "mm");
+  EXPECT_EQ(Value(clip, "up"), "+y");
+  EXPECT_EQ(Value(clip, "handedness"), "left");
+  EXPECT_EQ(clip.at("handedness").at("from"), "measured");
+  EXPECT_EQ(Value(clip, "axes"), "+x +y -z");
+  EXPECT_THAT(Codes(inspection, "error"), ::testing::IsEmpty());
+}
+
+TEST_F(Inspection, AllKardFilesAreRecognised) {
+  NEEDS_DATA();
+  const Json inspection = InspectPath(DataFolder() / "kinect/kard", std::nullopt);
+  ExpectTold(inspection, "units", "mm", 1.0, 0.99);
+  ExpectTold(inspection, "up", "+y", 0.99, 1.0);
+  ExpectTold(inspection, "joints", 15, 0.99, 0.98);
+  ExpectTold(inspection, "handedness", "left", 0.4, 0.97);
+}
+
+TEST_F(Inspection, OtherKinectSetsAreRecognised) {
+  NEEDS_DATA();
+  struct Set {
+    const char* folder;
+    int joints;
+    const char* units;
+  };
+  for (const Set& set : {Set{"kinect/florence3d", 15, "mm"}, Set{"kinect/utkinect", 20, "m"},
+                         Set{"kinect/msr_action3d", 20, "m"}, Set{"kinect/cad60", 15, "mm"}}) {
+    SCOPED_TRACE(set.folder);
+    Json inspection = InspectPath(DataFolder() / set.folder, std::nullopt);
+    ExpectTold(inspection, "joints", set.joints, 0.9, 0.95);
+    ExpectTold(inspection, "units", set.units, 0.9, 0.97);
+    ExpectTold(inspection, "up", "+y", 0.9, 0.97);
+    ExpectTold(inspection, "handedness", "right", 0.4, 0.9);
+  }
+}
+
+TEST_F(Inspection, BandaiFilesAreRightHandedInCentimetres) {
+  NEEDS_DATA();
+  const Json inspection = InspectPath(DataFolder() / "bvh/bandai2", std::nullopt);
+  EXPECT_EQ(inspection.at("clips").size(), 120u);
+  EXPECT_EQ(inspection.at("format"), "bvh");
+  ExpectTold(inspection, "units", "cm", 1.0, 1.0);
+  ExpectTold(inspection, "up", "+y", 1.0, 1.0);
+  ExpectTold(inspection, "handedness", "right", 0.9, 1.0);
+  ExpectTold(inspection, "skeleton", "bandai22", 1.0, 1.0);
+  ExpectTold(inspection, "rate_hz", 30.0, 1.0, 1.0);
+  EXPECT_THAT(Codes(inspection, "error"), ::testing::IsEmpty());
+}
+
+TEST_F(Inspection, BvhFilesOfTenExportersTellTheirUnit) {
+  NEEDS_DATA();
+  const Json inspection = InspectPath(DataFolder() / "bvh/misc", std::nullopt);
+  std::map<std::string, Json> clips;
+  for (const Json& clip : inspection.at("clips")) clips[clip.at("id")] = clip;
+  for (const auto& [id, clip] : clips) {
+    std::printf("  %-42s units %s up %s handedness %s\n", id.c_str(), Value(clip, "units").dump().c_str(),
+                Value(clip, "up").dump().c_str(), Value(clip, "handedness").dump().c_str());
+    EXPECT_NE(Value(clip, "handedness"), "left") << id;
+    if (!Value(clip, "up").is_null()) EXPECT_EQ(Value(clip, "up"), "+y") << id;
+  }
+  EXPECT_EQ(Value(clips.at("omimo_AV_8Walk_HVHA.bvh"), "units"), "inch");
+  EXPECT_EQ(Value(clips.at("olafhaag_walk01.bvh"), "units"), "cm");
+  EXPECT_EQ(Value(clips.at("dme_xia_angry_13.bvh"), "units"), "0.0564 m");
+  EXPECT_TRUE(Value(clips.at("fairmotion_sinusoidal.bvh"), "handedness").is_null());
+}
+
+TEST_F(Inspection, GeneratedPositionsPointDownAndRotationsAreNoPositions) {
+  NEEDS_DATA();
+  const fs::path generated = DataFolder() / "humanact12/a2m_generated";
+  const Json positions = InspectPath(generated / "humanact12_tf/motion_joints500000.npy", std::nullopt);
+  ASSERT_EQ(positions.at("clips").size(), 20u);
+  ExpectTold(positions, "up", "-y", 0.9, 1.0);
+  ExpectTold(positions, "units", "m", 0.9, 1.0);
+  ExpectTold(positions, "handedness", "right", 0.4, 0.9);
+  const Json rotations = InspectPath(generated / "humanact12_lie/motion_joints30000.npy", std::nullopt);
+  EXPECT_THAT(Codes(rotations, "error"), ::testing::Contains("not_joint_positions"));
+}
+
+TEST_F(Inspection, ADepthSequenceIsOneClipOfItsJson) {
+  NEEDS_DATA();
+  const Json inspection = InspectPath(DataFolder() / "clouds/rendered_seq", std::nullopt);
+  ASSERT_EQ(inspection.at("clips").size(), 1u) << inspection.dump(1);
+  const Json& clip = inspection.at("clips")[0];
+  EXPECT_EQ(clip.at("format"), "depth_sequence");
+  EXPECT_EQ(Value(clip, "frames"), 48);
+  EXPECT_EQ(Value(clip, "rate_hz"), 12.0);
+  EXPECT_EQ(Value(clip, "up"), "-y");
+  EXPECT_EQ(clip.at("up").at("from"), "declared");
+}
+
+TEST_F(Inspection, AWrongDeclarationIsContradictedByTheMotion) {
+  NEEDS_DATA();
+  const fs::path file = DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt";
+  EXPECT_THAT(Codes(InspectPath(file, Kard()), "error"), ::testing::IsEmpty());
+  SourceOptions wrong = Kard();
+  wrong.axes = "+x +y +z";
+  EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::ElementsAre("handedness_contradiction"));
+  wrong = Kard();
+  wrong.units = "cm";
+  EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::ElementsAre("units_contradiction"));
+  wrong = Kard();
+  wrong.axes = "+x +z +y";
+  EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::Contains("up_contradiction"));
+  wrong = Kard();
+  std::swap(wrong.joints[0], wrong.joints[11]);
+  std::swap(wrong.joints[3], wrong.joints[13]);
+  EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::Contains("joint_order_contradiction"));
+}
+
+TEST_F(Inspection, TheStudiosFilesAreRecognisedAsDeclared) {
+  SyntheticOptions options;
+  options.actions = {"squat", "kick"};
+  options.subjects = 2;
+  options.repetitions = 1;
+  const auto files = CaptureFiles(options);
+  ASSERT_TRUE(files);
+  for (const auto& [name, text] : *files) Written(name, text);
+  const Json inspection = InspectPath(folder_, StudioSource());
+  EXPECT_EQ(inspection.at("clips").size(), 4u);
+  EXPECT_THAT(Codes(inspection, "error"), ::testing::IsEmpty());
+  EXPECT_EQ(inspection.at("clips")[0].at("item"), "studio/p01/kick_p01_r01");
+  for (const Json& clip : inspection.at("clips")) {
+    EXPECT_EQ(clip.at("up").at("measured").at("value"), "+y");
+    EXPECT_EQ(clip.at("handedness").at("measured").at("value"), "left");
+    EXPECT_EQ(clip.at("units").at("measured").at("value"), "mm");
+    EXPECT_NEAR(Value(clip, "missing_share").get<double>(), options.dropout_share, 0.03);
+  }
+}
+
+TEST_F(Inspection, WhatCannotBeReadGivesNoClipsAndAnError) {
+  const Json empty = InspectPath(Written("empty.txt", ""), std::nullopt);
+  EXPECT_TRUE(empty.at("clips").empty());
+  EXPECT_THAT(Codes(empty, "error"), ::testing::ElementsAre("empty_file"));
+  std::string junk;
+  for (int i = 0; i < 5000; ++i) junk += static_cast<char>((i * 7919 + i / 3) % 256);
+  const Json binary = InspectPath(Written("junk.bin", junk), std::nullopt);
+  EXPECT_TRUE(binary.at("clips").empty());
+  EXPECT_THAT(Codes(binary, "error"), ::testing::ElementsAre("unknown_format"));
+  const Json cut = InspectPath(Written("cut.bvh", "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0"), std::nullopt);
+  EXPECT_TRUE(cut.at("clips").empty());
+  EXPECT_THAT(Codes(cut, "error"), ::testing::ElementsAre("malformed"));
+  const Json nothing = InspectPath(folder_ / "missing", std::nullopt);
+  EXPECT_THAT(Codes(nothing, "error"), ::testing::ElementsAre("not_found"));
+}
+
+TEST_F(Inspection, NumbersWithoutABodyAreNoMotion) {
+  std::string table;
+  for (int i = 0; i < 301; ++i) table += std::to_string(i * 37 % 101) + " " + std::to_string(i * 53 % 97) + "\n";
+  const Json inspection = InspectPath(Written("table.txt", table), std::nullopt);
+  EXPECT_TRUE(inspection.at("clips").empty());
+  EXPECT_THAT(Codes(inspection, "error"), ::testing::ElementsAre("no_motion"));
+}
+
+TEST_F(Inspection, TheTextNamesWhatTheJsonHolds) {
+  NEEDS_DATA();
+  const Json one = InspectPath(DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt", std::nullopt);
+  const std::string text = InspectionText(one);
+  EXPECT_THAT(text, ::testing::HasSubstr("handedness  left  measured"));
+  const Json misc = InspectPath(DataFolder() / "bvh/misc", std::nullopt);
+  EXPECT_THAT(InspectionText(misc), ::testing::HasSubstr("bvh"));
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Kard : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+};
+
+TEST_F(Kard, IsFourHundredThirtyTwoClipsOfEightPeople) {
+  const auto discovery = Discover(Declared("kard"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_EQ(discovery->items.size(), 432u);
+  EXPECT_TRUE(discovery->findings.empty());
+  EXPECT_EQ(discovery->items[0].item, "kard/s01/a01_s01_e01");
+  EXPECT_EQ(discovery->items[0].inputs[0].name, "a01_s01_e01_realworld.txt");
+  EXPECT_EQ(discovery->items[0].options.dump().find(TestData()), std::string::npos) << "options name the folder";
+}
+
+TEST_F(Kard, EveryClipIsReadInMetresAndRightHanded) {
+  const auto discovery = Discover(Declared("kard"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  int frames = 0;
+  std::set<std::string> people, labels;
+  for (const ItemSpec& item : discovery->items) {
+    const Ingested ingested = RunIngest(item, "kard");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    EXPECT_EQ(ingested.outcome->kind, OutcomeKind::kDone)
+        << item.item << ": " << (ingested.outcome->findings.empty() ? "" : ingested.outcome->findings[0].message);
+    const JointTracks& tracks = *ingested.clip.evidence.tracks;
+    frames += tracks.positions.frames;
+    people.insert(ingested.clip.identity.person);
+    labels.insert(ingested.clip.label);
+    EXPECT_EQ(ingested.outcome->summary["missing_share"], 0.0);
+    const double trunk = (tracks.positions.at(0, 0) - tracks.positions.at(0, 8)).norm();
+    EXPECT_GT(trunk, 0.3);
+    EXPECT_LT(trunk, 0.6);
+  }
+  EXPECT_EQ(frames, 51228);
+  EXPECT_EQ(people.size(), 8u);
+  EXPECT_EQ(labels.size(), 18u);
+}
+
+TEST_F(Kard, FirstClipHasItsIdentityAndItsNumbers) {
+  const auto discovery = Discover(Declared("kard"));
+  ASSERT_TRUE(discovery);
+  const Ingested ingested = RunIngest(discovery->items[0], "kard_first");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  const Clip& clip = ingested.clip;
+  const JointTracks& tracks = *clip.evidence.tracks;
+  EXPECT_EQ(clip.id(), "kard/s01/a01_s01_e01#0-" + std::to_string(tracks.positions.frames));
+  EXPECT_EQ(clip.label, "horizontal_arm_wave");
+  EXPECT_EQ(clip.rate, (FrameRate{30, 1}));
+  EXPECT_EQ(tracks.names[0], "head");
+  // First row of the file: 133.46135 562.2903 2687.6377 mm; z away from the sensor becomes -z.
+  EXPECT_TRUE(tracks.positions.at(0, 0).isApprox(Vector3d(0.13346135, 0.5622903, -2.6876377), 1e-6));
+  EXPECT_NEAR(tracks.time_s[1], 1.0 / 30.0, 1e-12);
+}
+
+TEST_F(Kard, DeclaredRightHandedTheMotionContradictsAndTheClipIsFlaggedNotMirrored) {
+  const auto honest = Discover(Declared("kard"));
+  const auto discovery = Discover(Declared("kard", {"ingest.source.axes='+x +y +z'"}));
+  ASSERT_TRUE(honest && discovery);
+  int flagged = 0, sitting = 0, sitting_flagged = 0;
+  std::string message;
+  for (const ItemSpec& item : discovery->items) {
+    const bool sits = item.item.find("/a17") != std::string::npos || item.item.find("/a18") != std::string::npos;
+    const Ingested ingested = RunIngest(item, "kard_left");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    const bool found = ingested.outcome->kind == OutcomeKind::kDoubtful;
+    flagged += found ? 1 : 0;
+    sitting += sits ? 1 : 0;
+    sitting_flagged += sits && found ? 1 : 0;
+    if (!found) continue;
+    const Finding& finding = ingested.outcome->findings.at(0);
+    EXPECT_EQ(finding.code, "handedness_contradiction");
+    EXPECT_EQ(finding.severity, Severity::kError);
+    EXPECT_EQ(finding.action, "flagged");
+    EXPECT_EQ(finding.clip, ingested.clip.id());
+    if (sits) message = finding.message;
+    EXPECT_GT(ingested.clip.evidence.tracks->positions.at(0, 0).z(), 1.0) << "silently mirrored";
+  }
+  RecordProperty("flagged", flagged);
+  EXPECT_EQ(sitting_flagged, sitting);
+  EXPECT_GE(flagged, 250);
+  EXPECT_THAT(message, HasSubstr("knees bend backwards"));
+  EXPECT_THAT(message, HasSubstr("mend ingest.source.axes"));
+}
+
+TEST_F(Kard, AContradictionRefusesTheClipWhereTheConfigSaysSo) {
+  const auto discovery =
+      Discover(Declared("kard", {"ingest.source.axes='+x +y +z'", "ingest.source.on_contradiction=refuse"}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  for (const ItemSpec& item : discovery->items) {
+    if (item.item != "kard/s01/a17_s01_e01") continue;
+    const Ingested ingested = RunIngest(item, "kard_refused");
+    ASSERT_FALSE(ingested.outcome);
+    EXPECT_EQ(ingested.outcome.error().code, ErrorCode::kInconsistent);
+    EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("knees bend backwards"));
+    EXPECT_FALSE(std::filesystem::exists(ingested.artifact));
+  }
+}
+
+TEST_F(Kard, MovingTheFolderChangesNeitherItemsNorBytes) {
+  const std::filesystem::path moved = FreshFolder("moved kard \xFF");
+  const std::string file = "a05_s03_e02_realworld.txt";
+  std::filesystem::copy_file(TestData() + "/kinect/kard/" + file, moved / file);
+  IngestOptions options = Declared("kard");
+  const auto here = Discover(options);
+  options.path = moved;
+  const auto there = Discover(options);
+  ASSERT_TRUE(here && there);
+  ASSERT_EQ(there->items.size(), 1u);
+  for (const ItemSpec& item : here->items) {
+    if (item.item != there->items[0].item) continue;
+    EXPECT_EQ(item.options, there->items[0].options);
+    EXPECT_EQ(item.inputs[0].name, there->items[0].inputs[0].name);
+    const auto a = ReadFile(RunIngest(item, "moved_a").artifact);
+    const auto b = ReadFile(RunIngest(there->items[0], "moved_b").artifact);
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(*a, *b);
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,54 @@
+#include "ingest/sources/pattern.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mocurate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+NameFields Match(const std::string& pattern, const std::string& name) {
+  const auto parsed = NamePattern::Parse(pattern, "files");
+  if (!parsed) return {{"error", parsed.error().what}};
+  return parsed->Match(name).value_or(NameFields{{"no", "match"}});
+}
+
+TEST(NamePattern, FieldsTakeWhatTheLiteralsLeave) {
+  EXPECT_THAT(Match("a{action}_s{person}_e{repetition}_realworld.txt", "a01_s07_e03_realworld.txt"),
+              ElementsAre(Pair("action", "01"), Pair("person", "07"), Pair("repetition", "03")));
+  EXPECT_THAT(Match("dataset-2_{action}_{style}_{n}.bvh", "dataset-2_walk-turn-left_active_001.bvh"),
+              ElementsAre(Pair("action", "walk-turn-left"), Pair("n", "001"), Pair("style", "active")));
+  EXPECT_THAT(Match("P{person:2}G{group:2}A{action:4}.npy", "P01G02A0304.npy"),
+              ElementsAre(Pair("action", "0304"), Pair("group", "02"), Pair("person", "01")));
+  EXPECT_THAT(Match("{a:2}{b}.x", "12345.x"), ElementsAre(Pair("a", "12"), Pair("b", "345")));
+}
+
+TEST(NamePattern, WhatDoesNotFitDoesNotMatch) {
+  const NameFields none{{"no", "match"}};
+  EXPECT_EQ(Match("a{n}.txt", "a1.txt.bak"), none);
+  EXPECT_EQ(Match("a{n}.txt", "a.txt"), none);
+  EXPECT_EQ(Match("a{n:2}.txt", "a1.txt"), none);
+  EXPECT_EQ(Match("a{n}.txt", "a1/2.txt"), none);
+  EXPECT_EQ(Match("{s}/a_{s}.txt", "x/a_y.txt"), none);
+  EXPECT_THAT(Match("{s}/a_{s}.txt", "x/a_x.txt"), ElementsAre(Pair("s", "x")));
+}
+
+TEST(NamePattern, APatternThatCannotBeReadIsRefused) {
+  EXPECT_THAT(Match("a{n.txt", "")["error"], HasSubstr("'{' without '}'"));
+  EXPECT_THAT(Match("a}n.txt", "")["error"], HasSubstr("was not opened"));
+  EXPECT_THAT(Match("a{}.txt", "")["error"], HasSubstr("without a name"));
+  EXPECT_THAT(Match("{a}{b}", "")["error"], HasSubstr("cannot be told apart"));
+  EXPECT_THAT(Match("{a:0}", "")["error"], HasSubstr("no width"));
+}
+
+TEST(NamePattern, AHostileNameCostsABoundedTime) {
+  EXPECT_EQ(Match("{a}x{b}x{c}x{d}x{e}x{f}!", std::string(4000, 'x')), (NameFields{{"no", "match"}}));
+}
+
+TEST(NamePattern, FieldsAreFilledIn) { EXPECT_EQ(FillFields("s{person}-{no}{open", {{"person", "07"}}), "s07-{open"); }
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "core/base/config.h"
+#include "core/base/file.h"
+#include "core/store/store.h"
+#include "ingest/discover.h"
+#include "ingest/stages.h"
+
+namespace mocurate {
+
+/// The folder of unpacked test data, or empty.
+inline std::string TestData() {
+  const char* folder = std::getenv("MOCURATE_TEST_DATA");
+  return folder == nullptr ? std::string() : std::string(folder);
+}
+
+/// A folder of one test, emptied before.
+inline std::filesystem::path FreshFolder(const std::string& name) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+inline void Put(const std::filesystem::path& file, const std::string& bytes) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+/// The declaration of a source in configs/sources/, with changes as `--set` would make them.
+inline IngestOptions Declared(const std::string& name, std::vector<std::string> assignments = {}) {
+  const auto node =
+      LoadConfig(std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "configs" / "sources" / (name + ".yaml"), assignments);
+  if (!node) ADD_FAILURE() << node.error().Message();
+  const ConfigNode* group = node ? node->Find("ingest") : nullptr;
+  const auto options = group != nullptr ? OptionsFromConfig<IngestOptions>(*group)
+                                        : Expected<IngestOptions>(tl::unexpected<Error>(Error()));
+  if (!options) ADD_FAILURE() << options.error().Message();
+  return options ? *options : IngestOptions();
+}
+
+/// A table of two joints per frame in a made-up source.
+inline IngestOptions SmallTable(const std::filesystem::path& folder) {
+  IngestOptions options;
+  options.path = folder;
+  SourceOptions& source = options.source;
+  source.name = "small";
+  source.format = SourceFormat::kJointTable;
+  source.files = "a{action}_s{person}.txt";
+  source.units = "mm";
+  source.axes = "+x +y +z";
+  source.rate_hz = 30.0;
+  source.joints = {"left_hip", "right_hip"};
+  return options;
+}
+
+struct Ingested {
+  Expected<StageOutcome> outcome;
+  std::filesystem::path artifact;
+  Clip clip;  ///< of the artifact, when there is one
+};
+
+inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
+  StageRequest request;
+  request.stage = "ingest";
+  request.item = item.item;
+  request.options = item.options;
+  request.inputs = item.inputs;
+  request.output = std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_" + name + ".h5");
+  std::filesystem::remove(request.output);
+  Ingested result{IngestStage(request), request.output, {}};
+  if (result.outcome) {
+    auto clip = ReadEvidence(request.output);
+    if (clip)
+      result.clip = std::move(*clip);
+    else
+      ADD_FAILURE() << clip.error().Message();
+  }
+  return result;
+}
+
+/// Ingests the only file of a small source and gives its error, or "done".
+inline std::string RefusalOf(const IngestOptions& options, const std::string& name) {
+  const auto discovery = Discover(options);
+  if (!discovery) return discovery.error().Message();
+  const Ingested result = RunIngest(discovery->items.at(0), name);
+  return result.outcome ? "done" : result.outcome.error().Message();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,185 @@
+// The doors of the design: which room may include and link which, and where heavy libraries may be seen.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = MOCURATE_SOURCE_FOLDER;
+
+/// Room -> rooms it may see besides itself.
+const std::map<std::string, std::set<std::string>> kDoors = {
+    {"core/base", {}},
+    {"core/geometry", {"core/base"}},
+    {"core/motion", {"core/base", "core/geometry"}},
+    {"core/quality", {"core/base", "core/geometry", "core/motion"}},
+    {"core/body", {"core/base", "core/geometry", "core/motion", "core/quality"}},
+    {"core/formats", {"core/base", "core/geometry"}},
+    {"core/store", {"core/base", "core/geometry", "core/motion", "core/quality", "core/body", "core/formats"}},
+    {"core/pipeline", {"core/base"}},
+    {"ingest", {"core"}},
+    {"fitting", {"core"}},
+    {"canon", {"core"}},
+    {"train", {"core"}},
+    {"eval", {"core", "train/recognisers"}},
+    {"report", {"core"}},
+    {"app", {"core", "ingest", "fitting", "canon", "train", "eval", "report"}},
+};
+
+/// Library -> the room whose door it stands behind.
+const std::map<std::string, std::string> kLibraryRooms = {
+    {"base", "core/base"},           {"config", "core/base"},
+    {"geometry", "core/geometry"},   {"motion", "core/motion"},
+    {"motion_yaml", "core/motion"},  {"quality", "core/quality"},
+    {"body", "core/body"},           {"formats", "core/formats"},
+    {"store", "core/store"},         {"pipeline", "core/pipeline"},
+    {"ingest", "ingest"},            {"ingest_options", "ingest"},
+    {"fitting", "fitting"},          {"fitting_options", "fitting"},
+    {"fitting_clouds", "fitting"},   {"canon", "canon"},
+    {"canon_options", "canon"},      {"train", "train"},
+    {"train_options", "train"},     {"recognisers", "train/recognisers"},
+    {"checkpoint", "train"},
+    {"eval", "eval"},                {"eval_options", "eval"},
+    {"eval_metrics", "eval"},        {"eval_tables", "eval"},
+    {"eval_fits", "eval"},           {"report", "report"},
+    {"report_options", "report"},
+};
+
+/// Include prefix of a heavy library -> folders that may see it.
+const std::map<std::string, std::set<std::string>> kHeavy = {
+    {"torch/", {"train/", "eval/features/"}},
+    {"ATen/", {"train/", "eval/features/"}},
+    {"ceres/", {"fitting/"}},
+    {"open3d/", {"fitting/clouds/"}},
+    {"opencv2/", {"ingest/", "fitting/", "report/"}},
+    {"yaml-cpp/", {"core/base/"}},
+    {"hdf5", {"core/store/", "train/", "tests/"}},
+    {"CLI/", {"app/"}},
+};
+
+/// Headers that other rooms and installed users see: none of them may show a heavy library.
+bool IsPublicHeader(const std::string& path) {
+  if (path.size() < 2 || path.substr(path.size() - 2) != ".h") return false;
+  if (path.rfind("core/", 0) == 0) return true;
+  return std::regex_search(path, std::regex("(stages|options|discover|recogniser|table|fit_clouds)\\.h$"));
+}
+
+std::string RoomOf(const std::string& path) {
+  std::string best;
+  for (const auto& [room, doors] : kDoors) {
+    if (path.rfind(room + "/", 0) == 0 && room.size() > best.size()) best = room;
+  }
+  return best;
+}
+
+bool MaySee(const std::string& room, const std::string& seen_path) {
+  if (seen_path.rfind(room + "/", 0) == 0) return true;
+  for (const std::string& door : kDoors.at(room)) {
+    if (seen_path.rfind(door + "/", 0) == 0) return true;
+  }
+  return false;
+}
+
+std::vector<std::string> SourceFiles() {
+  std::vector<std::string> files;
+  for (const char* top : {"core", "ingest", "fitting", "canon", "train", "eval", "report", "app"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension == ".h" || extension == ".cpp") files.push_back(fs::relative(entry.path(), kRoot).string());
+    }
+  }
+  return files;
+}
+
+std::string ReadText(const fs::path& path) {
+  std::ifstream stream(path);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// Offending include lines of one file's text, empty when it keeps to the doors.
+std::vector<std::string> ForbiddenIncludes(const std::string& path, const std::string& text) {
+  std::vector<std::string> forbidden;
+  const std::string room = RoomOf(path);
+  const std::regex include("^#include [\"<]([^\">]+)[\">]");
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (!std::regex_search(line, match, include)) continue;
+    const std::string included = match[1];
+    if (!RoomOf(included).empty() && !MaySee(room, included)) forbidden.push_back(path + " includes " + included);
+    for (const auto& [prefix, folders] : kHeavy) {
+      if (included.rfind(prefix, 0) != 0) continue;
+      bool allowed = false;
+      for (const std::string& folder : folders) allowed = allowed || path.rfind(folder, 0) == 0;
+      if (!allowed) forbidden.push_back(path + " includes " + included + " outside its room");
+      if (prefix != "hdf5" && IsPublicHeader(path)) forbidden.push_back(path + " shows " + included + " publicly");
+    }
+  }
+  return forbidden;
+}
+
+/// Offending arrows "library links library" of one CMakeLists text.
+std::vector<std::string> ForbiddenLinks(const std::string& text) {
+  std::vector<std::string> forbidden;
+  const std::regex library("mocurate_library\\((\\w+)([^)]*)\\)");
+  const std::regex linked("mocurate_(\\w+)");
+  for (std::sregex_iterator it(text.begin(), text.end(), library), end; it != end; ++it) {
+    const std::string name = (*it)[1];
+    const auto room = kLibraryRooms.find(name);
+    if (room == kLibraryRooms.end()) {
+      forbidden.push_back(name + " stands in no room of the table");
+      continue;
+    }
+    const std::string body = (*it)[2];
+    for (std::sregex_iterator l(body.begin(), body.end(), linked); l != end; ++l) {
+      const auto other = kLibraryRooms.find((*l)[1]);
+      if (other == kLibraryRooms.end()) continue;
+      const std::string own = room->second == "train/recognisers" ? "train" : room->second;
+      if (!MaySee(own, other->second + "/x")) forbidden.push_back(name + " links " + (*l)[1].str());
+    }
+  }
+  return forbidden;
+}
+
+TEST(Layers, EveryIncludeGoesThroughADoor) {
+  std::size_t files = 0;
+  for (const std::string& path : SourceFiles()) {
+    ++files;
+    for (const std::string& offence : ForbiddenIncludes(path, ReadText(kRoot / path))) ADD_FAILURE() << offence;
+  }
+  EXPECT_GT(files, 50u) << "the source tree was not found";
+}
+
+TEST(Layers, EveryLinkGoesThroughADoor) {
+  for (const char* top : {"core", "ingest", "fitting", "canon", "train", "eval", "report"}) {
+    const std::string text = ReadText(kRoot / top / "CMakeLists.txt");
+    EXPECT_NE(text.find("mocurate_library"), std::string::npos) << top;
+    for (const std::string& offence : ForbiddenLinks(text)) ADD_FAILURE() << offence;
+  }
+}
+
+TEST(Layers, AForbiddenArrowIsSeen) {
+  EXPECT_EQ(ForbiddenIncludes("canon/x.cpp", "#include \"fitting/options.h\"\n").size(), 1u);
+  EXPECT_EQ(ForbiddenIncludes("core/motion/x.cpp", "#include \"core/store/store.h\"\n").size(), 1u);
+  EXPECT_EQ(ForbiddenIncludes("core/formats/x.cpp", "#include \"core/motion/clip.h\"\n").size(), 1u);
+  EXPECT_EQ(ForbiddenIncludes("canon/x.cpp", "#include <torch/torch.h>\n").size(), 1u);
+  EXPECT_EQ(ForbiddenIncludes("fitting/stages.h", "#include <ceres/ceres.h>\n").size(), 1u);
+  EXPECT_TRUE(ForbiddenIncludes("eval/x.cpp", "#include \"train/recognisers/recogniser.h\"\n").empty());
+  EXPECT_EQ(ForbiddenIncludes("eval/x.cpp", "#include \"train/trainer/trainer.h\"\n").size(), 1u);
+  EXPECT_EQ(ForbiddenLinks("mocurate_library(canon SOURCES *.cpp PUBLIC mocurate_fitting)").size(), 1u);
+  EXPECT_EQ(ForbiddenLinks("mocurate_library(motion SOURCES *.cpp PUBLIC mocurate_store)").size(), 1u);
+}
+
+}  // namespace

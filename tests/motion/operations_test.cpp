@@ -1,0 +1,169 @@
+#include "core/motion/operations.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/motion/builders.h"
+
+namespace mocurate {
+namespace {
+
+using test::Built;
+using test::FullClip;
+using test::LargestAngle;
+using test::LargestDistance;
+using testing::HasSubstr;
+
+void ExpectSameClip(const Clip& a, const Clip& b, double tolerance) {
+  EXPECT_EQ(a.id(), b.id());
+  EXPECT_TRUE(a.rate == b.rate);
+  ASSERT_TRUE(a.motion && b.motion);
+  EXPECT_LE(LargestDistance(a.motion->joints, b.motion->joints), tolerance);
+  EXPECT_LE(LargestAngle(*a.motion, *b.motion), tolerance == 0 ? 1e-7 : 10 * tolerance);
+  EXPECT_EQ(a.motion->state, b.motion->state);
+  EXPECT_EQ(a.motion->contact, b.motion->contact);
+  EXPECT_EQ(a.motion->rotation_sigma, b.motion->rotation_sigma);
+  EXPECT_EQ(a.motion->rotation_observed, b.motion->rotation_observed);
+  ASSERT_EQ(a.motion->position_cov.size(), b.motion->position_cov.size());
+  for (std::size_t i = 0; i < a.motion->position_cov.size(); ++i) {
+    EXPECT_NEAR(a.motion->position_cov[i], b.motion->position_cov[i], 1e-9);
+  }
+  EXPECT_EQ(a.evidence.tracks->names, b.evidence.tracks->names);
+  EXPECT_LE(LargestDistance(a.evidence.tracks->positions, b.evidence.tracks->positions), tolerance);
+  EXPECT_EQ(a.evidence.tracks->confidence, b.evidence.tracks->confidence);
+  EXPECT_EQ(a.evidence.tracks->time_s.size(), b.evidence.tracks->time_s.size());
+  EXPECT_EQ(a.evidence.depth_views[0].files, b.evidence.depth_views[0].files);
+  EXPECT_EQ(a.evidence.depth_views[0].sha256, b.evidence.depth_views[0].sha256);
+  ASSERT_EQ(a.segments.size(), b.segments.size());
+  for (std::size_t i = 0; i < a.segments.size(); ++i) {
+    EXPECT_NEAR(a.segments[i].begin_s, b.segments[i].begin_s, 1e-12);
+    EXPECT_NEAR(a.segments[i].end_s, b.segments[i].end_s, 1e-12);
+  }
+}
+
+TEST(Cut, TwoCutsAreOneCut) {
+  const Clip clip = FullClip("smpl24", 40);
+  const Clip twice = Cut(Cut(clip, 5, 35).value(), 10, 20).value();
+  const Clip once = Cut(clip, 15, 25).value();
+  EXPECT_EQ(once.id(), "set/s01/take#115-125");
+  ExpectSameClip(once, twice, 0.0);
+}
+
+TEST(Cut, TakesTheSpanOutOfEveryField) {
+  const Clip clip = FullClip("openni16", 40);
+  const Clip cut = Cut(clip, 25, 35).value();
+  EXPECT_TRUE(cut.motion->Check()) << cut.motion->Check().error().Message();
+  EXPECT_EQ(cut.motion->frame_count(), 10);
+  EXPECT_EQ(cut.motion->joints.at(0, 3), clip.motion->joints.at(25, 3));
+  EXPECT_EQ(cut.motion->contact.size(), 20u);
+  EXPECT_EQ(cut.evidence.tracks->positions.frames, 10);
+  EXPECT_EQ(cut.evidence.tracks->time_s.front(), 0.0);
+  EXPECT_EQ(cut.evidence.depth_views[0].files.front(), "depth_25.png");
+  EXPECT_EQ(cut.evidence.depth_views[0].sha256.size(), 10u);
+  ASSERT_EQ(cut.segments.size(), 1u) << "the walk ends before the span";
+  EXPECT_EQ(cut.segments[0].label, "wave");
+  EXPECT_NEAR(cut.segments[0].begin_s, 0.0, 1e-12);
+  EXPECT_NEAR(cut.segments[0].end_s, 10.0 / 30.0, 1e-12);
+}
+
+TEST(Cut, EvidenceAtAnotherRateIsCutByTime) {
+  Clip clip = FullClip("openni16", 40);
+  Clip fast = FullClip("openni16", 80, {60, 1});
+  clip.evidence = fast.evidence;
+  const Clip cut = Cut(clip, 10, 20).value();
+  EXPECT_EQ(cut.evidence.tracks->positions.frames, 20);
+  EXPECT_EQ(cut.evidence.depth_views[0].files.front(), "depth_20.png");
+  EXPECT_NEAR(cut.evidence.tracks->time_s[1], 1.0 / 60.0, 1e-12);
+}
+
+TEST(Cut, AnEmptySpanAndOneOutsideAreRefused) {
+  const Clip clip = FullClip("openni16", 10);
+  for (const auto& [begin, end] : {std::pair(3, 3), std::pair(-1, 4), std::pair(5, 11), std::pair(6, 5)}) {
+    const auto cut = Cut(clip, begin, end);
+    ASSERT_FALSE(cut);
+    EXPECT_EQ(cut.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(cut.error().Message(), HasSubstr("10 frames"));
+  }
+}
+
+TEST(Resample, ToTheSameRateChangesNothing) {
+  const Clip clip = FullClip("smpl24", 20);
+  const Clip same = Resample(clip, {60, 2});
+  ExpectSameClip(clip, same, 0.0);
+  for (std::size_t i = 0; i < clip.motion->rotation.size(); ++i) {
+    EXPECT_EQ(clip.motion->rotation[i].coeffs(), same.motion->rotation[i].coeffs());
+  }
+}
+
+TEST(Resample, DoubledAndHalvedIsTheSameMotion) {
+  const Clip clip = FullClip("smpl24", 21);
+  const Clip doubled = Resample(clip, {60, 1});
+  EXPECT_EQ(doubled.motion->frame_count(), 41);
+  EXPECT_EQ(doubled.evidence.tracks->positions.frames, 41);
+  EXPECT_TRUE(doubled.motion->Check()) << doubled.motion->Check().error().Message();
+  EXPECT_LT(LargestDistance(Resample(doubled, {30, 1}).motion->joints, clip.motion->joints), 1e-12);
+}
+
+TEST(Resample, EndsWithTheLastFrameInside) {
+  const Clip clip = FullClip("openni16", 100, {120000, 1001});
+  const Clip slow = Resample(clip, {30, 1});
+  const double last = clip.motion->rate.FrameTime(99);
+  const int count = slow.motion->frame_count();
+  EXPECT_LE(slow.motion->rate.FrameTime(count - 1), last);
+  EXPECT_GT(slow.motion->rate.FrameTime(count), last);
+}
+
+TEST(Resample, AMissingNeighbourLeavesAMissingObservation) {
+  Clip clip = FullClip("openni16", 10);
+  clip.evidence.tracks->confidence[16 * 4] = 0.0;
+  clip.evidence.tracks->positions.at(4, 0).setConstant(1e6);
+  const Clip doubled = Resample(clip, {60, 1});
+  for (const int frame : {7, 8, 9}) EXPECT_EQ(doubled.evidence.tracks->confidence[16 * frame], 0.0) << frame;
+  for (const int frame : {6, 10}) EXPECT_EQ(doubled.evidence.tracks->confidence[16 * frame], 1.0) << frame;
+}
+
+TEST(ResampleToCount, KeepsFirstAndLast) {
+  const Motion motion = test::SwingingPerson(Built("openni16"), 37);
+  for (const int count : {2, 37, 60}) {
+    const Motion taken = ResampleToCount(motion, count);
+    ASSERT_EQ(taken.frame_count(), count);
+    EXPECT_TRUE(taken.Check()) << taken.Check().error().Message();
+    EXPECT_LT((taken.joints.at(0, 8) - motion.joints.at(0, 8)).norm(), 1e-12);
+    EXPECT_LT((taken.joints.at(count - 1, 8) - motion.joints.at(36, 8)).norm(), 1e-12);
+  }
+}
+
+TEST(Transform, MovesEverythingThatHasAPlace) {
+  const Clip before = FullClip("smpl24", 6);
+  Clip after = before;
+  const RigidTransform move{ExpQuaternion(Vector3d(0.3, -1.2, 0.5)), Vector3d(1, -2, 0.5)};
+  Transform(move, after);
+  EXPECT_TRUE(after.motion->Check()) << after.motion->Check().error().Message();
+  const Vector3d hand = before.motion->joints.at(3, 20);
+  EXPECT_LT((after.motion->joints.at(3, 20) - move * hand).norm(), 1e-12);
+  EXPECT_LT((after.evidence.tracks->positions.at(3, 20) - move * hand).norm(), 1e-12);
+  const Vector2d pixel = before.evidence.depth_views[0].camera.ProjectWorld(hand).value();
+  EXPECT_LT((after.evidence.depth_views[0].camera.ProjectWorld(move * hand).value() - pixel).norm(), 1e-9);
+  const Vector3d source(4, 5, 6);
+  EXPECT_LT((after.canonical_from_source * source - move * (before.canonical_from_source * source)).norm(), 1e-12);
+  Transform(Inverse(move), after);
+  ExpectSameClip(before, after, 1e-7);
+}
+
+TEST(MapJoints, FollowsNamesAndSynonymsAcrossSkeletons) {
+  Motion openni = test::SwingingPerson(Built("openni16"), 3);
+  const Motion mapped = MapJoints(openni, Built("openni15")).value();
+  EXPECT_TRUE(mapped.joints_only());
+  EXPECT_TRUE(mapped.Check()) << mapped.Check().error().Message();
+  EXPECT_EQ(mapped.joints.at(1, 0), openni.joints.at(1, 1)) << "torso";
+  const Motion smpl = test::SwingingPerson(Built("smpl24"), 3);
+  const Motion bandai = MapJoints(test::SwingingPerson(Built("bandai22"), 3), Built("openni16")).value();
+  EXPECT_EQ(bandai.joint_count(), 16);
+  const auto missing = MapJoints(openni, Built("smpl24"));
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::kInconsistent);
+  EXPECT_THAT(missing.error().Message(), HasSubstr("'left_foot'")) << "the ankle is no second time the foot";
+  EXPECT_EQ(MapJoints(smpl, Built("humanact12")).value().joints.xyz, smpl.joints.xyz);
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,175 @@
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "core/pipeline/runner.h"
+#include "tests/pipeline/runs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CacheOfArtifacts : public Runs {
+ protected:
+  Expected<Cache::Entry> Put(const std::string& key, const std::string& bytes) {
+    return cache.Put(key, Source("temporary", bytes), {});
+  }
+  static void Age(const fs::path& path, double days) {
+    const auto then = fs::file_time_type::clock::now() - std::chrono::hours(static_cast<long>(days * 24));
+    if (fs::is_regular_file(path)) fs::last_write_time(path, then);
+  }
+  void AgeAll(double days) {
+    for (const auto& entry : fs::recursive_directory_iterator(cache.folder())) Age(entry.path(), days);
+  }
+
+  Cache cache{folder.path / "cache"};
+  const std::string one = Cache::Key(Stage("s"), Item("one"));
+  const std::string two = Cache::Key(Stage("s"), Item("two"));
+};
+
+TEST_F(CacheOfArtifacts, GivesBackWhatWasPut) {
+  EXPECT_FALSE(cache.Find(one));
+  StageOutcome outcome;
+  outcome.kind = OutcomeKind::kDoubtful;
+  outcome.summary["frames"] = 12;
+  const auto put = cache.Put(one, Source("temporary", "\x89HDF bytes"), outcome);
+  ASSERT_TRUE(put) << put.error().Message();
+  EXPECT_FALSE(fs::exists(folder.path / "temporary"));
+  const auto found = cache.Find(one);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->outcome.kind, OutcomeKind::kDoubtful);
+  EXPECT_EQ(found->outcome.summary, outcome.summary);
+  EXPECT_EQ(found->artifact, put->artifact);
+  EXPECT_EQ(found->sha256.size(), 64u);
+  EXPECT_EQ(found->artifact.extension(), ".h5");
+  EXPECT_EQ(ReadFile(found->artifact).value(), "\x89HDF bytes");
+}
+
+TEST_F(CacheOfArtifacts, ARefusalIsAnEntryWithoutArtifact) {
+  StageOutcome outcome;
+  outcome.kind = OutcomeKind::kRefused;
+  outcome.error = {ErrorCode::kMalformed, "no", "there", "so"};
+  ASSERT_TRUE(cache.Put(one, {}, outcome));
+  const auto found = cache.Find(one);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->artifact.empty());
+  EXPECT_EQ(found->outcome.error, outcome.error);
+}
+
+TEST_F(CacheOfArtifacts, AnArtifactThatIsGoneOrCutShortIsNotServed) {
+  const fs::path artifact = Put(one, "whole bytes")->artifact;
+  fs::resize_file(artifact, 5);
+  EXPECT_FALSE(cache.Find(one));
+  ASSERT_TRUE(Put(one, "whole bytes"));
+  ASSERT_TRUE(cache.Find(one));
+  fs::remove(artifact);
+  EXPECT_FALSE(cache.Find(one));
+}
+
+TEST_F(CacheOfArtifacts, ABrokenRecordIsNotServed) {
+  ASSERT_TRUE(Put(one, "bytes"));
+  const fs::path record = cache.folder() / "objects" / one.substr(0, 2) / (one.substr(2) + ".json");
+  ASSERT_TRUE(WriteFile(record, "{\"key\": 3"));
+  EXPECT_FALSE(cache.Find(one));
+  EXPECT_EQ(cache.Verify(), std::vector<std::string>{one});
+}
+
+TEST_F(CacheOfArtifacts, VerifyFindsAnArtifactWhoseBytesChanged) {
+  ASSERT_TRUE(Put(one, "good bytes"));
+  const fs::path artifact = Put(two, "more bytes")->artifact;
+  EXPECT_TRUE(cache.Verify().empty());
+  std::ofstream(artifact) << "evil bytes";
+  EXPECT_EQ(cache.Verify(), std::vector<std::string>{two});
+}
+
+TEST_F(CacheOfArtifacts, OtherBytesUnderOneKeyNeverMixWithTheFirst) {
+  const Cache::Entry first = *Put(one, "first");
+  const Cache::Entry second = *Put(one, "later");
+  EXPECT_EQ(ReadFile(first.artifact).value(), "first");
+  EXPECT_EQ(ReadFile(second.artifact).value(), "later");
+  EXPECT_EQ(cache.Find(one)->sha256, second.sha256);
+}
+
+TEST_F(CacheOfArtifacts, AFolderIsAnArtifactToo) {
+  for (int i = 0; i < 2; ++i) {
+    const fs::path made = folder.path / "made";
+    ASSERT_TRUE(MakeFolder(made / "sub"));
+    ASSERT_TRUE(WriteFile(made / "sub" / "a", "aa"));
+    ASSERT_TRUE(WriteFile(made / "b", "bbb"));
+    ASSERT_TRUE(cache.Put(one, made, {}));
+  }
+  const auto found = cache.Find(one);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(ReadFile(found->artifact / "sub" / "a").value(), "aa");
+  EXPECT_EQ(cache.Stat().objects, 1u);
+  EXPECT_TRUE(cache.Verify().empty());
+  ASSERT_TRUE(WriteFile(found->artifact / "b", "ccc"));
+  EXPECT_EQ(cache.Verify().size(), 1u);
+}
+
+TEST_F(CacheOfArtifacts, PruneRemovesWhatWasNotUsed) {
+  const fs::path old_artifact = Put(one, "old bytes")->artifact;
+  AgeAll(40.0);
+  ASSERT_TRUE(Put(two, "new"));
+  EXPECT_EQ(cache.Stat().objects, 2u);
+  const Cache::Statistics removed = cache.Prune(30.0);
+  EXPECT_EQ(removed.objects, 1u);
+  EXPECT_GT(removed.bytes, 9u);
+  EXPECT_FALSE(cache.Find(one));
+  EXPECT_FALSE(fs::exists(old_artifact));
+  EXPECT_TRUE(cache.Find(two));
+  EXPECT_EQ(cache.Prune(0.0).objects, 1u);
+  EXPECT_EQ(cache.Stat().bytes, 0u);
+}
+
+TEST_F(CacheOfArtifacts, UseKeepsAnEntryFromBeingPruned) {
+  ASSERT_TRUE(Put(one, "bytes"));
+  AgeAll(40.0);
+  ASSERT_TRUE(cache.Find(one));
+  EXPECT_EQ(cache.Prune(30.0).objects, 0u);
+  EXPECT_TRUE(cache.Find(one));
+}
+
+TEST_F(CacheOfArtifacts, TheKeyIsMadeOfStageVersionItemOptionsAndContentsAndOfNothingElse) {
+  const ItemSpec spec{"clip", {{"rate_hz", 30.0}, {"trim", true}}, {{"evidence", "e", "/a", "11"}}};
+  const std::string key = Cache::Key(Stage("canon", 2), spec);
+  EXPECT_EQ(key.size(), 64u);
+  ItemSpec moved = spec;
+  moved.inputs[0].path = "/elsewhere";
+  EXPECT_EQ(Cache::Key(Stage("canon", 2), moved), key);
+
+  std::vector<std::string> keys = {key, Cache::Key(Stage("canon", 3), spec), Cache::Key(Stage("audit", 2), spec)};
+  const auto other = [&](const std::function<void(ItemSpec&)>& change) {
+    ItemSpec changed = spec;
+    change(changed);
+    keys.push_back(Cache::Key(Stage("canon", 2), changed));
+  };
+  other([](ItemSpec& s) { s.item = "clip2"; });
+  other([](ItemSpec& s) { s.options["rate_hz"] = 30.000001; });
+  other([](ItemSpec& s) { s.options["more"] = nullptr; });
+  other([](ItemSpec& s) { s.inputs[0].role = "proportions"; });
+  other([](ItemSpec& s) { s.inputs[0].name = "f"; });
+  other([](ItemSpec& s) { s.inputs[0].sha256 = "12"; });
+  other([](ItemSpec& s) { s.inputs.clear(); });
+  other([](ItemSpec& s) { s.inputs.push_back(s.inputs[0]); });
+  std::sort(keys.begin(), keys.end());
+  EXPECT_EQ(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+TEST_F(CacheOfArtifacts, StandsWhereTheEnvironmentSays) {
+  const std::string cache_before = std::getenv("XDG_CACHE_HOME") != nullptr ? std::getenv("XDG_CACHE_HOME") : "";
+  setenv("MOCURATE_CACHE", "/somewhere", 1);
+  EXPECT_EQ(DefaultCacheFolder(), "/somewhere");
+  unsetenv("MOCURATE_CACHE");
+  setenv("XDG_CACHE_HOME", "/caches", 1);
+  EXPECT_EQ(DefaultCacheFolder(), "/caches/mocurate");
+  unsetenv("XDG_CACHE_HOME");
+  EXPECT_EQ(DefaultCacheFolder().filename(), "mocurate");
+  EXPECT_EQ(DefaultCacheFolder().parent_path().filename(), ".cache");
+  if (!cache_before.empty()) setenv("XDG_CACHE_HOME", cache_before.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace mocurate

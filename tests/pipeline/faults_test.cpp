@@ -1,0 +1,222 @@
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include "tests/pipeline/runs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Faults : public Runs {
+ protected:
+  /// Three items of which only "bad" misbehaves.
+  static std::vector<ItemSpec> OneBad() {
+    return {Item("good", {{"only", "bad"}}), Item("bad", {{"only", "bad"}}), Item("fine", {{"only", "bad"}})};
+  }
+};
+
+TEST_F(Faults, AWorkerThatAbortsCostsItsItemWithAReason) {
+  for (const int jobs : {1, 2}) {
+    options.jobs = jobs;
+    options.cache_folder = folder.path / ("cache" + std::to_string(jobs));
+    const auto report = Run(Stage("abort"), OneBad());
+    ASSERT_TRUE(report) << report.error().Message();
+    EXPECT_EQ(report->done, 2);
+    EXPECT_EQ(report->crashed, 1);
+    EXPECT_EQ(report->items[1].outcome.kind, OutcomeKind::kCrashed);
+    EXPECT_EQ(report->items[1].outcome.error.what, "worker killed by SIGABRT; last words: terminate called: bad joint");
+    EXPECT_EQ(Bytes(report->items[2]), "fine");
+  }
+  // A crash is never served from the cache: the item is tried again.
+  const auto again = Run(Stage("abort"), OneBad());
+  EXPECT_EQ(again->from_cache, 2);
+  EXPECT_EQ(again->crashed, 1);
+}
+
+TEST_F(Faults, AWorkerKilledInTheMiddleCostsThatItemAndNothingElse) {
+  const fs::path pid_file = folder.path / "pid";
+  const pid_t killer = Fork([&] {
+    if (!Eventually([&] { return fs::exists(pid_file); })) return 1;
+    return kill(static_cast<pid_t>(std::stoi(ReadFile(pid_file).value())), SIGKILL) == 0 ? 0 : 1;
+  });
+  std::vector<ItemSpec> items = Many(6, {{"seconds", 0.02}, {"pid_file", (folder.path / "other").native()}});
+  items[2].options = {{"seconds", 60.0}, {"pid_file", pid_file.native()}};
+  const auto report = Run(Stage("pid"), items);
+  EXPECT_EQ(Wait(killer), 0);
+  ASSERT_TRUE(report) << report.error().Message();
+  EXPECT_EQ(report->done, 5);
+  EXPECT_EQ(report->crashed, 1);
+  EXPECT_EQ(report->items[2].outcome.error.what, "worker killed by SIGKILL");
+  EXPECT_EQ(Journal().size(), 6u);
+}
+
+TEST_F(Faults, AnItemThatHangsIsEndedByItsTimeLimit) {
+  options.item_timeout_s = 0.5;
+  const auto report = Run(Stage("hang"), OneBad());
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->done, 2);
+  EXPECT_EQ(report->items[1].outcome.kind, OutcomeKind::kCrashed);
+  EXPECT_EQ(report->items[1].outcome.error.what, "worker ran past the time limit of 0.5 s");
+}
+
+TEST_F(Faults, AnItemThatTakesTooMuchMemoryIsEnded) {
+  options.item_memory_bytes = std::uint64_t{100} << 20;
+  const auto report = Run(Stage("hog"), {Item("x")});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->crashed, 1);
+  EXPECT_EQ(report->items[0].outcome.error.what, "worker ran past the memory limit of 104857600 bytes");
+}
+
+TEST_F(Faults, AnExceptionOfAStageCostsItsItem) {
+  const auto report = Run(Stage("throw"), {Item("x"), Item("y")});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->crashed, 2);
+  EXPECT_EQ(report->items[0].outcome.error.what, "unexpected exception: joint 99 of 24");
+}
+
+TEST_F(Faults, AStageThatWritesNothingIsNotDone) {
+  const auto report = Run(Stage("silent"), {Item("x")});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->crashed, 1);
+}
+
+TEST_F(Faults, ARefusalKeepsItsReasonAndIsServedFromTheCache) {
+  for (const int from_cache : {0, 1}) {
+    const auto report = Run(Stage("refuse"), {Item("clip")});
+    ASSERT_TRUE(report);
+    EXPECT_EQ(report->refused, 1);
+    EXPECT_EQ(report->from_cache, from_cache);
+    EXPECT_EQ(report->items[0].outcome.error,
+              (Error{ErrorCode::kMalformed, "not a motion", "clip:3", "look at line 3"}));
+    EXPECT_TRUE(report->items[0].artifact.empty());
+  }
+}
+
+TEST_F(Faults, AFileThatIsMissingIsLookedForAgain) {
+  EXPECT_EQ(Run(Stage("missing"), {Item("clip")})->refused, 1);
+  EXPECT_EQ(Run(Stage("missing"), {Item("clip")})->from_cache, 0);
+  const auto report = Run(Stage("upper"), {Over("gone", folder.path / "gone")});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->refused, 1);
+  EXPECT_EQ(report->items[0].outcome.error.code, ErrorCode::kNotFound);
+}
+
+TEST_F(Faults, WhatALibraryPrintsDoesNotDisturbTheConversation) {
+  const auto report = Run(Stage("stdout_noise"), {Item("x"), Item("y"), Item("z")});
+  ASSERT_TRUE(report) << report.error().Message();
+  EXPECT_EQ(report->done, 3);
+  EXPECT_EQ(Bytes(report->items[0]), "nothing on stdin");
+}
+
+TEST_F(Faults, ProgressOfAnItemIsNoOutcome) { EXPECT_EQ(Run(Stage("progress"), {Item("x")})->done, 1); }
+
+TEST_F(Faults, AMissingWorkerProgramIsNamedWithTheWayOut) {
+  const auto report = Run({"upper", 1, "mocurate-nowhere"}, {Item("x")});
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kMissingOnHost);
+  EXPECT_NE(report.error().what.find("mocurate-nowhere"), std::string::npos);
+  EXPECT_FALSE(report.error().hint.empty());
+}
+
+TEST_F(Faults, AWorkerProgramThatDoesNotStartEndsTheRun) {
+  const fs::path programs = folder.path / "programs";
+  ASSERT_TRUE(MakeFolder(programs));
+  for (const auto& [name, script] :
+       {std::pair<std::string, std::string>{"unlinked", "echo libtorch.so: not found >&2; exit 127"},
+        {"broken", "echo cannot start >&2; exit 3"}}) {
+    ASSERT_TRUE(WriteFile(programs / name, "#!/bin/sh\n" + script + "\n"));
+    chmod((programs / name).c_str(), 0755);
+    options.worker_folder = programs;
+    const auto report = Run({"upper", 1, name}, Many(8, {}));
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, ErrorCode::kMissingOnHost);
+    EXPECT_NE(report.error().what.find("does not start: ended with exit status"), std::string::npos);
+    EXPECT_NE(report.error().what.find(name == "broken" ? "cannot start" : "libtorch"), std::string::npos);
+  }
+}
+
+TEST_F(Faults, AWorkerThatDoesNotKnowTheStageEndsTheRun) {
+  const auto report = Run(Stage("unheard_of"), {Item("x")});
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kMissingOnHost);
+}
+
+TEST_F(Faults, AFullDiskEndsTheRunAndTheNextGoesOn) {
+  std::vector<ItemSpec> items = Many(4, {{"seconds", 0.0}});
+  ASSERT_EQ(Run(Stage("sleep"), {items[0], items[1]})->done, 2);
+  const auto full = Run(Stage("write_fail"), items);
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().code, ErrorCode::kCannotWrite);
+  EXPECT_EQ(full.error().where, "/dev/full");
+  const auto next = Run(Stage("sleep"), items);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->from_cache, 2);
+  EXPECT_EQ(next->done, 4);
+}
+
+TEST_F(Faults, NoRoomForOneArtifactEndsWith74AndLeavesAStateThatCanGoOn) {
+  const pid_t pid = Fork([&] {
+    const rlimit small{200000, 200000};
+    setrlimit(RLIMIT_FSIZE, &small);
+    return ExitOf(Stage("large"), Many(3, nlohmann::json::object()));
+  });
+  EXPECT_EQ(Wait(pid), static_cast<int>(ExitCode::kCannotWrite));
+  EXPECT_EQ(Cache(options.cache_folder).Stat().objects, 0u);
+  EXPECT_EQ(Run(Stage("large"), Many(3, nlohmann::json::object()))->done, 3);
+}
+
+TEST_F(Faults, NoRoomForTheJournalEndsWith74) {
+  ASSERT_EQ(Run(Stage("sleep"), Many(2, {{"seconds", 0.0}}))->done, 2);
+  const auto size = fs::file_size(options.run_folder / "journal.jsonl");
+  const pid_t pid = Fork([&] {
+    const rlimit small{size + 20, size + 20};
+    setrlimit(RLIMIT_FSIZE, &small);
+    return ExitOf(Stage("sleep"), Many(2, {{"seconds", 0.0}}));
+  });
+  EXPECT_EQ(Wait(pid), static_cast<int>(ExitCode::kCannotWrite));
+  ASSERT_EQ(Run(Stage("sleep"), Many(2, {{"seconds", 0.0}}))->from_cache, 2);
+}
+
+TEST_F(Faults, AReadOnlyFolderIsNamed) {
+  for (const bool run_folder : {true, false}) {
+    const fs::path locked = folder.path / "read only";
+    ASSERT_TRUE(MakeFolder(locked));
+    chmod(folder.path.c_str(), 0777);
+    chmod(locked.c_str(), 0555);
+    (run_folder ? options.run_folder : options.cache_folder) = locked / "below";
+    const pid_t pid = Fork([&] {
+      if (geteuid() == 0 && setuid(65534) != 0) return 1;
+      const auto report = Run(Stage("sleep"), Many(1, {{"seconds", 0.0}}));
+      if (report) return 0;
+      return report.error().Message().find("read only") == std::string::npos
+                 ? 2
+                 : static_cast<int>(ExitCodeOf(report.error().code));
+    });
+    EXPECT_EQ(Wait(pid), static_cast<int>(ExitCode::kCannotWrite));
+    options.run_folder = folder.path / "run2";
+  }
+}
+
+TEST_F(Faults, OutputsOfKilledRunsAreClearedAway) {
+  const fs::path tmp = options.cache_folder / "tmp";
+  const pid_t pid = Fork([&] { return ExitOf(Stage("hang"), {Item("x")}); });
+  ASSERT_TRUE(Eventually([&] {
+    std::error_code missing;
+    for (const auto& entry : fs::directory_iterator(tmp, missing)) {
+      if (fs::exists(entry.path() / "0")) return true;
+    }
+    return false;
+  }));
+  kill(pid, SIGKILL);
+  EXPECT_EQ(Wait(pid), -SIGKILL);
+  EXPECT_EQ(Run(Stage("sleep"), Many(1, {{"seconds", 0.0}}))->done, 1);
+  int left = 0;
+  for (const auto& entry : fs::directory_iterator(tmp)) left += entry.is_directory() ? 1 : 0;
+  EXPECT_EQ(left, 0);
+  EXPECT_EQ(std::distance(fs::directory_iterator(options.cache_folder / "scratch"), {}), 1)
+      << "that of the killed item";
+}
+
+}  // namespace
+}  // namespace mocurate

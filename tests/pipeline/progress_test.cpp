@@ -1,0 +1,60 @@
+#include "core/pipeline/progress.h"
+
+#include <fcntl.h>
+
+#include <algorithm>
+
+#include "tests/pipeline/runs.h"
+
+namespace mocurate {
+namespace {
+
+class OnATerminal : public Runs {
+ protected:
+  /// What a run of 20 short items shows on `stderr_file`, a descriptor that is read back from `read_file`.
+  std::string Shown(int read_file, int stderr_file) {
+    const pid_t pid = Fork([&] {
+      dup2(stderr_file, STDERR_FILENO);
+      SetLogLevel(LogLevel::kInfo);
+      return ExitOf(Stage("sleep"), Many(20, {{"seconds", 0.03}}));
+    });
+    close(stderr_file);
+    std::string shown;
+    char bytes[4096];
+    for (ssize_t count = 0; (count = read(read_file, bytes, sizeof bytes)) > 0;) {
+      shown.append(bytes, static_cast<std::size_t>(count));
+    }
+    close(read_file);
+    EXPECT_EQ(Wait(pid), 0);
+    return shown;
+  }
+};
+
+TEST_F(OnATerminal, ALineTellsHowFarTheStageIs) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_EQ(grantpt(terminal) + unlockpt(terminal), 0);
+  const std::string shown = Shown(terminal, open(ptsname(terminal), O_RDWR | O_NOCTTY));
+  EXPECT_NE(shown.find("\r\x1b[Ksleep "), std::string::npos) << shown;
+  EXPECT_NE(shown.find("/20, "), std::string::npos) << shown;
+  EXPECT_NE(shown.find(" s to go"), std::string::npos) << shown;
+}
+
+TEST_F(OnATerminal, ElsewhereThereIsOneLinePerStage) {
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  const std::string shown = Shown(ends[0], ends[1]);
+  EXPECT_EQ(shown.find('\r'), std::string::npos);
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
+  EXPECT_NE(shown.find("sleep: 20 items, 20 done, 0 from the cache, "), std::string::npos) << shown;
+}
+
+TEST(Progress, FailuresAreCounted) {
+  Progress progress("fitting", 4, false);
+  progress.Count(true, true);
+  progress.Count(false, false);
+  EXPECT_EQ(progress.Text().substr(0, 3), "2/4");
+  EXPECT_NE(progress.Text().find("1 failed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,94 @@
+#include "core/quality/handedness.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::vector<std::string>& Names() {
+  static const std::vector<std::string> names = {
+      "head",     "left_hip",  "right_hip",     "left_knee",      "right_knee", "left_ankle", "right_ankle",
+      "left_toe", "right_toe", "left_shoulder", "right_shoulder", "left_wrist", "right_wrist"};
+  return names;
+}
+
+HandednessPoints Points() {
+  return FindHandednessPoints([](std::string_view name) -> std::optional<int> {
+    for (std::size_t i = 0; i < Names().size(); ++i) {
+      if (Names()[i] == name) return static_cast<int>(i);
+    }
+    return std::nullopt;
+  });
+}
+
+/// A person in the canonical world: y up, facing +z, the left side at +x. `knee` and `wrist` point forward by this
+/// much.
+JointPositions Person(double knee, double wrist, double toe = 0.15) {
+  const std::vector<Vector3d> joints = {{0, 1.6, 0},       {0.1, 0.9, 0}, {-0.1, 0.9, 0}, {0.1, 0.5, knee},
+                                        {-0.1, 0.5, knee}, {0.1, 0.1, 0}, {-0.1, 0.1, 0}, {0.1, 0.02, toe},
+                                        {-0.1, 0.02, toe}, {0.2, 1.4, 0}, {-0.2, 1.4, 0}, {0.3, 1.1, wrist},
+                                        {-0.3, 1.1, wrist}};
+  JointPositions positions(10, static_cast<int>(joints.size()));
+  for (int f = 0; f < positions.frames; ++f) {
+    for (int j = 0; j < positions.joints; ++j) positions.at(f, j) = joints[j];
+  }
+  return positions;
+}
+
+JointPositions Applied(const Matrix3d& matrix, JointPositions positions) {
+  for (int f = 0; f < positions.frames; ++f) {
+    for (int j = 0; j < positions.joints; ++j) positions.at(f, j) = (matrix * positions.at(f, j)).eval();
+  }
+  return positions;
+}
+
+TEST(Handedness, APersonInTheCanonicalWorldIsRightHanded) {
+  const HandednessMeasure measure = MeasureHandedness(Person(0.3, 0.4), Points());
+  EXPECT_EQ(measure.handedness, Handedness::kRight);
+  EXPECT_EQ(measure.confidence, 1.0);
+  EXPECT_THAT(measure.evidence, HasSubstr("knees bend forwards"));
+}
+
+TEST(Handedness, AMirroredPersonBendsTheKneesBackwardsWhicheverWayTheWorldIsTurned) {
+  for (const Vector3d& turn : {Vector3d(0, 0, 0), Vector3d(0, 2, 0), Vector3d(1.5, 0.3, -2)}) {
+    for (const Vector3d& flip : {Vector3d(-1, 1, 1), Vector3d(1, -1, 1), Vector3d(1, 1, -1)}) {
+      const Matrix3d matrix = ExpMatrix(turn) * Matrix3d(flip.asDiagonal());
+      const HandednessMeasure measure = MeasureHandedness(Applied(matrix, Person(0.3, 0.4)), Points());
+      EXPECT_EQ(measure.handedness, Handedness::kLeft);
+      EXPECT_THAT(measure.evidence, HasSubstr("knees bend backwards (100 % of 20)"));
+      EXPECT_THAT(measure.evidence, HasSubstr("feet point backwards (100 % of 20)"));
+      EXPECT_THAT(measure.evidence, HasSubstr("hands reach behind the back"));
+    }
+  }
+}
+
+TEST(Handedness, ExchangedNamesOfLeftAndRightLookTheSameAsAMirrorImage) {
+  HandednessPoints points = Points();
+  for (int* pair : {points.hip, points.knee, points.ankle, points.toe, points.shoulder, points.wrist}) {
+    std::swap(pair[0], pair[1]);
+  }
+  EXPECT_EQ(MeasureHandedness(Person(0.3, 0.4), points).handedness, Handedness::kLeft);
+}
+
+TEST(Handedness, AStiffPersonWithoutToesDoesNotTell) {
+  HandednessPoints points = Points();
+  points.toe[0] = points.toe[1] = -1;
+  const HandednessMeasure measure = MeasureHandedness(Person(0.02, 0.0), points);
+  EXPECT_FALSE(measure.handedness.has_value());
+  EXPECT_LT(measure.confidence, 0.4);
+  EXPECT_FALSE(MeasureHandedness(Person(0.3, 0.4), HandednessPoints()).handedness.has_value());
+}
+
+TEST(Handedness, JointsThatWereNotSeenAreNotRead) {
+  JointPositions mirrored = Applied(Vector3d(-1, 1, 1).asDiagonal(), Person(0.3, 0.4));
+  std::vector<double> confidence(static_cast<std::size_t>(mirrored.frames) * mirrored.joints, 0.0);
+  EXPECT_FALSE(MeasureHandedness(mirrored, Points(), &confidence).handedness.has_value());
+}
+
+}  // namespace
+}  // namespace mocurate

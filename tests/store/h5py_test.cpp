@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/store/builders.h"
+
+namespace mocurate {
+namespace {
+
+using test::Folder;
+
+struct Answer {
+  int status = -1;
+  std::string text;
+};
+
+Answer Python(const std::string& arguments) {
+  Answer answer;
+  std::FILE* pipe = ::popen(("/usr/bin/python3 " + arguments + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return answer;
+  char block[4096];
+  for (std::size_t n = 0; (n = std::fread(block, 1, sizeof(block), pipe)) > 0;) answer.text.append(block, n);
+  answer.status = ::pclose(pipe);
+  return answer;
+}
+
+std::string Quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+
+const std::filesystem::path kScripts = MOCURATE_TEST_SOURCE_FOLDER;
+const std::filesystem::path kDocument = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
+
+/// Debian's python3-h5py, without anything of ours. May be missing on a bare machine, never where the whole suite runs.
+class StoreWithH5py : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (Python("-c 'import h5py'").status == 0) return;
+    if (std::getenv("MOCURATE_TEST_DATA") != nullptr) FAIL() << "python3-h5py is not installed";
+    GTEST_SKIP() << "python3-h5py is not installed";
+  }
+};
+
+TEST_F(StoreWithH5py, a_dataset_is_read_without_us) {
+  const Folder folder;
+  const Dataset dataset = test::MakeDataset();
+  ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
+  const Answer answer =
+      Python(Quoted(kScripts / "read_store.py") + " " + Quoted(folder / "set.h5") + " " + Quoted(kDocument));
+  ASSERT_EQ(answer.status, 0) << answer.text;
+  const auto seen = nlohmann::json::parse(answer.text, nullptr, false);
+  ASSERT_TRUE(seen.is_object()) << answer.text.substr(0, 300);
+  EXPECT_EQ(seen["/@schema"], "mocurate/1");
+  EXPECT_EQ(seen["/@kinematics"], "tree");
+  EXPECT_EQ(seen["/@rate"], "120000/1001");
+  EXPECT_EQ(seen["/@content_sha256"], seen["computed_sha256"]) << "the documented recipe gives another hash";
+  EXPECT_EQ(seen["/skeleton/names"][3], "left_knee");
+  EXPECT_EQ(seen["/skeleton/parents"], (std::vector<int>{-1, 0, 0, 1, 2, 0}));
+  EXPECT_EQ(seen["/clips/id"][1], "KARD/p1/b#5-14");
+  EXPECT_EQ(seen["/clips/offset"], (std::vector<int>{0, 7, 16}));
+  EXPECT_EQ(seen["/clips/class"], (std::vector<int>{2, 1, 2}));
+  EXPECT_EQ(nlohmann::json::parse(seen["/clips/provenance"][0].get<std::string>())["file"], "Grüße \"1\".txt");
+  EXPECT_EQ(seen["/splits/fold 2/test"], (std::vector<int>{0}));
+  EXPECT_EQ(seen["/findings/value"], (std::vector<double>{0.25, 1.0, 120.0}));
+  const Motion& motion = *dataset.clips[1].motion;
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    const auto& q = seen["/frames/rotation"][7 + 4][j];
+    const Quaterniond& expected = motion.rotation_at(4, j);
+    EXPECT_NEAR(q[0].get<double>(), expected.w(), 1e-6);
+    EXPECT_NEAR(q[1].get<double>(), expected.x(), 1e-6);
+    EXPECT_NEAR(q[2].get<double>(), expected.y(), 1e-6);
+    EXPECT_NEAR(q[3].get<double>(), expected.z(), 1e-6);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(seen["/frames/joints"][7 + 4][j][k].get<double>(),
+                static_cast<double>(static_cast<float>(motion.joints.at(4, j)[k])));
+    }
+    EXPECT_EQ(seen["/clips/bone_length"][1][j].get<double>(), motion.bone_length[static_cast<std::size_t>(j)]);
+  }
+}
+
+TEST_F(StoreWithH5py, a_set_written_by_another_program_is_read) {
+  const Folder folder;
+  for (const char* storage : {"", " gzip"}) {
+    const Answer answer = Python(Quoted(kScripts / "write_store.py") + " " + Quoted(folder / "made.h5") + " " +
+                                 Quoted(kDocument) + storage);
+    ASSERT_EQ(answer.status, 0) << answer.text;
+    const auto read = ReadDataset(folder / "made.h5");
+    ASSERT_TRUE(read) << read.error().Message();
+    ASSERT_EQ(read->clips.size(), 2u);
+    EXPECT_TRUE(read->joints_only);
+    EXPECT_EQ(read->clips[1].label, "grüßen");
+    EXPECT_EQ(read->clips[1].provenance.at("by"), "h5py");
+    EXPECT_NEAR(read->clips[1].motion->joints.at(0, 2).z(), 3.5, 1e-6);
+    EXPECT_EQ(read->skeleton->joints[2].name, "top");
+    const Status again = WriteDataset(*read, folder / "again.h5");
+    EXPECT_TRUE(again) << again.error().Message();
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

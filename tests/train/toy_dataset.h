@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/store/store.h"
+#include "tests/train/chains.h"
+
+namespace mocurate {
+
+/// Joints-only clips of four persons: class 0 waves slowly, class 1 quickly, class 2 walks. Split by person.
+inline Dataset ToyDataset(int clips_per_person_and_class) {
+  Dataset dataset;
+  dataset.skeleton = SmallSkeleton();
+  dataset.joints_only = true;
+  dataset.labels = {{"slow", ""}, {"quick", ""}, {"walk", ""}};
+  Split split;
+  split.name = "person";
+  for (int person = 0; person < 4; ++person) {
+    for (int label = 0; label < 3; ++label) {
+      for (int k = 0; k < clips_per_person_and_class; ++k) {
+        Clip clip;
+        clip.identity.source = "toy";
+        clip.identity.person = "p" + std::to_string(person);
+        clip.identity.recording = dataset.labels[static_cast<std::size_t>(label)].name + std::to_string(k);
+        Random random(7, "toy", clip.id());
+        const int frames = 20 + static_cast<int>(random.Below(12));
+        clip.identity.end_frame = frames;
+        clip.label = dataset.labels[static_cast<std::size_t>(label)].name;
+        Motion motion;
+        motion.skeleton = dataset.skeleton;
+        motion.joints = JointPositions(frames, 5);
+        const double size = 1.0 + 0.1 * person, phase = random.Uniform(0.0, 0.5);
+        for (int f = 0; f < frames; ++f) {
+          const double t = static_cast<double>(f) / frames;
+          const Vector3d root(0.0, 1.0, label == 2 ? t : 0.0);
+          const double angle = std::sin(6.28 * ((label == 1 ? 4.0 : 1.0) * t + phase));
+          const Vector3d arm(std::sin(angle), std::cos(angle), 0.0);
+          motion.joints.at(f, 0) = root;
+          motion.joints.at(f, 1) = root + size * Vector3d(0, 0.3, 0);
+          motion.joints.at(f, 2) = root + size * (Vector3d(0, 0.3, 0) + 0.3 * arm);
+          motion.joints.at(f, 3) = root - size * Vector3d(0, 0.4, 0);
+          motion.joints.at(f, 4) = root - size * Vector3d(0, 0.8, 0);
+        }
+        clip.motion = std::move(motion);
+        (person < 3 ? split.train : split.test).push_back(static_cast<int>(dataset.clips.size()));
+        dataset.clips.push_back(std::move(clip));
+      }
+    }
+  }
+  dataset.splits = {split};
+  return dataset;
+}
+
+}  // namespace mocurate

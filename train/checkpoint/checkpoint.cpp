@@ -1,0 +1,192 @@
+#include "train/checkpoint/checkpoint.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/file.h"
+#include "core/base/version.h"
+#include "core/store/hdf5_file.h"
+#include "train/checkpoint/skeleton_json.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kSchema = "mocurate-checkpoint/1";
+using Fields = std::map<std::string, store::Array>;
+
+void PutParameters(const std::string& group, const ParameterList& parameters, Fields& fields) {
+  for (const Parameter& parameter : parameters) {
+    const std::vector<std::uint64_t> shape(parameter.shape.begin(), parameter.shape.end());
+    fields[group + "/" + parameter.name] = store::MakeArray(shape, parameter.value);
+  }
+}
+
+void PutMoments(const std::string& group, const Checkpoint& checkpoint, const std::vector<std::vector<float>>& moments,
+                Fields& fields) {
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const Parameter& parameter = checkpoint.parameters[i];
+    const std::vector<std::uint64_t> shape(parameter.shape.begin(), parameter.shape.end());
+    fields[group + "/" + parameter.name] = store::MakeArray(shape, moments[i]);
+  }
+}
+
+nlohmann::json NamesOf(const ParameterList& parameters) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const Parameter& parameter : parameters) names.push_back(parameter.name);
+  return names;
+}
+
+std::string ContentHash(const Fields& fields) {
+  std::map<std::string, std::string> lines;
+  for (const auto& [path, array] : fields) lines[path] = store::FieldLine(array, array.Sha256());
+  return store::ContentSha256(lines);
+}
+
+Expected<Fields> ReadFields(const std::filesystem::path& path) {
+  Expected<store::Hdf5Reader> reader = store::Hdf5Reader::Open(path);
+  if (!reader) return Forward(reader);
+  const std::string where = DisplayPath(path);
+  const auto text = [&](const char* name) -> std::string {
+    if (!reader->Has(name)) return {};
+    const Expected<store::Array> array = reader->Read(name, store::FieldType::kText);
+    return array && array->size() == 1 ? array->as<std::string>()[0] : std::string();
+  };
+  const std::string schema = text("/@schema");
+  if (schema != kSchema) {
+    return Fail(
+        ErrorCode::kInconsistent,
+        schema.empty() ? std::string("the file is no checkpoint") : "the file is a '" + schema + "', no checkpoint",
+        where, std::string("a checkpoint of schema ") + kSchema + " is needed");
+  }
+  Fields fields;
+  for (const std::string& field : reader->AllPaths()) {
+    const store::FieldType type = field == "/about" || field[1] == '@'    ? store::FieldType::kText
+                                  : field.compare(0, 9, "/history/") == 0 ? store::FieldType::kFloat64
+                                                                          : store::FieldType::kFloat32;
+    Expected<store::Array> array = reader->Read(field, type);
+    if (!array) return Forward(array);
+    fields[field] = std::move(*array);
+  }
+  const std::string expected = text("/@content_sha256");
+  fields.erase("/@content_sha256");
+  if (ContentHash(fields) != expected) {
+    return Fail(ErrorCode::kMalformed, "the content does not agree with its content_sha256", where,
+                "the file was changed or damaged; train again");
+  }
+  return fields;
+}
+
+Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::string& group, const Fields& fields,
+                                       const std::string& where) {
+  ParameterList parameters;
+  for (const nlohmann::json& name : names) {
+    const auto found = fields.find(group + "/" + name.get<std::string>());
+    if (found == fields.end()) {
+      return Fail(ErrorCode::kMalformed, "parameter '" + name.get<std::string>() + "' is missing", where + ":" + group);
+    }
+    Parameter parameter;
+    parameter.name = name.get<std::string>();
+    parameter.shape.assign(found->second.shape.begin(), found->second.shape.end());
+    parameter.value = found->second.as<float>();
+    parameter.gradient.assign(parameter.value.size(), 0.0f);
+    parameters.push_back(std::move(parameter));
+  }
+  return parameters;
+}
+
+Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const std::string& where,
+                     Checkpoint& checkpoint) {
+  checkpoint.options = about.at("options");
+  checkpoint.facts = about.at("facts");
+  checkpoint.labels = about.at("labels").get<std::vector<std::string>>();
+  checkpoint.dataset_sha256 = about.at("dataset_sha256").get<std::string>();
+  checkpoint.step = about.at("step").get<std::int64_t>();
+  checkpoint.finished = about.at("finished").get<bool>();
+  checkpoint.adam.steps = about.at("adam_steps").get<std::int64_t>();
+  if (about.contains("skeleton")) {
+    Expected<SkeletonPtr> skeleton = SkeletonFromJson(about.at("skeleton"), where + ":/about");
+    if (!skeleton) return Forward(skeleton);
+    checkpoint.skeleton = std::move(*skeleton);
+  }
+  Expected<ParameterList> parameters = TakeParameters(about.at("parameters"), "/parameters", fields, where);
+  if (!parameters) return Forward(parameters);
+  checkpoint.parameters = std::move(*parameters);
+  Expected<ParameterList> best = TakeParameters(about.at("best"), "/best", fields, where);
+  if (!best) return Forward(best);
+  checkpoint.best = std::move(*best);
+  const nlohmann::json none = nlohmann::json::array();
+  const nlohmann::json& moments = checkpoint.adam.steps > 0 ? about.at("parameters") : none;
+  for (const bool second : {false, true}) {
+    Expected<ParameterList> list = TakeParameters(moments, second ? "/adam/second" : "/adam/first", fields, where);
+    if (!list) return Forward(list);
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      if ((*list)[i].value.size() != checkpoint.parameters[i].value.size()) {
+        return Fail(ErrorCode::kMalformed, "the moments of '" + (*list)[i].name + "' have another size than it", where);
+      }
+      (second ? checkpoint.adam.second : checkpoint.adam.first).push_back(std::move((*list)[i].value));
+    }
+  }
+  for (const auto& [path, array] : fields) {
+    if (path.compare(0, 9, "/history/") == 0) checkpoint.history[path.substr(9)] = array.as<double>();
+  }
+  return {};
+}
+
+}  // namespace
+
+Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& path) {
+  Fields fields;
+  PutParameters("/parameters", checkpoint.parameters, fields);
+  PutParameters("/best", checkpoint.best, fields);
+  PutMoments("/adam/first", checkpoint, checkpoint.adam.first, fields);
+  PutMoments("/adam/second", checkpoint, checkpoint.adam.second, fields);
+  for (const auto& [name, column] : checkpoint.history) {
+    fields["/history/" + name] = store::MakeArray({column.size()}, column);
+  }
+  nlohmann::json about = {{"kind", checkpoint.kind},
+                          {"options", checkpoint.options},
+                          {"facts", checkpoint.facts},
+                          {"labels", checkpoint.labels},
+                          {"dataset_sha256", checkpoint.dataset_sha256},
+                          {"step", checkpoint.step},
+                          {"finished", checkpoint.finished},
+                          {"adam_steps", checkpoint.adam.steps},
+                          {"parameters", NamesOf(checkpoint.parameters)},
+                          {"best", NamesOf(checkpoint.best)}};
+  if (checkpoint.skeleton != nullptr) about["skeleton"] = SkeletonToJson(*checkpoint.skeleton);
+  fields["/about"] = store::MakeText(about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  fields["/@schema"] = store::MakeText(kSchema);
+  fields["/@kind"] = store::MakeText(checkpoint.kind);
+  fields["/@created_by"] = store::MakeText(std::string(CreatedBy()));
+  fields["/@content_sha256"] = store::MakeText(ContentHash(fields));
+  Expected<store::Hdf5Writer> writer = store::Hdf5Writer::Create();
+  if (!writer) return Forward(writer);
+  for (const auto& [field, array] : fields) {
+    if (Status written = writer->Write(field, array); !written) return written;
+  }
+  return writer->Finish([&](std::string_view bytes) { return WriteFile(path, bytes); });
+}
+
+Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std::string& kind) {
+  const Expected<Fields> fields = ReadFields(path);
+  if (!fields) return Forward(fields);
+  const std::string where = DisplayPath(path);
+  const auto text = fields->find("/about");
+  if (text == fields->end() || text->second.size() != 1) return Fail(ErrorCode::kMalformed, "/about is missing", where);
+  const nlohmann::json about = nlohmann::json::parse(text->second.as<std::string>()[0], nullptr, false);
+  try {
+    Checkpoint checkpoint;
+    checkpoint.kind = about.at("kind").get<std::string>();
+    if (!kind.empty() && checkpoint.kind != kind) {
+      return Fail(ErrorCode::kInconsistent,
+                  "the checkpoint holds a network of kind '" + checkpoint.kind + "', '" + kind + "' is needed", where,
+                  "give the checkpoint of the other network");
+    }
+    if (Status filled = FillFromAbout(about, *fields, where, checkpoint); !filled) return Forward(filled);
+    return checkpoint;
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, std::string("/about cannot be read: ") + error.what(), where);
+  }
+}
+
+}  // namespace mocurate

@@ -1,0 +1,98 @@
+#include "train/recognisers/gru_recogniser.h"
+
+#include <torch/torch.h>
+
+#include <map>
+#include <string>
+
+#include "train/recognisers/gru_layer.h"
+
+namespace mocurate {
+namespace {
+
+using torch::Tensor;
+using Weights = std::map<std::string, Tensor>;
+
+Tensor View(const std::vector<float>& values, std::vector<std::int64_t> shape) {
+  return torch::from_blob(const_cast<float*>(values.data()), shape, torch::kFloat32);
+}
+
+std::vector<float> Numbers(const Tensor& tensor) {
+  const Tensor dense = tensor.detach().contiguous();
+  return std::vector<float>(dense.data_ptr<float>(), dense.data_ptr<float>() + dense.numel());
+}
+
+Weights MakeWeights(const ParameterList& parameters, bool learn) {
+  Weights weights;
+  for (const Parameter& parameter : parameters) {
+    weights[parameter.name] = View(parameter.value, parameter.shape).set_requires_grad(learn);
+  }
+  return weights;
+}
+
+struct Heads {
+  Tensor features, logits;
+};
+
+Heads Forward(const GruRecogniserConfig& config, const Weights& weights, const GruRecogniserBatch& batch) {
+  const Tensor motion = View(batch.motion, {batch.frames, batch.batch, config.input});
+  const Tensor hidden = batch.initial_hidden.empty() ? torch::zeros({2, batch.batch, config.hidden})
+                                                     : View(batch.initial_hidden, {2, batch.batch, config.hidden});
+  Tensor outputs = motion;
+  for (int layer = 0; layer < 2; ++layer) {
+    const std::string end = "_l" + std::to_string(layer);
+    outputs = GruLayer(outputs, hidden[layer], weights.at("recurrent.weight_ih" + end),
+                       weights.at("recurrent.weight_hh" + end), weights.at("recurrent.bias_ih" + end),
+                       weights.at("recurrent.bias_hh" + end));
+  }
+  Tensor last = outputs[batch.frames - 1];
+  if (!batch.length.empty()) {
+    std::vector<std::int64_t> frame;
+    for (const int length : batch.length) frame.push_back(length - 1);
+    const Tensor index = torch::tensor(frame, torch::kInt64).view({1, batch.batch, 1});
+    last = outputs.gather(0, index.expand({1, batch.batch, config.hidden})).squeeze(0);
+  }
+  Heads heads;
+  heads.features = torch::tanh(torch::linear(last, weights.at("linear1.weight"), weights.at("linear1.bias")));
+  heads.logits = torch::linear(heads.features, weights.at("linear2.weight"), weights.at("linear2.bias"));
+  return heads;
+}
+
+}  // namespace
+
+ParameterList GruRecogniserParameters(const GruRecogniserConfig& config) {
+  ParameterList parameters;
+  AddGru("recurrent.", "_l0", config.input, config.hidden, parameters);
+  AddGru("recurrent.", "_l1", config.hidden, config.hidden, parameters);
+  AddLinear("linear1", config.hidden, config.features, parameters);
+  AddLinear("linear2", config.features, config.classes, parameters);
+  return parameters;
+}
+
+GruRecogniserOutput RunGruRecogniser(const GruRecogniserConfig& config, const ParameterList& parameters,
+                                     const GruRecogniserBatch& batch) {
+  torch::set_num_threads(1);
+  torch::NoGradGuard no_gradient;
+  const Heads heads = Forward(config, MakeWeights(parameters, false), batch);
+  return {Numbers(heads.features), Numbers(heads.logits)};
+}
+
+double GruRecogniserStep(const GruRecogniserConfig& config, const GruRecogniserBatch& batch,
+                         const std::vector<int>& label, double smoothing, ParameterList& parameters,
+                         std::vector<float>* logits) {
+  torch::set_num_threads(1);
+  const Weights weights = MakeWeights(parameters, true);
+  const Heads heads = Forward(config, weights, batch);
+  const Tensor log_probability = torch::log_softmax(heads.logits, 1);
+  const std::vector<std::int64_t> target(label.begin(), label.end());
+  const Tensor of_label = log_probability.gather(1, torch::tensor(target, torch::kInt64).view({batch.batch, 1})).mean();
+  const Tensor loss = -(1.0 - smoothing) * of_label - smoothing * log_probability.mean();
+  std::vector<Tensor> inputs;
+  for (const Parameter& parameter : parameters) inputs.push_back(weights.at(parameter.name));
+  const std::vector<Tensor> gradients = torch::autograd::grad({loss}, inputs);
+  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i].gradient = Numbers(gradients[i]);
+  if (logits != nullptr) *logits = Numbers(heads.logits);
+  return loss.item<double>();
+}
+
+}  // namespace mocurate

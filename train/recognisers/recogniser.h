@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/motion/motion.h"
+#include "train/options.h"
+
+namespace mocurate {
+
+/// n motions: features (n,30) and logits (n,classes), row-major.
+struct RecogniserOutput {
+  int count = 0;
+  int classes = 0;
+  int feature_size = 30;
+  std::vector<float> features;
+  std::vector<float> logits;
+
+  /// Class with the largest logit.
+  int Predicted(int index) const;
+};
+
+/// Initial recurrent state of a pass. Zero for reproducible figures; normal as the released code draws it (a2m_actor.md
+/// F5), here keyed by `seed` and the position of the motion.
+struct RecogniserHidden {
+  InitialHidden kind = InitialHidden::kZero;
+  std::uint64_t seed = 0;
+  std::vector<float> given;  ///< (2,n,hidden), used as it is when not empty
+};
+
+/// A trained recogniser of motions: accuracy and features of every metric.
+class Recogniser {
+ public:
+  /// From a checkpoint of ours. Errors of ReadCheckpoint.
+  static Expected<std::unique_ptr<Recogniser>> Load(const std::filesystem::path& path);
+  /// From the published weights (a legacy PyTorch file): read as data, nothing of it is executed.
+  static Expected<std::unique_ptr<Recogniser>> LoadPublished(const std::filesystem::path& path);
+  ~Recogniser();
+
+  /// `motions` (count, frames, dim) float32 as RecogniserInput makes them; dim must be input_size(). `lengths` (count),
+  /// if given: the output after that many frames counts, else the last. One thread; batches of 128.
+  Expected<RecogniserOutput> Run(const float* motions, int count, int frames, int dim,
+                                 const RecogniserHidden& hidden = {}, const std::vector<int>& lengths = {}) const;
+
+  int input_size() const;
+  int class_count() const;
+  int hidden_size() const;
+  /// Class names; empty for published weights.
+  const std::vector<std::string>& labels() const;
+  /// How clips must be prepared for it.
+  RecogniserInputKind input_kind() const;
+  int input_frames() const;
+
+ private:
+  struct Impl;
+  explicit Recogniser(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mocurate
