@@ -78,7 +78,9 @@ std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, cons
     for (const auto& [id, clip] : members) ids.push_back(id);
     ItemSpec item{person, options, {}};
     for (const std::string& id : ChooseProportionClips(ids)) {
-      item.inputs.push_back(InputFrom("evidence", members.at(id)->evidence));
+      const ClipRecord& clip = *members.at(id);
+      item.inputs.push_back(InputFrom("evidence", clip.evidence));
+      item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
     }
     items.push_back(std::move(item));
   }

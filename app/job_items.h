@@ -16,6 +16,7 @@ struct JobResult;
 /// What became of one source clip, stage by stage.
 struct ClipRecord {
   std::string item;
+  std::vector<StageInput> depth;  ///< depth images that the evidence refers to
   ItemResult evidence;   ///< stage ingest
   ItemResult motion;     ///< stage fitting (or ingest, when nothing is fitted)
   ItemResult canonical;  ///< stage canon

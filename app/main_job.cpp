@@ -32,6 +32,7 @@ class MainJob {
       if (skeleton->empty()) *skeleton = options_.skeleton;
     }
     options_.proportions.method = options_.fitting.method;
+    options_.proportions.point_clouds = options_.fitting.point_clouds;
   }
 
   Expected<JobResult> Run() {
@@ -101,12 +102,16 @@ class MainJob {
     if (!discovery) return Forward(discovery);
     left_out_ = discovery->findings;
     for (const Finding& finding : left_out_) LogWarning(finding.clip + ": " + finding.message);
+    const std::vector<ItemSpec> specs = discovery->items;
     const auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
-    for (const ItemResult& item : report->items) {
+    for (std::size_t i = 0; i < report->items.size(); ++i) {
       ClipRecord clip;
-      clip.item = item.item;
-      clip.evidence = item;
+      clip.item = report->items[i].item;
+      clip.evidence = report->items[i];
+      for (const StageInput& input : specs[i].inputs) {
+        if (input.role == "depth") clip.depth.push_back(input);
+      }
       clips_.push_back(std::move(clip));
     }
     for (const Finding& finding : left_out_) {
@@ -156,6 +161,7 @@ class MainJob {
         continue;
       }
       items.push_back({clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}});
+      items.back().inputs.insert(items.back().inputs.end(), clip.depth.begin(), clip.depth.end());
       records.push_back(&clip);
     }
     auto report = RunStage(FittingDeclaration(), std::move(items));
@@ -338,6 +344,7 @@ class MainJob {
     for (const ClipRecord* clip : ClipsToDraw(clips_, static_cast<int>(options_.report.filmstrip_clips))) {
       item.inputs.push_back(InputFrom("evidence", clip->evidence));
       if (Fits()) item.inputs.push_back(InputFrom("fit", clip->motion));
+      item.inputs.insert(item.inputs.end(), clip->depth.begin(), clip->depth.end());
     }
     const auto page = RunOne(ReportDeclaration(), std::move(item));
     if (!page) return Forward(page);

@@ -16,9 +16,12 @@ double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
 
 std::string MethodName(FitMethod method) {
   switch (method) {
-    case FitMethod::kJointTracks: return "joint_tracks";
-    case FitMethod::kPointClouds: return "point_clouds";
-    case FitMethod::kNone: return "none";
+    case FitMethod::kJointTracks:
+      return "joint_tracks";
+    case FitMethod::kPointClouds:
+      return "point_clouds";
+    case FitMethod::kNone:
+      return "none";
   }
   return "";
 }
@@ -73,9 +76,9 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   StageOutcome outcome;
   outcome.findings = fit.findings;
   if (!fit.converged) {
-    outcome.findings.push_back(Doubt("fit_not_converged", fit.iterations,
-                                     "the fit stopped after " + std::to_string(fit.iterations) + " iterations: " +
-                                         fit.termination));
+    outcome.findings.push_back(
+        Doubt("fit_not_converged", fit.iterations,
+              "the fit stopped after " + std::to_string(fit.iterations) + " iterations: " + fit.termination));
     outcome.kind = OutcomeKind::kDoubtful;
   }
   if (!(fit.residual_rms <= kLargeResidual)) {
@@ -99,8 +102,8 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   if (clip.evidence.tracks) {
     const Expected<SkeletonTracks> tracks = MapTracks(*clip.evidence.tracks, fit.motion.skeleton);
     if (tracks) {
-      outcome.summary["before"] = MeasuresJson(
-          MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
+      outcome.summary["before"] =
+          MeasuresJson(MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
     }
   }
   return outcome;

@@ -10,14 +10,14 @@ namespace mocurate {
 
 /// A fitted motion and how well it explains its evidence. Lengths in metres.
 struct FitResult {
-  Motion motion;               ///< with rotations, bone lengths, joints and states
-  double residual_rms = 0.0;   ///< evidence to body, observed samples only
+  Motion motion;              ///< with rotations, bone lengths, joints and states
+  double residual_rms = 0.0;  ///< evidence to body, observed samples only
   double residual_p95 = 0.0;
-  double noise_sigma = 0.0;    ///< per axis, as estimated from the evidence
-  int iterations = 0;          ///< all windows together
-  bool converged = false;      ///< every window stopped at its tolerance
-  std::string termination;     ///< "converged", "iteration limit" or the solver's own words
-  double initial_cost = 0.0;   ///< whitened, 1/2 sum of rho(|r|^2)
+  double noise_sigma = 0.0;   ///< per axis, as estimated from the evidence
+  int iterations = 0;         ///< all windows together
+  bool converged = false;     ///< every window stopped at its tolerance
+  std::string termination;    ///< "converged", "iteration limit" or the solver's own words
+  double initial_cost = 0.0;  ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
   std::vector<Finding> findings;  ///< clip id left empty
 };

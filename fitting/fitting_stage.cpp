@@ -4,6 +4,7 @@
 #include "core/base/version.h"
 #include "core/store/store.h"
 #include "fitting/clouds/fit_clouds.h"
+#include "fitting/evidence/depth_files.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
@@ -45,6 +46,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   if (evidence == nullptr) return Fail(ErrorCode::kInternal, "fitting got no evidence", request.item);
   Expected<Clip> clip = ReadEvidence(evidence->path);
   if (!clip) return Forward(clip);
+  ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) return Forward(fit);
 

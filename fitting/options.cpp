@@ -69,6 +69,7 @@ void ProportionsOptions::Declare(OptionVisitor& v) {
             "clips on which bones are fitted together with the pose; 0 keeps the medians");
   v.Integer("refine_frames", refine_frames, {2, 10000}, "frames of each, from its middle");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
+  v.Group("point_clouds", point_clouds, "tracking of the clouds the lengths are read from");
 }
 
 std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids) {

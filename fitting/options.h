@@ -19,17 +19,17 @@ enum class NoiseScale { kPooled, kPerJoint };
 /// standard deviations of what a person does: a random walk of q per square root of a second moves q * sqrt(dt) in dt.
 struct JointTrackOptions {
   NoiseScale noise = NoiseScale::kPooled;
-  double huber_sigmas = 2.5;           ///< residuals beyond this many sigmas count linearly
-  double rotation_walk = 0.55;         ///< rad per sqrt(s), each joint
-  double velocity_walk = 0.33;         ///< m per sqrt(s), each joint
-  double rest_spread = 3.3;            ///< rad from the rest pose; holds what no evidence determines
-  double limit_spread = 0.1;           ///< rad beyond a joint limit
-  double bone_spread = 0.02;           ///< m from the prior bone length, where bones are free
-  double max_gap_s = 0.5;              ///< frames further apart than this are not smoothed together
-  double relative_tolerance = 1e-4;    ///< stop at this relative change of cost
-  std::int64_t max_iterations = 50;
-  std::int64_t window_frames = 600;    ///< longer clips are fitted in windows
-  std::int64_t window_overlap = 60;    ///< frames of look-ahead that the next window fits again
+  double huber_sigmas = 2.5;         ///< residuals beyond this many sigmas count linearly
+  double rotation_walk = 0.55;       ///< rad per sqrt(s), each joint
+  double velocity_walk = 0.33;       ///< m per sqrt(s), each joint
+  double rest_spread = 3.3;          ///< rad from the rest pose; holds what no evidence determines
+  double limit_spread = 0.5;         ///< rad beyond a joint limit
+  double bone_spread = 0.02;         ///< m from the prior bone length, where bones are free
+  double max_gap_s = 0.5;            ///< frames further apart than this are not smoothed together
+  double relative_tolerance = 1e-4;  ///< stop at this relative change of cost
+  std::int64_t max_iterations = 100;
+  std::int64_t window_frames = 600;  ///< longer clips are fitted in windows
+  std::int64_t window_overlap = 60;  ///< frames of look-ahead that the next window fits again
 
   void Declare(OptionVisitor& v);
 };
@@ -45,16 +45,16 @@ struct CloudOutlierOptions {
 
 /// Fit of a capsule body to fused depth views.
 struct PointCloudOptions {
-  double voxel_size = 0.015;        ///< m, after fusing the views
-  double max_distance = 0.1;        ///< m from the body; farther points do not pull
+  double voxel_size = 0.015;  ///< m, after fusing the views
+  double max_distance = 0.1;  ///< m from the body; farther points do not pull
   CloudOutlierOptions outliers;
   double capsule_radius_scale = 1.0;
-  std::int64_t iterations = 10;     ///< of matching points to capsules, per frame
-  double rotation_walk = 0.55;      ///< rad per sqrt(s), each joint
-  double velocity_walk = 0.33;      ///< m per sqrt(s), root
-  double rest_spread = 1.0;         ///< rad from the rest pose
+  std::int64_t iterations = 10;  ///< of matching points to capsules, per frame
+  double rotation_walk = 0.55;   ///< rad per sqrt(s), each joint
+  double velocity_walk = 0.33;   ///< m per sqrt(s), root
+  double rest_spread = 1.0;      ///< rad from the rest pose
   double huber_sigmas = 2.5;
-  double start_facing_deg = 0.0;    ///< heading of the first pose about +y, degrees; 0 faces +z
+  double start_facing_deg = 0.0;  ///< heading of the first pose about +y, degrees; 0 faces +z
 
   void Declare(OptionVisitor& v);
 };
@@ -71,10 +71,11 @@ struct FittingOptions {
 struct ProportionsOptions {
   FitMethod method = FitMethod::kJointTracks;
   std::string skeleton;
-  bool symmetric = true;             ///< left and right limbs share their lengths
-  std::int64_t refine_clips = 0;     ///< clips on which bones are fitted together with the pose; 0: medians only
-  std::int64_t refine_frames = 60;   ///< frames of each, from its middle
+  bool symmetric = true;            ///< left and right limbs share their lengths
+  std::int64_t refine_clips = 0;    ///< clips on which bones are fitted together with the pose; 0: medians only
+  std::int64_t refine_frames = 60;  ///< frames of each, from its middle
   JointTrackOptions joint_tracks;
+  PointCloudOptions point_clouds;   ///< tracking of the clouds the lengths are read from
 
   void Declare(OptionVisitor& v);
 };

@@ -65,8 +65,13 @@ Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& cli
   if (!clips.empty()) {
     if (Status refined = Refine(clips, options, person); !refined) return tl::unexpected<Error>(refined.error());
   }
-  for (double& length : person.bone_length) length = std::round(length / kRounding) * kRounding;
+  person.bone_length = RoundedLengths(std::move(person.bone_length));
   return person;
+}
+
+std::vector<double> RoundedLengths(std::vector<double> lengths) {
+  for (double& length : lengths) length = std::round(length / kRounding) * kRounding;
+  return lengths;
 }
 
 double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length) {
@@ -122,13 +127,15 @@ Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, co
   for (int j = 1; j < skeleton.joint_count(); ++j) {
     const auto found = json["bone_length_m"].find(skeleton.joints[j].name);
     if (found == json["bone_length_m"].end() || !found->is_number()) {
-      return Fail(ErrorCode::kInconsistent, "no length for the bone that ends at '" + skeleton.joints[j].name + "'", where);
+      return Fail(ErrorCode::kInconsistent, "no length for the bone that ends at '" + skeleton.joints[j].name + "'",
+                  where);
     }
     lengths[j] = found->get<double>();
     if (!(lengths[j] >= 0.0 && lengths[j] < 10.0)) {
-      return Fail(ErrorCode::kMalformed,
-                  FormatDouble(lengths[j]) + " m is no length of the bone that ends at '" + skeleton.joints[j].name + "'",
-                  where);
+      return Fail(
+          ErrorCode::kMalformed,
+          FormatDouble(lengths[j]) + " m is no length of the bone that ends at '" + skeleton.joints[j].name + "'",
+          where);
     }
   }
   return lengths;

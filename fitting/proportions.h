@@ -14,12 +14,12 @@ namespace mocurate {
 struct Proportions {
   std::string person;
   SkeletonPtr skeleton;
-  std::vector<double> bone_length;      ///< (J) metres, whole 0.1 mm
-  std::vector<int> samples;             ///< (J) observed lengths behind each bone; 0: from the rest skeleton
-  std::vector<double> bone_spread;      ///< (J) metres, robust spread over frames before any fit
-  std::vector<std::string> clips;       ///< ids, sorted
+  std::vector<double> bone_length;  ///< (J) metres, whole 0.1 mm
+  std::vector<int> samples;         ///< (J) observed lengths behind each bone; 0: from the rest skeleton
+  std::vector<double> bone_spread;  ///< (J) metres, robust spread over frames before any fit
+  std::vector<std::string> clips;   ///< ids, sorted
   int frames = 0;
-  double scale = 1.0;                   ///< of the person against the rest skeleton
+  double scale = 1.0;  ///< of the person against the rest skeleton
 };
 
 /// Median lengths of all clips, then refined: up to refine_clips of them are fitted with their bones free around the
@@ -28,12 +28,15 @@ struct Proportions {
 Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
                                           const ProportionsOptions& options);
 
+/// Lengths in whole 0.1 mm.
+std::vector<double> RoundedLengths(std::vector<double> lengths);
+
 /// {"person", "skeleton", "bone_length_m": {joint: m}, "samples": {joint: n}, "bone_spread_mm": {joint: mm}, "clips",
 ///  "frames", "scale", "stature_m"}
 nlohmann::json ProportionsJson(const Proportions& proportions);
 
-/// Bone lengths (J) of a proportions artifact for a skeleton. Error kInconsistent for another skeleton or a missing joint,
-/// kMalformed for what is no length.
+/// Bone lengths (J) of a proportions artifact for a skeleton. Error kInconsistent for another skeleton or a missing
+/// joint, kMalformed for what is no length.
 Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
                                                   const std::string& where);
 

@@ -4,6 +4,8 @@
 
 #include "core/base/file.h"
 #include "core/store/store.h"
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/evidence/depth_files.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
 
@@ -23,11 +25,17 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   }
   StageOutcome outcome;
   std::vector<SkeletonTracks> clips;
+  std::vector<Clip> cloud_clips;
   std::vector<std::string> ids;
   for (const std::string& name : ChooseProportionClips(names)) {
-    const Expected<Clip> clip = ReadEvidence(inputs[name]->path);
+    Expected<Clip> clip = ReadEvidence(inputs[name]->path);
     if (!clip) return Forward(clip);
     ids.push_back(clip->id());
+    if (options->method == FitMethod::kPointClouds) {
+      ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+      cloud_clips.push_back(std::move(*clip));
+      continue;
+    }
     if (options->method != FitMethod::kJointTracks || !clip->evidence.tracks) continue;
     Expected<SkeletonTracks> tracks = MapTracks(*clip->evidence.tracks, *skeleton);
     if (tracks) {
@@ -43,6 +51,11 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   }
   Expected<Proportions> person = EstimateProportions(clips, *skeleton, *options);
   if (!person) return Forward(person);
+  if (!cloud_clips.empty()) {
+    Expected<std::vector<double>> lengths = BoneLengthsFromClouds(cloud_clips, *skeleton, options->point_clouds);
+    if (!lengths) return Forward(lengths);
+    person->bone_length = RoundedLengths(std::move(*lengths));
+  }
   person->person = request.item;
   person->clips = std::move(ids);
   nlohmann::json json = ProportionsJson(*person);

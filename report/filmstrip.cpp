@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <optional>
 
 #include "report/html.h"
 #include "report/svg.h"
@@ -30,14 +28,9 @@ bool Present(const JointTracks& tracks, int frame, int point) {
   return tracks.confidence[index] > 0.0 && tracks.positions.at(frame, point).allFinite();
 }
 
-/// From the right to the left side of the body in a frame, by a pair of joints.
-std::optional<Vector3d> Sideways(const DrawnClip& clip, int frame) {
-  if (const Motion* motion = MotionOf(clip)) {
-    for (const auto& pair : {motion->skeleton->Hips(), motion->skeleton->Shoulders()}) {
-      if (pair) return Vector3d(motion->joints.at(frame, (*pair)[0]) - motion->joints.at(frame, (*pair)[1]));
-    }
-  }
-  return std::nullopt;
+Viewpoint ViewpointOf(const DrawnClip& clip) {
+  const Motion* motion = MotionOf(clip);
+  return motion != nullptr ? FrontView(*motion) : Viewpoint{kThreeQuarter, kRaised};
 }
 
 Vector3d OriginOf(const DrawnClip& clip) {
@@ -55,17 +48,15 @@ Vector3d OriginOf(const DrawnClip& clip) {
 const char* BoneClass(int side) { return side > 0 ? "bone left" : side < 0 ? "bone right" : "bone"; }
 
 std::string Segment(const Vector3d& a, const Vector3d& b, const char* css_class) {
-  return "<line x1=\"" + Coordinate(a.x()) + "\" y1=\"" + Coordinate(a.y()) + "\" x2=\"" + Coordinate(b.x()) + "\" y2=\"" +
-         Coordinate(b.y()) + "\" class=\"" + css_class + "\"/>";
+  return "<line x1=\"" + Coordinate(a.x()) + "\" y1=\"" + Coordinate(a.y()) + "\" x2=\"" + Coordinate(b.x()) +
+         "\" y2=\"" + Coordinate(b.y()) + "\" class=\"" + css_class + "\"/>";
 }
 
-/// Places one still after the other on a strip; centimetres to units of the drawing.
+/// Places one still after the other on a strip.
 class StripDrawing {
  public:
   StripDrawing(const DrawnClip& clip, const std::vector<int>& frames) : clip_(clip), view_(ViewpointOf(clip)) {
-    for (const int frame : frames) {
-      AddExtent(frame);
-    }
+    for (const int frame : frames) AddExtent(frame);
     if (!(high_ > low_)) low_ = -1.0, high_ = 1.0;
     scale_ = (kHeight - 34.0) / (high_ - low_);
     cell_ = std::clamp(2.0 * widest_ * scale_ + 14.0, 80.0, 260.0);
@@ -78,7 +69,8 @@ class StripDrawing {
     const Vector3d centre = view_.Turn(CentreOf(frame));
     const auto place = [&](const Vector3d& world) {
       const Vector3d seen = view_.Turn(world);
-      return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x()), 8.0 + scale_ * (high_ - seen.y()), 0.0);
+      return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x()), 8.0 + scale_ * (high_ - seen.y()),
+                      0.0);
     };
     std::string svg = "<g>";
     if (const JointTracks* tracks = TracksOf(clip_)) {
@@ -90,14 +82,15 @@ class StripDrawing {
       for (int k = 0; k < tracks->positions.joints; ++k) {
         if (!Present(*tracks, frame, k)) continue;
         const Vector3d at = place(tracks->positions.at(frame, k));
-        svg += "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.4\" class=\"point\"/>";
+        svg +=
+            "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.4\" class=\"point\"/>";
       }
     }
     if (const Motion* motion = MotionOf(clip_)) {
       const std::vector<int> sides = SidesOf(*motion->skeleton);
       for (int j = 1; j < motion->joint_count(); ++j) {
-        svg += Segment(place(motion->joints.at(frame, motion->skeleton->joints[j].parent)), place(motion->joints.at(frame, j)),
-                       BoneClass(sides[j]));
+        svg += Segment(place(motion->joints.at(frame, motion->skeleton->joints[j].parent)),
+                       place(motion->joints.at(frame, j)), BoneClass(sides[j]));
       }
     }
     return svg + "</g>\n";
@@ -146,7 +139,8 @@ class StripDrawing {
 
 std::array<int, 3> Millimetres(const Vector3d& point, const Vector3d& origin) {
   std::array<int, 3> mm{};
-  for (int i = 0; i < 3; ++i) mm[i] = static_cast<int>(std::lround(std::clamp(1e3 * (point[i] - origin[i]), -1e6, 1e6)));
+  for (int i = 0; i < 3; ++i)
+    mm[i] = static_cast<int>(std::lround(std::clamp(1e3 * (point[i] - origin[i]), -1e6, 1e6)));
   return mm;
 }
 
@@ -179,8 +173,10 @@ std::vector<int> SidesOf(const Skeleton& skeleton) {
     if (joint.mirror < 0 || joint.mirror == j) continue;
     const double own = joint.rest_offset.x();
     const double other = skeleton.joints[joint.mirror].rest_offset.x();
-    if (std::abs(own - other) > 1e-6) sides[j] = own > other ? 1 : -1;
-    else if (joint.parent >= 0) sides[j] = sides[joint.parent];
+    if (std::abs(own - other) > 1e-6)
+      sides[j] = own > other ? 1 : -1;
+    else if (joint.parent >= 0)
+      sides[j] = sides[joint.parent];
   }
   return sides;
 }
@@ -207,11 +203,15 @@ Vector3d Viewpoint::Turn(const Vector3d& point) const {
   return {x, std::cos(pitch) * point.y() - std::sin(pitch) * z, std::sin(pitch) * point.y() + std::cos(pitch) * z};
 }
 
-Viewpoint ViewpointOf(const DrawnClip& clip) {
+Viewpoint FrontView(const Motion& motion) {
   Viewpoint view{kThreeQuarter, kRaised};
-  const auto sideways = Sideways(clip, FrameCountOf(clip) / 2);
-  if (sideways && std::hypot(sideways->x(), sideways->z()) > 1e-6) {
-    view.yaw = kThreeQuarter - std::atan2(sideways->z(), sideways->x());
+  const int frame = motion.frame_count() / 2;
+  for (const auto& pair : {motion.skeleton->Hips(), motion.skeleton->Shoulders()}) {
+    if (!pair || motion.frame_count() == 0) continue;
+    const Vector3d sideways = motion.joints.at(frame, (*pair)[0]) - motion.joints.at(frame, (*pair)[1]);
+    if (std::hypot(sideways.x(), sideways.z()) < 1e-6) continue;
+    view.yaw = kThreeQuarter - std::atan2(sideways.z(), sideways.x());
+    break;
   }
   return view;
 }
@@ -237,9 +237,10 @@ std::string FilmstripSvg(const DrawnClip& clip, int stills) {
   const StripDrawing drawing(clip, frames);
   const double width = drawing.cell() * static_cast<double>(frames.size());
   const FrameRate rate = MotionOf(clip) != nullptr ? MotionOf(clip)->rate : clip.evidence.rate;
-  std::string svg = "<svg class=\"strip\" viewBox=\"0 0 " + Coordinate(width) + " " + Coordinate(StripDrawing::kHeight) +
-                    "\" role=\"img\" aria-label=\"Stick figures of " + EscapeHtml(clip.item) + ", " +
-                    std::to_string(frames.size()) + " stills from " + std::to_string(FrameCountOf(clip)) + " frames\">\n";
+  std::string svg = "<svg class=\"strip\" viewBox=\"0 0 " + Coordinate(width) + " " +
+                    Coordinate(StripDrawing::kHeight) + "\" role=\"img\" aria-label=\"Stick figures of " +
+                    EscapeHtml(clip.item) + ", " + std::to_string(frames.size()) + " stills from " +
+                    std::to_string(FrameCountOf(clip)) + " frames\">\n";
   for (std::size_t i = 0; i < frames.size(); ++i) {
     svg += drawing.Still(frames[i], static_cast<int>(i));
     svg += "<text x=\"" + Coordinate((static_cast<double>(i) + 0.5) * drawing.cell()) + "\" y=\"" +
@@ -269,10 +270,12 @@ nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers) {
                          {"points", nlohmann::json::array()}};
   if (motion != nullptr) {
     const std::vector<int> sides = SidesOf(*motion->skeleton);
-    for (int j = 1; j < motion->joint_count(); ++j) data["bones"].push_back({motion->skeleton->joints[j].parent, j, sides[j]});
+    for (int j = 1; j < motion->joint_count(); ++j)
+      data["bones"].push_back({motion->skeleton->joints[j].parent, j, sides[j]});
   }
   if (tracks != nullptr) {
-    for (const auto& line : MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr).lines) data["lines"].push_back(line);
+    for (const auto& line : MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr).lines)
+      data["lines"].push_back(line);
   }
   for (int f = 0; f < frames; f += step) {
     if (motion != nullptr) data["joints"].push_back(JointFrame(*motion, f, origin));

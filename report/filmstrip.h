@@ -1,7 +1,7 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -22,8 +22,8 @@ struct DrawnClip {
 /// How tracked points belong to a skeleton: point of each joint (-1 for none) and lines between points of joints whose
 /// nearest observed ancestor is also observed.
 struct TrackDrawing {
-  std::vector<int> point_of_joint;           ///< (J)
-  std::vector<std::array<int, 2>> lines;     ///< pairs of points
+  std::vector<int> point_of_joint;        ///< (J)
+  std::vector<std::array<int, 2>> lines;  ///< pairs of points
 };
 TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton* skeleton);
 
@@ -36,8 +36,8 @@ struct Viewpoint {
   Vector3d Turn(const Vector3d& point) const;
 };
 
-/// Three-quarter view on the person in the middle frame of a clip (its hips, else its shoulders).
-Viewpoint ViewpointOf(const DrawnClip& clip);
+/// Three-quarter view on the person in the middle frame of a motion (its hips, else its shoulders).
+Viewpoint FrontView(const Motion& motion);
 
 /// Frames of stills, evenly spread, first and last included.
 std::vector<int> StillFrames(int frame_count, int stills);

@@ -13,14 +13,26 @@ constexpr const char* kReplacement = "\xEF\xBF\xBD";
 
 void AppendEscaped(char c, std::string& html) {
   switch (c) {
-    case '&': html += "&amp;"; break;
-    case '<': html += "&lt;"; break;
-    case '>': html += "&gt;"; break;
-    case '"': html += "&quot;"; break;
-    case '\'': html += "&#39;"; break;
+    case '&':
+      html += "&amp;";
+      break;
+    case '<':
+      html += "&lt;";
+      break;
+    case '>':
+      html += "&gt;";
+      break;
+    case '"':
+      html += "&quot;";
+      break;
+    case '\'':
+      html += "&#39;";
+      break;
     default:
-      if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') html += kReplacement;
-      else html += c;
+      if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t')
+        html += kReplacement;
+      else
+        html += c;
   }
 }
 
@@ -43,8 +55,10 @@ std::string JsonForScript(const nlohmann::json& json) {
   std::string safe;
   safe.reserve(text.size());
   for (const char c : text) {
-    if (c == '<') safe += "\\u003c";
-    else safe += c;
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
   }
   return safe;
 }

@@ -7,6 +7,6 @@ void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("filmstrip_frames", filmstrip_frames, {2.0, 24.0}, "stills per filmstrip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 1, "mocurate-annotate"}; }
+StageDeclaration ReportDeclaration() { return {"report", 2, "mocurate-annotate"}; }
 
 }  // namespace mocurate

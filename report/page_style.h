@@ -25,9 +25,10 @@ p { margin: 0 0 10px; max-width: 78ch; } a { color: var(--after); }
 .soft { color: var(--soft); font-size: 14px; }
 section { background: var(--card); border: 1px solid var(--rule); border-radius: 10px; padding: 20px 24px; margin: 20px 0; }
 nav ol { list-style: none; display: flex; flex-wrap: wrap; gap: 4px 18px; padding: 0; margin: 16px 0 0; font-size: 14px; }
+dt { font-weight: 600; } dd { margin: 0 0 8px; max-width: 78ch; } #reading dl { margin: 0; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 12px; margin: 20px 0 4px; padding: 0; }
 .tiles div { background: var(--card); border: 1px solid var(--rule); border-radius: 10px; padding: 12px 16px; }
-.tiles dt { color: var(--soft); font-size: 13px; } .tiles dd { margin: 0; font-size: 24px; font-weight: 600; }
+.tiles dt { color: var(--soft); font-size: 13px; font-weight: 400; } .tiles dd { margin: 0; font-size: 24px; font-weight: 600; }
 .tiles small { display: block; font-size: 13px; font-weight: 400; color: var(--soft); }
 .scroll { overflow-x: auto; margin: 8px 0 14px; }
 table { border-collapse: collapse; font-size: 14px; } caption { text-align: left; color: var(--soft); padding-bottom: 6px; }
@@ -45,6 +46,7 @@ svg { display: block; width: 100%; height: auto; } svg.strip { background: var(-
 .bone { stroke: var(--after); stroke-width: 3; stroke-linecap: round; } .bone.left { stroke: var(--left); }
 .bone.right { stroke: var(--right); }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); gap: 14px 28px; margin: 12px 0; }
+.charts.wide { grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); }
 figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-bottom: 4px; }
 .clip { display: grid; grid-template-columns: minmax(0, 1fr) 300px; gap: 18px; align-items: start; }
 .player canvas { width: 100%; height: 240px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
@@ -55,15 +57,17 @@ figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-b
 .controls input[type=range] { flex: 1; min-width: 70px; } .controls output { min-width: 52px; text-align: right; }
 button { font: inherit; padding: 2px 10px; min-width: 64px; border: 1px solid var(--rule); border-radius: 6px; background: var(--card);
   color: inherit; cursor: pointer; }
-.overlays { display: flex; flex-wrap: wrap; gap: 14px; margin-top: 12px; } .overlays figure { flex: 1 1 260px; max-width: 420px; }
-.overlays img { width: 100%; height: auto; display: block; border-radius: 8px; background: #000; }
+.overlays { display: flex; flex-wrap: wrap; gap: 14px; margin-top: 14px; }
+.overlays img { max-width: 100%; height: 400px; object-fit: contain; display: block; border-radius: 8px; }
+.overlays figcaption { margin: 4px 0 0; }
 .heat td { text-align: center; padding: 3px 0; min-width: 30px; border: 1px solid var(--card); } .heat td:empty { background: var(--page); }
 .heat th { padding: 3px 10px 3px 0; border: 0; } .heat thead th { text-align: center; padding: 3px 0; } .heat .hot { color: #fff; }
 .key span { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin: 0 5px 0 12px; vertical-align: -1px; }
 .key .k-before { background: var(--before); margin-left: 0; } .key .k-left { background: var(--left); } .key .k-right { background: var(--right); }
 .key .k-good { background: var(--good); margin-left: 0; } .key .k-doubt { background: var(--doubt); } .key .k-bad { background: var(--bad); }
 .key .k-after { background: var(--after); }
-@media (max-width: 760px) { .clip { grid-template-columns: 1fr; } header, main, footer { padding-left: 14px; padding-right: 14px; } }
+summary { cursor: pointer; font-size: 14px; color: var(--soft); }
+@media (max-width: 760px) { .charts.wide { grid-template-columns: 1fr; } .clip { grid-template-columns: 1fr; } header, main, footer { padding-left: 14px; padding-right: 14px; } }
 @media print { section { break-inside: avoid; } .player { display: none; } .clip { grid-template-columns: 1fr; } }
 )css";
 

@@ -1,21 +1,112 @@
+#include <map>
+#include <nlohmann/json.hpp>
+
 #include "core/base/file.h"
+#include "core/store/store.h"
 #include "report/options.h"
+#include "report/page.h"
+#include "report/pictures.h"
+#include "report/run_facts.h"
 #include "report/stages.h"
 
 namespace mocurate {
+namespace {
+
+std::string RankOf(std::size_t position, std::size_t count) {
+  if (position == 0) return "best fit";
+  if (position + 1 == count) return "worst fit";
+  if (count % 2 == 1 && position == count / 2) return "median fit";
+  return "fit " + std::to_string(position + 1) + " of " + std::to_string(count) + " drawn";
+}
+
+nlohmann::json FiguresOf(const nlohmann::json& run, const std::string& item) {
+  for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
+    if (TextOf(clip, "item") == item) return Field(clip, "fitting");
+  }
+  return nullptr;
+}
+
+Expected<nlohmann::json> ReadRun(const StageInput& input) {
+  const auto text = ReadFile(input.path);
+  if (!text) return Forward(text);
+  nlohmann::json run = nlohmann::json::parse(*text, nullptr, false);
+  if (!run.is_object())
+    return Fail(ErrorCode::kMalformed, "the summary of the run is no JSON object", DisplayPath(input.path));
+  return run;
+}
+
+/// One clip with its fit; a clip that cannot be read costs its strip, not the page.
+Expected<DrawnClip> ReadDrawn(const StageInput& evidence, const StageInput* fit,
+                              const std::map<std::string, std::filesystem::path>& depth_files) {
+  DrawnClip drawn;
+  drawn.item = evidence.name;
+  auto clip = ReadEvidence(evidence.path);
+  if (!clip) return Forward(clip);
+  drawn.evidence = std::move(*clip);
+  ResolveDepthFiles(depth_files, drawn.evidence.evidence);
+  if (fit == nullptr) return drawn;
+  if (fit->path == evidence.path) {
+    drawn.fitted = drawn.evidence;
+    return drawn;
+  }
+  auto fitted = ReadDataset(fit->path);
+  if (!fitted) return Forward(fitted);
+  if (fitted->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit holds no clip", fit->name);
+  drawn.fitted = std::move(fitted->clips.front());
+  return drawn;
+}
+
+void ReadDrawnClips(const StageRequest& request, ReportInput& input) {
+  std::map<std::string, const StageInput*> fits;
+  std::map<std::string, std::filesystem::path> depth_files;
+  for (const StageInput& candidate : request.inputs) {
+    if (candidate.role == "fit") fits[candidate.name] = &candidate;
+    if (candidate.role == "depth") depth_files[candidate.name] = candidate.path;
+  }
+  for (const StageInput& candidate : request.inputs) {
+    if (candidate.role != "evidence") continue;
+    const auto fit = fits.find(candidate.name);
+    auto drawn = ReadDrawn(candidate, fit == fits.end() ? nullptr : fit->second, depth_files);
+    if (!drawn) {
+      input.not_drawn.push_back(candidate.name + ": " + drawn.error().Message());
+      continue;
+    }
+    drawn->figures = FiguresOf(input.run, candidate.name);
+    input.drawn.push_back(std::move(*drawn));
+  }
+  for (std::size_t i = 0; i < input.drawn.size(); ++i) {
+    DrawnClip& clip = input.drawn[i];
+    clip.rank = NumberOf(clip.figures, "residual_rms_mm") ? RankOf(i, input.drawn.size()) : "given motion";
+  }
+}
+
+}  // namespace
 
 Expected<StageOutcome> ReportStage(const StageRequest& request) {
-  std::string text;
-  for (const StageInput& input : request.inputs) {
-    if (input.role != "run") continue;
-    const auto run = ReadFile(input.path);
-    if (!run) return Forward(run);
-    text = *run;
+  const auto options = OptionsFromJson<ReportOptions>(request.options, "report");
+  if (!options) return Forward(options);
+  ReportInput input;
+  input.options = *options;
+  bool has_run = false;
+  for (const StageInput& candidate : request.inputs) {
+    if (candidate.role == "run") {
+      auto run = ReadRun(candidate);
+      if (!run) return Forward(run);
+      input.run = std::move(*run);
+      has_run = true;
+    } else if (candidate.role == "dataset") {
+      auto dataset = ReadDataset(candidate.path);
+      if (!dataset) return Forward(dataset);
+      input.dataset = std::move(*dataset);
+    }
   }
-  if (Status written = WriteFile(request.output, "<!doctype html><meta charset=utf-8><pre>" + text + "</pre>\n"); !written) {
-    return Forward(written);
-  }
-  return StageOutcome();
+  if (!has_run) return Fail(ErrorCode::kInternal, "the report got no summary of a run", request.item);
+  ReadDrawnClips(request, input);
+  const std::string page = MakePage(input);
+  if (Status written = WriteFile(request.output, page); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"bytes", page.size()}, {"drawn", input.drawn.size()}, {"not_drawn", input.not_drawn.size()}};
+  return outcome;
 }
 
 }  // namespace mocurate

@@ -4,8 +4,8 @@
 
 namespace mocurate {
 
-/// Inputs: role "run" (run summary JSON), "dataset", "metrics", "fit_error", "evidence" and "fit" of the clips to draw ->
-/// one self-contained HTML page.
+/// Inputs: role "run" (run summary JSON), "dataset", "metrics", "fit_error", "evidence" and "fit" of the clips to draw
+/// -> one self-contained HTML page.
 Expected<StageOutcome> ReportStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -11,11 +11,13 @@ namespace {
 constexpr int kWidth = 640;
 
 std::string Open(int width, int height, const std::string& title) {
-  return "<svg viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(height) + "\" role=\"img\" aria-label=\"" +
-         EscapeHtml(title) + "\" style=\"max-width:" + std::to_string(width) + "px\">\n";
+  return "<svg viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(height) +
+         "\" role=\"img\" aria-label=\"" + EscapeHtml(title) + "\" style=\"max-width:" + std::to_string(width) +
+         "px\">\n";
 }
 
-std::string Rect(double x, double y, double width, double height, const std::string& css_class, const std::string& tip) {
+std::string Rect(double x, double y, double width, double height, const std::string& css_class,
+                 const std::string& tip) {
   return "<rect x=\"" + Coordinate(x) + "\" y=\"" + Coordinate(y) + "\" width=\"" + Coordinate(width) + "\" height=\"" +
          Coordinate(height) + "\" class=\"" + css_class + "\">" +
          (tip.empty() ? "" : "<title>" + EscapeHtml(tip) + "</title>") + "</rect>\n";
@@ -133,8 +135,10 @@ std::string BarChart::Svg() const {
 std::string TwoSidedHistogram::Svg() const {
   constexpr int kBins = 48;
   constexpr double kHalf = 52.0;
-  const Frame frame{8.0, kWidth / 2.0 - 8.0, 8.0, 8.0 + 2 * kHalf, 0.0,
-                    std::max({Quantile(before, 0.98), Quantile(after, 0.98), 1e-9}), 0.0, 1.0};
+  const Frame frame{8.0, kWidth / 2.0 - 8.0,
+                    8.0, 8.0 + 2 * kHalf,
+                    0.0, std::max({Quantile(before, 0.98), Quantile(after, 0.98), 1e-9}),
+                    0.0, 1.0};
   std::string svg = Open(kWidth / 2, 148, title);
   const double width = (frame.right - frame.left) / kBins;
   const double middle = frame.top + kHalf;
@@ -145,7 +149,8 @@ std::string TwoSidedHistogram::Svg() const {
     for (int bin = 0; bin < kBins; ++bin) {
       if (counts[bin] == 0) continue;
       const double height = std::max(1.0, (kHalf - 4.0) * counts[bin] / most);
-      const std::string tip = std::to_string(counts[bin]) + " clips, from " + MarkText(std::round(1e3 * frame.x_high * bin / kBins) / 1e3) + " " + unit +
+      const std::string tip = std::to_string(counts[bin]) + " clips, from " +
+                              MarkText(std::round(1e3 * frame.x_high * bin / kBins) / 1e3) + " " + unit +
                               (bin + 1 == kBins ? " up" : "");
       svg += Rect(frame.left + bin * width, side == 0 ? middle - 1 - height : middle + 1, width - 0.8, height,
                   side == 0 ? "before" : "after", tip);
@@ -183,8 +188,8 @@ std::string LineChart::Svg() const {
       if (std::isfinite(x) && std::isfinite(y)) svg += Coordinate(frame.x(x)) + "," + Coordinate(frame.y(y)) + " ";
     }
     svg += "\"><title>" + EscapeHtml(curves[i].name) + "</title></polyline>\n";
-    svg += "<line x1=\"" + Coordinate(key_x) + "\" y1=\"250\" x2=\"" + Coordinate(key_x + 18) + "\" y2=\"250\" class=\"" +
-           css_class + "\"/>\n" + Text(key_x + 24, 254, curves[i].name, "start");
+    svg += "<line x1=\"" + Coordinate(key_x) + "\" y1=\"250\" x2=\"" + Coordinate(key_x + 18) +
+           "\" y2=\"250\" class=\"" + css_class + "\"/>\n" + Text(key_x + 24, 254, curves[i].name, "start");
     key_x += 42.0 + 6.6 * static_cast<double>(curves[i].name.size());
   }
   return svg + "</svg>\n";

@@ -28,8 +28,8 @@ struct BarChart {
   std::string Svg() const;
 };
 
-/// Two samples of one measure over a common axis: `before` upwards, `after` downwards. Values beyond the 98th percentile
-/// of both gather in the last bin.
+/// Two samples of one measure over a common axis: `before` upwards, `after` downwards. Values beyond the 98th
+/// percentile of both gather in the last bin.
 struct TwoSidedHistogram {
   std::string title;
   std::string unit;

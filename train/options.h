@@ -13,7 +13,7 @@ namespace mocurate {
 enum class RecogniserInputKind { kResample, kCrop };
 enum class InitialHidden { kZero, kNormal };
 
-/// Random changes of training clips, drawn anew each time a clip is read. All zero: none.
+/// Random changes of training clips, drawn anew each time a clip is read. All zero: none (the default for generators).
 struct AugmentationOptions {
   double yaw_rad = 0.0;  ///< rotation about the vertical, uniform in +-
   double scale = 0.0;    ///< size, uniform in 1 +-
@@ -30,9 +30,9 @@ struct RecogniserOptions {
   RecogniserInputKind input = RecogniserInputKind::kResample;
   std::int64_t frames = 60;
   std::int64_t hidden = 128;
-  std::int64_t epochs = 120;
+  std::int64_t epochs = 60;
   std::int64_t batch = 32;
-  double learning_rate = 1e-3;
+  double learning_rate = 2e-3;
   double weight_decay = 0.0;
   double label_smoothing = 0.0;
   bool standardise = true;     ///< train on standardised numbers, folded into the weights afterwards
@@ -42,7 +42,7 @@ struct RecogniserOptions {
   std::int64_t check_every = 5;      ///< epochs between two checks on the validation fold
   bool refit = true;                 ///< train again on all training clips once the number of epochs is chosen
   double smallest_validation = 0.1;  ///< without a validation part and persons: fraction of the training clips held out
-  AugmentationOptions augmentation;
+  AugmentationOptions augmentation = {0.35, 0.1, 0.01, 0.15, 0.2, false};
   void Declare(OptionVisitor& v);
 };
 

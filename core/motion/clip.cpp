@@ -6,4 +6,13 @@ std::string ClipIdentity::id() const {
   return source + "/" + person + "/" + recording + "#" + std::to_string(begin_frame) + "-" + std::to_string(end_frame);
 }
 
+void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence) {
+  for (DepthView& view : evidence.depth_views) {
+    for (std::filesystem::path& file : view.files) {
+      const auto found = files.find(file.string());
+      if (found != files.end()) file = found->second;
+    }
+  }
+}
+
 }  // namespace mocurate

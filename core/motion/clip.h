@@ -61,6 +61,9 @@ struct Evidence {
   bool empty() const { return !tracks && depth_views.empty(); }
 };
 
+/// Depth images are referred to by their names in the source's folder; `files` says where each lies now.
+void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence);
+
 struct Clip {
   ClipIdentity identity;
   std::string label;  ///< of the whole clip, or empty

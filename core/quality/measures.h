@@ -7,16 +7,16 @@
 
 namespace mocurate {
 
-/// Quality figures of a motion or of tracks; each is over what is present only. Smoothness says nothing about truth: read
-/// it beside a residual.
+/// Quality figures of a motion or of tracks; each is over what is present only. Smoothness says nothing about truth:
+/// read it beside a residual.
 struct MotionMeasures {
   int frames = 0;
-  double bone_spread_mm = 0.0;               ///< mean of bone_spreads_mm over bones present in two or more frames
-  std::vector<double> bone_spreads_mm;       ///< (J) standard deviation over frames of each bone's length; root 0
-  double jerk = 0.0;                         ///< m/s^3, root mean square of the third derivative of joint positions
-  double missing_share = 0.0;                ///< of the samples of joints that are present in any frame
-  int frozen_frames = 0;                     ///< frames in which every joint stands exactly where it stood before
-  double foot_skate = 0.0;                   ///< m/s, mean horizontal speed of the feet while they are on the floor
+  double bone_spread_mm = 0.0;          ///< mean of bone_spreads_mm over bones present in two or more frames
+  std::vector<double> bone_spreads_mm;  ///< (J) standard deviation over frames of each bone's length; root 0
+  double jerk = 0.0;                    ///< m/s^3, root mean square of the third derivative of joint positions
+  double missing_share = 0.0;           ///< of the samples of joints that are present in any frame
+  int frozen_frames = 0;                ///< frames in which every joint stands exactly where it stood before
+  double foot_skate = 0.0;              ///< m/s, mean horizontal speed of the feet while they are on the floor
 };
 
 /// Measures joint positions (F,J,3) in metres, y up. `confidence` (F*J) says what is present (above 0), empty: all.
@@ -27,8 +27,8 @@ MotionMeasures MeasureJoints(const Skeleton& skeleton, const JointPositions& joi
 /// The same for a motion, whose joints are all present.
 MotionMeasures MeasureMotion(const Motion& motion);
 
-/// {"frames", "bone_spread_mm", "bone_spreads_mm": {joint: mm}, "jerk", "missing_share", "frozen_frames", "foot_skate"};
-/// numbers rounded to 6 significant digits.
+/// {"frames", "bone_spread_mm", "bone_spreads_mm": {joint: mm}, "jerk", "missing_share", "frozen_frames",
+/// "foot_skate"}; numbers rounded to 6 significant digits.
 nlohmann::json MeasuresJson(const MotionMeasures& measures, const Skeleton& skeleton);
 
 }  // namespace mocurate

@@ -10,32 +10,25 @@ namespace mocurate {
 
 /// A point of a cloud lies on the surface of its capsule.
 /// Residual: r = weight * (|point - q| - radius), q the nearest point of the capsule's axis; 1 row, weight in 1/m.
-/// Blocks: root_translation[3]; rotation vector[3] of each active joint from the root down to the capsule's frame; with
-/// free bones bone_length[1] of each bone from the root down to the capsule's end joint.
-/// Jacobian, n = (point - q)/|point - q|, t the place of q on the axis: -weight n^T;
-/// -weight (n x (p_a - q))^T A_a; -weight n^T G_parent(k) u_k, times t for the bone that the capsule lies on.
-/// The place t contributes nothing: it is a minimum or stays at an end.
+/// Blocks: root_translation[3]; rotation vector[3] of each active joint from the root down to the capsule's frame.
+/// Jacobian, n = (point - q)/|point - q|: -weight n^T; -weight (n x (p_a - q))^T A_a (see PoseState). The place of q on
+/// the axis contributes nothing: it is a minimum or stays at an end.
 /// Degenerate: a point on the axis itself has no direction: zero Jacobian.
 /// Source: articulated point-to-model registration; chain rule as in JointPositionCost.
 class CapsuleDistanceCost final : public ceres::CostFunction {
  public:
   CapsuleDistanceCost(const PoseState& state, int frame, const FleshCapsule& capsule, const Vector3d& point,
-                      double weight, bool free_bones)
-      : state_(state), frame_(frame), capsule_(capsule), point_(point), weight_(weight), free_bones_(free_bones) {
+                      double weight)
+      : state_(state), frame_(frame), capsule_(capsule), point_(point), weight_(weight) {
     set_num_residuals(1);
     const std::size_t turned = state.path(capsule.frame).size() + (state.active(capsule.frame) ? 1 : 0);
     mutable_parameter_block_sizes()->assign(1 + turned, 3);
-    if (!free_bones) return;
-    mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(),
-                                            state.bones(capsule.end_joint).size(), 1);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {
     std::vector<double*> blocks{state.translation(frame_)};
     for (const int a : state.path(capsule_.frame)) blocks.push_back(state.rotation(frame_, a));
     if (state.active(capsule_.frame)) blocks.push_back(state.rotation(frame_, capsule_.frame));
-    if (!free_bones_) return blocks;
-    for (const int k : state.bones(capsule_.end_joint)) blocks.push_back(state.bone(k));
     return blocks;
   }
 
@@ -51,24 +44,17 @@ class CapsuleDistanceCost final : public ceres::CostFunction {
     residuals[0] = weight_ * (distance - capsule_.radius);
     if (jacobians == nullptr) return true;
     const Vector3d pull = distance > 0.0 ? Vector3d(away * (-weight_ / distance)) : Vector3d(Vector3d::Zero());
-    Differentiate(nearest, place, pull, jacobians);
+    Differentiate(nearest, pull, jacobians);
     return true;
   }
 
  private:
-  void Differentiate(const Vector3d& nearest, double place, const Vector3d& pull, double** jacobians) const {
+  void Differentiate(const Vector3d& nearest, const Vector3d& pull, double** jacobians) const {
     std::size_t block = 0;
-    if (jacobians[block] != nullptr) Eigen::Map<Vector3d>(jacobians[block]) = pull;
+    if (jacobians[block] != nullptr) Eigen::Map<Vector3d>{jacobians[block]} = pull;
     ++block;
     for (const int a : state_.path(capsule_.frame)) Turn(a, nearest, pull, jacobians[block++]);
     if (state_.active(capsule_.frame)) Turn(capsule_.frame, nearest, pull, jacobians[block++]);
-    if (!free_bones_) return;
-    for (const int k : state_.bones(capsule_.end_joint)) {
-      double* jacobian = jacobians[block++];
-      if (jacobian == nullptr) continue;
-      const double share = capsule_.end_joint != capsule_.frame && k == capsule_.end_joint ? place : 1.0;
-      *jacobian = share * pull.dot(state_.BoneDirection(frame_, k));
-    }
   }
 
   void Turn(int joint, const Vector3d& nearest, const Vector3d& pull, double* jacobian) const {
@@ -82,7 +68,6 @@ class CapsuleDistanceCost final : public ceres::CostFunction {
   const FleshCapsule& capsule_;
   Vector3d point_;
   double weight_;
-  bool free_bones_;
 };
 
 }  // namespace mocurate

@@ -12,9 +12,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSettled = 1e-3;   ///< m; no joint moves farther: matching again changes nothing that matters
-constexpr double kWidening = 2.0;   ///< the first matching looks this much farther than the later ones
-constexpr int kSolverSteps = 4;     ///< between two matchings
+constexpr double kSettled = 1e-3;  ///< m; joints move less on average: well below the error of the body
+constexpr double kWidening = 2.0;  ///< the first matching looks this much farther than the later ones
+constexpr int kSolverSteps = 4;    ///< between two matchings
 
 ceres::Solver::Options SolverOptions() {
   ceres::Solver::Options solver;
@@ -27,18 +27,16 @@ ceres::Solver::Options SolverOptions() {
   return solver;
 }
 
-std::vector<Vector3d> JointsOf(const PoseState& state, const CloudFrames& frames) {
+std::vector<Vector3d> JointsOf(const PoseState& state, int frame) {
   std::vector<Vector3d> joints;
-  for (int f = frames.begin; f < frames.end; ++f) {
-    for (int j = 0; j < state.joints(); ++j) joints.push_back(state.position(f, j));
-  }
+  for (int j = 0; j < state.joints(); ++j) joints.push_back(state.position(frame, j));
   return joints;
 }
 
-double LargestMove(const std::vector<Vector3d>& before, const std::vector<Vector3d>& after) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < before.size(); ++i) largest = std::max(largest, (after[i] - before[i]).norm());
-  return largest;
+double MeanMove(const std::vector<Vector3d>& before, const std::vector<Vector3d>& after) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) sum += (after[i] - before[i]).norm();
+  return sum / static_cast<double>(before.size());
 }
 
 /// From kWidening down to 1 over the first half of the matchings.
@@ -46,59 +44,39 @@ double Widening(int iteration, int iterations) {
   return 1.0 + (kWidening - 1.0) * std::max(0.0, 1.0 - 2.0 * iteration / iterations);
 }
 
-struct BonePrior {
-  std::vector<double> length;
-  std::vector<double> spread;
-};
+}  // namespace
 
-Expected<CapsuleFitOutcome> Iterate(const FleshBody& body, const std::vector<FusedCloud>& clouds, PoseState& state,
-                                    const CloudFrames& frames, const BonePrior& prior,
-                                    const PointCloudOptions& options) {
+Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vector<FusedCloud>& clouds,
+                                          PoseState& state, int frame, bool after_previous, double frame_seconds,
+                                          const PointCloudOptions& options) {
   CapsuleFitOutcome outcome;
   const int iterations = static_cast<int>(options.iterations);
   for (int i = 0; i < iterations && !outcome.converged; ++i) {
-    state.Update(frames.begin, frames.end, false);
+    state.Update(frame, frame + 1, false);
     const double widening = Widening(i, iterations);
-    std::vector<std::vector<CloudMatch>> matches;
+    const std::vector<CloudMatch> matches =
+        MatchPoints(body, state, frame, clouds[frame], widening * options.max_distance);
     std::vector<double> distances;
-    for (int f = frames.begin; f < frames.end; ++f) {
-      matches.push_back(MatchPoints(body, state, f, clouds[f], widening * options.max_distance));
-      for (const CloudMatch& match : matches.back()) distances.push_back(match.distance);
-    }
+    for (const CloudMatch& match : matches) distances.push_back(match.distance);
     outcome.sigma = RobustSigma(std::move(distances));
-    CloudProblem problem(body, state, frames, outcome.sigma, options);
-    for (int f = frames.begin; f < frames.end; ++f) problem.AddFrame(f, clouds[f], matches[f - frames.begin]);
-    if (frames.after_previous) problem.AddStep();
-    if (frames.free_bones) problem.AddBonePriors(prior.length, prior.spread);
+    CloudProblem problem(body, state, {frame, frame + 1, after_previous, frame_seconds}, outcome.sigma, options);
+    problem.AddFrame(frame, clouds[frame], matches);
+    if (after_previous) problem.AddStep();
 
-    const std::vector<Vector3d> before = JointsOf(state, frames);
+    const std::vector<Vector3d> before = JointsOf(state, frame);
     ceres::Solver::Summary summary;
     const OneThread one_thread;
     ceres::Solve(SolverOptions(), &problem.problem(), &summary);
     if (!summary.IsSolutionUsable()) {
-      return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message, "frame " + std::to_string(frames.begin));
+      return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message, "frame " + std::to_string(frame));
     }
     if (i == 0) outcome.initial_cost = summary.initial_cost;
     outcome.final_cost = summary.final_cost;
     ++outcome.iterations;
-    state.Update(frames.begin, frames.end, false);
-    outcome.converged = widening == 1.0 && LargestMove(before, JointsOf(state, frames)) < kSettled;
+    state.Update(frame, frame + 1, false);
+    outcome.converged = widening == 1.0 && MeanMove(before, JointsOf(state, frame)) < kSettled;
   }
   return outcome;
-}
-
-}  // namespace
-
-Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vector<FusedCloud>& clouds, PoseState& state,
-                                          int frame, bool after_previous, double frame_seconds,
-                                          const PointCloudOptions& options) {
-  return Iterate(body, clouds, state, {frame, frame + 1, after_previous, false, frame_seconds}, {}, options);
-}
-
-Expected<CapsuleFitOutcome> FitCloudBones(const FleshBody& body, const std::vector<FusedCloud>& clouds, PoseState& state,
-                                          const std::vector<double>& prior, const std::vector<double>& spread,
-                                          const PointCloudOptions& options) {
-  return Iterate(body, clouds, state, {0, state.frames(), false, true, 0.0}, {prior, spread}, options);
 }
 
 double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,

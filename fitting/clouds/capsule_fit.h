@@ -14,22 +14,16 @@ namespace mocurate {
 struct CapsuleFitOutcome {
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  double sigma = 0.0;   ///< m, robust spread of the distances that the points were weighted with
-  int iterations = 0;   ///< of matching
+  double sigma = 0.0;  ///< m, robust spread of the distances that the points were weighted with
+  int iterations = 0;  ///< of matching
   bool converged = false;
 };
 
 /// Fits one frame from the pose that stands in the state, matching and solving in turn. With `after_previous` the frame
 /// before is held and joins through the walks of the options over `frame_seconds`. `clouds` (F). Error kInternal if the
 /// solver fails.
-Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vector<FusedCloud>& clouds, PoseState& state,
-                                          int frame, bool after_previous, double frame_seconds,
-                                          const PointCloudOptions& options);
-
-/// Fits all frames of the state, each for itself, and the bones they share; bones stay near `prior` by `spread` (J,
-/// metres).
-Expected<CapsuleFitOutcome> FitCloudBones(const FleshBody& body, const std::vector<FusedCloud>& clouds, PoseState& state,
-                                          const std::vector<double>& prior, const std::vector<double>& spread,
+Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vector<FusedCloud>& clouds,
+                                          PoseState& state, int frame, bool after_previous, double frame_seconds,
                                           const PointCloudOptions& options);
 
 /// Mean distance of a frame's points to the body in metres, each at most `max_distance`: compares starts. Needs Update.

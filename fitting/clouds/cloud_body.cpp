@@ -17,22 +17,23 @@ struct TemplateCapsule {
 };
 
 /// Bones whose own capsule is replaced by the template's.
-const std::array<const char*, 9> kReplacedBones = {"spine1", "spine2", "spine3", "neck", "left_collar", "right_collar",
-                                                   "left_hip", "right_hip", "head"};
+const std::array<const char*, 9> kReplacedBones = {"spine1",       "spine2",   "spine3",    "neck", "left_collar",
+                                                   "right_collar", "left_hip", "right_hip", "head"};
 
 /// Cross-sections of the trunk are as wide and as deep as those of the template mesh (mean of the male and the female
 /// body) at their heights; ends of head, hands and feet reach its landmarks.
 const std::vector<TemplateCapsule>& Template() {
   static const std::vector<TemplateCapsule> capsules = {
-      {"pelvis", "pelvis", {-0.065, -0.03, 0.0}, {0.065, -0.03, 0.0}, 0.1},
-      {"spine1", "spine1", {-0.05, -0.02, 0.05}, {0.05, -0.02, 0.05}, 0.097},
-      {"spine2", "spine2", {-0.045, 0.02, 0.058}, {0.045, 0.02, 0.058}, 0.086},
-      {"spine3", "spine3", {-0.045, 0.05, 0.052}, {0.045, 0.05, 0.052}, 0.09},
-      {"spine3", "spine3", {-0.08, 0.15, 0.05}, {0.08, 0.15, 0.05}, 0.1},
-      {"spine3", "spine3", {-0.07, 0.225, 0.03}, {0.07, 0.225, 0.03}, 0.085},
-      {"neck", "head", {0.0, 0.0, 0.01}, {0.0, 0.0, -0.025}, 0.06},
-      {"head", "head", {0.0, -0.01, 0.015}, {0.0, 0.05, 0.005}, 0.09},
-      {"?_ankle", "?_ankle", {0.0, -0.04, -0.015}, {0.0, -0.04, -0.02}, 0.032},
+      {"pelvis", "pelvis", {-0.065, -0.02, 0.001}, {0.065, -0.02, 0.001}, 0.102},
+      {"spine1", "spine1", {-0.05, -0.025, 0.057}, {0.05, -0.025, 0.057}, 0.1},
+      {"spine2", "spine2", {-0.045, 0.017, 0.059}, {0.045, 0.017, 0.059}, 0.087},
+      {"spine3", "spine3", {-0.045, 0.05, 0.055}, {0.045, 0.05, 0.055}, 0.096},
+      {"spine3", "spine3", {-0.08, 0.15, 0.044}, {0.08, 0.15, 0.044}, 0.101},
+      {"spine3", "spine3", {-0.07, 0.223, 0.029}, {0.07, 0.223, 0.029}, 0.09},
+      {"neck", "head", {0.0, 0.0, 0.016}, {0.0, 0.0, -0.02}, 0.058},
+      {"head", "head", {0.0, -0.01, 0.015}, {0.0, 0.06, 0.002}, 0.086},
+      {"?_hip", "?_hip", {0.0, -0.03, 0.005}, {-0.005, -0.12, 0.012}, 0.088},
+      {"?_ankle", "?_ankle", {0.0, -0.04, -0.015}, {0.0, -0.04, -0.02}, 0.031},
   };
   return capsules;
 }
@@ -42,14 +43,18 @@ struct MovedBone {
   const char* end_joint;
   Vector3d begin_offset;
   Vector3d end_offset;
+  double radius;
 };
 
 const std::vector<MovedBone>& MovedBones() {
   static const std::vector<MovedBone> bones = {
-      {"?_knee", {0.0, -0.05, 0.018}, {-0.005, 0.0, 0.01}},
-      {"?_ankle", {0.005, -0.02, -0.02}, {0.0, 0.03, -0.012}},
-      {"?_foot", {0.0, -0.015, 0.02}, {0.0, 0.01, 0.03}},
-      {"?_hand", {0.0, 0.0, 0.0}, {0.055, 0.0, 0.0}},
+      {"?_knee", {-0.005, -0.05, 0.02}, {-0.005, 0.0, 0.012}, 0.07},
+      {"?_ankle", {0.007, -0.02, -0.022}, {0.004, 0.035, -0.014}, 0.048},
+      {"?_foot", {0.0, -0.02, 0.015}, {0.002, 0.018, 0.025}, 0.031},
+      {"?_shoulder", {0.0, -0.01, -0.004}, {0.0, -0.006, -0.003}, 0.064},
+      {"?_elbow", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.044},
+      {"?_wrist", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.033},
+      {"?_hand", {0.0, -0.004, 0.006}, {0.055, -0.004, 0.006}, 0.032},
   };
   return bones;
 }
@@ -102,6 +107,7 @@ void AddBones(const Skeleton& skeleton, bool has_template, FleshBody& body) {
         if (!has_template || joint.name != Sided(bone.end_joint, right)) continue;
         capsule.begin_offset = Mirrored(bone.begin_offset, right);
         capsule.end_offset = Mirrored(bone.end_offset, right);
+        capsule.radius = bone.radius;
       }
     }
     body.capsules.push_back(capsule);
@@ -130,7 +136,8 @@ void PairMirrors(const Skeleton& skeleton, std::vector<FleshCapsule>& capsules) 
     for (std::size_t k = 0; k < capsules.size(); ++k) {
       if (k == i || skeleton.joints[capsules[i].frame].mirror != capsules[k].frame) continue;
       if (capsules[i].frame == capsules[k].frame) continue;
-      if (skeleton.joints[capsules[i].end_joint].mirror == capsules[k].end_joint) capsules[i].mirror = static_cast<int>(k);
+      if (skeleton.joints[capsules[i].end_joint].mirror == capsules[k].end_joint)
+        capsules[i].mirror = static_cast<int>(k);
     }
   }
 }

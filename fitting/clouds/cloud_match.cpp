@@ -3,18 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/evidence/noise.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kTurnPenalty = 0.04;  ///< m that a surface facing another way counts as farther, per (1 - cosine)
-constexpr double kLeastSigma = 0.003;  ///< m
-constexpr double kPriorPoints = 30.0;  ///< points that the radius known before counts as
-
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kTurnPenalty = 0.04;   ///< m that a surface facing another way counts as farther, per (1 - cosine)
+constexpr double kLeastSigma = 0.003;   ///< m
+constexpr double kPriorPoints = 200.0;  ///< points that the radius known before counts as
 
 }  // namespace
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "fitting/clouds/capsule_distance_cost.h"
-#include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
@@ -42,8 +41,8 @@ CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const CloudF
 
 void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches) {
   for (const CloudMatch& match : matches) {
-    auto* cost = new CapsuleDistanceCost(state_, frame, body_.capsules[match.capsule], cloud.points.col(match.point),
-                                         weight_, frames_.free_bones);
+    auto* cost =
+        new CapsuleDistanceCost(state_, frame, body_.capsules[match.capsule], cloud.points.col(match.point), weight_);
     problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
   }
   for (int j = 1; j < state_.joints(); ++j) {
@@ -68,13 +67,6 @@ void CloudProblem::AddStep() {
   auto* cost = new JointVelocityCost(state_, previous, 0, move_weight, false);
   problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
   problem_.SetParameterBlockConstant(state_.translation(previous));
-}
-
-void CloudProblem::AddBonePriors(const std::vector<double>& prior, const std::vector<double>& spread) {
-  for (int j = 1; j < state_.joints(); ++j) {
-    if (!problem_.HasParameterBlock(state_.bone(j))) continue;
-    problem_.AddResidualBlock(new BonePriorCost(prior[j], spread[j]), nullptr, state_.bone(j));
-  }
 }
 
 }  // namespace mocurate

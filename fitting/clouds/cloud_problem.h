@@ -16,7 +16,6 @@ struct CloudFrames {
   int begin = 0;
   int end = 0;
   bool after_previous = false;  ///< frame begin - 1 is held and joins through the walks of the options
-  bool free_bones = false;
   double frame_seconds = 0.0;
 };
 
@@ -30,7 +29,6 @@ class CloudProblem {
   void AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches);
   /// Joins the first frame to the one before it, which is held.
   void AddStep();
-  void AddBonePriors(const std::vector<double>& prior, const std::vector<double>& spread);
 
   ceres::Problem& problem() { return problem_; }
 

@@ -8,9 +8,10 @@
 
 namespace mocurate {
 
-/// Bone lengths of one person from the depth views of their clips (J, metres): the size from the person's height, each
-/// clip tracked with bones of that size, then a few of its frames fitted together with free bones; the mean over clips,
-/// left and right the same. At most two clips are looked at. No clips: the rest lengths. Errors of FitClouds.
+/// Bone lengths of one person from the depth views of their clips (J, metres): the rest lengths times one scale, the
+/// median height of a few fused clouds of each clip against the rest body's. For people who stand upright in most
+/// frames. Single bones are not free: against a capsule body they take up the error of its shape. No clips: the rest
+/// lengths. Errors of FitClouds.
 Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton,
                                                     const PointCloudOptions& options);
 

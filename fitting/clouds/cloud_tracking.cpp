@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fitting/clouds/cloud_match.h"
+#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -17,13 +18,15 @@ constexpr std::array<double, 3> kTurns = {0.0, -kPi / 4.0, kPi / 4.0};  ///< tri
 constexpr std::array<double, 2> kArmsDown = {0.0, 1.3};                 ///< rad from the T-pose
 constexpr int kRadiusRounds = 4;
 constexpr int kFewestPoints = 100;
+constexpr double kSmallest = 0.4;  ///< of a person against the rest skeleton
+constexpr double kLargest = 1.5;
 
 /// Lowest and highest point along y; a few stray points do not count.
 std::pair<double, double> Height(const Eigen::Matrix3Xd& points) {
   std::vector<double> y(points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) y[i] = points(1, i);
   std::sort(y.begin(), y.end());
-  const std::size_t stray = y.size() / 500;
+  const std::size_t stray = y.size() / 2000;
   return {y[stray], y[y.size() - 1 - stray]};
 }
 
@@ -67,7 +70,8 @@ Status FindStart(const CloudTrack& track, int frame, const PointCloudOptions& op
   std::vector<double> best;
   for (const double turn : kTurns) {
     for (const double arms_down : kArmsDown) {
-      StartPose(track.body, track.clouds[frame], frame, options.start_facing_deg * kPi / 180.0 + turn, arms_down, state);
+      StartPose(track.body, track.clouds[frame], frame, options.start_facing_deg * kPi / 180.0 + turn, arms_down,
+                state);
       const auto fit = FitCloudFrame(track.body, track.clouds, state, frame, false, 0.0, options);
       if (!fit) return Forward(fit);
       const double distance = MeanDistance(track.body, track.clouds[frame], state, frame, options.max_distance);
@@ -92,7 +96,7 @@ Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& tra
   return {};
 }
 
-/// Follows from `first` to `last`, either way in time.
+/// Follows the frames after `first`; those before it had no points.
 Status Follow(int first, double frame_seconds, const PointCloudOptions& options, CloudTrack& track) {
   for (int f = first + 1; f < track.state.frames(); ++f) {
     const std::vector<double> previous = Parameters(track.state, f - 1);
@@ -112,6 +116,10 @@ Status Follow(int first, double frame_seconds, const PointCloudOptions& options,
 }  // namespace
 
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options) {
+  return FuseClip(clip, options, std::numeric_limits<int>::max());
+}
+
+Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames) {
   const std::vector<DepthView>& views = clip.evidence.depth_views;
   if (views.empty() || views[0].files.empty()) {
     return Fail(ErrorCode::kInconsistent, "the clip has no depth images", clip.id(),
@@ -124,8 +132,11 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
                     views[0].camera.name + "' has " + std::to_string(views[0].files.size()),
                 clip.id(), "views must be synchronous");
   }
+  const auto available = static_cast<int>(views[0].files.size());
+  const int count = std::min(frames, available);
   std::vector<FusedCloud> clouds;
-  for (int f = 0; f < static_cast<int>(views[0].files.size()); ++f) {
+  for (int i = 0; i < count; ++i) {
+    const auto f = static_cast<int>(static_cast<long long>(i) * available / count);
     Expected<FusedCloud> cloud = FuseViews(views, f, {options.voxel_size, options.outliers});
     if (!cloud) return Forward(cloud);
     clouds.push_back(std::move(*cloud));
@@ -133,15 +144,19 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
   return clouds;
 }
 
-double ScaleFromHeight(const Skeleton& skeleton, const std::vector<FusedCloud>& clouds) {
-  const auto first = std::find_if(clouds.begin(), clouds.end(), [](const FusedCloud& c) { return c.size() >= kFewestPoints; });
-  if (first == clouds.end()) return 1.0;
-  const auto [cloud_low, cloud_high] = Height(first->points);
-  const auto body = FleshBody::Make(std::make_shared<const Skeleton>(skeleton), 1.0, 1.0);
-  PoseState rest(skeleton, 1, skeleton.RestBoneLengths(), std::vector<bool>(skeleton.joints.size(), true));
+double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds) {
+  std::vector<double> heights;
+  for (const FusedCloud& cloud : clouds) {
+    if (cloud.size() < kFewestPoints) continue;
+    const auto [low, high] = Height(cloud.points);
+    heights.push_back(high - low);
+  }
+  if (heights.empty()) return 1.0;
+  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
+  PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   rest.Update(0, 1, false);
-  const auto [body_low, body_high] = Height(body, rest, 0);
-  return std::clamp((cloud_high - cloud_low) / (body_high - body_low), 0.4, 1.5);
+  const auto [low, high] = Height(body, rest, 0);
+  return std::clamp(Median(heights) / (high - low), kSmallest, kLargest);
 }
 
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
@@ -158,7 +173,8 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   double length = 0.0;
   double rest_length = 0.0;
   for (std::size_t j = 0; j < rest.size(); ++j) length += bone_length[j], rest_length += rest[j];
-  FleshBody body = FleshBody::Make(skeleton, rest_length > 0.0 ? length / rest_length : 1.0, options.capsule_radius_scale);
+  FleshBody body =
+      FleshBody::Make(skeleton, rest_length > 0.0 ? length / rest_length : 1.0, options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
   CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames)};
   if (Status found = FindStart(track, first, options, track.state); !found) return Forward(found);

@@ -10,18 +10,20 @@ namespace mocurate {
 
 /// A clip's clouds and the body that was tracked through them.
 struct CloudTrack {
-  std::vector<FusedCloud> clouds;  ///< (F)
-  FleshBody body;                  ///< with the person's radii
-  PoseState state;                 ///< all frames
+  std::vector<FusedCloud> clouds;           ///< (F)
+  FleshBody body;                           ///< with the person's radii
+  PoseState state;                          ///< all frames
   std::vector<CapsuleFitOutcome> outcomes;  ///< (F); iterations 0 where a frame has no points
 };
 
-/// Fuses all frames of a clip. Errors of FuseViews; kInconsistent without views or with views of unequal length.
+/// Fuses all frames of a clip, or `frames` of them, evenly spread. Errors of FuseViews; kInconsistent without views or
+/// with views of unequal length.
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options);
+Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames);
 
-/// Size of the person against the rest skeleton, from the height of the first cloud: for who stands upright there. 1
-/// without points.
-double ScaleFromHeight(const Skeleton& skeleton, const std::vector<FusedCloud>& clouds);
+/// Size of the person against the rest skeleton: the median height of clouds against that of the rest body. 1 without
+/// points.
+double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds);
 
 /// Finds the first pose by trying several, measures the radii there, then follows frame after frame. Bones (J, metres)
 /// are held. Error kInconsistent when no frame has points.

@@ -10,7 +10,7 @@
 #include <string>
 #include <tuple>
 
-#include "core/base/file.h"
+#include "core/base/sha256.h"
 #include "fitting/clouds/depth_image.h"
 
 namespace mocurate {

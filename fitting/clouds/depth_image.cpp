@@ -36,8 +36,8 @@ Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path) {
   }
   if (image.num_of_channels_ != 1 || image.bytes_per_channel_ != 2) {
     return Fail(ErrorCode::kMalformed,
-                std::to_string(image.num_of_channels_) + " channels of " + std::to_string(8 * image.bytes_per_channel_) +
-                    " bits, a depth image has one of 16",
+                std::to_string(image.num_of_channels_) + " channels of " +
+                    std::to_string(8 * image.bytes_per_channel_) + " bits, a depth image has one of 16",
                 path.string());
   }
   DepthImage depth{image.width_, image.height_, {}};

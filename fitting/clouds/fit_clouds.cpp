@@ -91,9 +91,9 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
                               const PointCloudOptions& options) {
   Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options);
   if (!clouds) return Forward(clouds);
-  const auto track = TrackClouds(std::move(*clouds), skeleton,
-                                 bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
-                                 1.0 / clip.rate.hz(), options);
+  const auto track =
+      TrackClouds(std::move(*clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
+                  1.0 / clip.rate.hz(), options);
   if (!track) return Forward(track);
   FitResult result;
   result.motion = MotionOf(*track, clip.rate);

@@ -24,7 +24,8 @@ class JointLimitCost final : public ceres::SizedCostFunction<3, 3> {
       residuals[i] = weight_ * beyond;
       slope[i] = beyond == 0.0 ? 0.0 : weight_;
     }
-    if (jacobians != nullptr && jacobians[0] != nullptr) Eigen::Map<Matrix3d>(jacobians[0]).noalias() = Matrix3d(slope.asDiagonal());
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      Eigen::Map<Matrix3d>(jacobians[0]).noalias() = Matrix3d(slope.asDiagonal());
     return true;
   }
 

@@ -23,8 +23,8 @@ class JointPositionCost final : public ceres::CostFunction {
       : state_(state), frame_(frame), joint_(joint), seen_in_world_(seen_in_world), weight_(weight) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->assign(1 + state.path(joint).size(), 3);
-    if (free_bones) mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(),
-                                                            state.bones(joint).size(), 1);
+    if (free_bones)
+      mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), state.bones(joint).size(), 1);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {

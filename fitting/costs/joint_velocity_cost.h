@@ -9,21 +9,20 @@
 namespace mocurate {
 
 /// A joint does not jump between a frame and the next.
-/// Residual: r = weight * (joint_in_world(next) - joint_in_world(frame)), 3 rows; weight = 1 / (walk * sqrt(dt)) with the
-/// walk in m per sqrt(s): unitless, the same for any frame rate.
-/// Blocks: those of JointPositionCost of both frames (root_translation, rotations above), first frame first; with free
-/// bones bone_length[1] from the root down to the joint. For the root: the two translations alone.
-/// Jacobian: that of the position, negative for the first frame; bones: difference of the two directions.
-/// Degenerate: none beyond those of the position.
-/// Source: random-walk prior; weak, it fills gaps rather than smooths.
+/// Residual: r = weight * (joint_in_world(next) - joint_in_world(frame)), 3 rows; weight = 1 / (walk * sqrt(dt)) with
+/// the walk in m per sqrt(s): unitless, the same for any frame rate. Blocks: those of JointPositionCost of both frames
+/// (root_translation, rotations above), first frame first; with free bones bone_length[1] from the root down to the
+/// joint. For the root: the two translations alone. Jacobian: that of the position, negative for the first frame;
+/// bones: difference of the two directions. Degenerate: none beyond those of the position. Source: random-walk prior;
+/// weak, it fills gaps rather than smooths.
 class JointVelocityCost final : public ceres::CostFunction {
  public:
   JointVelocityCost(const PoseState& state, int frame, int joint, double weight, bool free_bones)
       : state_(state), frame_(frame), joint_(joint), weight_(weight) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->assign(2 * (1 + state.path(joint).size()), 3);
-    if (free_bones) mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(),
-                                                            state.bones(joint).size(), 1);
+    if (free_bones)
+      mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), state.bones(joint).size(), 1);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {

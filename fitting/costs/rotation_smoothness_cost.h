@@ -7,12 +7,12 @@
 namespace mocurate {
 
 /// A joint turns little between a frame and the next.
-/// Residual: r = weight * Log(R_frame^T R_next), 3 rows; weight = 1 / (walk * sqrt(dt)) with the walk in rad per sqrt(s):
-/// unitless, the same for any frame rate. Independent of the branch of either rotation vector.
-/// Blocks: rotation vector[3] (parent_from_joint) of the frame, of the next frame.
-/// Jacobian: -weight * J_l^-1(d) J_r(w_frame); weight * J_r^-1(d) J_r(w_next), d = Log(R_frame^T R_next), J_l^-1 = J_r^-T.
-/// Degenerate: a turn of exactly pi between two frames, where Log changes sides; it costs most there and is left at once.
-/// Source: random walk on SO(3); Sola et al. 2018, eqs. 143-147.
+/// Residual: r = weight * Log(R_frame^T R_next), 3 rows; weight = 1 / (walk * sqrt(dt)) with the walk in rad per
+/// sqrt(s): unitless, the same for any frame rate. Independent of the branch of either rotation vector. Blocks:
+/// rotation vector[3] (parent_from_joint) of the frame, of the next frame. Jacobian: -weight * J_l^-1(d) J_r(w_frame);
+/// weight * J_r^-1(d) J_r(w_next), d = Log(R_frame^T R_next), J_l^-1 = J_r^-T. Degenerate: a turn of exactly pi between
+/// two frames, where Log changes sides; it costs most there and is left at once. Source: random walk on SO(3); Sola et
+/// al. 2018, eqs. 143-147.
 class RotationSmoothnessCost final : public ceres::SizedCostFunction<3, 3, 3> {
  public:
   RotationSmoothnessCost(const PoseState& state, int frame, int joint, double weight)
@@ -20,8 +20,7 @@ class RotationSmoothnessCost final : public ceres::SizedCostFunction<3, 3, 3> {
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-    const Vector3d turn =
-        LogMatrix(state_.local(frame_, joint_).transpose() * state_.local(frame_ + 1, joint_));
+    const Vector3d turn = LogMatrix(state_.local(frame_, joint_).transpose() * state_.local(frame_ + 1, joint_));
     Eigen::Map<Vector3d>(residuals).noalias() = weight_ * turn;
     if (jacobians == nullptr) return true;
     const Matrix3d inverse = weight_ * RightJacobianInverse(turn);

@@ -11,15 +11,22 @@ constexpr double kReach_s = 0.12;
 constexpr double kOutlierSigmas = 10.0;
 constexpr double kSmallestOutlier = 0.15;
 
-/// Frames around a frame in which the joint is seen, itself first.
+/// The frame and the same number of frames on both sides in which the joint is seen, so that steady movement does not
+/// shift the median.
 std::vector<int> SeenNearby(const SkeletonTracks& tracks, int frame, int joint) {
-  std::vector<int> nearby{frame};
   const double time = tracks.time_s[frame];
+  std::vector<int> before;
+  std::vector<int> after;
   for (int f = frame - 1; f >= 0 && time - tracks.time_s[f] <= kReach_s; --f) {
-    if (tracks.seen(f, joint)) nearby.push_back(f);
+    if (tracks.seen(f, joint)) before.push_back(f);
   }
   for (int f = frame + 1; f < tracks.frames() && tracks.time_s[f] - time <= kReach_s; ++f) {
-    if (tracks.seen(f, joint)) nearby.push_back(f);
+    if (tracks.seen(f, joint)) after.push_back(f);
+  }
+  std::vector<int> nearby{frame};
+  for (std::size_t i = 0; i < std::min(before.size(), after.size()); ++i) {
+    nearby.push_back(before[i]);
+    nearby.push_back(after[i]);
   }
   return nearby;
 }

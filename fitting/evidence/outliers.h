@@ -6,11 +6,12 @@
 
 namespace mocurate {
 
-/// Median, axis by axis, of what is seen of a joint within 0.12 s of a frame. Metres. The joint must be seen there.
+/// Median, axis by axis, of what is seen of a joint within 0.12 s of a frame, as many
+/// samples before as after. Metres. The joint must be seen there.
 Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint);
 
-/// Samples that jump away and back: further from the running median (of at least three samples) than 10 sigma and 0.15 m.
-/// Their confidence is set to 0; returns which they are. (F*J)
+/// Samples that jump away and back: further from the running median (of at least three samples) than 10 sigma and 0.15
+/// m. Their confidence is set to 0; returns which they are. (F*J)
 std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<double>& joint_sigma);
 
 }  // namespace mocurate

@@ -46,12 +46,12 @@ Status CheckShapes(const JointTracks& tracks) {
   const std::size_t frames = tracks.time_s.size();
   const std::size_t points = tracks.names.size();
   if (static_cast<std::size_t>(tracks.positions.frames) != frames ||
-      static_cast<std::size_t>(tracks.positions.joints) != points || tracks.positions.xyz.size() != 3 * frames * points ||
-      tracks.confidence.size() != frames * points) {
+      static_cast<std::size_t>(tracks.positions.joints) != points ||
+      tracks.positions.xyz.size() != 3 * frames * points || tracks.confidence.size() != frames * points) {
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(frames) + " times and " + std::to_string(points) + " names, but positions are " +
-                    std::to_string(tracks.positions.frames) + " x " + std::to_string(tracks.positions.joints) + " and " +
-                    std::to_string(tracks.confidence.size()) + " confidences",
+                    std::to_string(tracks.positions.frames) + " x " + std::to_string(tracks.positions.joints) +
+                    " and " + std::to_string(tracks.confidence.size()) + " confidences",
                 "tracks");
   }
   for (std::size_t f = 0; f < frames; ++f) {

@@ -7,8 +7,8 @@
 
 namespace mocurate {
 
-/// Joint tracks sorted by the joints of a skeleton. F frames, J joints. Where confidence is 0 the position is 0 and means
-/// nothing. Metres, canonical world.
+/// Joint tracks sorted by the joints of a skeleton. F frames, J joints. Where confidence is 0 the position is 0 and
+/// means nothing. Metres, canonical world.
 struct SkeletonTracks {
   SkeletonPtr skeleton;
   std::vector<double> time_s;      ///< (F) increasing

@@ -9,9 +9,9 @@ namespace mocurate {
 /// Bone lengths read from tracks. (J), metres.
 struct BoneEstimate {
   std::vector<double> length;
-  std::vector<int> samples;        ///< (J) observed lengths behind each; 0: inferred from the rest skeleton
-  std::vector<double> spread;      ///< (J) robust standard deviation over frames, metres; 0 without samples
-  double scale = 1.0;              ///< of the person against the rest skeleton
+  std::vector<int> samples;    ///< (J) observed lengths behind each; 0: inferred from the rest skeleton
+  std::vector<double> spread;  ///< (J) robust standard deviation over frames, metres; 0 without samples
+  double scale = 1.0;          ///< of the person against the rest skeleton
 };
 
 /// Median of the observed lengths of each bone, freed of what noise adds: with noise of sigma per axis at both ends the

@@ -36,7 +36,8 @@ class PoseUpdate final : public ceres::EvaluationCallback {
 class TrackProblem {
  public:
   TrackProblem(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
-               const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options, int begin, int end);
+               const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options, int begin,
+               int end);
 
   ceres::Problem& problem() { return problem_; }
 

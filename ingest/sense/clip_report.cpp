@@ -119,7 +119,7 @@ Json FirstFrame(const ObservedClip& clip) {
   return Value(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
 
-void NameFields(const SourceOptions& source, const std::string& file, Json& json, Json& findings) {
+void AddNameFields(const SourceOptions& source, const std::string& file, Json& json, Json& findings) {
   const auto named = ReadName(source, file);
   if (!named) {
     findings.push_back(InspectionFinding("name_mismatch", Severity::kWarning, file, 0.0, named.error().Message()));
@@ -143,7 +143,7 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   const Statements said = StatementsOf(clip, source);
   const std::string where = file + clip.id;
   Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
-  if (source) NameFields(*source, file, json, findings);
+  if (source) AddNameFields(*source, file, json, findings);
   json["frames"] = Value(clip.frames, "measured", 1.0, clip.layout_evidence);
   json["rate_hz"] = RateOf(clip, source, m);
   const bool has_joints = clip.joints > 0;

@@ -61,6 +61,14 @@ Expected<std::string> ReadHead(const std::filesystem::path& path) {
   return head;
 }
 
+const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
+  if (kind == FileKind::kEmpty) return "empty_file";
+  if (kind == FileKind::kUnknown) return "unknown_format";
+  if (error == ErrorCode::kUnsupported) return "no_motion";
+  if (error == ErrorCode::kInconsistent) return declared ? "layout_contradiction" : "no_joint_seen";
+  return "malformed";
+}
+
 /// One file. `in_folder`: files of unknown content are counted instead of being errors.
 void InspectFile(const FileToInspect& file, const std::optional<SourceOptions>& source, bool in_folder,
                  Json& inspection, std::vector<std::string>& others) {
@@ -87,10 +95,7 @@ void InspectFile(const FileToInspect& file, const std::optional<SourceOptions>& 
       others.push_back(file.name);
       return;
     }
-    const char* code = kind == FileKind::kEmpty     ? "empty_file"
-                       : kind == FileKind::kUnknown ? "unknown_format"
-                       : no_motion                  ? "no_motion"
-                                                    : "malformed";
+    const char* code = CodeOf(clips.error().code, kind, source.has_value());
     return AddError(clips.error(), file.name, code, findings);
   }
   for (const ObservedClip& clip : *clips) inspection["clips"].push_back(ClipReport(clip, file.name, source, findings));

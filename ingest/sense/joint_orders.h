@@ -29,10 +29,14 @@ struct BodyScore {
   double spread = 0.0;      ///< mean over bones of the robust relative spread of their length
   double proportion = 0.0;  ///< mean distance of log lengths from the rest skeleton's, after the best common scale
   double total() const { return spread + 0.5 * proportion; }
+  /// Whether this is a body read in the right order. Trackers' bodies have proportions off by 0.2 at most, other
+  /// numbers by 0.45 and more.
+  bool IsBody() const { return total() < kBodyLike && proportion < kBodyProportion; }
+  static constexpr double kBodyLike = 0.35;
+  static constexpr double kBodyProportion = 0.4;
 };
-
-/// Above this, points are no body read in the right order.
-inline constexpr double kBodyLike = 0.35;
+/// Above this Rigidity, points are no joints.
+inline constexpr double kRigid = 0.2;
 
 /// Bones between points named as joints of `skeleton`; joints without a point are stepped over.
 std::vector<ObservedBone> BonesOf(const std::vector<std::string>& joints, const Skeleton& skeleton);

@@ -7,6 +7,9 @@
 namespace mocurate {
 namespace {
 
+constexpr int kFewestFrames = 8;     // fewer tell no spread of lengths
+constexpr double kPlausible = 0.12;  // a declared order that scores better is not doubted
+
 /// Points by the names of a skeleton.
 HandednessPoints PointsByName(const std::vector<std::string>& names, const Skeleton& skeleton) {
   return FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
@@ -27,33 +30,40 @@ std::string Words(const OrderScore& score) {
 
 }  // namespace
 
-void RecogniseOrder(ObservedClip& clip) {
+bool RecogniseOrder(ObservedClip& clip) {
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
-  if (scores.empty() || scores[0].score.total() > kBodyLike) {
-    const double rigidity = Rigidity(clip.positions, clip.confidence);
-    if (!scores.empty())
-      clip.skeleton_evidence = "the best of the known orders does not fit; " + Words(scores[0]);
-    else
-      clip.skeleton_evidence = "no known order has " + std::to_string(clip.joints) + " joints";
-    if (rigidity > kBodyLike) {
-      clip.remarks.push_back({"not_joint_positions", Severity::kError, rigidity,
-                              "no two points keep their distance (it changes by " + Rounded(100.0 * rigidity) +
-                                  " % for the most rigid pairs): these numbers are no joint positions"});
-    }
-    return;
+  if (scores.empty() || !scores[0].score.IsBody()) {
+    clip.skeleton_evidence = scores.empty() ? "no known order has " + std::to_string(clip.joints) + " joints"
+                                            : "the best of the known orders does not fit; " + Words(scores[0]);
+    return false;
   }
   const OrderScore& best = scores[0];
   clip.names = best.order->joints;
   clip.skeleton = best.order->skeleton;
   clip.skeleton_from = "measured";
   clip.skeleton_evidence = Words(best);
-  clip.skeleton_confidence = 1.0 - best.score.total() / kBodyLike;
+  clip.skeleton_confidence = 1.0 - best.score.total() / BodyScore::kBodyLike;
   if (scores.size() > 1) {
     const double margin = 1.0 - best.score.total() / std::max(1e-9, scores[1].score.total());
     clip.skeleton_confidence = std::min(1.0, std::max(clip.skeleton_confidence, 0.0) * 0.5 + margin * 0.5);
     clip.skeleton_evidence += "; next is " + Words(scores[1]);
   }
   if (const auto skeleton = LoadSkeleton(clip.skeleton)) clip.points = PointsByName(clip.names, **skeleton);
+  return true;
+}
+
+void DoubtPositions(ObservedClip& clip) {
+  const double rigidity = Rigidity(clip.positions, clip.confidence);
+  const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
+  if (rigidity > kRigid) {
+    clip.remarks.push_back({"not_joint_positions", Severity::kError, rigidity,
+                            "no two points keep their distance (it changes by " + Rounded(100.0 * rigidity) +
+                                " % for the most rigid pairs): these numbers are no joint positions"});
+  } else if (!scores.empty()) {
+    clip.remarks.push_back({"not_joint_positions", Severity::kError, scores[0].score.proportion,
+                            "in no known order do the points make a body (" + Words(scores[0]) +
+                                "): rotations, or an order that is not known"});
+  }
 }
 
 void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
@@ -81,8 +91,8 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   clip.skeleton_evidence = "bones change their length by " + Rounded(100.0 * score.spread) +
                            " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
-  if (clip.frames < 8 || scores.empty() || score.total() < kBodyLike) return;
-  if (scores[0].score.total() > kBodyLike || scores[0].score.total() > 0.6 * score.total()) return;
+  const bool better = !scores.empty() && scores[0].score.IsBody() && scores[0].score.total() < 0.6 * score.total();
+  if (clip.frames < kFewestFrames || score.total() < kPlausible || !better) return;
   clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
                           "read in the declared order, " + clip.skeleton_evidence + "; " + Words(scores[0])});
 }

@@ -223,8 +223,8 @@ Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std
     clip.layout_evidence = "shape " + shape + " of " + array->dtype;
     if (source && source->format == SourceFormat::kNpy)
       DeclareOrder(*source, clip);
-    else
-      RecogniseOrder(clip);
+    else if (!RecogniseOrder(clip))
+      DoubtPositions(clip);
     observed.push_back(std::move(clip));
   }
   return observed;

@@ -112,39 +112,58 @@ double Roughness(const ObservedClip& clip) {
   return size > 0.0 ? median(steps) / size : 1.0;
 }
 
-/// The best reading: a known order that fits, else the smoothest one.
-Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& name) {
-  const std::vector<Layout> layouts = PossibleLayouts(rows.frames, rows.columns);
-  std::optional<ObservedClip> best, smoothest;
-  double least_rough = 2.0;
+bool IsKnownCount(int joints) {
+  const std::vector<JointOrder>& orders = KnownJointOrders();
+  return std::any_of(orders.begin(), orders.end(),
+                     [&](const JointOrder& order) { return static_cast<int>(order.joints.size()) == joints; });
+}
+
+/// The surest reading in a known order; a remark names the other counts that fit.
+std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vector<Layout>& layouts) {
+  std::optional<ObservedClip> best;
   std::string others;
   for (const Layout& layout : layouts) {
-    if (rows.frames % layout.rows_per_frame != 0) continue;
+    if (!IsKnownCount(layout.joints)) continue;
+    ObservedClip clip = Read(rows, layout);
+    if (!RecogniseOrder(clip) || Roughness(clip) > kSmooth) continue;
+    const bool better = !best || clip.skeleton_confidence > best->skeleton_confidence;
+    if (best) {
+      others += (others.empty() ? "" : ", ") + std::to_string(better ? best->joints : clip.joints);
+    }
+    if (better) best = std::move(clip);
+  }
+  if (best && !others.empty()) {
+    best->remarks.push_back({"layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
+                             "the row count also allows " + others + " joints, and bone lengths do not exclude it"});
+  }
+  return best;
+}
+
+/// The best reading: a known order that fits, else the smoothest one.
+Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& name) {
+  if (std::all_of(rows.values.begin(), rows.values.end(), [](double value) { return value == 0.0; })) {
+    return Fail(ErrorCode::kInconsistent, "every number is zero: no joint is seen in any frame", name,
+                "the tracker lost the person: leave the file out");
+  }
+  const std::vector<Layout> layouts = PossibleLayouts(rows.frames, rows.columns);
+  if (std::optional<ObservedClip> known = KnownReading(rows, layouts)) return std::move(*known);
+  std::optional<ObservedClip> smoothest;
+  double least_rough = kSmooth;
+  for (const Layout& layout : layouts) {
     ObservedClip clip = Read(rows, layout);
     const double roughness = Roughness(clip);
-    RecogniseOrder(clip);
-    if (!clip.names.empty() && roughness < kSmooth) {
-      if (best) others += (others.empty() ? "" : ", ") + std::to_string(std::min(clip.joints, best->joints));
-      if (!best || clip.skeleton_confidence > best->skeleton_confidence) best = clip;
-    }
-    if (!smoothest || roughness < least_rough) {
-      least_rough = roughness;
-      smoothest = std::move(clip);
-    }
+    if (roughness >= least_rough) continue;
+    least_rough = roughness;
+    smoothest = std::move(clip);
   }
-  if (best) {
-    if (!others.empty()) {
-      best->remarks.push_back({"layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
-                               "the row count also allows " + others + " joints, and bone lengths do not exclude it"});
-    }
-    return std::move(*best);
-  }
-  if (!smoothest || least_rough > kSmooth) {
+  if (!smoothest) {
     return Fail(ErrorCode::kUnsupported,
                 std::to_string(rows.frames) + " rows of " + std::to_string(rows.columns) +
                     " numbers are read as no table of joints",
                 name, "declare rows_per_frame, columns and joints in a source (--source CONFIG)");
   }
+  RecogniseOrder(*smoothest);  // for what it says of the orders
+  if (Rigidity(smoothest->positions, smoothest->confidence) > kRigid) DoubtPositions(*smoothest);
   smoothest->remarks.push_back({"layout_unknown", Severity::kWarning, least_rough,
                                 "no known order of joints fits; " + std::to_string(smoothest->joints) +
                                     " joints a frame give the smoothest motion"});

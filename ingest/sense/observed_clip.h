@@ -61,8 +61,10 @@ Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std
 Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
                                                  const std::optional<SourceOptions>& source);
 
-/// Names the points by the best known order, if one fits; says how sure that is and what else fits.
-void RecogniseOrder(ObservedClip& clip);
+/// Names the points by the best known order and says how sure that is and what else fits; false if none fits.
+bool RecogniseOrder(ObservedClip& clip);
+/// Remarks when no two points of a clip without names keep their distance.
+void DoubtPositions(ObservedClip& clip);
 /// Names the points as declared, and compares with known orders.
 void DeclareOrder(const SourceOptions& source, ObservedClip& clip);
 

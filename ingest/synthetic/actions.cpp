@@ -29,6 +29,9 @@ void Toward(ArmPose& arm, const ArmPose& target, double part) {
   Toward(arm.wrist, target.wrist, part);
 }
 
+/// The weight goes from one foot to the other as `swing` of the left leg passes zero (1: fully in the air).
+double LeftSupport(double swing) { return 1.0 / (1.0 + std::exp(swing / 0.12)); }
+
 /// Both legs bend, feet level.
 void Crouch(Pose& pose, double depth) {
   for (LegPose& leg : pose.leg) {
@@ -100,14 +103,15 @@ void Walk(double at, const Manner& m, Pose& pose) {
   for (int side : {kLeft, kRight}) {
     const double phase = 2.0 * kPi * m.cycles * at + (side == kLeft ? 0.0 : kPi);
     const double swings = std::max(0.0, std::cos(phase));  // the leg comes forward
-    pose.leg[side].flex += going * (0.06 + 0.42 * m.amplitude * std::sin(phase) + 0.25 * swings * swings);
-    pose.leg[side].knee += going * (0.1 + 0.85 * swings * swings);
+    pose.leg[side].flex += going * (0.06 + 0.38 * m.amplitude * std::sin(phase) + 0.22 * swings * swings);
+    pose.leg[side].knee += going * (0.1 + 0.75 * swings * swings);
     pose.leg[side].point += going * 0.25 * std::max(0.0, -std::sin(phase));
     pose.arm[side].flex -= going * 0.45 * m.amplitude * std::sin(phase);
     pose.arm[side].elbow += going * 0.15;
   }
   pose.trunk_twist += going * 0.12 * m.amplitude * std::sin(2.0 * kPi * m.cycles * at);
   pose.lean += 0.05 * going;
+  pose.left_support = LeftSupport(std::cos(2.0 * kPi * m.cycles * at));
 }
 
 void Jump(double at, const Manner& m, Pose& pose) {
@@ -166,6 +170,7 @@ void Turn(double at, const Manner& m, Pose& pose) {
     pose.leg[side].knee += 0.6 * m.amplitude * going * lift * lift;
     pose.arm[side].flex += (side == kLeft ? -0.2 : 0.2) * going;
   }
+  pose.left_support = LeftSupport(std::sin(2.0 * kPi * m.cycles * at));
 }
 
 struct Action {

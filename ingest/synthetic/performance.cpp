@@ -107,6 +107,17 @@ std::array<double, 4> Weights(const std::array<Vector3d, 4>& soles) {
   return weights;
 }
 
+/// Share of the weight on each point when the left foot carries `left`: heel and toe of a foot as they are low.
+std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double left) {
+  std::array<double, 4> weights = lowest;
+  for (int side = 0; side < 2; ++side) {
+    const double foot = lowest[side] + lowest[side + 2] + 1e-9;
+    const double share = side == 0 ? left : 1.0 - left;
+    for (const int point : {side, side + 2}) weights[point] = share * (lowest[point] + 0.5e-9) / foot;
+  }
+  return weights;
+}
+
 }  // namespace
 
 std::string Take::file() const {
@@ -173,10 +184,11 @@ Motion PerformTake(const SyntheticOptions& options, const Take& take, const Subj
     ForwardKinematics(*skeleton, Vector3d::Zero(), local.data(), subject.bone_length, joints.data());
     const std::array<Vector3d, 4> soles = Soles(*skeleton, joints, scale);
     const std::array<double, 4> weights = Weights(soles);
+    const std::array<double, 4> support = pose.left_support < 0.0 ? weights : SharedWeights(weights, pose.left_support);
     double height = staging.floor + pose.height;
     for (int i = 0; i < 4; ++i) {
       height -= weights[i] * soles[i].y();
-      if (f > 0) place -= weights[i] * (soles[i] - before[i]);
+      if (f > 0) place -= support[i] * (soles[i] - before[i]);
     }
     before = soles;
     root.emplace_back(place.x(), height, place.z());

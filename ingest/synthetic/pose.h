@@ -32,10 +32,11 @@ struct Pose {
   double trunk_twist = 0.0;  ///< right shoulder forwards
   double trunk_side = 0.0;   ///< to the right
   double head_nod = 0.0;
-  double head_turn = 0.0;  ///< to the left
-  double lean = 0.0;       ///< of the pelvis, forwards
-  double yaw = 0.0;        ///< of the whole body about +y
-  double height = 0.0;     ///< of the lowest foot above the floor, metres
+  double head_turn = 0.0;      ///< to the left
+  double lean = 0.0;           ///< of the pelvis, forwards
+  double yaw = 0.0;            ///< of the whole body about +y
+  double left_support = -1.0;  ///< share of the weight on the left foot; negative: on the lower one
+  double height = 0.0;         ///< of the lowest foot above the floor, metres
 };
 
 /// Rotations (J) of skeleton "kinect20", parent_from_joint; for the root world_from_root with the person facing +z.

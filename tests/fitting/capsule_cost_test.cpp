@@ -12,7 +12,8 @@ namespace mocurate {
 namespace {
 
 constexpr int kJoints = 5;
-constexpr int kParameters = 3 + 4 * kJoints;  ///< translation, rotation vectors, bone lengths
+constexpr int kParameters = 3 + 3 * kJoints;  ///< translation, rotation vectors
+const std::array<double, kJoints> kBones = {0.0, 0.3, 0.35, 0.4, 0.45};
 using Jet = ceres::Jet<double, kParameters>;
 
 /// A chain 0-1-2-3 with joint 4 beside joint 2.
@@ -37,7 +38,7 @@ std::array<T, 3> InWorld(const Skeleton& skeleton, const T* parameters, int join
     std::array<T, 3> turned;
     ceres::AngleAxisRotatePoint(parameters + 3 + 3 * j, x.data(), turned.data());
     const Vector3d along = skeleton.joints[j].rest_offset.stableNormalized();
-    for (int i = 0; i < 3; ++i) x[i] = turned[i] + parameters[3 + 3 * kJoints + j] * along[i];
+    for (int i = 0; i < 3; ++i) x[i] = turned[i] + kBones[j] * along[i];
   }
   for (int i = 0; i < 3; ++i) x[i] += parameters[i];
   return x;
@@ -51,7 +52,7 @@ T Residual(const Skeleton& skeleton, const FleshCapsule& capsule, const Vector3d
   std::array<T, 3> end{T(capsule.end_offset.x()), T(capsule.end_offset.y()), T(capsule.end_offset.z())};
   if (capsule.end_joint != capsule.frame) {
     const Vector3d along = skeleton.joints[capsule.end_joint].rest_offset.normalized();
-    for (int i = 0; i < 3; ++i) end[i] += parameters[3 + 3 * kJoints + capsule.end_joint] * along[i];
+    for (int i = 0; i < 3; ++i) end[i] += kBones[capsule.end_joint] * along[i];
   }
   begin = InWorld(skeleton, parameters, capsule.frame, begin);
   end = InWorld(skeleton, parameters, capsule.frame, end);
@@ -89,19 +90,17 @@ struct Case {
     capsule.begin_offset = vector(0.03);
     capsule.end_offset = vector(0.08);
     capsule.radius = 0.05;
-    for (int i = 0; i < 3 + 3 * kJoints; ++i) parameters[i] = 0.6 * random.Normal();
-    for (int j = 0; j < kJoints; ++j) parameters[3 + 3 * kJoints + j] = j == 0 ? 0.0 : 0.25 + 0.05 * j;
+    for (double& value : parameters) value = 0.6 * random.Normal();
     point = vector(0.7);
   }
 };
 
 /// The cost's own residual and its Jacobian scattered over all parameters.
 double Evaluate(const Case& given, std::array<double, kParameters>& gradient) {
-  const std::vector<double> bones(given.parameters.end() - kJoints, given.parameters.end());
-  PoseState state(given.skeleton, 1, bones, std::vector<bool>(kJoints, true));
-  std::copy(given.parameters.begin(), given.parameters.end() - kJoints, state.translation(0));
+  PoseState state(given.skeleton, 1, {kBones.begin(), kBones.end()}, std::vector<bool>(kJoints, true));
+  std::copy(given.parameters.begin(), given.parameters.end(), state.translation(0));
   state.Update(0, 1, true);
-  const CapsuleDistanceCost cost(state, 0, given.capsule, given.point, given.weight, true);
+  const CapsuleDistanceCost cost(state, 0, given.capsule, given.point, given.weight);
   const std::vector<double*> blocks = cost.Blocks(state);
   EXPECT_EQ(blocks.size(), cost.parameter_block_sizes().size());
   std::vector<std::array<double, 3>> values(blocks.size());
@@ -122,8 +121,7 @@ TEST(CapsuleDistanceCost, IsTheWeightedDistanceToTheCapsulesSurface) {
   for (std::uint64_t item = 0; item < 40; ++item) {
     const Case given(item);
     std::array<double, kParameters> gradient;
-    const double expected =
-        Residual(given.skeleton, given.capsule, given.point, given.weight, given.parameters.data());
+    const double expected = Residual(given.skeleton, given.capsule, given.point, given.weight, given.parameters.data());
     EXPECT_NEAR(Evaluate(given, gradient), expected, 1e-12);
   }
 }

@@ -87,10 +87,12 @@ inline Expected<RenderedSequence> ReadRenderedSequence(const std::filesystem::pa
   for (const DepthSequenceView& given : sequence->views) {
     DepthView view;
     view.camera = {given.name, given.width, given.height, given.fx, given.fy, given.cx, given.cy, {}, {}};
-    view.camera.camera_from_world = given.camera_from_rig * RigidTransform{Quaterniond(world_from_rig), Vector3d::Zero()};
+    view.camera.camera_from_world =
+        given.camera_from_rig * RigidTransform{Quaterniond(world_from_rig), Vector3d::Zero()};
     for (int f = 0; f < frames; ++f) {
       const std::string number = std::to_string(f);
-      view.files.push_back(folder / "depth" / (given.name + "_" + std::string(4 - number.size(), '0') + number + ".png"));
+      view.files.push_back(folder / "depth" /
+                           (given.name + "_" + std::string(4 - number.size(), '0') + number + ".png"));
       view.time_s.push_back(read.clip.rate.FrameTime(f));
     }
     read.clip.evidence.depth_views.push_back(view);

@@ -75,19 +75,19 @@ inline testing::AssertionResult SameJacobians(const Jacobians& analytic, const J
 }
 
 /// Two judges: numeric differences, and an autodiff cost of the same blocks, which must agree in value too.
-#define EXPECT_JACOBIAN(at, autodiff, numeric_tolerance)                                                            \
-  do {                                                                                                              \
-    ::mocurate::Jacobians analytic_;                                                                                \
-    ::mocurate::Jacobians automatic_;                                                                               \
-    const std::vector<double> value_ = ::mocurate::ResidualsOf(at, &analytic_);                                     \
-    const ::mocurate::CostAt judge_{&(autodiff), (at).blocks};                                                      \
-    const std::vector<double> same_ = ::mocurate::ResidualsOf(judge_, &automatic_);                                 \
-    for (std::size_t i_ = 0; i_ < value_.size(); ++i_) {                                                            \
-      EXPECT_NEAR(value_[i_], same_[i_], 1e-9 * std::max(1.0, std::abs(same_[i_])));                                \
-    }                                                                                                               \
-    EXPECT_TRUE(::mocurate::SameJacobians(analytic_, automatic_, 1e-7, "autodiff"));                                \
-    EXPECT_TRUE(::mocurate::SameJacobians(analytic_, ::mocurate::NumericJacobians(at, 1e-4), numeric_tolerance,     \
-                                          "numeric"));                                                              \
+#define EXPECT_JACOBIAN(at, autodiff, numeric_tolerance)                                                             \
+  do {                                                                                                               \
+    ::mocurate::Jacobians analytic_;                                                                                 \
+    ::mocurate::Jacobians automatic_;                                                                                \
+    const std::vector<double> value_ = ::mocurate::ResidualsOf(at, &analytic_);                                      \
+    const ::mocurate::CostAt judge_{&(autodiff), (at).blocks};                                                       \
+    const std::vector<double> same_ = ::mocurate::ResidualsOf(judge_, &automatic_);                                  \
+    for (std::size_t i_ = 0; i_ < value_.size(); ++i_) {                                                             \
+      EXPECT_NEAR(value_[i_], same_[i_], 1e-9 * std::max(1.0, std::abs(same_[i_])));                                 \
+    }                                                                                                                \
+    EXPECT_TRUE(::mocurate::SameJacobians(analytic_, automatic_, 1e-7, "autodiff"));                                 \
+    EXPECT_TRUE(                                                                                                     \
+        ::mocurate::SameJacobians(analytic_, ::mocurate::NumericJacobians(at, 1e-4), numeric_tolerance, "numeric")); \
   } while (false)
 
 }  // namespace mocurate

@@ -52,10 +52,14 @@ class CostJacobian : public testing::TestWithParam<Regime> {
   static Vector3d Draw(Random& random) {
     const Vector3d direction = Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized();
     switch (GetParam()) {
-      case Regime::kRandom: return random.Uniform(0.1, 2.5) * direction;
-      case Regime::kIdentity: return Vector3d::Zero();
-      case Regime::kTiny: return 1e-8 * direction;
-      case Regime::kNearPi: return (3.14159265358979 - 1e-7) * direction;
+      case Regime::kRandom:
+        return random.Uniform(0.1, 2.5) * direction;
+      case Regime::kIdentity:
+        return Vector3d::Zero();
+      case Regime::kTiny:
+        return 1e-8 * direction;
+      case Regime::kNearPi:
+        return (3.14159265358979 - 1e-7) * direction;
     }
     return direction;
   }
@@ -183,8 +187,8 @@ TEST_P(CostJacobian, OfRotationSmoothness) {
   Eigen::Map<Vector3d>(blocks[1]).noalias() = Eigen::Map<const Vector3d>(blocks[0]);
   EXPECT_JACOBIAN(At(cost, blocks), automatic, 1e-8);
   // Nearly half a turn between the two.
-  Eigen::Map<Vector3d>(blocks[1]).noalias() = LogQuaternion(ExpQuaternion(Eigen::Map<const Vector3d>(blocks[0])) *
-                                                            ExpQuaternion(Vector3d(3.0, 0.5, -0.3)));
+  Eigen::Map<Vector3d>(blocks[1]).noalias() =
+      LogQuaternion(ExpQuaternion(Eigen::Map<const Vector3d>(blocks[0])) * ExpQuaternion(Vector3d(3.0, 0.5, -0.3)));
   EXPECT_JACOBIAN(At(cost, blocks), automatic, 1e-7);
 }
 

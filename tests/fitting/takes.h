@@ -11,7 +11,7 @@
 namespace mocurate {
 
 /// A body of 14 joints with a trunk, arms and legs; tracks of all of them.
-inline SkeletonPtr TestBody() {
+inline SkeletonPtr TestSkeleton() {
   auto body = std::make_shared<Skeleton>();
   body->name = "test_body";
   const auto add = [&](const char* name, int parent, const Vector3d& offset, int mirror) {
@@ -48,7 +48,7 @@ struct Take {
 /// Every joint swings; `world_from_root` turns the whole person.
 inline Take SmoothTake(int frames, const Quaterniond& world_from_root = Quaterniond::Identity(), double rate_hz = 30.0,
                        double turn_speed = 0.4) {
-  const SkeletonPtr body = TestBody();
+  const SkeletonPtr body = TestSkeleton();
   Random random(3, "take");
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation;
@@ -66,7 +66,8 @@ inline Take SmoothTake(int frames, const Quaterniond& world_from_root = Quaterni
     translation.emplace_back(0.5 * t, 1.0 + 0.05 * std::sin(3.0 * t), -2.0 + 0.2 * t);
     for (int j = 0; j < body->joint_count(); ++j) {
       const Vector3d swing = amplitude[j].cwiseProduct((Vector3d::Constant(2.0 * t) + phase[j]).array().sin().matrix());
-      rotation.push_back(j == 0 ? world_from_root * ExpQuaternion(Vector3d(0, turn_speed * t, 0)) * ExpQuaternion(0.3 * swing)
+      rotation.push_back(j == 0 ? world_from_root * ExpQuaternion(Vector3d(0, turn_speed * t, 0)) *
+                                      ExpQuaternion(0.3 * swing)
                                 : ExpQuaternion(swing));
     }
   }

@@ -10,14 +10,14 @@ namespace {
 
 /// The error of mapping damaged tracks.
 Error ErrorOf(const JointTracks& tracks) {
-  const auto mapped = MapTracks(tracks, TestBody());
+  const auto mapped = MapTracks(tracks, TestSkeleton());
   EXPECT_FALSE(mapped.has_value());
   return mapped ? Error{} : mapped.error();
 }
 
 TEST(TrackMapping, FindsJointsByName) {
   const Take take = SmoothTake(5);
-  const auto mapped = MapTracks(AsSource(take.tracks), TestBody());
+  const auto mapped = MapTracks(AsSource(take.tracks), TestSkeleton());
   ASSERT_TRUE(mapped.has_value()) << mapped.error().Message();
   EXPECT_EQ(mapped->positions.xyz, take.tracks.positions.xyz);
 }
@@ -73,7 +73,7 @@ TEST(TrackMapping, RefusesAClipInWhichNothingIsSeen) {
 }
 
 TEST(FitOfClip, NeedsTracks) {
-  const auto fit = FitTracksOfClip(Clip{}, TestBody(), {}, FittingOptions{});
+  const auto fit = FitTracksOfClip(Clip{}, TestSkeleton(), {}, FittingOptions{});
   ASSERT_FALSE(fit.has_value());
   EXPECT_EQ(fit.error().what, "the clip has no joint tracks");
 }
@@ -84,7 +84,7 @@ TEST(FitOfClip, FlagsASkeletonThatDoesNotBelongToItsEvidence) {
   Clip clip;
   clip.rate = FrameRate{30, 1};
   clip.evidence.tracks = AsSource(take.tracks);
-  const auto fit = FitTracksOfClip(clip, TestBody(), {}, FittingOptions{});
+  const auto fit = FitTracksOfClip(clip, TestSkeleton(), {}, FittingOptions{});
   ASSERT_TRUE(fit.has_value());
   const StageOutcome outcome = OutcomeOfFit(clip, *fit, FittingOptions{});
   EXPECT_EQ(outcome.kind, OutcomeKind::kDoubtful);

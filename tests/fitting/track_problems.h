@@ -22,8 +22,8 @@ namespace mocurate {
 struct ReferenceProblem {
   SkeletonTracks tracks;
   JointPositions truth;
-  std::vector<Quaterniond> rotation;     ///< true, local
-  std::vector<double> bone_length;       ///< true
+  std::vector<Quaterniond> rotation;  ///< true, local
+  std::vector<double> bone_length;    ///< true
   FrameRate rate;
 };
 
@@ -96,8 +96,9 @@ inline JointTracks ReadKardText(const std::filesystem::path& path) {
   std::vector<double> numbers;
   for (const std::string_view field : SplitBlanks(Trim(text))) numbers.push_back(*ParseDouble(field));
   JointTracks tracks;
-  tracks.names = {"head",       "neck",  "right_shoulder", "right_elbow", "right_hand", "left_shoulder", "left_elbow", "left_hand",
-                  "torso",      "right_hip", "right_knee", "right_foot", "left_hip", "left_knee", "left_foot"};
+  tracks.names = {"head",          "neck",       "right_shoulder", "right_elbow", "right_hand",
+                  "left_shoulder", "left_elbow", "left_hand",      "torso",       "right_hip",
+                  "right_knee",    "right_foot", "left_hip",       "left_knee",   "left_foot"};
   const auto frames = static_cast<int>(numbers.size() / 45);
   tracks.positions = JointPositions(frames, 15);
   tracks.confidence.assign(static_cast<std::size_t>(frames) * 15, 1.0);

@@ -234,6 +234,20 @@ TEST_F(Studio, TheTruthStageWritesTheTruthOfACapture) {
   EXPECT_EQ(truth->motion.size(), 24u);
 }
 
+TEST_F(Studio, TheDemoDeclaresItsFilesAsTheyAre) {
+  const auto node = LoadConfig(fs::path(MOCURATE_SOURCE_FOLDER) / "configs/demo.yaml");
+  ASSERT_TRUE(node) << node.error().Message();
+  const ConfigNode* ingest = node->Find("ingest");
+  ASSERT_NE(ingest, nullptr);
+  const auto options = OptionsFromConfig<IngestOptions>(*ingest);
+  ASSERT_TRUE(options) << options.error().Message();
+  EXPECT_EQ(OptionsToJson(options->source), OptionsToJson(StudioSource()));
+  EXPECT_TRUE(options->synthetic.enabled);
+  EXPECT_EQ(*options->source.rate_hz, options->synthetic.rate_hz);
+  EXPECT_GE(options->synthetic.actions.size(), 6u);
+  EXPECT_GE(options->synthetic.subjects, 4);
+}
+
 TEST_F(Studio, AnUnknownActionIsNamedWithTheNearestKnownOne) {
   SyntheticOptions options = SmallCapture();
   options.actions = {"wawe"};

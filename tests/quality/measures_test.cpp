@@ -48,9 +48,9 @@ TEST(Measures, AStatueIsFrozenAndRigid) {
   const MotionMeasures measures = Measure(Record(10, 30.0, [](double, int) { return Vector3d(Vector3d::Zero()); }));
   EXPECT_EQ(measures.frames, 10);
   EXPECT_EQ(measures.frozen_frames, 9);
-  EXPECT_EQ(measures.bone_spread_mm, 0.0);
-  EXPECT_EQ(measures.jerk, 0.0);
-  EXPECT_EQ(measures.foot_skate, 0.0);
+  EXPECT_NEAR(measures.bone_spread_mm, 0.0, 1e-9);
+  EXPECT_NEAR(measures.jerk, 0.0, 1e-9);
+  EXPECT_NEAR(measures.foot_skate, 0.0, 1e-12);
 }
 
 TEST(Measures, ABoneThatGrowsAndShrinksHasItsSpread) {
@@ -95,9 +95,8 @@ TEST(Measures, AFootThatSlidesOnTheFloorSkates) {
   const MotionMeasures slides = Measure(Record(30, 30.0, [](double t, int) { return Vector3d(0.5 * t, 0, 0); }));
   EXPECT_NEAR(slides.foot_skate, 0.5, 1e-9);
   // Lifted while it moves: only the frames near the floor count.
-  const MotionMeasures steps = Measure(Record(30, 30.0, [](double t, int) {
-    return t < 0.5 ? Vector3d(0, 0, 0) : Vector3d(2.0 * (t - 0.5), 0.3, 0);
-  }));
+  const MotionMeasures steps = Measure(
+      Record(30, 30.0, [](double t, int) { return t < 0.5 ? Vector3d(0, 0, 0) : Vector3d(2.0 * (t - 0.5), 0.3, 0); }));
   EXPECT_NEAR(steps.foot_skate, 0.0, 1e-9);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -45,10 +46,13 @@ inline Dataset ToyDataset(int clips_per_person_and_class) {
           motion.joints.at(f, 4) = root - size * Vector3d(0, 0.8, 0);
         }
         clip.motion = std::move(motion);
-        (person < 3 ? split.train : split.test).push_back(static_cast<int>(dataset.clips.size()));
         dataset.clips.push_back(std::move(clip));
       }
     }
+  }
+  std::sort(dataset.clips.begin(), dataset.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+  for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
+    (dataset.clips[row].identity.person == "p3" ? split.test : split.train).push_back(static_cast<int>(row));
   }
   dataset.splits = {split};
   return dataset;

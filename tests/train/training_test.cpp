@@ -230,6 +230,8 @@ TEST_F(Training, RequestsAreAnsweredOneByOneAndByHundreds) {
   const Motion& motion = *set->clips[37].motion;
   EXPECT_NEAR((motion.joints.at(5, 2) - motion.joints.at(5, 1)).norm(), 0.25 + 0.037, 1e-5);
   EXPECT_EQ(set->clips[37].label, "quick");
+  const Status stored = WriteDataset(*set, folder_ / "motions.h5");
+  EXPECT_TRUE(stored) << stored.error().Message();
   requests[4].label = 9;
   const auto wrong = (*generator)->Joints(requests);
   ASSERT_FALSE(wrong);

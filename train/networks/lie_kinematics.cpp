@@ -20,9 +20,12 @@ Rodrigues Coefficients(double square, double floor) {
   } else {
     const double angle = std::sqrt(square);
     const double sine = std::sin(angle), cosine = std::cos(angle);
-    const double half = std::sin(0.5 * angle);
     r.a = sine / angle;
-    r.b = 2.0 * half * half / square;
+    r.b = (1.0 - cosine) / square;
+    if (square < 1e-2) {  // the difference above loses digits here
+      const double half = std::sin(0.5 * angle);
+      r.b = 2.0 * half * half / square;
+    }
     r.da = (cosine - r.a) / (2.0 * square);
     r.db = (0.5 * r.a - r.b) / square;
     if (square < 1e-3) {  // the differences above lose digits here

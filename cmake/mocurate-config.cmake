@@ -1,0 +1,7 @@
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 3.4)
+find_dependency(nlohmann_json)
+find_dependency(OpenSSL)
+find_dependency(Threads)
+find_dependency(yaml-cpp)
+include(${CMAKE_CURRENT_LIST_DIR}/mocurate.cmake)

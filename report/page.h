@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "report/sections.h"
+
+namespace mocurate {
+
+/// The whole page: self-contained, no address outside it. Same input, same bytes.
+std::string MakePage(const ReportInput& input);
+
+}  // namespace mocurate

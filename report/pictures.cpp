@@ -1,0 +1,201 @@
+#include "report/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "report/html.h"
+#include "report/scene.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kOversampling = 2;
+const cv::Scalar kInk(64, 56, 52);
+
+cv::Point Rounded(const Vector2d& at) {
+  return {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))};
+}
+
+double FloorOf(const Motion& motion) {
+  double floor = motion.joints.at(0, 0).y();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < motion.joint_count(); ++j) floor = std::min(floor, motion.joints.at(f, j).y());
+  }
+  return floor - 0.03;
+}
+
+void DrawTracks(const JointTracks& tracks, const Skeleton& skeleton, int frame, const Camera& camera, cv::Mat& image) {
+  const auto place = [&](int point) -> std::optional<cv::Point> {
+    if (frame >= tracks.positions.frames) return std::nullopt;
+    if (!(tracks.confidence[static_cast<std::size_t>(frame) * tracks.positions.joints + point] > 0.0))
+      return std::nullopt;
+    const auto pixel = camera.ProjectWorld(tracks.positions.at(frame, point));
+    if (!pixel || !pixel->allFinite() || pixel->norm() > 1e5) return std::nullopt;
+    return Rounded(*pixel);
+  };
+  for (const auto& [a, b] : MatchTracks(tracks, &skeleton).lines) {
+    const auto from = place(a);
+    const auto to = place(b);
+    if (from && to) cv::line(image, *from, *to, kInk, 2, cv::LINE_AA);
+  }
+  for (int k = 0; k < tracks.positions.joints; ++k) {
+    const auto at = place(k);
+    if (!at) continue;
+    cv::circle(image, *at, 8, cv::Scalar(255, 255, 255), cv::FILLED, cv::LINE_AA);
+    cv::circle(image, *at, 6, kInk, cv::FILLED, cv::LINE_AA);
+  }
+}
+
+void WriteBelow(const std::string& text, cv::Mat& image) {
+  const double size = 0.45 * kOversampling;
+  int base = 0;
+  const cv::Size extent = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, kOversampling, &base);
+  cv::putText(image, text, {(image.cols - extent.width) / 2, image.rows - 8 * kOversampling}, cv::FONT_HERSHEY_SIMPLEX,
+              size, kInk, kOversampling, cv::LINE_AA);
+}
+
+cv::Mat Smaller(const cv::Mat& image) {
+  cv::Mat smaller;
+  cv::resize(image, smaller, {image.cols / kOversampling, image.rows / kOversampling}, 0, 0, cv::INTER_AREA);
+  return smaller;
+}
+
+/// What the frames take up: heights in the world, and the reach to either side of the root as seen.
+struct Extent {
+  Vector3d low = Vector3d::Constant(1e9);
+  Vector3d high = Vector3d::Constant(-1e9);
+  double reach = 0.3;
+
+  Extent(const Motion& motion, const std::vector<int>& frames) {
+    const Viewpoint view = FrontView(motion);
+    for (const int f : frames) {
+      const double middle = view.Turn(motion.joints.at(f, 0)).x();
+      for (int j = 0; j < motion.joint_count(); ++j) {
+        low = low.cwiseMin(motion.joints.at(f, j));
+        high = high.cwiseMax(motion.joints.at(f, j));
+        reach = std::max(reach, std::abs(view.Turn(motion.joints.at(f, j)).x() - middle) + 0.1);
+      }
+    }
+  }
+  double Height() const { return std::max(0.5, high.y() - low.y() + 0.35); }
+};
+
+cv::Mat StillOf(const Motion& motion, const Evidence& evidence, int frame, const Extent& extent) {
+  const int height = 400 * kOversampling;
+  const double pixels_per_metre = 0.88 * height / extent.Height();
+  const double wanted = std::clamp(2.0 * extent.reach * pixels_per_metre, 0.4 * height, 1.2 * height);
+  const int width = static_cast<int>(wanted) / kOversampling * kOversampling;
+  Vector3d centre = motion.joints.at(frame, 0);
+  centre.y() = 0.5 * (extent.low.y() + extent.high.y()) - 0.04;
+  const Camera camera = LookAt(FrontView(motion), centre, pixels_per_metre, width, height);
+  std::vector<Vector3d> storage;
+  cv::Mat image = ShadeBody(BodyOf(motion), JointsOf(motion, frame, storage), camera, FloorOf(motion)).image;
+  if (evidence.tracks) DrawTracks(*evidence.tracks, *motion.skeleton, frame, camera, image);
+  WriteBelow(FixedText(motion.rate.FrameTime(frame), 2) + " s", image);
+  return Smaller(image);
+}
+
+/// A measured point and how far it lies from the body's surface.
+struct CloudPoint {
+  Vector3d world;
+  double distance;
+};
+
+Expected<std::vector<CloudPoint>> CloudNear(const CapsuleBody& body, const Vector3d* joints, const Evidence& evidence,
+                                            int frame) {
+  constexpr double kReach = 0.3;
+  std::vector<CloudPoint> points;
+  for (const DepthView& view : evidence.depth_views) {
+    const auto depth = ReadDepth(view, frame);
+    if (!depth) return Forward(depth);
+    const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);
+    for (int y = 0; y < depth->rows; ++y) {
+      for (int x = 0; x < depth->cols; ++x) {
+        const double metres = depth->at<std::uint16_t>(y, x) * view.metres_per_unit;
+        if (metres <= 0.0) continue;
+        const Vector3d world = world_from_camera * view.camera.Unproject(Vector2d(x, y), metres);
+        const auto near = ClosestOnBody(body, joints, world);
+        if (near && std::abs(near->on_capsule.distance) < kReach) points.push_back({world, near->on_capsule.distance});
+      }
+    }
+  }
+  return points;
+}
+
+void DrawCloud(const std::vector<CloudPoint>& points, const Camera& camera, const std::vector<float>& body_depth,
+               cv::Mat& image) {
+  std::vector<float> nearest(body_depth.size(), 1e9F);
+  for (const CloudPoint& point : points) {
+    const Vector3d seen = camera.camera_from_world * point.world;
+    const auto at = camera.Project(seen);
+    if (!at) continue;
+    const cv::Point pixel = Rounded(*at);
+    if (pixel.x < 1 || pixel.y < 1 || pixel.x + 2 > image.cols || pixel.y + 2 > image.rows) continue;
+    const std::size_t index = static_cast<std::size_t>(pixel.y) * image.cols + pixel.x;
+    const bool hidden = body_depth[index] > 0.0F && seen.z() > body_depth[index] + 0.06;
+    if (hidden || seen.z() > nearest[index]) continue;
+    nearest[index] = static_cast<float>(seen.z());
+    const double far = std::clamp(std::abs(point.distance) / 0.06, 0.0, 1.0);
+    const cv::Scalar colour(90 - 50 * far, 110 - 40 * far, 30 + 180 * far);
+    cv::rectangle(image, {pixel.x - 1, pixel.y - 1}, {pixel.x, pixel.y}, colour, cv::FILLED);
+  }
+}
+
+}  // namespace
+
+Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png) {
+  if (Status ok = CheckFrame(fitted, 0); !ok) return ok;
+  const std::vector<int> chosen = StillFrames(fitted.motion->frame_count(), std::max(1, frames));
+  const Extent extent(*fitted.motion, chosen);
+  std::vector<cv::Mat> stills;
+  for (const int frame : chosen) stills.push_back(StillOf(*fitted.motion, evidence, frame, extent));
+  cv::Mat strip;
+  cv::hconcat(stills, strip);
+  return WritePng(strip, png);
+}
+
+Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame, const std::filesystem::path& png) {
+  if (Status ok = CheckFrame(fitted, frame); !ok) return ok;
+  if (evidence.depth_views.empty())
+    return Fail(ErrorCode::kInconsistent, "the evidence has no depth views", fitted.id());
+  const Motion& motion = *fitted.motion;
+  const CapsuleBody body = BodyOf(motion);
+  std::vector<Vector3d> storage;
+  const Vector3d* joints = JointsOf(motion, frame, storage);
+  const auto points = CloudNear(body, joints, evidence, frame);
+  if (!points) return Forward(points);
+  const Extent extent(motion, {frame});
+  const int height = 560 * kOversampling;
+  const double pixels_per_metre = 0.9 * height / extent.Height();
+  std::vector<cv::Mat> panels;
+  for (const double turn : {0.0, 1.35}) {
+    Viewpoint view = FrontView(motion);
+    view.yaw += turn;
+    const Camera camera = LookAt(view, 0.5 * (extent.low + extent.high), pixels_per_metre, 400 * kOversampling, height);
+    ShadedBody shaded = ShadeBody(body, joints, camera, extent.low.y() - 0.05);
+    DrawCloud(*points, camera, shaded.depth, shaded.image);
+    panels.push_back(Smaller(shaded.image));
+  }
+  cv::Mat both;
+  cv::hconcat(panels, both);
+  return WritePng(both, png);
+}
+
+std::string Base64(const std::string& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t b = 0; b < 3; ++b) word = word << 8 | (b < left ? static_cast<unsigned char>(bytes[i + b]) : 0U);
+    for (std::size_t digit = 0; digit < 4; ++digit) {
+      text += digit <= left ? kDigits[word >> (18 - 6 * digit) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mocurate {
+
+/// Careful reading of the run summary: whatever a run did not reach is absent there, and absent here.
+
+/// Null when `json` is no object or lacks the key.
+const nlohmann::json& Field(const nlohmann::json& json, const char* key);
+/// Empty for what is no array.
+const std::vector<nlohmann::json>& Elements(const nlohmann::json& json);
+std::optional<double> NumberOf(const nlohmann::json& json, const char* key);
+long long CountOf(const nlohmann::json& json, const char* key);
+std::string TextOf(const nlohmann::json& json, const char* key);
+/// Finite numbers of an array; NaN for other elements.
+std::vector<double> NumbersOf(const nlohmann::json& json);
+/// The number at clips[i][group][part][key] of all clips that have it; `part` may be empty.
+std::vector<double> OverClips(const nlohmann::json& run, const char* group, const char* part, const char* key);
+
+}  // namespace mocurate

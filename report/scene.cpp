@@ -1,0 +1,150 @@
+#include "report/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kDistance = 12.0;  ///< metres from the eye: nearly parallel rays
+const cv::Scalar kBackground(250, 248, 247);
+const cv::Scalar kShadow(232, 228, 225);
+
+cv::Vec3d ColourOf(int side) {
+  if (side > 0) return {214, 130, 72};
+  return side < 0 ? cv::Vec3d(74, 136, 222) : cv::Vec3d(176, 164, 156);
+}
+
+cv::Point2i Pixel(const Vector2d& at, int bits) {
+  const double unit = 1 << bits;
+  return {static_cast<int>(std::lround(at.x() * unit)), static_cast<int>(std::lround(at.y() * unit))};
+}
+
+void DrawShadow(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, double floor_y, cv::Mat& image) {
+  for (const Capsule& capsule : body.capsules) {
+    Vector3d ends[] = {joints[capsule.parent], joints[capsule.joint]};
+    for (Vector3d& end : ends) end.y() = floor_y;
+    const auto from = camera.ProjectWorld(ends[0]);
+    const auto to = camera.ProjectWorld(ends[1]);
+    if (!from || !to) continue;
+    const int thickness = std::max(2, static_cast<int>(1.2 * capsule.radius * camera.fx / kDistance));
+    cv::line(image, Pixel(*from, 4), Pixel(*to, 4), kShadow, thickness, cv::LINE_AA, 4);
+  }
+}
+
+}  // namespace
+
+CapsuleBody BodyOf(const Motion& motion) {
+  double length = 0.0;
+  double rest_length = 0.0;
+  const std::vector<double> rest = motion.skeleton->RestBoneLengths();
+  for (std::size_t j = 0; j < rest.size() && j < motion.bone_length.size(); ++j) {
+    length += motion.bone_length[j];
+    rest_length += rest[j];
+  }
+  return CapsuleBody::Make(motion.skeleton, length > 0.0 && rest_length > 0.0 ? length / rest_length : 1.0);
+}
+
+const Vector3d* JointsOf(const Motion& motion, int frame, std::vector<Vector3d>& storage) {
+  storage.clear();
+  for (int j = 0; j < motion.joint_count(); ++j) storage.emplace_back(motion.joints.at(frame, j));
+  return storage.data();
+}
+
+Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height) {
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = camera.fy = kDistance * pixels_per_metre;
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  Matrix3d turned;
+  for (int axis = 0; axis < 3; ++axis) turned.col(axis) = view.Turn(Vector3d::Unit(axis));
+  const Matrix3d camera_from_eye = Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  const Matrix3d rotation = camera_from_eye * turned;
+  camera.camera_from_world.rotation = Quaterniond(rotation);
+  camera.camera_from_world.translation = Vector3d(0.0, 0.0, kDistance) - rotation * centre;
+  return camera;
+}
+
+ShadedBody ShadeBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, double floor_y) {
+  ShadedBody shaded;
+  shaded.image = cv::Mat(camera.height, camera.width, CV_8UC3, kBackground);
+  DrawShadow(body, joints, camera, floor_y, shaded.image);
+  const std::vector<Vector2d> rays = PixelRays(camera);
+  const DepthRendering rendering = RenderBody(body, joints, camera, rays);
+  const std::vector<int> sides = SidesOf(*body.skeleton);
+  const Vector3d to_light = Vector3d(-0.45, -0.65, -0.75).normalized();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (rendering.capsule[i] < 0) continue;
+    const Capsule& capsule = body.capsules[rendering.capsule[i]];
+    const Vector3d point = static_cast<double>(rendering.depth[i]) * Vector3d(rays[i].x(), rays[i].y(), 1.0);
+    const CapsulePoint on = ClosestOnCapsule(camera.camera_from_world * joints[capsule.parent],
+                                             camera.camera_from_world * joints[capsule.joint], capsule.radius, point);
+    const double light = 0.62 + 0.42 * std::max(0.0, on.normal.dot(to_light));
+    const cv::Vec3d colour = light * ColourOf(sides[capsule.joint]);
+    shaded.image.at<cv::Vec3b>(static_cast<int>(i) / camera.width, static_cast<int>(i) % camera.width) = cv::Vec3b(
+        cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]), cv::saturate_cast<uchar>(colour[2]));
+  }
+  shaded.depth = rendering.depth;
+  return shaded;
+}
+
+Expected<cv::Mat> ReadDepth(const DepthView& view, int frame) {
+  if (frame < 0 || frame >= static_cast<int>(view.files.size())) {
+    return Fail(ErrorCode::kInconsistent, "the view has no frame " + std::to_string(frame), view.camera.name);
+  }
+  const auto bytes = ReadFile(view.files[frame]);
+  if (!bytes) return Forward(bytes);
+  cv::Mat depth;
+  try {
+    const cv::Mat raw(1, static_cast<int>(bytes->size()), CV_8UC1, const_cast<char*>(bytes->data()));
+    if (!bytes->empty()) depth = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    depth.release();
+  }
+  if (depth.type() != CV_16UC1 || depth.empty()) {
+    return Fail(ErrorCode::kMalformed, "no picture of one 16-bit channel", DisplayPath(view.files[frame]));
+  }
+  if (depth.cols != view.camera.width || depth.rows != view.camera.height) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(depth.cols) + " x " + std::to_string(depth.rows) + " pixels, the camera has " +
+                    std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height),
+                DisplayPath(view.files[frame]));
+  }
+  return depth;
+}
+
+Expected<std::string> EncodePng(const cv::Mat& image) {
+  try {
+    std::vector<uchar> bytes;
+    if (cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
+      return std::string(bytes.begin(), bytes.end());
+  } catch (const cv::Exception&) {
+    // Told below.
+  }
+  return Fail(ErrorCode::kInternal, "a picture cannot be encoded as PNG");
+}
+
+Status WritePng(const cv::Mat& image, const std::filesystem::path& png) {
+  const auto bytes = EncodePng(image);
+  return bytes ? WriteFile(png, *bytes) : Forward(bytes);
+}
+
+Status CheckFrame(const Clip& fitted, int frame) {
+  if (!fitted.motion || !fitted.motion->skeleton) {
+    return Fail(ErrorCode::kInconsistent, "the clip has no motion to draw", fitted.id(), "fit it first");
+  }
+  const int frames = fitted.motion->frame_count();
+  if (frame < 0 || frame >= frames) {
+    return Fail(ErrorCode::kInconsistent, "frame " + std::to_string(frame) + " of a clip of " + std::to_string(frames),
+                fitted.id());
+  }
+  return {};
+}
+
+}  // namespace mocurate

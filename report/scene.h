@@ -1,0 +1,39 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "core/body/capsule_body.h"
+#include "core/motion/clip.h"
+#include "report/filmstrip.h"
+
+namespace mocurate {
+
+/// What the pictures are made of; only for files that draw with OpenCV. Colours are blue, green, red.
+
+/// Capsules of a motion's skeleton, scaled by the sum of its bone lengths over the rest lengths.
+CapsuleBody BodyOf(const Motion& motion);
+const Vector3d* JointsOf(const Motion& motion, int frame, std::vector<Vector3d>& storage);
+
+/// A camera that looks at `centre` from the viewpoint, far away, `pixels_per_metre` at the centre.
+Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height);
+
+/// A body with soft light on it, and what was in the way: (height,width) metres along z, 0 for nothing.
+struct ShadedBody {
+  cv::Mat image;  ///< CV_8UC3
+  std::vector<float> depth;
+};
+/// Left limbs blue, right ones orange, the trunk grey; over a shadow on the floor at `floor_y`.
+ShadedBody ShadeBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, double floor_y);
+
+/// Error kMalformed, kNotFound, kInconsistent (other size than the camera). CV_16UC1.
+Expected<cv::Mat> ReadDepth(const DepthView& view, int frame);
+
+Expected<std::string> EncodePng(const cv::Mat& image);
+Status WritePng(const cv::Mat& image, const std::filesystem::path& png);
+
+/// Error kInconsistent unless the clip has a motion and the frame.
+Status CheckFrame(const Clip& fitted, int frame);
+
+}  // namespace mocurate

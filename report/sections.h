@@ -1,0 +1,41 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/store/store.h"
+#include "report/filmstrip.h"
+#include "report/options.h"
+
+namespace mocurate {
+
+/// All that a page is made from.
+struct ReportInput {
+  nlohmann::json run;  ///< the summary of the run; parts that it did not reach are absent
+  std::optional<Dataset> dataset;
+  std::vector<DrawnClip> drawn;
+  std::vector<std::string> not_drawn;  ///< why a clip or a view could not be drawn
+  ReportOptions options;
+};
+
+/// Each gives the inside of one <section>; what the run did not reach is said in words, never left out.
+std::string HeadHtml(const ReportInput& input);        ///< name, verdict, figures
+std::string FunnelHtml(const ReportInput& input);      ///< clips by stage, reasons of those left out
+std::string DatasetHtml(const ReportInput& input);     ///< labels, splits
+std::string QualityHtml(const ReportInput& input);     ///< before and after
+std::string TruthHtml(const ReportInput& input);       ///< error against truth
+std::string FilmstripsHtml(const ReportInput& input);  ///< strips, players, overlays
+std::string PersonsHtml(const ReportInput& input);     ///< bone lengths
+std::string FindingsHtml(const ReportInput& input);
+std::string TableHtml(const ReportInput& input);        ///< metrics of the evaluation
+std::string RecognisersHtml(const ReportInput& input);  ///< accuracies and confusion
+std::string CurvesHtml(const ReportInput& input);       ///< loss curves
+std::string StopsHtml(const ReportInput& input);        ///< where training was stopped
+std::string ReadingHtml(const ReportInput& input);      ///< how to read the page
+
+/// The players' data, in the order of the players of FilmstripsHtml.
+nlohmann::json PlayersJson(const ReportInput& input);
+
+}  // namespace mocurate

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <map>
+
+#include "report/html.h"
+#include "report/run_facts.h"
+#include "report/sections.h"
+#include "report/svg.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kShownClips = 5;
+
+std::string Tile(const std::string& name, const std::string& value, const std::string& note) {
+  return "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") +
+         "</dd></div>\n";
+}
+
+long long KeptClips(const nlohmann::json& run) {
+  long long kept = 0;
+  for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
+    const nlohmann::json& flag = Field(clip, "kept");
+    kept += flag.is_boolean() && flag.get<bool>() ? 1 : 0;
+  }
+  return kept;
+}
+
+std::string Plural(long long count, const std::string& noun) {
+  return CountText(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string Verdict(const ReportInput& input) {
+  const long long total = static_cast<long long>(Elements(Field(input.run, "clips")).size());
+  const long long kept = KeptClips(input.run);
+  std::string text;
+  if (total == 0)
+    text = "No clip was read.";
+  else if (kept == 0)
+    text = "None of the " + Plural(total, "clip") + " is in the dataset: see the reasons below.";
+  else if (kept == total)
+    text = "All " + Plural(total, "clip") + " went through.";
+  else
+    text =
+        CountText(kept) + " of " + Plural(total, "clip") + " went through; " + CountText(total - kept) + " left out.";
+  const nlohmann::json& error = Field(input.run, "fit_error");
+  const auto after = NumberOf(error, "joint_mm");
+  const auto before = NumberOf(error, "evidence_mm");
+  if (after && before && *before > 0.0) {
+    text += " Error against truth " + FixedText(*before, 1) + " mm before and " + FixedText(*after, 1) +
+            " mm after fitting.";
+  } else if (after) {
+    text += " Error against truth " + FixedText(*after, 1) + " mm.";
+  }
+  const nlohmann::json& recogniser = Field(Field(input.run, "metrics"), "recogniser");
+  if (const auto mean = NumberOf(recogniser, "mean"))
+    text += " The recogniser is right on " + PercentText(*mean) + " of the test clips.";
+  return text;
+}
+
+std::string Tiles(const ReportInput& input) {
+  const nlohmann::json& audit = Field(input.run, "audit");
+  const long long total = static_cast<long long>(Elements(Field(input.run, "clips")).size());
+  std::string html = "<dl class=\"tiles\">\n" +
+                     Tile("Clips kept", CountText(KeptClips(input.run)), "of " + CountText(total) + " read");
+  if (const auto seconds = NumberOf(audit, "seconds")) {
+    html += Tile("Motion", FixedText(*seconds / 60.0, 1) + " min",
+                 CountText(CountOf(audit, "frames")) + " frames in " + Plural(CountOf(audit, "clips"), "clip"));
+  }
+  if (input.dataset && input.dataset->skeleton) {
+    html += Tile("Skeleton", EscapeHtml(input.dataset->skeleton->name),
+                 std::to_string(input.dataset->skeleton->joint_count()) + " joints, " +
+                     (input.dataset->joints_only ? "positions only" : "with rotations"));
+  }
+  const std::vector<double> residuals = OverClips(input.run, "fitting", "", "residual_rms_mm");
+  if (!residuals.empty())
+    html += Tile("Residual", FixedText(Quantile(residuals, 0.5), 1) + " mm", "median of the clips' RMS");
+  if (const auto mean = NumberOf(Field(Field(input.run, "metrics"), "recogniser"), "mean")) {
+    html += Tile("Recogniser", PercentText(*mean), "of the test clips");
+  }
+  return html + "</dl>\n";
+}
+
+/// First clips of a group and how many more.
+std::string ClipList(const std::vector<std::string>& clips) {
+  std::string html;
+  for (std::size_t i = 0; i < std::min(kShownClips, clips.size()); ++i)
+    html += (i > 0 ? ", " : "") + EscapeHtml(clips[i]);
+  if (clips.size() > kShownClips)
+    html += " and " + CountText(static_cast<long long>(clips.size() - kShownClips)) + " more";
+  return html;
+}
+
+struct Group {
+  std::string message;
+  std::vector<std::string> clips;
+  long long count = 0;
+  std::string severity;
+  std::string action;
+};
+
+std::string ReasonsTable(const nlohmann::json& run) {
+  std::map<std::pair<std::string, std::string>, Group> groups;
+  for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
+    const nlohmann::json& failure = Field(clip, "failure");
+    if (!failure.is_object()) continue;
+    Group& group = groups[{TextOf(failure, "stage"), TextOf(failure, "code")}];
+    if (group.clips.empty()) group.message = TextOf(failure, "message");
+    group.clips.push_back(TextOf(clip, "item"));
+  }
+  if (groups.empty()) return Paragraph("No clip was left out.");
+  HtmlTable table{"Why clips were left out", {"Stage", "Reason", "Clips", "First message", "Which"}, {}, false};
+  for (const auto& [key, group] : groups) {
+    table.rows.push_back({EscapeHtml(key.first), EscapeHtml(key.second),
+                          CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.message),
+                          ClipList(group.clips)});
+  }
+  return table.Html();
+}
+
+}  // namespace
+
+std::string HeadHtml(const ReportInput& input) {
+  std::string name = TextOf(input.run, "name");
+  if (name.empty()) name = "run";
+  std::string html = "<h1>" + EscapeHtml(name) + "</h1>\n";
+  if (const std::string text = TextOf(input.run, "description"); !text.empty())
+    html += Paragraph(EscapeHtml(text), "lead");
+  return html + Paragraph(Verdict(input), "verdict") + Tiles(input);
+}
+
+std::string FunnelHtml(const ReportInput& input) {
+  BarChart chart;
+  chart.title = "Clips that went into each stage: done, doubtful, left out";
+  const long long listed = static_cast<long long>(Elements(Field(input.run, "clips")).size());
+  HtmlTable table{"", {"Stage", "Items", "Done", "Doubtful", "Refused", "Crashed"}, {}, true};
+  std::map<std::string, int> seen;
+  for (const nlohmann::json& stage : Elements(Field(input.run, "stages"))) {
+    const std::string name = TextOf(stage, "stage");
+    const auto count = [&stage](const char* key) { return CountOf(stage, key); };
+    table.rows.push_back({EscapeHtml(name), CountText(count("items")), CountText(count("done")),
+                          CountText(count("doubtful")), CountText(count("refused")), CountText(count("crashed"))});
+    const bool per_clip = name == "ingest" || name == "fitting" || name == "canon";
+    if (!per_clip || seen[name]++ > 0 || count("items") == 0) continue;
+    const long long lost = count("refused") + count("crashed");
+    chart.rows.push_back({name,
+                          {{static_cast<double>(count("done")), "good", "done"},
+                           {static_cast<double>(count("doubtful")), "doubt", "doubtful"},
+                           {static_cast<double>(lost), "bad", "left out"}},
+                          std::to_string(count("items") - lost) + " of " + std::to_string(count("items"))});
+  }
+  chart.rows.push_back({"kept",
+                        {{static_cast<double>(KeptClips(input.run)), "after", "kept"}},
+                        std::to_string(KeptClips(input.run)) + " of " + std::to_string(listed)});
+  std::string html = Paragraph("What became of " + Plural(listed, "clip") + " on the way to the dataset.");
+  html += Paragraph(
+      "<span class=\"k-good\"></span>done<span class=\"k-doubt\"></span>doubtful, but kept<span class=\"k-bad\"></span>"
+      "left out<span class=\"k-after\"></span>in the dataset",
+      "key soft");
+  html += chart.Svg() + ReasonsTable(input.run);
+  return html + "<details><summary>All stages</summary>" + table.Html() + "</details>\n";
+}
+
+std::string DatasetHtml(const ReportInput& input) {
+  const nlohmann::json& audit = Field(input.run, "audit");
+  const nlohmann::json& labels = Field(audit, "per_label");
+  if (!audit.is_object()) return Paragraph("The run ended before the dataset was looked at.");
+  std::string html;
+  HtmlTable splits{"Splits", {"Split", "Train", "Validation", "Test", "Rule", "Leak check"}, {}, false};
+  for (const nlohmann::json& split : Elements(Field(audit, "splits"))) {
+    splits.rows.push_back({EscapeHtml(TextOf(split, "name")), CountText(CountOf(split, "train")),
+                           CountText(CountOf(split, "validation")), CountText(CountOf(split, "test")),
+                           EscapeHtml(TextOf(split, "rule")), EscapeHtml(TextOf(split, "leak_check"))});
+  }
+  html += splits.rows.empty() ? Paragraph("The dataset has no split.") : splits.Html();
+  BarChart chart;
+  chart.title = "Clips per label";
+  if (labels.is_object()) {
+    for (const auto& [label, count] : labels.items()) {
+      const double value = count.is_number() ? count.get<double>() : 0.0;
+      chart.rows.push_back({label.empty() ? "(none)" : label, {{value, "after", "clips"}}, FixedText(value, 0)});
+    }
+  }
+  if (chart.rows.empty()) return html;
+  return html + "<details" + (chart.rows.size() <= 12 ? " open" : "") + "><summary>Clips per label (" +
+         std::to_string(chart.rows.size()) + ")</summary>" + chart.Svg() + "</details>\n";
+}
+
+std::string FindingsHtml(const ReportInput& input) {
+  std::map<std::string, Group> groups;
+  for (const nlohmann::json& clip : Elements(Field(input.run, "clips"))) {
+    for (const nlohmann::json& finding : Elements(Field(clip, "findings"))) {
+      Group& group = groups[TextOf(finding, "code")];
+      if (group.count++ == 0) {
+        group.message = TextOf(finding, "message");
+        group.severity = TextOf(finding, "severity");
+        group.action = TextOf(finding, "action");
+      }
+      const std::string item = TextOf(clip, "item");
+      if (group.clips.empty() || group.clips.back() != item) group.clips.push_back(item);
+    }
+  }
+  if (groups.empty()) return Paragraph("Nothing was found wrong or doubtful.");
+  HtmlTable table{"", {"Finding", "Severity", "Times", "Clips", "Done about it", "First message", "Which"}, {}, false};
+  for (const auto& [code, group] : groups) {
+    table.rows.push_back({EscapeHtml(code), EscapeHtml(group.severity), CountText(group.count),
+                          CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.action),
+                          EscapeHtml(group.message), ClipList(group.clips)});
+  }
+  return table.Html();
+}
+
+}  // namespace mocurate

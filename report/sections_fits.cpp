@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report/html.h"
+#include "report/pictures.h"
+#include "report/run_facts.h"
+#include "report/sections.h"
+#include "report/svg.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kPlayerNumbers = 450000;  ///< positions in all players together, about five bytes each
+constexpr std::size_t kOverlayClips = 3;
+constexpr std::size_t kOverlayViews = 3;
+constexpr int kMostPersons = 24;
+
+struct Measure {
+  const char* name;
+  const char* key;
+  const char* unit;
+  double factor;
+};
+
+constexpr Measure kMeasures[] = {{"Bone length spread", "bone_spread_mm", "mm", 1.0},
+                                 {"Jerk", "jerk", "m/s³", 1.0},
+                                 {"Missing joints", "missing_share", "%", 100.0},
+                                 {"Frozen frames", "frozen_frames", "frames", 1.0},
+                                 {"Foot skate", "foot_skate", "mm/s", 1000.0}};
+
+std::vector<double> Scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+std::string MedianCell(const std::vector<double>& values) {
+  return values.empty() ? "–" : ShortText(Quantile(values, 0.5));
+}
+std::string HighCell(const std::vector<double>& values) {
+  return values.empty() ? "–" : ShortText(Quantile(values, 0.95));
+}
+
+std::string ResidualTable(const nlohmann::json& run) {
+  const std::vector<double> rms = OverClips(run, "fitting", "", "residual_rms_mm");
+  const std::vector<double> p95 = OverClips(run, "fitting", "", "residual_p95_mm");
+  const std::vector<double> iterations = OverClips(run, "fitting", "", "iterations");
+  HtmlTable table{"Fit to the evidence, over clips", {"", "Median", "95th percentile", "Worst"}, {}, true};
+  const auto add = [&table](const char* name, const std::vector<double>& values) {
+    if (!values.empty())
+      table.rows.push_back({name, MedianCell(values), HighCell(values), ShortText(Quantile(values, 1.0))});
+  };
+  add("Residual RMS, mm", rms);
+  add("Residual 95th percentile, mm", p95);
+  add("Iterations", iterations);
+  return table.rows.empty() ? "" : table.Html();
+}
+
+std::string Overlays(const DrawnClip& clip) {
+  const std::vector<DepthView>& views = clip.evidence.evidence.depth_views;
+  if (views.empty() || !clip.fitted.motion) return "";
+  const int frame = clip.fitted.motion->frame_count() / 2;
+  std::string html = "<div class=\"overlays\">\n";
+  for (std::size_t v = 0; v < std::min(kOverlayViews, views.size()); ++v) {
+    const std::string view = "view " + EscapeHtml(views[v].camera.name) + ", frame " + std::to_string(frame);
+    const auto png = BodyOverlayPng(clip.fitted, clip.evidence.evidence, static_cast<int>(v), frame);
+    if (!png) {
+      html += Paragraph("Not drawn over " + view + ": " + EscapeHtml(png.error().Message()), "soft");
+      continue;
+    }
+    html += "<figure><img alt=\"Fitted body outlined over the depth picture of " + view +
+            "\" src=\"data:image/png;base64," + Base64(*png) + "\"><figcaption>Fitted body over " + view +
+            "</figcaption></figure>\n";
+  }
+  return html + "</div>\n";
+}
+
+std::string Player(const DrawnClip& clip, std::size_t index) {
+  const std::string name = EscapeHtml(clip.item);
+  const std::string id = std::to_string(index);
+  const bool has_points = clip.evidence.evidence.tracks.has_value();
+  return "<div class=\"player\" role=\"group\" aria-label=\"Player of " + name +
+         "\">\n<canvas tabindex=\"0\" role=\"img\" aria-label=\"" + name +
+         " in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\"><button "
+         "type=\"button\">Play</button>"
+         "<input type=\"range\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Frame of " +
+         name +
+         "\"><output>0.00 s</output>"
+         "<label" +
+         std::string(has_points ? "" : " hidden") + " for=\"seen-" + id + "\"><input type=\"checkbox\" id=\"seen-" +
+         id + "\" checked> evidence</label></div>\n</div>\n";
+}
+
+std::string Figures(const DrawnClip& clip) {
+  std::string text = EscapeHtml(clip.rank);
+  if (const auto rms = NumberOf(clip.figures, "residual_rms_mm"))
+    text += ", residual " + FixedText(*rms, 1) + " mm RMS";
+  if (const auto p95 = NumberOf(clip.figures, "residual_p95_mm"))
+    text += ", " + FixedText(*p95, 1) + " mm at the 95th percentile";
+  if (!clip.evidence.label.empty()) text += "; labelled " + EscapeHtml(clip.evidence.label);
+  return Paragraph(text, "soft");
+}
+
+}  // namespace
+
+std::string QualityHtml(const ReportInput& input) {
+  HtmlTable table{"Medians over clips, before (evidence) and after (fitted motion)",
+                  {"", "Before", "After", "Before, 95th percentile", "After, 95th percentile"},
+                  {},
+                  true};
+  std::string charts;
+  for (const Measure& measure : kMeasures) {
+    const auto before = Scaled(OverClips(input.run, "fitting", "before", measure.key), measure.factor);
+    const auto after = Scaled(OverClips(input.run, "fitting", "after", measure.key), measure.factor);
+    if (before.empty() && after.empty()) continue;
+    const std::string name = std::string(measure.name) + ", " + measure.unit;
+    table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
+    const bool flat = Quantile(before, 1.0) == 0.0 && Quantile(after, 1.0) == 0.0;
+    if (flat) continue;
+    const TwoSidedHistogram chart{name + ": clips before (above) and after (below)", measure.unit, before, after};
+    charts += "<figure><figcaption>" + name + "</figcaption>" + chart.Svg() + "</figure>\n";
+  }
+  const std::vector<double> residuals = OverClips(input.run, "fitting", "", "residual_rms_mm");
+  if (!residuals.empty()) {
+    const TwoSidedHistogram chart{"Residual RMS per clip, mm", "mm", {}, residuals};
+    charts += "<figure><figcaption>Residual RMS, mm</figcaption>" + chart.Svg() + "</figure>\n";
+  }
+  const std::string fit = ResidualTable(input.run);
+  if (table.rows.empty() && fit.empty())
+    return Paragraph("Nothing was fitted in this run: the motion was given, or no fit came about.");
+  std::string html;
+  if (!table.rows.empty()) html += table.Html();
+  html += fit;
+  html += Paragraph(
+      "<span class=\"k-before\"></span>before (upwards)<span class=\"k-after\"></span>after (downwards); one clip "
+      "counts once, "
+      "the dashed line is the median, the last bin holds everything beyond.",
+      "key soft");
+  return html + "<div class=\"charts\">\n" + charts + "</div>\n";
+}
+
+std::string TruthHtml(const ReportInput& input) {
+  const nlohmann::json& error = Field(input.run, "fit_error");
+  if (!error.is_object() || error.empty()) return Paragraph("This source carries no truth to compare with.");
+  const auto cell = [&error](const char* key) {
+    const auto value = NumberOf(error, key);
+    return value && *value > 0.0 ? FixedText(*value, 2) : std::string("–");
+  };
+  HtmlTable table{"Mean over " + CountText(CountOf(error, "frames")) + " frames of " +
+                      CountText(CountOf(error, "clips")) + " clips",
+                  {"", "Evidence (before)", "Fitted (after)"},
+                  {},
+                  true};
+  table.rows.push_back({"Joint position, mm", cell("evidence_mm"), cell("joint_mm")});
+  table.rows.push_back({"Joint rotation, degrees", "–", cell("rotation_deg")});
+  table.rows.push_back({"Bone direction, degrees", "–", cell("bone_direction_deg")});
+  return table.Html() +
+         Paragraph("The truth was opened by the evaluation alone; no stage before it has seen it.", "soft");
+}
+
+std::string FilmstripsHtml(const ReportInput& input) {
+  std::string html;
+  if (input.drawn.empty())
+    html += Paragraph("No clip came far enough to be drawn.");
+  else {
+    html += Paragraph(
+        "Fits in the order of their residual, from the best to the worst. Play the clip, drag it to turn it, or use "
+        "the arrow keys.");
+    html += Paragraph(
+        "<span class=\"k-before\"></span>evidence<span class=\"k-left\"></span>left side and trunk of the fit"
+        "<span class=\"k-right\"></span>right side",
+        "key soft");
+  }
+  std::size_t overlays = 0;
+  for (std::size_t i = 0; i < input.drawn.size(); ++i) {
+    const DrawnClip& clip = input.drawn[i];
+    html += "<h3>" + EscapeHtml(clip.item) + "</h3>\n" + Figures(clip) + "<div class=\"clip\"><div>\n" +
+            FilmstripSvg(clip, static_cast<int>(input.options.filmstrip_frames)) + "</div>\n" + Player(clip, i) +
+            "</div>\n";
+    if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
+      html += Overlays(clip);
+      ++overlays;
+    }
+  }
+  for (const std::string& reason : input.not_drawn) html += Paragraph("Not drawn: " + EscapeHtml(reason), "soft");
+  return html;
+}
+
+nlohmann::json PlayersJson(const ReportInput& input) {
+  nlohmann::json players = nlohmann::json::array();
+  for (const DrawnClip& clip : input.drawn) {
+    players.push_back(PlayerData(clip, kPlayerNumbers / static_cast<int>(input.drawn.size())));
+  }
+  return players;
+}
+
+std::string PersonsHtml(const ReportInput& input) {
+  const nlohmann::json& persons = Field(input.run, "persons");
+  if (!persons.is_object() || persons.empty()) return Paragraph("No bone lengths were estimated in this run.");
+  HtmlTable table{"Bone that ends at the joint, mm; one set per person", {"Joint"}, {}, true};
+  std::vector<std::string> bones;
+  std::vector<const nlohmann::json*> shown;
+  for (const auto& [name, person] : persons.items()) {
+    if (!Field(person, "bone_length_m").is_object() || static_cast<int>(shown.size()) == kMostPersons) continue;
+    table.head.push_back(EscapeHtml(name));
+    shown.push_back(&person);
+  }
+  if (shown.empty()) return Paragraph("No bone lengths could be estimated.");
+  if (input.dataset && input.dataset->skeleton) {
+    for (const Joint& joint : input.dataset->skeleton->joints) bones.push_back(joint.name);
+  } else {
+    for (const auto& [bone, length] : Field(*shown.front(), "bone_length_m").items()) bones.push_back(bone);
+  }
+  for (const std::string& bone : bones) {
+    std::vector<std::string> row = {EscapeHtml(bone)};
+    bool known = false;
+    for (const nlohmann::json* person : shown) {
+      const auto length = NumberOf(Field(*person, "bone_length_m"), bone.c_str());
+      row.push_back(length ? FixedText(1e3 * *length, 1) : "–");
+      known = known || length;
+    }
+    if (known) table.rows.push_back(row);
+  }
+  for (const auto& [name, key] : {std::pair("Stature, m", "stature_m"), std::pair("Clips used", "clips")}) {
+    std::vector<std::string> row = {name};
+    for (const nlohmann::json* person : shown) {
+      const auto value = NumberOf(*person, key);
+      row.push_back(value ? FixedText(*value, std::string(key) == "clips" ? 0 : 3) : "–");
+    }
+    table.rows.push_back(row);
+  }
+  const int left = static_cast<int>(persons.size()) - static_cast<int>(shown.size());
+  return table.Html() + (left > 0 ? Paragraph(std::to_string(left) + " more persons are not shown.", "soft") : "");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,293 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/text.h"
+#include "report/html.h"
+#include "report/run_facts.h"
+#include "report/sections.h"
+#include "report/svg.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kMostPoints = 240;
+
+struct RecogniserKind {
+  const char* key;
+  const char* name;
+};
+
+constexpr RecogniserKind kRecognisers[] = {{"recogniser", "Fitted motion"},
+                                           {"baseline_recogniser", "Raw tracks"},
+                                           {"crop_recogniser", "Fitted motion, windows as published"}};
+
+std::vector<std::string> CellsOfLine(std::string_view line) {
+  std::vector<std::string> cells;
+  const std::string_view inner = Trim(line);
+  if (inner.size() < 2 || inner.front() != '|') return cells;
+  for (const std::string_view cell : SplitText(inner.substr(1, inner.size() - 2), '|'))
+    cells.push_back(EscapeHtml(Trim(cell)));
+  return cells;
+}
+
+std::string WithoutStars(std::string text) {
+  for (std::size_t at = text.find("**"); at != std::string::npos; at = text.find("**")) text.erase(at, 2);
+  return text;
+}
+
+/// A table of Markdown and the lines around it.
+std::string MarkdownToHtml(const std::string& markdown) {
+  HtmlTable table;
+  std::string notes;
+  for (const std::string_view line : SplitText(markdown, '\n')) {
+    const std::vector<std::string> cells = CellsOfLine(line);
+    if (cells.empty()) {
+      const std::string note = EscapeHtml(WithoutStars(std::string(Trim(line))));
+      if (note.empty()) continue;
+      if (table.head.empty())
+        table.caption = note;
+      else
+        notes += Paragraph(note, "soft");
+    } else if (table.head.empty()) {
+      table.head = cells;
+    } else if (cells.front().find_first_not_of("-: ") != std::string::npos) {
+      table.rows.push_back(cells);
+    }
+  }
+  return table.head.empty() ? notes : table.Html() + notes;
+}
+
+/// Without a printed table: means alone.
+std::string MeansTable(const nlohmann::json& rows) {
+  HtmlTable table{"Means over repetitions", {"Method", "FID", "Accuracy", "Diversity", "Multimodality"}, {}, true};
+  for (const auto& [name, row] : rows.items()) {
+    std::vector<std::string> cells = {EscapeHtml(name)};
+    for (const char* key : {"fid", "accuracy", "diversity", "multimodality"}) {
+      const std::vector<double> values = NumbersOf(Field(row, key));
+      double sum = 0.0;
+      for (const double value : values) sum += value;
+      cells.push_back(values.empty() ? "–" : FixedText(sum / static_cast<double>(values.size()), 3));
+    }
+    table.rows.push_back(cells);
+  }
+  return table.Html();
+}
+
+std::string ConfusionTable(const nlohmann::json& scored) {
+  const std::vector<nlohmann::json>& matrix = Elements(Field(scored, "confusion"));
+  const std::vector<nlohmann::json>& labels = Elements(Field(scored, "labels"));
+  if (matrix.empty() || matrix.size() != labels.size()) return "";
+  std::string html =
+      "<div class=\"scroll\"><table class=\"heat\"><caption>Rows: what it is. Columns: what the recogniser says "
+      "(numbers as in the "
+      "rows). Counts over all seeds; the darker, the larger the share of the row.</caption><thead><tr><th "
+      "scope=\"col\">Label</th>";
+  for (std::size_t c = 0; c < labels.size(); ++c) html += "<th scope=\"col\">" + std::to_string(c + 1) + "</th>";
+  html += "</tr></thead><tbody>\n";
+  for (std::size_t r = 0; r < matrix.size(); ++r) {
+    const std::string name = labels[r].is_string() ? labels[r].get<std::string>() : "";
+    html += "<tr><th scope=\"row\">" + std::to_string(r + 1) + " " + EscapeHtml(name) + "</th>";
+    const std::vector<double> row = NumbersOf(matrix[r]);
+    double sum = 0.0;
+    for (const double value : row) sum += value;
+    for (const double value : row) {
+      const double share = sum > 0.0 ? value / sum : 0.0;
+      if (!(value > 0.0))
+        html += "<td></td>";
+      else
+        html += "<td" + std::string(share > 0.5 ? " class=\"hot\"" : "") + " style=\"background:rgba(var(--heat)," +
+                FixedText(0.08 + 0.92 * share, 2) + ")\">" + FixedText(value, 0) + "</td>";
+    }
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+/// Means over blocks, so that a chart has at most kMostPoints; NaN is left out. `x` may be empty: 1, 2, 3, ...
+std::vector<std::pair<double, double>> Thinned(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<std::pair<double, double>> points;
+  const std::size_t count = x.empty() ? y.size() : std::min(x.size(), y.size());
+  const std::size_t block = std::max<std::size_t>(1, (count + kMostPoints - 1) / kMostPoints);
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    double sum_x = 0.0, sum_y = 0.0, used = 0.0;
+    for (std::size_t i = begin; i < std::min(count, begin + block); ++i) {
+      if (!std::isfinite(y[i])) continue;
+      sum_x += x.empty() ? static_cast<double>(i + 1) : x[i];
+      sum_y += y[i];
+      used += 1.0;
+    }
+    if (used > 0.0) points.emplace_back(sum_x / used, sum_y / used);
+  }
+  return points;
+}
+
+/// Summaries of the training stages by item ("recogniser/1", "Action2Motion").
+std::map<std::string, const nlohmann::json*> Trainings(const nlohmann::json& run) {
+  std::map<std::string, const nlohmann::json*> trainings;
+  const nlohmann::json& listed = Field(run, "training");
+  if (listed.is_object()) {
+    for (const auto& [item, summary] : listed.items()) trainings[item] = &summary;
+  }
+  const nlohmann::json& generator = Field(Field(run, "metrics"), "generator_training");
+  const bool known = std::any_of(trainings.begin(), trainings.end(), [&](const auto& entry) {
+    return TextOf(*entry.second, "kind") == TextOf(generator, "kind");
+  });
+  if (generator.is_object() && !generator.empty() && !known) trainings["generator"] = &generator;
+  return trainings;
+}
+
+bool IsRecogniser(const nlohmann::json& training) { return Field(training, "epochs").is_number(); }
+
+std::string Chart(const LineChart& chart) {
+  if (chart.curves.empty()) return "";
+  return "<figure><figcaption>" + EscapeHtml(chart.title) + "</figcaption>" + chart.Svg() + "</figure>\n";
+}
+
+std::string GeneratorCharts(const std::string& item, const nlohmann::json& history) {
+  LineChart loss{item + ": loss", "iteration", "loss", {}};
+  LineChart kl{item + ": Kullback-Leibler term", "iteration", "KL", {}};
+  for (const char* column : {"loss", "reconstruction"}) {
+    const std::vector<double> values = NumbersOf(Field(history, column));
+    if (!values.empty()) loss.curves.push_back({column, Thinned({}, values)});
+  }
+  if (const std::vector<double> values = NumbersOf(Field(history, "kl")); !values.empty()) {
+    kl.curves.push_back({"kl", Thinned({}, values)});
+  }
+  return Chart(loss) + Chart(kl);
+}
+
+std::string RecogniserCharts(const std::string& kind,
+                             const std::vector<std::pair<std::string, const nlohmann::json*>>& seeds) {
+  LineChart loss{kind + ": training loss by seed", "epoch", "loss", {}};
+  LineChart accuracy{kind + ": accuracy on the validation fold by seed", "epoch", "accuracy", {}};
+  for (const auto& [item, history] : seeds) {
+    const std::vector<double> values = NumbersOf(Field(*history, "train_loss"));
+    if (!values.empty()) loss.curves.push_back({item, Thinned({}, values)});
+    const std::vector<double> checked = NumbersOf(Field(*history, "validation_accuracy"));
+    if (!checked.empty())
+      accuracy.curves.push_back({item, Thinned(NumbersOf(Field(*history, "check_epoch")), checked)});
+  }
+  return Chart(loss) + Chart(accuracy);
+}
+
+}  // namespace
+
+std::string TableHtml(const ReportInput& input) {
+  const std::string markdown = TextOf(input.run, "table_markdown");
+  if (!markdown.empty()) return MarkdownToHtml(markdown);
+  const nlohmann::json& rows = Field(Field(input.run, "metrics"), "rows");
+  if (rows.is_object() && !rows.empty()) return MeansTable(rows);
+  return Paragraph("The run ended before the evaluation, or trained nothing to evaluate.");
+}
+
+std::string RecognisersHtml(const ReportInput& input) {
+  const nlohmann::json& metrics = Field(input.run, "metrics");
+  HtmlTable table{"Share of the test clips that are recognised",
+                  {"Recogniser trained on", "Mean", "By seed", "Test clips"},
+                  {},
+                  true};
+  for (const RecogniserKind& kind : kRecognisers) {
+    const nlohmann::json& scored = Field(metrics, kind.key);
+    const auto mean = NumberOf(scored, "mean");
+    if (!mean) continue;
+    std::string seeds;
+    for (const double accuracy : NumbersOf(Field(scored, "test_accuracy")))
+      seeds += (seeds.empty() ? "" : ", ") + FixedText(accuracy, 3);
+    table.rows.push_back({kind.name, FixedText(*mean, 3), seeds, CountText(CountOf(scored, "test_clips"))});
+  }
+  nlohmann::json nearest = Field(metrics, "nearest_neighbour");
+  if (!nearest.is_object()) nearest = Field(Field(input.run, "audit"), "nearest_neighbour");
+  if (const auto accuracy = NumberOf(nearest, "accuracy")) {
+    table.rows.push_back(
+        {"Nearest neighbour, nothing trained", FixedText(*accuracy, 3), "–", CountText(CountOf(nearest, "count"))});
+  }
+  if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
+  return table.Html() + "<h3>Confusion of the recogniser on the test clips</h3>\n" +
+         ConfusionTable(Field(metrics, "recogniser"));
+}
+
+std::string CurvesHtml(const ReportInput& input) {
+  std::map<std::string, std::vector<std::pair<std::string, const nlohmann::json*>>> recognisers;
+  std::string charts;
+  for (const auto& [item, training] : Trainings(input.run)) {
+    const nlohmann::json& history = Field(*training, "history");
+    if (!history.is_object()) continue;
+    if (!IsRecogniser(*training))
+      charts += GeneratorCharts(item, history);
+    else
+      recognisers[item.substr(0, item.find('/'))].emplace_back(item.substr(item.find('/') + 1), &history);
+  }
+  for (const auto& [kind, seeds] : recognisers) charts += RecogniserCharts(kind, seeds);
+  if (charts.empty()) return Paragraph("No training of this run left a history.");
+  return "<div class=\"charts wide\">\n" + charts + "</div>\n";
+}
+
+std::string StopsHtml(const ReportInput& input) {
+  HtmlTable generators{
+      "Generators", {"Item", "Iterations", "Batch", "Training clips", "Passes over the clips", "Last loss"}, {}, true};
+  HtmlTable recognisers{
+      "Recognisers",
+      {"Item", "Epochs", "Chosen epoch", "Validation accuracy", "Last training accuracy", "Chosen by"},
+      {},
+      false};
+  const auto number = [](const nlohmann::json& json, const char* key, int digits) {
+    const auto value = NumberOf(json, key);
+    return value ? FixedText(*value, digits) : std::string("–");
+  };
+  for (const auto& [item, training] : Trainings(input.run)) {
+    if (IsRecogniser(*training)) {
+      recognisers.rows.push_back({EscapeHtml(item), number(*training, "epochs", 0),
+                                  number(*training, "chosen_epoch", 0), number(*training, "validation_accuracy", 3),
+                                  number(*training, "train_accuracy", 3),
+                                  EscapeHtml(TextOf(*training, "validation_rule"))});
+      continue;
+    }
+    const auto clips = NumberOf(*training, "clips");
+    const double passes = NumberOf(*training, "iterations").value_or(0.0) * NumberOf(*training, "batch").value_or(0.0);
+    generators.rows.push_back({EscapeHtml(item), CountText(CountOf(*training, "iterations")),
+                               number(*training, "batch", 0), number(*training, "clips", 0),
+                               clips && *clips > 0.0 ? FixedText(passes / *clips, 1) : "–",
+                               number(*training, "loss", 4)});
+  }
+  if (generators.rows.empty() && recognisers.rows.empty()) return Paragraph("Nothing was trained in this run.");
+  std::string html = Paragraph(
+      "Training ends after the number of steps that the configuration states, not when it has converged. A generator "
+      "stopped early scores worse than a published one: read the table with this in mind. <code>--budget N</code> "
+      "trains N "
+      "times as long.");
+  if (!generators.rows.empty()) html += generators.Html();
+  if (!recognisers.rows.empty()) html += recognisers.Html();
+  return html;
+}
+
+std::string ReadingHtml(const ReportInput&) {
+  const char* lines[] = {
+      "<dt>Residual</dt><dd>Distance of the fitted joints (or body surface) from what was observed. It says how well "
+      "the fit explains the evidence, "
+      "not how right the evidence was.</dd>",
+      "<dt>Bone length spread</dt><dd>Standard deviation of each bone's length over the frames of a clip, averaged "
+      "over bones. A person's bones do "
+      "not change: before fitting this is tracker noise, after it is zero by construction.</dd>",
+      "<dt>Jerk</dt><dd>Root mean square of the third derivative of joint positions. Less is smoother, and says "
+      "nothing about truth: read it beside "
+      "the residual.</dd>",
+      "<dt>Missing joints</dt><dd>Samples without an observation. Fitted motion has none; what was filled in is marked "
+      "so in the dataset.</dd>",
+      "<dt>FID ↓</dt><dd>Fréchet distance between features of generated and of real motion; features are the "
+      "recogniser's, so figures compare only "
+      "within one recogniser.</dd>",
+      "<dt>Accuracy ↑</dt><dd>Share of the motions in which the recogniser sees the label that was asked for.</dd>",
+      "<dt>Diversity →, Multimodality →</dt><dd>Mean feature distance between motions of any labels, and of the same "
+      "label. Best is closest to the "
+      "row <em>Real</em>.</dd>",
+      "<dt>±</dt><dd>As the line below the table says. It covers the repetitions of the evaluation, not another "
+      "training.</dd>",
+      "<dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. A clip that failed is in the "
+      "funnel's reasons.</dd>"};
+  std::string html = "<dl>\n";
+  for (const char* line : lines) html += std::string(line) + "\n";
+  return html + "</dl>\n";
+}
+
+}  // namespace mocurate

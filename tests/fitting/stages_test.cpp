@@ -1,0 +1,137 @@
+#include "fitting/stages.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/store/store.h"
+#include "fitting/options.h"
+#include "tests/fitting/takes.h"
+
+namespace mocurate {
+namespace {
+
+/// Evidence of one person, written as ingest writes it.
+class FittingStages : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("fitting_stages_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    ASSERT_TRUE(MakeFolder(folder_).has_value());
+    auto skeleton = LoadSkeleton("openni16");
+    ASSERT_TRUE(skeleton.has_value()) << skeleton.error().Message();
+    std::vector<Quaterniond> rotation;
+    std::vector<Vector3d> translation;
+    std::vector<double> bones = (*skeleton)->RestBoneLengths();
+    for (double& bone : bones) bone *= 1.05;
+    for (int f = 0; f < 40; ++f) {
+      translation.emplace_back(0.02 * f, 1.0, 0.0);
+      for (int j = 0; j < (*skeleton)->joint_count(); ++j) {
+        rotation.push_back(ExpQuaternion(0.3 * std::sin(0.1 * f + j) * Vector3d(1, 0.5, j % 2)));
+      }
+    }
+    truth_ = MakeMotion(*skeleton, FrameRate{30, 1}, translation, rotation, bones);
+    Clip clip;
+    clip.identity.source = "studio";
+    clip.identity.person = "p1";
+    clip.identity.recording = "r1";
+    clip.identity.end_frame = 40;
+    clip.rate = truth_.rate;
+    JointTracks tracks;
+    tracks.positions = JointPositions(40, truth_.joint_count() - 1);
+    tracks.confidence.assign(static_cast<std::size_t>(40) * tracks.positions.joints, 1.0);
+    for (int f = 0; f < 40; ++f) tracks.time_s.push_back(truth_.rate.FrameTime(f));
+    for (int j = 1; j < truth_.joint_count(); ++j) {  // the root has no track
+      tracks.names.push_back((*skeleton)->joints[j].name);
+      for (int f = 0; f < 40; ++f) tracks.positions.at(f, j - 1) = truth_.joints.at(f, j);
+    }
+    clip.evidence.tracks = tracks;
+    clip_ = clip;
+    const Status written = WriteEvidence(clip, folder_ / "evidence.h5");
+    ASSERT_TRUE(written.has_value()) << written.error().Message();
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  StageRequest Request(const std::string& stage, const nlohmann::json& options) const {
+    StageRequest request;
+    request.stage = stage;
+    request.item = stage == "proportions" ? "p1" : clip_.id();
+    request.options = options;
+    request.inputs.push_back({"evidence", clip_.id(), folder_ / "evidence.h5", std::string(64, 'a')});
+    request.output = folder_ / (stage + ".out");
+    return request;
+  }
+
+  std::filesystem::path folder_;
+  Motion truth_;
+  Clip clip_;
+};
+
+TEST_F(FittingStages, MakeAMotionWithOneSetOfBonesOutOfTracks) {
+  const auto proportions = ProportionsStage(Request("proportions", {{"skeleton", "openni16"}}));
+  ASSERT_TRUE(proportions.has_value()) << proportions.error().Message();
+  EXPECT_EQ(proportions->summary["person"], "p1");
+  EXPECT_NEAR(proportions->summary["bone_length_m"]["left_knee"].get<double>(), 0.43 * 1.05, 2e-4);
+
+  StageRequest request =
+      Request("fitting", {{"skeleton", "openni16"}, {"joint_tracks", {{"relative_tolerance", 1e-8}}}});
+  request.inputs.push_back({"proportions", "p1", folder_ / "proportions.out", std::string(64, 'b')});
+  const auto fitted = FittingStage(request);
+  ASSERT_TRUE(fitted.has_value()) << fitted.error().Message();
+  EXPECT_EQ(fitted->kind, OutcomeKind::kDone);
+  for (const char* key :
+       {"method", "residual_rms_mm", "residual_p95_mm", "iterations", "termination", "before", "after"}) {
+    EXPECT_TRUE(fitted->summary.contains(key)) << key;
+  }
+  const auto dataset = ReadDataset(request.output);
+  ASSERT_TRUE(dataset.has_value()) << dataset.error().Message();
+  ASSERT_EQ(dataset->clips.size(), 1u);
+  const Motion& motion = *dataset->clips[0].motion;
+  EXPECT_FALSE(motion.joints_only());
+  for (int f = 0; f < 40; ++f) {
+    EXPECT_LT((motion.joints.at(f, 6) - truth_.joints.at(f, 6)).norm(), 0.005) << "frame " << f;
+  }
+  EXPECT_EQ(dataset->clips[0].id(), clip_.id());
+}
+
+TEST_F(FittingStages, WriteTheSameBytesAgain) {
+  StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
+  ASSERT_TRUE(FittingStage(request).has_value());
+  const auto first = ReadFile(request.output);
+  request.output = folder_ / "again.out";
+  ASSERT_TRUE(FittingStage(request).has_value());
+  EXPECT_EQ(*first, *ReadFile(request.output));
+}
+
+TEST_F(FittingStages, RefuseASkeletonWithoutTheTrackedJoints) {
+  const auto fitted = FittingStage(Request("fitting", {{"skeleton", "a2m21"}}));
+  ASSERT_FALSE(fitted.has_value());
+  EXPECT_EQ(fitted.error().code, ErrorCode::kInconsistent);
+}
+
+TEST_F(FittingStages, RefuseAMissingSkeletonAndUnknownOptions) {
+  EXPECT_FALSE(FittingStage(Request("fitting", {{"skeleton", "no_such_skeleton"}})).has_value());
+  const auto fitted = FittingStage(Request("fitting", {{"skeletn", "openni16"}}));
+  ASSERT_FALSE(fitted.has_value());
+  EXPECT_EQ(fitted.error().code, ErrorCode::kConfig);
+}
+
+TEST_F(FittingStages, RefuseProportionsThatAreNoJson) {
+  ASSERT_TRUE(WriteFile(folder_ / "bad.json", "{\"person\"").has_value());
+  StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
+  request.inputs.push_back({"proportions", "p1", folder_ / "bad.json", std::string(64, 'b')});
+  const auto fitted = FittingStage(request);
+  ASSERT_FALSE(fitted.has_value());
+  EXPECT_EQ(fitted.error().code, ErrorCode::kMalformed);
+}
+
+TEST_F(FittingStages, HandAGivenMotionOnOnlyIfThereIsOne) {
+  const auto fitted = FittingStage(Request("fitting", {{"method", "none"}}));
+  ASSERT_FALSE(fitted.has_value());
+  EXPECT_EQ(fitted.error().what, "the clip has no motion to hand on");
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include "report/filmstrip.h"
+#include "report/html.h"
+#include "report/pictures.h"
+#include "report/svg.h"
+#include "tests/report/builders.h"
+
+namespace mocurate::test {
+namespace {
+
+TEST(Html, ControlCharactersAndBrokenUtf8BecomeReplacementCharacters) {
+  EXPECT_EQ(EscapeHtml("a<b>&\"'"), "a&lt;b&gt;&amp;&quot;&#39;");
+  EXPECT_EQ(EscapeHtml(std::string("x\x01y\xFFz")), "x\xEF\xBF\xBDy\xEF\xBF\xBDz");
+}
+
+TEST(Html, JsonInAScriptCannotEndIt) {
+  EXPECT_EQ(JsonForScript(nlohmann::json("</script><!--")), "\"\\u003c/script>\\u003c!--\"");
+}
+
+TEST(Html, NumbersAreShort) {
+  EXPECT_EQ(FixedText(-0.04, 1), "0.0");
+  EXPECT_EQ(FixedText(12.345, 2), "12.35");
+  EXPECT_EQ(ShortText(1234.4), "1234");
+  EXPECT_EQ(ShortText(1e-9), "&lt; 0.001");
+  EXPECT_EQ(CountText(1234567), "1\u2009234\u2009567");
+}
+
+TEST(Charts, AxisMarksAreRoundAndCoverTheRange) {
+  EXPECT_EQ(AxisMarks(0.0, 10.0, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  for (const double high : {1e-6, 0.37, 1.0, 9.99, 123.0, 4.2e7}) {
+    for (const int most : {3, 5, 7}) {
+      const std::vector<double> marks = AxisMarks(0.0, high, most);
+      ASSERT_GE(marks.size(), 2U) << high;
+      EXPECT_LE(marks.size(), static_cast<std::size_t>(most) + 1) << high;
+      EXPECT_LE(marks.back(), high * (1 + 1e-9));
+    }
+  }
+  EXPECT_TRUE(AxisMarks(1.0, 1.0, 5).empty());
+}
+
+TEST(Charts, CurvesWithoutAFiniteNumberDrawNothing) {
+  LineChart chart{"t", "x", "y", {{"c", {{1.0, std::nan("")}}}}};
+  EXPECT_EQ(chart.Svg(), "");
+}
+
+TEST(Viewpoint, APersonThatFacesAnywhereIsSeenFromTheFront) {
+  const SkeletonPtr skeleton = Walker();
+  for (const double facing : {0.0, 1.0, 2.5, -2.0}) {
+    Motion motion = Stepping(skeleton, 3);
+    for (int f = 0; f < 3; ++f) motion.rotation_at(f, 0) = ExpQuaternion(Vector3d(0.0, facing, 0.0));
+    ComputeJoints(motion);
+    const Viewpoint view = FrontView(motion);
+    const Vector3d forward = view.Turn(ExpQuaternion(Vector3d(0.0, facing, 0.0)) * Vector3d::UnitZ());
+    const Vector3d left = view.Turn(motion.joints.at(1, 1) - motion.joints.at(1, 2));
+    EXPECT_GT(forward.z(), 0.8) << "the chest points to the eye";
+    EXPECT_GT(left.x(), 0.0) << "the person's left is on the right of the picture";
+  }
+}
+
+TEST(Filmstrip, StillsSpanTheWholeClip) {
+  EXPECT_EQ(StillFrames(9, 5), (std::vector<int>{0, 2, 4, 6, 8}));
+  EXPECT_EQ(StillFrames(2, 8), (std::vector<int>{0, 1}));
+  EXPECT_TRUE(StillFrames(0, 8).empty());
+}
+
+TEST(Filmstrip, PointsOfJointsWithoutTheirParentHangOnTheNearestObservedAncestor) {
+  const SkeletonPtr skeleton = Walker();
+  JointTracks tracks;
+  tracks.names = {"left_hip", "left_ankle", "head", "a sensor of its own"};
+  const TrackDrawing drawing = MatchTracks(tracks, skeleton.get());
+  ASSERT_EQ(drawing.lines.size(), 1U);
+  EXPECT_EQ(drawing.lines[0], (std::array<int, 2>{0, 1}));
+}
+
+TEST(Player, PositionsAreWholeMillimetresAndMissingPointsAreNull) {
+  DrawnClip clip;
+  const Motion motion = Stepping(Walker(), 20);
+  clip.item = "x";
+  clip.fitted.motion = motion;
+  clip.evidence.evidence.tracks = NoisyTracks(motion);
+  const nlohmann::json data = PlayerData(clip, 1000000);
+  ASSERT_EQ(data["joints"].size(), 20U);
+  EXPECT_EQ(data["step"], 1);
+  EXPECT_EQ(data["joints"][0][3 * 3 + 1], -450) << "the left knee hangs 450 mm below the pelvis";
+  EXPECT_TRUE(data["points"][0][0].is_null());
+  EXPECT_TRUE(data["points"][0][3].is_number_integer());
+  const nlohmann::json thinned = PlayerData(clip, 51 * 5);
+  EXPECT_EQ(thinned["step"], 4);
+  EXPECT_EQ(thinned["joints"].size(), 5U);
+}
+
+TEST(Pictures, Base64FollowsTheStandardsExamples) {
+  EXPECT_EQ(Base64(""), "");
+  EXPECT_EQ(Base64("f"), "Zg==");
+  EXPECT_EQ(Base64("fo"), "Zm8=");
+  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
+}
+
+class PictureTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto evidence = ReadEvidence(run_.folder / "evidence_c.h5");
+    auto fit = ReadDataset(run_.folder / "fit_c.h5");
+    ASSERT_TRUE(evidence && fit);
+    evidence_ = evidence->evidence;
+    fitted_ = fit->clips.front();
+    ResolveDepthFiles({{"depth/c.png", run_.folder / "depth.png"}}, evidence_);
+  }
+
+  SmallRun run_;
+  Evidence evidence_;
+  Clip fitted_;
+};
+
+TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
+  const auto png = run_.folder / "picture.png";
+  const auto expect_png = [&](const Status& written) {
+    ASSERT_TRUE(written) << written.error().Message();
+    EXPECT_EQ(ReadFile(png)->substr(1, 3), "PNG");
+  };
+  expect_png(WriteClipPicture(fitted_, evidence_, 4, png));
+  expect_png(WriteBodyOverlay(fitted_, evidence_, 0, 20, png));
+  expect_png(WriteCloudPicture(fitted_, evidence_, 20, png));
+}
+
+TEST_F(PictureTest, WhatIsNotThereIsNamed) {
+  const auto png = run_.folder / "picture.png";
+  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 3, 20, png).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 400, png).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(WriteClipPicture(Clip(), evidence_, 4, png).error().code, ErrorCode::kInconsistent);
+  evidence_.depth_views[0].camera.width = 100;
+  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 20, png).error().code, ErrorCode::kInconsistent);
+  ASSERT_TRUE(WriteFile(run_.folder / "depth.png", "no picture"));
+  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 20, png).error().code, ErrorCode::kMalformed);
+  EXPECT_EQ(WriteCloudPicture(fitted_, Evidence(), 20, png).error().code, ErrorCode::kInconsistent);
+  EXPECT_FALSE(std::filesystem::exists(png));
+}
+
+}  // namespace
+}  // namespace mocurate::test

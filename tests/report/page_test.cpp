@@ -1,0 +1,162 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "tests/report/builders.h"
+
+namespace mocurate::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const char* const kSectionIds[] = {"funnel", "quality", "truth",   "filmstrips", "table",    "recognisers",
+                                   "curves", "stops",   "dataset", "persons",    "findings", "reading"};
+
+std::string PageOf(SmallRun& run) {
+  const auto page = run.Page();
+  EXPECT_TRUE(page) << page.error().Message();
+  return page.value_or("");
+}
+
+void ExpectAllSections(const std::string& page) {
+  for (const char* id : kSectionIds) {
+    EXPECT_THAT(page, HasSubstr("<section id=\"" + std::string(id) + "\"")) << id;
+    EXPECT_THAT(page, HasSubstr("href=\"#" + std::string(id) + "\"")) << id;
+  }
+}
+
+TEST(ReportPage, HoldsEverySectionAndTheFiguresOfTheRun) {
+  SmallRun run;
+  const std::string page = PageOf(run);
+  ExpectAllSections(page);
+  EXPECT_THAT(page, HasSubstr("All 3 clips went through."));
+  EXPECT_THAT(page, HasSubstr("Error against truth 30.0 mm before and 8.0 mm after fitting."));
+  EXPECT_THAT(page, HasSubstr("right on 95.0 % of the test clips"));
+  EXPECT_THAT(page, HasSubstr("<td>0.200 ± 0.100</td>"));
+  EXPECT_THAT(page, HasSubstr("best fit, residual 5.0 mm RMS"));
+  EXPECT_THAT(page, HasSubstr("median fit, residual 10.0 mm RMS"));
+  EXPECT_THAT(page, HasSubstr("worst fit, residual 15.0 mm RMS"));
+  EXPECT_THAT(page, HasSubstr("60.0</td>")) << "300 iterations of 8 over 40 clips are 60 passes";
+  EXPECT_THAT(page, HasSubstr("missing_joints"));
+  EXPECT_LT(page.size(), 5U << 20);
+}
+
+TEST(ReportPage, DrawsTheFittedBodyOverTheDepthView) {
+  SmallRun run;
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_THAT(page, HasSubstr("Fitted body over view front, frame 20"));
+}
+
+TEST(ReportPage, SaysWhyADepthViewIsNotDrawnAndKeepsTheRest) {
+  SmallRun run;
+  run.inputs.pop_back();
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("Not drawn over view front, frame 20: "));
+  EXPECT_THAT(page, HasSubstr("worst fit"));
+}
+
+TEST(ReportPage, EscapesTextsOfTheCapture) {
+  const std::string evil = "</script><script>alert(1)</script>\"'&";
+  SmallRun run(evil);
+  run.run["name"] = evil;
+  run.run["description"] = evil;
+  run.run["clips"].push_back(FailedClip(evil, evil));
+  run.run["persons"][evil] = {{"bone_length_m", {{evil, 0.3}}}};
+  for (StageInput& input : run.inputs) {
+    if (input.name == "test/p1/a") input.name = evil;
+  }
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, Not(HasSubstr("alert(1)</script>")));
+  EXPECT_THAT(page, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(1)"));
+}
+
+TEST(ReportPage, TheSameResultsGiveTheSameBytes) {
+  SmallRun run;
+  const auto first = run.Page("first.html");
+  const auto second = run.Page("second.html");
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(*first, *second);
+}
+
+TEST(ReportPage, NeedsNothingOutsideItself) {
+  SmallRun run;
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, Not(HasSubstr("http://")));
+  EXPECT_THAT(page, Not(HasSubstr("https://")));
+  EXPECT_THAT(page, Not(HasSubstr("@import")));
+  EXPECT_THAT(page, Not(HasSubstr("url(")));
+  const std::regex address("(src|href)=\"([^\"]*)\"");
+  for (std::sregex_iterator it(page.begin(), page.end(), address), end; it != end; ++it) {
+    const std::string target = (*it)[2].str().substr(0, 22);
+    EXPECT_TRUE(target[0] == '#' || target.rfind("data:", 0) == 0) << target;
+  }
+}
+
+TEST(ReportPage, StaysReadableWhenEveryClipFailed) {
+  SmallRun run;
+  run.run["clips"] = {FailedClip("a", "empty file"), FailedClip("b", "empty file")};
+  for (const char* key : {"audit", "metrics", "fit_error"}) run.run[key] = nullptr;
+  run.run["persons"] = nlohmann::json::object();
+  run.run["table_markdown"] = "";
+  run.inputs.clear();
+  const std::string page = PageOf(run);
+  ExpectAllSections(page);
+  EXPECT_THAT(page, HasSubstr("None of the 2 clips is in the dataset"));
+  EXPECT_THAT(page, HasSubstr("empty file"));
+  EXPECT_THAT(page, HasSubstr("No clip came far enough to be drawn."));
+  EXPECT_THAT(page, Not(HasSubstr("nan")));
+}
+
+TEST(ReportPage, SaysThatNothingFailed) {
+  SmallRun run;
+  EXPECT_THAT(PageOf(run), HasSubstr("No clip was left out."));
+}
+
+TEST(ReportPage, StaysReadableForAnEmptySummary) {
+  SmallRun run;
+  run.run = nlohmann::json::object();
+  run.inputs.clear();
+  const std::string page = PageOf(run);
+  ExpectAllSections(page);
+  EXPECT_THAT(page, HasSubstr("No clip was read."));
+}
+
+TEST(ReportPage, AClipThatCannotBeReadCostsOnlyItsStrip) {
+  SmallRun run;
+  ASSERT_TRUE(WriteFile(run.folder / "fit_b.h5", "damaged"));
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("Not drawn: test/p1/b: "));
+  EXPECT_THAT(page, HasSubstr("<h3>test/p1/c</h3>"));
+}
+
+TEST(ReportPage, ASummaryThatIsNoJsonIsRefused) {
+  SmallRun run;
+  ASSERT_TRUE(WriteFile(run.folder / "run.json", "{"));
+  const auto outcome = ReportStage(run.Request("index.html"));
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kMalformed);
+  EXPECT_FALSE(std::filesystem::exists(run.folder / "index.html"));
+}
+
+TEST(ReportPage, LongClipsAreThinnedToKeepThePageSmall) {
+  SmallRun run;
+  const SkeletonPtr skeleton = Walker();
+  const Motion motion = Stepping(skeleton, 20000);
+  Dataset fit;
+  fit.skeleton = skeleton;
+  fit.created_by = "mocurate test";
+  Clip clip;
+  clip.identity = {"test", "p1", "a", "", "", "", 0, 20000};
+  clip.rate = motion.rate;
+  clip.motion = motion;
+  fit.clips.push_back(clip);
+  ASSERT_TRUE(WriteDataset(fit, run.folder / "fit_a.h5"));
+  EXPECT_LT(PageOf(run).size(), 5U << 20);
+}
+
+}  // namespace
+}  // namespace mocurate::test
