@@ -59,7 +59,7 @@ class StripDrawing {
     for (const int frame : frames) AddExtent(frame);
     if (!(high_ > low_)) low_ = -1.0, high_ = 1.0;
     scale_ = (kHeight - 34.0) / (high_ - low_);
-    cell_ = std::clamp(2.0 * widest_ * scale_ + 14.0, 80.0, 260.0);
+    cell_ = std::clamp((right_ - left_) * scale_ + 20.0, 60.0, 260.0);
   }
 
   double cell() const { return cell_; }
@@ -69,29 +69,27 @@ class StripDrawing {
     const Vector3d centre = view_.Turn(CentreOf(frame));
     const auto place = [&](const Vector3d& world) {
       const Vector3d seen = view_.Turn(world);
-      return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x()), 8.0 + scale_ * (high_ - seen.y()),
-                      0.0);
+      return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x() - 0.5 * (left_ + right_)),
+                      8.0 + scale_ * (high_ - seen.y()), 0.0);
     };
     std::string svg = "<g>";
-    if (const JointTracks* tracks = TracksOf(clip_)) {
-      const Motion* motion = MotionOf(clip_);
-      for (const auto& [a, b] : MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr).lines) {
-        if (!Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
-        svg += Segment(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
-      }
-      for (int k = 0; k < tracks->positions.joints; ++k) {
-        if (!Present(*tracks, frame, k)) continue;
-        const Vector3d at = place(tracks->positions.at(frame, k));
-        svg +=
-            "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.4\" class=\"point\"/>";
-      }
+    const Motion* motion = MotionOf(clip_);
+    const JointTracks* tracks = TracksOf(clip_);
+    const TrackDrawing drawing =
+        tracks ? MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr) : TrackDrawing();
+    for (const auto& [a, b] : drawing.lines) {
+      if (!Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
+      svg += Segment(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
     }
-    if (const Motion* motion = MotionOf(clip_)) {
-      const std::vector<int> sides = SidesOf(*motion->skeleton);
-      for (int j = 1; j < motion->joint_count(); ++j) {
-        svg += Segment(place(motion->joints.at(frame, motion->skeleton->joints[j].parent)),
-                       place(motion->joints.at(frame, j)), BoneClass(sides[j]));
-      }
+    const std::vector<int> sides = motion ? SidesOf(*motion->skeleton) : std::vector<int>();
+    for (int j = 1; motion != nullptr && j < motion->joint_count(); ++j) {
+      const int parent = motion->skeleton->joints[j].parent;
+      svg += Segment(place(motion->joints.at(frame, parent)), place(motion->joints.at(frame, j)), BoneClass(sides[j]));
+    }
+    for (int k = 0; tracks != nullptr && k < tracks->positions.joints; ++k) {
+      if (!Present(*tracks, frame, k)) continue;
+      const Vector3d at = place(tracks->positions.at(frame, k));
+      svg += "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.6\" class=\"point\"/>";
     }
     return svg + "</g>\n";
   }
@@ -117,7 +115,8 @@ class StripDrawing {
       const Vector3d seen = view_.Turn(world);
       low_ = std::min(low_, seen.y());
       high_ = std::max(high_, seen.y());
-      widest_ = std::max(widest_, std::abs(seen.x() - centre.x()));
+      left_ = std::min(left_, seen.x() - centre.x());
+      right_ = std::max(right_, seen.x() - centre.x());
     };
     if (const Motion* motion = MotionOf(clip_)) {
       for (int j = 0; j < motion->joint_count(); ++j) add(motion->joints.at(frame, j));
@@ -132,7 +131,8 @@ class StripDrawing {
   Viewpoint view_;
   double low_ = std::numeric_limits<double>::infinity();
   double high_ = -std::numeric_limits<double>::infinity();
-  double widest_ = 0.3;
+  double left_ = -0.2;  ///< of the middle of a still
+  double right_ = 0.2;
   double scale_ = 1.0;
   double cell_ = 100.0;
 };

@@ -31,7 +31,7 @@ dt { font-weight: 600; } dd { margin: 0 0 8px; max-width: 78ch; } #reading dl { 
 .tiles dt { color: var(--soft); font-size: 13px; font-weight: 400; } .tiles dd { margin: 0; font-size: 24px; font-weight: 600; }
 .tiles small { display: block; font-size: 13px; font-weight: 400; color: var(--soft); }
 .scroll { overflow-x: auto; margin: 8px 0 14px; }
-table { border-collapse: collapse; font-size: 14px; } caption { text-align: left; color: var(--soft); padding-bottom: 6px; }
+table { border-collapse: collapse; font-size: 14px; min-width: min(420px, 100%); } caption { text-align: left; color: var(--soft); padding-bottom: 6px; }
 th, td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th { font-weight: 500; overflow-wrap: anywhere; }
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
@@ -42,14 +42,15 @@ svg { display: block; width: 100%; height: auto; } svg.strip { background: var(-
 .median { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 3 2; }
 .curve { fill: none; stroke-width: 2; stroke-linejoin: round; } .c0 { stroke: #2563c9; } .c1 { stroke: #c2571a; }
 .c2 { stroke: #2c8a57; } .c3 { stroke: #8a4fbf; } .c4 { stroke: #b08900; } .c5 { stroke: #7b8794; }
-.seen { stroke: var(--before); stroke-width: 1.2; } .point { fill: var(--before); }
+.seen { stroke: var(--before); stroke-width: 1.2; } .point { fill: var(--page); stroke: var(--ink); stroke-width: 1; }
+svg.strip .label { font-size: 13px; }
 .bone { stroke: var(--after); stroke-width: 3; stroke-linecap: round; } .bone.left { stroke: var(--left); }
 .bone.right { stroke: var(--right); }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); gap: 14px 28px; margin: 12px 0; }
 .charts.wide { grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); }
 figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-bottom: 4px; }
 .clip { display: grid; grid-template-columns: minmax(0, 1fr) 300px; gap: 18px; align-items: start; }
-.player canvas { width: 100%; height: 240px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
+.player canvas { width: 100%; height: 230px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
   touch-action: none; }
 .player canvas:focus-visible, button:focus-visible, input:focus-visible, a:focus-visible { outline: 2px solid var(--after);
   outline-offset: 2px; }

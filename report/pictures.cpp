@@ -97,16 +97,11 @@ cv::Mat StillOf(const Motion& motion, const Evidence& evidence, int frame, const
   return Smaller(image);
 }
 
-/// A measured point and how far it lies from the body's surface.
-struct CloudPoint {
-  Vector3d world;
-  double distance;
-};
-
-Expected<std::vector<CloudPoint>> CloudNear(const CapsuleBody& body, const Vector3d* joints, const Evidence& evidence,
-                                            int frame) {
+/// Measured points of all views that lie near the body, world.
+Expected<std::vector<Vector3d>> CloudNear(const CapsuleBody& body, const Vector3d* joints, const Evidence& evidence,
+                                          int frame) {
   constexpr double kReach = 0.3;
-  std::vector<CloudPoint> points;
+  std::vector<Vector3d> points;
   for (const DepthView& view : evidence.depth_views) {
     const auto depth = ReadDepth(view, frame);
     if (!depth) return Forward(depth);
@@ -117,30 +112,40 @@ Expected<std::vector<CloudPoint>> CloudNear(const CapsuleBody& body, const Vecto
         if (metres <= 0.0) continue;
         const Vector3d world = world_from_camera * view.camera.Unproject(Vector2d(x, y), metres);
         const auto near = ClosestOnBody(body, joints, world);
-        if (near && std::abs(near->on_capsule.distance) < kReach) points.push_back({world, near->on_capsule.distance});
+        if (near && near->on_capsule.distance < kReach) points.push_back(world);
       }
     }
   }
   return points;
 }
 
-void DrawCloud(const std::vector<CloudPoint>& points, const Camera& camera, const std::vector<float>& body_depth,
+/// Points in front of the body veil it, those behind it are hidden by it.
+void DrawCloud(const std::vector<Vector3d>& points, const Camera& camera, const std::vector<float>& body_depth,
                cv::Mat& image) {
-  std::vector<float> nearest(body_depth.size(), 1e9F);
-  for (const CloudPoint& point : points) {
-    const Vector3d seen = camera.camera_from_world * point.world;
+  constexpr double kVeil = 0.5;
+  const cv::Vec3d colour(150, 128, 58);
+  std::vector<bool> drawn(body_depth.size(), false);
+  for (const Vector3d& point : points) {
+    const Vector3d seen = camera.camera_from_world * point;
     const auto at = camera.Project(seen);
     if (!at) continue;
     const cv::Point pixel = Rounded(*at);
-    if (pixel.x < 1 || pixel.y < 1 || pixel.x + 2 > image.cols || pixel.y + 2 > image.rows) continue;
-    const std::size_t index = static_cast<std::size_t>(pixel.y) * image.cols + pixel.x;
-    const bool hidden = body_depth[index] > 0.0F && seen.z() > body_depth[index] + 0.06;
-    if (hidden || seen.z() > nearest[index]) continue;
-    nearest[index] = static_cast<float>(seen.z());
-    const double far = std::clamp(std::abs(point.distance) / 0.06, 0.0, 1.0);
-    const cv::Scalar colour(90 - 50 * far, 110 - 40 * far, 30 + 180 * far);
-    cv::rectangle(image, {pixel.x - 1, pixel.y - 1}, {pixel.x, pixel.y}, colour, cv::FILLED);
+    if (pixel.x < 0 || pixel.y < 0 || pixel.x + 1 >= image.cols || pixel.y + 1 >= image.rows) continue;
+    for (const cv::Point& part : {pixel, pixel + cv::Point(1, 0), pixel + cv::Point(0, 1), pixel + cv::Point(1, 1)}) {
+      const std::size_t index = static_cast<std::size_t>(part.y) * image.cols + part.x;
+      if (drawn[index] || (body_depth[index] > 0.0F && seen.z() > body_depth[index])) continue;
+      drawn[index] = true;
+      cv::Vec3b& under = image.at<cv::Vec3b>(part);
+      for (int c = 0; c < 3; ++c) under[c] = cv::saturate_cast<uchar>(kVeil * colour[c] + (1.0 - kVeil) * under[c]);
+    }
   }
+}
+
+/// Bones with a little flesh, so that they lie inside what the cameras saw.
+CapsuleBody SlimBodyOf(const Motion& motion) {
+  CapsuleBody body = BodyOf(motion);
+  for (Capsule& capsule : body.capsules) capsule.radius = std::min(0.55 * capsule.radius, 0.035);
+  return body;
 }
 
 }  // namespace
@@ -174,7 +179,7 @@ Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame
     Viewpoint view = FrontView(motion);
     view.yaw += turn;
     const Camera camera = LookAt(view, 0.5 * (extent.low + extent.high), pixels_per_metre, 400 * kOversampling, height);
-    ShadedBody shaded = ShadeBody(body, joints, camera, extent.low.y() - 0.05);
+    ShadedBody shaded = ShadeBody(SlimBodyOf(motion), joints, camera, extent.low.y() - 0.05);
     DrawCloud(*points, camera, shaded.depth, shaded.image);
     panels.push_back(Smaller(shaded.image));
   }

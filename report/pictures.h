@@ -20,7 +20,7 @@ Status WriteBodyOverlay(const Clip& fitted, const Evidence& evidence, int view, 
 /// The same, as bytes of a PNG.
 Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame);
 
-/// The fitted body inside the point cloud of all depth views of a frame, from the front and from the side.
+/// The fitted bones, as slim capsules, inside the point cloud of all depth views of a frame: front and side.
 Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame, const std::filesystem::path& png);
 
 std::string Base64(const std::string& bytes);

@@ -68,16 +68,9 @@ inline constexpr const char* kPlayerScript = R"js(
       const frame = Math.round(view.frame);
       const points = clip.points[frame];
       if (points && seen.checked) {
-        pen.strokeStyle = pen.fillStyle = style('--before');
+        pen.strokeStyle = style('--before');
         pen.lineWidth = 1.5;
         for (const [a, b] of clip.lines) stroke(at(points, a), at(points, b));
-        for (let i = 0; 3 * i < points.length; ++i) {
-          const p = at(points, i);
-          if (!p) continue;
-          pen.beginPath();
-          pen.arc(p[0], p[1], 2.5, 0, 2 * Math.PI);
-          pen.fill();
-        }
       }
       const joints = clip.joints[frame];
       if (joints) {
@@ -85,6 +78,19 @@ inline constexpr const char* kPlayerScript = R"js(
         for (const [a, b, side] of clip.bones) {
           pen.strokeStyle = style(side > 0 ? '--left' : side < 0 ? '--right' : '--after');
           stroke(at(joints, a), at(joints, b));
+        }
+      }
+      if (points && seen.checked) {
+        pen.lineWidth = 1;
+        pen.fillStyle = style('--page');
+        pen.strokeStyle = style('--ink');
+        for (let i = 0; 3 * i < points.length; ++i) {
+          const p = at(points, i);
+          if (!p) continue;
+          pen.beginPath();
+          pen.arc(p[0], p[1], 2.8, 0, 2 * Math.PI);
+          pen.fill();
+          pen.stroke();
         }
       }
       slider.value = String(frame);

@@ -37,6 +37,8 @@ std::string Verdict(const ReportInput& input) {
     text = "No clip was read.";
   else if (kept == 0)
     text = "None of the " + Plural(total, "clip") + " is in the dataset: see the reasons below.";
+  else if (total == 1)
+    text = "The one clip went through.";
   else if (kept == total)
     text = "All " + Plural(total, "clip") + " went through.";
   else

@@ -14,6 +14,7 @@ constexpr int kPlayerNumbers = 450000;  ///< positions in all players together, 
 constexpr std::size_t kOverlayClips = 3;
 constexpr std::size_t kOverlayViews = 3;
 constexpr int kMostPersons = 24;
+constexpr std::size_t kFewClips = 4;  ///< below, a table says it all
 
 struct Measure {
   const char* name;
@@ -68,10 +69,12 @@ std::string Overlays(const DrawnClip& clip) {
       continue;
     }
     html += "<figure><img alt=\"Fitted body outlined over the depth picture of " + view +
-            "\" src=\"data:image/png;base64," + Base64(*png) + "\"><figcaption>Fitted body over " + view +
+            "\" src=\"data:image/png;base64," + Base64(*png) + "\"><figcaption>Fit over " + view +
             "</figcaption></figure>\n";
   }
-  return html + "</div>\n";
+  return html + "</div>\n" +
+         Paragraph("White: outline of the skeleton's capsules, scaled to the person; colours: depth, near is bright.",
+                   "soft");
 }
 
 std::string Player(const DrawnClip& clip, std::size_t index) {
@@ -114,13 +117,13 @@ std::string QualityHtml(const ReportInput& input) {
     if (before.empty() && after.empty()) continue;
     const std::string name = std::string(measure.name) + ", " + measure.unit;
     table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
-    const bool flat = Quantile(before, 1.0) == 0.0 && Quantile(after, 1.0) == 0.0;
-    if (flat) continue;
+    const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
+    if (flat || before.size() + after.size() < kFewClips) continue;
     const TwoSidedHistogram chart{name + ": clips before (above) and after (below)", measure.unit, before, after};
     charts += "<figure><figcaption>" + name + "</figcaption>" + chart.Svg() + "</figure>\n";
   }
   const std::vector<double> residuals = OverClips(input.run, "fitting", "", "residual_rms_mm");
-  if (!residuals.empty()) {
+  if (residuals.size() >= kFewClips) {
     const TwoSidedHistogram chart{"Residual RMS per clip, mm", "mm", {}, residuals};
     charts += "<figure><figcaption>Residual RMS, mm</figcaption>" + chart.Svg() + "</figure>\n";
   }
@@ -130,10 +133,11 @@ std::string QualityHtml(const ReportInput& input) {
   std::string html;
   if (!table.rows.empty()) html += table.Html();
   html += fit;
+  if (charts.empty()) return html;
   html += Paragraph(
       "<span class=\"k-before\"></span>before (upwards)<span class=\"k-after\"></span>after (downwards); one clip "
-      "counts once, "
-      "the dashed line is the median, the last bin holds everything beyond.",
+      "counts "
+      "once, the dashed line is the median, the last bin holds everything beyond.",
       "key soft");
   return html + "<div class=\"charts\">\n" + charts + "</div>\n";
 }
@@ -145,11 +149,11 @@ std::string TruthHtml(const ReportInput& input) {
     const auto value = NumberOf(error, key);
     return value && *value > 0.0 ? FixedText(*value, 2) : std::string("–");
   };
-  HtmlTable table{"Mean over " + CountText(CountOf(error, "frames")) + " frames of " +
-                      CountText(CountOf(error, "clips")) + " clips",
-                  {"", "Evidence (before)", "Fitted (after)"},
-                  {},
-                  true};
+  HtmlTable table{
+      "Mean over " + CountText(CountOf(error, "frames")) + " frames, clips: " + CountText(CountOf(error, "clips")),
+      {"", "Evidence (before)", "Fitted (after)"},
+      {},
+      true};
   table.rows.push_back({"Joint position, mm", cell("evidence_mm"), cell("joint_mm")});
   table.rows.push_back({"Joint rotation, degrees", "–", cell("rotation_deg")});
   table.rows.push_back({"Bone direction, degrees", "–", cell("bone_direction_deg")});

@@ -135,15 +135,18 @@ std::string BarChart::Svg() const {
 std::string TwoSidedHistogram::Svg() const {
   constexpr int kBins = 48;
   constexpr double kHalf = 52.0;
+  const bool one_sided = before.empty() || after.empty();
   const Frame frame{8.0, kWidth / 2.0 - 8.0,
-                    8.0, 8.0 + 2 * kHalf,
+                    8.0, 8.0 + (one_sided ? 1 : 2) * kHalf,
                     0.0, std::max({Quantile(before, 0.98), Quantile(after, 0.98), 1e-9}),
                     0.0, 1.0};
-  std::string svg = Open(kWidth / 2, 148, title);
+  std::string svg = Open(kWidth / 2, static_cast<int>(frame.bottom) + 36, title);
   const double width = (frame.right - frame.left) / kBins;
   const double middle = frame.top + kHalf;
   const std::vector<double>* samples[] = {&before, &after};
   for (int side = 0; side < 2; ++side) {
+    if (samples[side]->empty()) continue;
+    const bool upwards = side == 0 || one_sided;
     const std::vector<int> counts = CountBins(*samples[side], frame.x_high, kBins);
     const int most = std::max(1, *std::max_element(counts.begin(), counts.end()));
     for (int bin = 0; bin < kBins; ++bin) {
@@ -152,12 +155,11 @@ std::string TwoSidedHistogram::Svg() const {
       const std::string tip = std::to_string(counts[bin]) + " clips, from " +
                               MarkText(std::round(1e3 * frame.x_high * bin / kBins) / 1e3) + " " + unit +
                               (bin + 1 == kBins ? " up" : "");
-      svg += Rect(frame.left + bin * width, side == 0 ? middle - 1 - height : middle + 1, width - 0.8, height,
+      svg += Rect(frame.left + bin * width, upwards ? middle - 1 - height : middle + 1, width - 0.8, height,
                   side == 0 ? "before" : "after", tip);
     }
-    if (samples[side]->empty()) continue;
     const double median = frame.x(std::min(frame.x_high, Quantile(*samples[side], 0.5)));
-    svg += Line(median, side == 0 ? frame.top : middle + 1, median, side == 0 ? middle - 1 : frame.bottom, "median");
+    svg += Line(median, upwards ? frame.top : middle + 1, median, upwards ? middle - 1 : frame.bottom, "median");
   }
   svg += Line(frame.left, middle, frame.right, middle, "axis");
   for (const double mark : AxisMarks(0.0, frame.x_high, 4)) {

@@ -29,7 +29,7 @@ struct BarChart {
 };
 
 /// Two samples of one measure over a common axis: `before` upwards, `after` downwards. Values beyond the 98th
-/// percentile of both gather in the last bin.
+/// percentile of both gather in the last bin. One sample alone stands upwards.
 struct TwoSidedHistogram {
   std::string title;
   std::string unit;

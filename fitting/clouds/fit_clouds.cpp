@@ -99,14 +99,17 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
   result.motion = MotionOf(*track, clip.rate);
   Measure(*track, options.max_distance, result);
   ReportFramesWithoutPoints(*track, result);
-  result.converged = true;
+  int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {
     result.iterations += outcome.iterations;
     result.initial_cost += outcome.initial_cost;
     result.final_cost += outcome.final_cost;
-    if (outcome.iterations > 0 && !outcome.converged) result.converged = false;
+    if (outcome.iterations > 0 && !outcome.converged) ++unsettled;
   }
-  result.termination = result.converged ? "converged" : "iteration limit";
+  result.converged = unsettled == 0;
+  result.termination = result.converged ? "converged"
+                                        : "iteration limit in " + std::to_string(unsettled) + " of " +
+                                              std::to_string(track->outcomes.size()) + " frames";
   return result;
 }
 

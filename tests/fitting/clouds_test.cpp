@@ -200,7 +200,7 @@ TEST_F(RenderedSequenceFit, JointsLieNearTheTruthWithBonesFromTheClouds) {
   ASSERT_TRUE(fit) << fit.error().Message();
   const double error = MeanJointError(fit->motion.joints, sequence_.truth);
   RecordProperty("mean_joint_error_mm", std::to_string(1000.0 * error));
-  EXPECT_LT(error, 0.04);
+  EXPECT_LT(error, 0.03);
   EXPECT_LT(fit->residual_rms, 0.02);
 }
 

@@ -47,7 +47,7 @@ TEST(ReportPage, DrawsTheFittedBodyOverTheDepthView) {
   SmallRun run;
   const std::string page = PageOf(run);
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
-  EXPECT_THAT(page, HasSubstr("Fitted body over view front, frame 20"));
+  EXPECT_THAT(page, HasSubstr("Fit over view front, frame 20"));
 }
 
 TEST(ReportPage, SaysWhyADepthViewIsNotDrawnAndKeepsTheRest) {
