@@ -166,6 +166,7 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
                         {"created_by", CreatedBy()},
                         {"audit", result.audit},
                         {"metrics", result.metrics},
+                        {"training", result.training},
                         {"fit_error", result.fit_error},
                         {"table_markdown", result.table},
                         {"stages", nlohmann::json::array()},

@@ -289,6 +289,7 @@ class MainJob {
         return tl::unexpected<Error>(item.outcome.error);
       }
       networks_.push_back(InputFrom(roles_[i].c_str(), item));
+      result_.training[item.item] = item.outcome.summary;
       if (Status copied = CopyCheckpoint(item); !copied) return copied;
     }
     return {};
@@ -307,7 +308,7 @@ class MainJob {
     if (!generator) return Forward(generator);
     if (generator->artifact.empty()) return {};
     networks_.push_back(InputFrom("generator", *generator));
-    training_ = generator->outcome.summary;
+    result_.training[generator->item] = generator->outcome.summary;
     return CopyCheckpoint(*generator);
   }
 
@@ -323,7 +324,7 @@ class MainJob {
     const auto text = ReadFile(evaluated->artifact);
     if (!text) return Forward(text);
     result_.metrics = nlohmann::json::parse(*text);
-    result_.metrics["generator_training"] = training_;
+    result_.metrics["generator_training"] = result_.training.value("Action2Motion", nlohmann::json());
     result_.metrics["nearest_neighbour"] = result_.audit.value("nearest_neighbour", nlohmann::json());
     if (Status written = WriteFile(folder() / "metrics.json", result_.metrics.dump(1) + "\n"); !written) return written;
     const auto tables = WriteTables(result_.metrics, options_.name, folder() / "tables");
@@ -351,7 +352,29 @@ class MainJob {
     if (page->artifact.empty()) return {};
     if (Status made = MakeFolder(folder() / "report"); !made) return made;
     result_.report = folder() / "report" / "index.html";
-    return CopyWhole(page->artifact, result_.report);
+    if (Status copied = CopyWhole(page->artifact, result_.report); !copied) return copied;
+    return Fits() ? Pictures() : Status();
+  }
+
+  /// The middle fit of the report as pictures beside the page.
+  Status Pictures() {
+    const auto drawn = ClipsToDraw(clips_, 3);
+    if (drawn.empty()) return {};
+    const ClipRecord& clip = *drawn[drawn.size() / 2];
+    std::vector<ItemSpec> items;
+    for (const char* kind : {"clip", "overlay", "cloud"}) {
+      if (clip.depth.empty() && std::string(kind) != "clip") continue;
+      ItemSpec item{kind, {{"kind", kind}}, {InputFrom("evidence", clip.evidence), InputFrom("fit", clip.motion)}};
+      item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
+      items.push_back(std::move(item));
+    }
+    const auto report = RunStage(PictureDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (const ItemResult& item : report->items) {
+      if (item.artifact.empty()) continue;
+      if (Status copied = CopyWhole(item.artifact, folder() / "report" / (item.item + ".png")); !copied) return copied;
+    }
+    return {};
   }
 
   JobOptions options_;
@@ -364,7 +387,6 @@ class MainJob {
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;
   std::vector<std::string> roles_;
-  nlohmann::json training_;
   ItemResult fit_error_, dataset_, baseline_, audit_, metrics_;
 };
 

@@ -29,6 +29,7 @@ struct JobResult {
   nlohmann::json fit_error;    ///< error against the truth, null without truth
   nlohmann::json audit;
   nlohmann::json metrics;
+  nlohmann::json training = nlohmann::json::object();  ///< summary of each trained network by its item
   std::vector<StageReport> stages;
 };
 

@@ -26,6 +26,10 @@ const StageInput* FindInput(const StageRequest& request, const std::string& role
   return nullptr;
 }
 
+void SortById(std::vector<Clip>& clips) {
+  std::sort(clips.begin(), clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+}
+
 /// The clip with a motion that canonicalising starts from.
 Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& options) {
   if (const StageInput* fitted = FindInput(request, "motion")) {
@@ -87,6 +91,7 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, Clip clip,
     cut->provenance["heading"] = heading->source == YawSource::kHipAxis ? "hip_axis" : "forward_axis";
     kept.push_back(std::move(*cut));
   }
+  SortById(kept);
   return kept;
 }
 
@@ -155,7 +160,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   if (dataset.clips.empty()) {
     return Fail(ErrorCode::kInconsistent, "no clip is left to assemble", "assemble", "curation_log.jsonl says why each was dropped");
   }
-  std::sort(dataset.clips.begin(), dataset.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+  SortById(dataset.clips);
   std::set<std::string> names;
   for (const Clip& clip : dataset.clips) names.insert(clip.label);
   names.erase("");

@@ -7,6 +7,14 @@ void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("filmstrip_frames", filmstrip_frames, {2.0, 24.0}, "stills per filmstrip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 2, "mocurate-annotate"}; }
+void PictureOptions::Declare(OptionVisitor& v) {
+  v.Choice("kind", kind, {{"clip", PictureKind::kClip}, {"overlay", PictureKind::kOverlay}, {"cloud", PictureKind::kCloud}},
+           "stills of a clip, the body over a depth view, or the bones inside the fused cloud");
+  v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
+}
+
+StageDeclaration ReportDeclaration() { return {"report", 3, "mocurate-annotate"}; }
+
+StageDeclaration PictureDeclaration() { return {"picture", 1, "mocurate-annotate"}; }
 
 }  // namespace mocurate

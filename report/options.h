@@ -14,6 +14,16 @@ struct ReportOptions {
   void Declare(OptionVisitor& v);
 };
 
+enum class PictureKind { kClip, kOverlay, kCloud };
+
+struct PictureOptions {
+  PictureKind kind = PictureKind::kClip;
+  std::int64_t stills = 8;  ///< of a clip
+
+  void Declare(OptionVisitor& v);
+};
+
 StageDeclaration ReportDeclaration();
+StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

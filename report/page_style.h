@@ -49,7 +49,8 @@ svg.strip .label { font-size: 13px; }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); gap: 14px 28px; margin: 12px 0; }
 .charts.wide { grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); }
 figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-bottom: 4px; }
-.clip { display: grid; grid-template-columns: minmax(0, 1fr) 300px; gap: 18px; align-items: start; }
+.clip { display: grid; grid-template-columns: minmax(0, 1fr) 300px; gap: 18px; align-items: center; }
+code { white-space: nowrap; }
 .player canvas { width: 100%; height: 230px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
   touch-action: none; }
 .player canvas:focus-visible, button:focus-visible, input:focus-visible, a:focus-visible { outline: 2px solid var(--after);

@@ -13,6 +13,7 @@ namespace mocurate {
 namespace {
 
 std::string RankOf(std::size_t position, std::size_t count) {
+  if (count == 1) return "the only fit drawn";
   if (position == 0) return "best fit";
   if (position + 1 == count) return "worst fit";
   if (count % 2 == 1 && position == count / 2) return "median fit";

@@ -170,7 +170,8 @@ std::string FilmstripsHtml(const ReportInput& input) {
         "Fits in the order of their residual, from the best to the worst. Play the clip, drag it to turn it, or use "
         "the arrow keys.");
     html += Paragraph(
-        "<span class=\"k-before\"></span>evidence<span class=\"k-left\"></span>left side and trunk of the fit"
+        "<span class=\"k-before\"></span>evidence (grey lines, light points)<span class=\"k-left\"></span>left side "
+        "and trunk of the fit"
         "<span class=\"k-right\"></span>right side",
         "key soft");
   }

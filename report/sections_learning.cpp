@@ -163,10 +163,10 @@ std::string RecogniserCharts(const std::string& kind,
   LineChart accuracy{kind + ": accuracy on the validation fold by seed", "epoch", "accuracy", {}};
   for (const auto& [item, history] : seeds) {
     const std::vector<double> values = NumbersOf(Field(*history, "train_loss"));
-    if (!values.empty()) loss.curves.push_back({item, Thinned({}, values)});
+    if (!values.empty()) loss.curves.push_back({"seed " + item, Thinned({}, values)});
     const std::vector<double> checked = NumbersOf(Field(*history, "validation_accuracy"));
     if (!checked.empty())
-      accuracy.curves.push_back({item, Thinned(NumbersOf(Field(*history, "check_epoch")), checked)});
+      accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(*history, "check_epoch")), checked)});
   }
   return Chart(loss) + Chart(accuracy);
 }

@@ -8,4 +8,8 @@ namespace mocurate {
 /// -> one self-contained HTML page.
 Expected<StageOutcome> ReportStage(const StageRequest& request);
 
+/// One fitted clip (roles "evidence", "fit", "depth") -> a PNG. Options {"kind": clip | overlay | cloud}: stills of the
+/// clip, the body over its first depth view, or the bones inside the fused cloud, at the middle frame.
+Expected<StageOutcome> PictureStage(const StageRequest& request);
+
 }  // namespace mocurate

@@ -31,5 +31,6 @@ int main(int argc, char** argv) {
                     {AssembleDeclaration().name, AssembleStage},
                     {AuditDeclaration().name, AuditStage},
                     {FitErrorDeclaration().name, FitErrorStage},
-                    {ReportDeclaration().name, ReportStage}});
+                    {ReportDeclaration().name, ReportStage},
+                    {PictureDeclaration().name, PictureStage}});
 }

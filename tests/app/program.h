@@ -97,7 +97,7 @@ class Started {
   bool done_ = false;
 };
 
-inline Result Run(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache") {
+inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache") {
   return Started(folder, arguments, cache).Wait();
 }
 
@@ -106,7 +106,7 @@ inline std::vector<std::string> SmallJob(const Folder& folder, const std::string
   return {"run",   "-o",    (folder / output).string(),
           "--to",  "assemble", "--jobs", jobs,
           "--set", "ingest.synthetic.subjects=3", "--set", "ingest.synthetic.repetitions=1",
-          "--set", "ingest.synthetic.duration=1.5 s"};
+          "--set", "ingest.synthetic.duration=1.5 s", "--set", "assemble.splits=[]"};
 }
 
 }  // namespace mocurate::program

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using program::Folder;
 using program::ReadText;
 using program::Result;
-using program::Run;
+using program::RunProgram;
 using program::SmallJob;
 using program::Started;
 using program::WriteText;
@@ -38,13 +38,13 @@ TEST(Run, GivesTheSameBytesWithOneAndTwoJobsAndServesTheSecondRunFromTheCache) {
   const Folder folder;
   std::vector<std::string> one = SmallJob(folder, "one", "1");
   one.emplace_back("--json");
-  const Result first = Run(folder, one, "cache1");
+  const Result first = RunProgram(folder, one, "cache1");
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_GT(first.Json()["kept"], 10);
-  ASSERT_EQ(Run(folder, SmallJob(folder, "two", "2"), "cache2").exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "two", "2"), "cache2").exit_code, 0);
   EXPECT_EQ(ReadText(folder / "one/dataset.h5"), ReadText(folder / "two/dataset.h5"));
   EXPECT_EQ(ReadText(folder / "one/curation_log.jsonl"), ReadText(folder / "two/curation_log.jsonl"));
-  const Result again = Run(folder, one, "cache1");
+  const Result again = RunProgram(folder, one, "cache1");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(FromCache(again.Json()), Items(again.Json()));
 }
@@ -53,20 +53,23 @@ TEST(Run, AnOptionOfCanonRedoesNothingBeforeIt) {
   const Folder folder;
   std::vector<std::string> arguments = SmallJob(folder, "r");
   arguments.emplace_back("--json");
-  ASSERT_EQ(Run(folder, arguments).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, arguments).exit_code, 0);
   arguments.insert(arguments.end(), {"--set", "canon.facing.anchor=last"});
-  const Result changed = Run(folder, arguments);
+  const Result changed = RunProgram(folder, arguments);
   ASSERT_EQ(changed.exit_code, 0) << changed.err;
   for (const auto& stage : changed.Json()["stages"]) {
     const bool before = stage["stage"] == "ingest" || stage["stage"] == "fitting" || stage["stage"] == "proportions";
-    if (before) EXPECT_EQ(stage["from_cache"], stage["items"]) << stage["stage"];
-    if (stage["stage"] == "canon") EXPECT_EQ(stage["from_cache"], 0);
+    if (before) {
+      EXPECT_EQ(stage["from_cache"], stage["items"]) << stage["stage"];
+    } else if (stage["stage"] == "canon") {
+      EXPECT_EQ(stage["from_cache"], 0);
+    }
   }
 }
 
 TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
   const Folder folder;
-  ASSERT_EQ(Run(folder, SmallJob(folder, "r")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
   // The capture is a folder like any other: take it as a source, with one file emptied and one cut off.
   const fs::path capture = folder / "capture";
   fs::copy(folder / "r/capture", capture);
@@ -83,7 +86,7 @@ TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
     std::vector<std::string> arguments = SmallJob(folder, "bad");
     arguments.insert(arguments.end(), {"--set", "ingest.synthetic.enabled=false", "--set", "ingest.path=" + capture.string(),
                                        "--set", "tolerated_failures=" + tolerated, "--json"});
-    return Run(folder, arguments);
+    return RunProgram(folder, arguments);
   };
   const Result strict = job("0");
   EXPECT_EQ(strict.exit_code, 1) << strict.err;
@@ -98,7 +101,7 @@ TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
 
 TEST(Run, SurvivesRandomKillsAndEndsWithTheSameBytes) {
   const Folder folder;
-  ASSERT_EQ(Run(folder, SmallJob(folder, "calm"), "calm_cache").exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm"), "calm_cache").exit_code, 0);
   Random random(7, "kills");
   int killed = 0;
   for (int attempt = 0; attempt < 20; ++attempt) {
@@ -109,7 +112,7 @@ TEST(Run, SurvivesRandomKillsAndEndsWithTheSameBytes) {
     run.Wait();
   }
   EXPECT_GT(killed, 5);
-  const Result last = Run(folder, SmallJob(folder, "stormy"), "stormy_cache");
+  const Result last = RunProgram(folder, SmallJob(folder, "stormy"), "stormy_cache");
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_EQ(ReadText(folder / "calm/dataset.h5"), ReadText(folder / "stormy/dataset.h5"));
 }
@@ -122,14 +125,14 @@ TEST(Run, StopsOnRequestWith75AndGoesOn) {
   const Result stopped = run.Wait();
   EXPECT_EQ(stopped.exit_code, 75) << stopped.err;
   EXPECT_THAT(stopped.err, HasSubstr("run again"));
-  EXPECT_EQ(Run(folder, SmallJob(folder, "r", "1")).exit_code, 0);
+  EXPECT_EQ(RunProgram(folder, SmallJob(folder, "r", "1")).exit_code, 0);
 }
 
 TEST(Run, ADryRunWritesNothing) {
   const Folder folder;
   std::vector<std::string> arguments = SmallJob(folder, "r");
   arguments.emplace_back("--dry-run");
-  const Result result = Run(folder, arguments);
+  const Result result = RunProgram(folder, arguments);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_FALSE(fs::exists(folder / "r"));
 }
@@ -137,7 +140,7 @@ TEST(Run, ADryRunWritesNothing) {
 TEST(Run, FolderNamesMayHoldBlanksAndBytesThatAreNotUtf8) {
   const Folder folder;
   const std::string odd = "my r\xfcn";
-  const Result result = Run(folder, SmallJob(folder, odd));
+  const Result result = RunProgram(folder, SmallJob(folder, odd));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder.path() / odd / "dataset.h5"));
 }
@@ -148,9 +151,9 @@ TEST(Run, TwoRunsOfOneFolderAreRefused) {
   while (first.Running() && !fs::exists(folder / "r/journal.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const Folder other;
   std::vector<std::string> arguments = SmallJob(folder, "r", "1");
-  const Result second = Run(other, arguments);
+  const Result second = RunProgram(other, arguments);
   EXPECT_NE(second.exit_code, 0);
-  EXPECT_THAT(second.err, HasSubstr("lock"));
+  EXPECT_THAT(second.err, HasSubstr("another run is at work"));
   first.Wait();
 }
 

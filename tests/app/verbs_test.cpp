@@ -10,7 +10,7 @@ namespace {
 
 using program::Folder;
 using program::Result;
-using program::Run;
+using program::RunProgram;
 using program::WriteText;
 using ::testing::HasSubstr;
 
@@ -21,20 +21,20 @@ TEST(Help, EveryVerbHasAnExample) {
            {"cache", "stat"}, {"cache", "verify"}, {"cache", "prune"}}) {
     std::vector<std::string> arguments = verb;
     arguments.emplace_back("--help");
-    const Result result = Run(folder, arguments);
+    const Result result = RunProgram(folder, arguments);
     EXPECT_EQ(result.exit_code, 0) << verb.front();
     EXPECT_THAT(result.out, HasSubstr("Example")) << verb.front();
   }
-  EXPECT_THAT(Run(folder, {"--help"}).out, HasSubstr("Exit codes"));
-  EXPECT_THAT(Run(folder, {"--version"}).out, HasSubstr("mocurate 0."));
+  EXPECT_THAT(RunProgram(folder, {"--help"}).out, HasSubstr("Exit codes"));
+  EXPECT_THAT(RunProgram(folder, {"--version"}).out, HasSubstr("mocurate 0."));
 }
 
 TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
   const Folder folder;
-  EXPECT_EQ(Run(folder, {"fly"}).exit_code, 2);
-  EXPECT_EQ(Run(folder, {"run", "--wings"}).exit_code, 2);
-  EXPECT_EQ(Run(folder, {}).exit_code, 2);
-  const Result stage = Run(folder, {"run", "--to", "heaven", "-o", (folder / "r").string()});
+  EXPECT_EQ(RunProgram(folder, {"fly"}).exit_code, 2);
+  EXPECT_EQ(RunProgram(folder, {"run", "--wings"}).exit_code, 2);
+  EXPECT_EQ(RunProgram(folder, {}).exit_code, 2);
+  const Result stage = RunProgram(folder, {"run", "--to", "heaven", "-o", (folder / "r").string()});
   EXPECT_EQ(stage.exit_code, 2);
   EXPECT_THAT(stage.err, HasSubstr("the stages are: ingest, proportions, fitting"));
 }
@@ -42,7 +42,7 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
 TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
   const Folder folder;
   WriteText(folder / "bad.yaml", "name: x\nskeletn: smpl24\ncanon:\n  trim:\n    min_length: 5 kg\n  facing: {anchor: middle}\n");
-  const Result result = Run(folder, {"run", (folder / "bad.yaml").string(), "-o", (folder / "r").string()});
+  const Result result = RunProgram(folder, {"run", (folder / "bad.yaml").string(), "-o", (folder / "r").string()});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:2:1"));
   EXPECT_THAT(result.err, HasSubstr("skeleton"));
@@ -53,7 +53,7 @@ TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
 TEST(Config, ShowSaysWhereEachValueComesFrom) {
   const Folder folder;
   WriteText(folder / "a.yaml", "name: mine\ncanon:\n  rate: \"20\"\n");
-  const Result result = Run(folder, {"config", "show", (folder / "a.yaml").string(), "--origins", "--set", "audit.split=s"});
+  const Result result = RunProgram(folder, {"config", "show", (folder / "a.yaml").string(), "--origins", "--set", "audit.split=s"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("a.yaml:3"));
   EXPECT_THAT(result.out, HasSubstr("--set"));
@@ -62,31 +62,31 @@ TEST(Config, ShowSaysWhereEachValueComesFrom) {
 
 TEST(Config, TheSchemaIsJson) {
   const Folder folder;
-  const Result result = Run(folder, {"config", "schema"});
+  const Result result = RunProgram(folder, {"config", "schema"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(result.Json().contains("properties"));
 }
 
 TEST(Errors, AMissingConfigOrFolderIsNamed) {
   const Folder folder;
-  const Result config = Run(folder, {"run", (folder / "none.yaml").string()});
+  const Result config = RunProgram(folder, {"run", (folder / "none.yaml").string()});
   EXPECT_EQ(config.exit_code, 3);
   EXPECT_THAT(config.err, HasSubstr("none.yaml"));
-  const Result path = Run(folder, {"inspect", (folder / "none").string(), "--json"});
+  const Result path = RunProgram(folder, {"inspect", (folder / "none").string(), "--json"});
   EXPECT_EQ(path.exit_code, 3);
   EXPECT_EQ(path.Json()["error"]["code"], "not_found");
 }
 
 TEST(Errors, AnOutputThatCannotBeWrittenIsExitCode74) {
   const Folder folder;
-  const Result result = Run(folder, {"run", "-o", "/proc/mocurate_run", "--to", "ingest"});
+  const Result result = RunProgram(folder, {"run", "-o", "/proc/mocurate_run", "--to", "ingest"});
   EXPECT_EQ(result.exit_code, 74);
   EXPECT_THAT(result.err, HasSubstr("/proc/mocurate_run"));
 }
 
 TEST(Doctor, TellsProgramsBlasAndCacheAsJson) {
   const Folder folder;
-  const Result result = Run(folder, {"doctor", "--json"});
+  const Result result = RunProgram(folder, {"doctor", "--json"});
   const nlohmann::json document = result.Json();
   std::string names;
   for (const auto& check : document["checks"]) names += check["name"].get<std::string>() + " ";
@@ -98,7 +98,7 @@ TEST(Doctor, TellsProgramsBlasAndCacheAsJson) {
 TEST(Inspect, AnEmptyFileIsAnErrorThatNamesIt) {
   const Folder folder;
   WriteText(folder / "empty.bvh", "");
-  const Result result = Run(folder, {"inspect", (folder / "empty.bvh").string(), "--json"});
+  const Result result = RunProgram(folder, {"inspect", (folder / "empty.bvh").string(), "--json"});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.out, HasSubstr("error"));
 }

@@ -1,0 +1,75 @@
+// Tables as they are printed.
+
+#include "eval/tables/table.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+/// Accuracies 0.90, 0.92, 0.94: mean 0.92, Student 0.0497, Action2Motion 0.0185, ACTOR 0.0005. FIDs 1, 1, 3, 3.
+Table TwoMethods() {
+  Table table;
+  table.title = "toy";
+  table.columns = {"FID", "Accuracy"};
+  table.digits = {2, 3};
+  table.rows = {{"Real", {{{1.0, 1.0, 3.0, 3.0}}, {{0.90, 0.92, 0.94}}}}, {"Ours, \"new\"", {{{12.5}}, {{}}}}};
+  table.notes = {"Three seeds."};
+  return table;
+}
+
+TEST(Markdown, HasARowPerMethodAndSaysWhatThePlusMinusIs) {
+  EXPECT_EQ(ToMarkdown(TwoMethods(), IntervalKind::kStudent),
+            "**toy**\n\n"
+            "| method | FID | Accuracy |\n"
+            "|---|---|---|\n"
+            "| Real | 2.00 ± 1.84 | 0.920 ± 0.050 |\n"
+            "| Ours, \"new\" | 12.50 | - |\n"
+            "\n"
+            "± is the half-width of the 95 % interval of the mean (Student t).\n"
+            "Three seeds.\n");
+}
+
+TEST(Markdown, PrintsEachCodeBasesOwnPlusMinus) {
+  const std::string action2motion = ToMarkdown(TwoMethods(), IntervalKind::kAction2Motion);
+  EXPECT_NE(action2motion.find("| Real | 2.00 ± 0.98 | 0.920 ± 0.018 |\n"), std::string::npos) << action2motion;
+  EXPECT_NE(action2motion.find("\n± is 1.96 sd / sqrt(repetitions), as Action2Motion prints it.\n"), std::string::npos);
+  const std::string actor = ToMarkdown(TwoMethods(), IntervalKind::kActor);
+  EXPECT_NE(actor.find("| Real | 2.00 ± 1.96 | 0.920 ± 0.001 |\n"), std::string::npos) << actor;
+  EXPECT_NE(actor.find("\n± is 1.96 times the variance, as ACTOR prints it: not an interval.\n"), std::string::npos);
+}
+
+TEST(Csv, HoldsTheMeanAndAllThreeIntervalsOfEveryCellWithValues) {
+  const std::string text = ToCsv(TwoMethods());
+  const auto lines = SplitText(text, '\n');
+  ASSERT_EQ(lines.size(), 5u);  // the last one is empty
+  EXPECT_EQ(lines[0], "method,metric,mean,student_95,action2motion_pm,actor_pm,repetitions");
+  const auto fid = SplitText(lines[1], ',');
+  ASSERT_EQ(fid.size(), 7u);
+  EXPECT_EQ(fid[0], "\"Real\"");
+  EXPECT_EQ(fid[1], "\"FID\"");
+  EXPECT_EQ(fid[2], "2");
+  EXPECT_NEAR(*ParseDouble(fid[3]), 3.182446305284263 / std::sqrt(3.0), 1e-9);
+  EXPECT_EQ(fid[4], "0.98");
+  EXPECT_EQ(fid[5], "1.96");
+  EXPECT_EQ(fid[6], "4");
+  EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,0,0,0,1");
+}
+
+TEST(Latex, IsATabularWithTheSameNumbers) {
+  Table table = TwoMethods();
+  table.rows.pop_back();
+  EXPECT_EQ(ToLatex(table, IntervalKind::kAction2Motion),
+            "% toy\n"
+            "\\begin{tabular}{lcc}\n"
+            "method & FID & Accuracy \\\\ \\hline\n"
+            "Real & $2.00 \\pm 0.98$ & $0.920 \\pm 0.018$ \\\\\n"
+            "\\end{tabular}\n");
+}
+
+}  // namespace
+}  // namespace mocurate
