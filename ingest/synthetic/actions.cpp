@@ -184,6 +184,7 @@ constexpr Action kActions[] = {{"clap", Clap},   {"jump", Jump},   {"kick", Kick
 }  // namespace
 
 double MinimumJerk(double at, double begin, double end) {
+  if (end <= begin) return at < end ? 0.0 : 1.0;
   const double x = std::clamp((at - begin) / (end - begin), 0.0, 1.0);
   return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
 }

@@ -124,7 +124,7 @@ TEST(Run, StopsOnRequestWith75AndGoesOn) {
   run.Signal(SIGTERM);
   const Result stopped = run.Wait();
   EXPECT_EQ(stopped.exit_code, 75) << stopped.err;
-  EXPECT_THAT(stopped.err, HasSubstr("run again"));
+  EXPECT_THAT(stopped.err, HasSubstr("again to go on"));
   EXPECT_EQ(RunProgram(folder, SmallJob(folder, "r", "1")).exit_code, 0);
 }
 

@@ -97,7 +97,7 @@ class ToyEvaluation : public testing::Test {
       ADD_FAILURE() << outcome.error().Message();
       return {};
     }
-    return nlohmann::json::parse(*ReadFile(request.output));
+    return nlohmann::json::parse(ReadFile(request.output).value_or("{}"));
   }
 
   inline static std::filesystem::path folder_;
