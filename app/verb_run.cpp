@@ -71,8 +71,10 @@ void PrintFigures(const JobResult& result) {
                 recogniser.value("test_accuracy", std::vector<double>()).size());
   }
   if (result.fit_error.is_object()) {
-    std::printf("error against the truth: joints %.1f mm in the evidence, %.1f mm after fitting; rotations %.1f degrees\n",
-                result.fit_error.value("evidence_mm", 0.0), result.fit_error.value("joint_mm", 0.0),
+    const double evidence_mm = result.fit_error.value("evidence_mm", 0.0);
+    std::printf("error against the truth: ");
+    if (evidence_mm > 0.0) std::printf("joints %.1f mm in the evidence, ", evidence_mm);
+    std::printf("joints %.1f mm after fitting, rotations %.1f degrees\n", result.fit_error.value("joint_mm", 0.0),
                 result.fit_error.value("rotation_deg", 0.0));
   }
 }
