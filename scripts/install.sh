@@ -7,7 +7,7 @@ programs=(g++ cmake ninja-build ccache mold pkg-config git ca-certificates xz-ut
   libeigen3-dev libboost-dev nlohmann-json3-dev libexpected-dev libcli11-dev libyaml-cpp-dev libspdlog-dev libfmt-dev libssl-dev
   libhdf5-dev libceres-dev libsuitesparse-dev libopen3d-dev libopencv-dev libtorch-dev
   libopenblas-dev libopenblas0-pthread)
-tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy hdf5-tools chromium)
+tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy hdf5-tools chromium locales procps)
 develop=(libbenchmark-dev clang-format clang-tidy clang libclang-rt-14-dev python3-scipy python3-torch)
 
 wanted=("${programs[@]}")
@@ -37,10 +37,10 @@ fi
 echo "installing ${#missing[@]} Debian packages: ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
 "${root[@]}" apt-get update -q >/dev/null
-if ! "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/tmp/mocurate-apt.$$ 2>&1; then
-  tail -20 /tmp/mocurate-apt.$$ >&2
-  rm -f /tmp/mocurate-apt.$$
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >"$log" 2>&1; then
+  tail -20 "$log" >&2
   echo "install.sh: apt-get could not install the packages above" >&2
   exit 4
 fi
-rm -f /tmp/mocurate-apt.$$

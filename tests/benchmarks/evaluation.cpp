@@ -1,8 +1,8 @@
-// A table of Real and one generator, in full: 20 repetitions of 3,000 motions, features and four metrics, from the dataset
-// file (1,200 clips of HumanAct12 sizes) to the written result; the answers of the generator are given. Prints one JSON
-// line. Arguments: default | released [repeats].
-// default: whole clips, zero hidden state: real clips pass the recogniser once, generated ones in each repetition.
-// released: windows, random hidden states: all three sets of a repetition pass it, and all three are counted as items.
+// A table of Real and one generator, in full: 20 repetitions of 3,000 motions, features and four metrics, from the
+// dataset file (1,200 clips of HumanAct12 sizes) to the written result; the answers of the generator are given. Prints
+// one JSON line. Arguments: default | released [repeats]. default: whole clips, zero hidden state: real clips pass the
+// recogniser once, generated ones in each repetition. released: windows, random hidden states: all three sets of a
+// repetition pass it, and all three are counted as items.
 
 #include <stdlib.h>
 
