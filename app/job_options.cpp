@@ -29,4 +29,13 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Group("report", report, "the page of the run");
 }
 
+void ResolveDefaults(JobOptions& options) {
+  for (std::string* skeleton : {&options.proportions.skeleton, &options.fitting.skeleton, &options.canon.skeleton}) {
+    if (skeleton->empty()) *skeleton = options.skeleton;
+  }
+  options.proportions.method = options.fitting.method;
+  options.proportions.point_clouds = options.fitting.point_clouds;
+  if (options.evaluate.split.empty()) options.evaluate.split = options.train.recogniser.split;
+}
+
 }  // namespace mocurate

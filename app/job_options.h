@@ -46,4 +46,8 @@ struct JobOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Fills what groups take from each other: the skeleton of stages that do not name their own, the method and clouds of
+/// `proportions` from `fitting`, the split of `evaluate` from the recogniser's.
+void ResolveDefaults(JobOptions& options);
+
 }  // namespace mocurate

@@ -20,7 +20,7 @@ int Report(const Status& status, const CommonArguments& common) {
   if (status) return static_cast<int>(ExitCode::kDone);
   const Error& error = status.error();
   const int exit_code = static_cast<int>(ExitCodeOf(error.code));
-  if (common.json) {
+  if (common.json && !common.answered) {
     const nlohmann::json document = {{"error",
                                       {{"code", Name(error.code)},
                                        {"what", error.what},
@@ -41,7 +41,7 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")->type_name("KEY=VALUE");
   run->add_option("--to", arguments->to, "last stage: ingest proportions fitting canon assemble audit train evaluate report");
   run->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
-  run->add_option("--budget", arguments->budget, "train this many times longer than the config says")
+  run->add_option("--budget", arguments->budget, "train the generator this many times longer than the config says")
       ->check(CLI::Range(0.001, 1e6));
   run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
   run->footer("Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"

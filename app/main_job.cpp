@@ -27,13 +27,7 @@ constexpr StageName kStages[] = {
 /// One run of the main job: holds what earlier stages gave to later ones.
 class MainJob {
  public:
-  MainJob(const JobOptions& options, JobStage last, Runner& runner) : options_(options), last_(last), runner_(runner) {
-    for (std::string* skeleton : {&options_.proportions.skeleton, &options_.fitting.skeleton, &options_.canon.skeleton}) {
-      if (skeleton->empty()) *skeleton = options_.skeleton;
-    }
-    options_.proportions.method = options_.fitting.method;
-    options_.proportions.point_clouds = options_.fitting.point_clouds;
-  }
+  MainJob(const JobOptions& options, JobStage last, Runner& runner) : options_(options), last_(last), runner_(runner) {}
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
@@ -46,10 +40,12 @@ class MainJob {
         {JobStage::kReport, &MainJob::Report}};
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
-      if (Status done = (this->*step)(); !done) return Forward(done);
-    }
-    if (!runner_.options().dry_run) {
-      if (Status logged = WriteCurationLog(clips_, folder() / "curation_log.jsonl"); !logged) return Forward(logged);
+      const Status done = (this->*step)();
+      const bool log_changed = stage <= JobStage::kCanon && !runner_.options().dry_run && !clips_.empty();
+      if (log_changed) {
+        if (Status logged = WriteCurationLog(clips_, folder() / "curation_log.jsonl"); !logged) return Forward(logged);
+      }
+      if (!done) return Forward(done);
     }
     for (const ClipRecord& clip : clips_) {
       ++result_.clips;
@@ -61,6 +57,7 @@ class MainJob {
 
  private:
   std::filesystem::path folder() const { return runner_.options().run_folder; }
+  bool DryRun() const { return runner_.options().dry_run; }
 
   Expected<StageReport> RunStage(const StageDeclaration& stage, std::vector<ItemSpec> items) {
     auto report = runner_.Run(stage, std::move(items));
@@ -87,9 +84,14 @@ class MainJob {
     const nlohmann::json options = OptionsToJson(options_.ingest.synthetic);
     const auto capture = RunOne(CaptureDeclaration(), {"capture", options, {}});
     if (!capture) return Forward(capture);
-    if (capture->artifact.empty()) return {};
     options_.ingest.path = folder() / "capture";
-    if (Status unpacked = UnpackCapture(capture->artifact, options_.ingest.path); !unpacked) return unpacked;
+    if (capture->artifact.empty() || DryRun()) {
+      if (!std::filesystem::exists(options_.ingest.path)) options_.ingest.path.clear();
+      if (options_.ingest.path.empty()) return {};
+    }
+    if (!DryRun()) {
+      if (Status unpacked = UnpackCapture(capture->artifact, options_.ingest.path); !unpacked) return unpacked;
+    }
     const auto truth = RunOne(TruthDeclaration(), {"truth", {{"synthetic", options}}, {}});
     if (!truth) return Forward(truth);
     truth_.push_back(InputFrom("truth", *truth));
@@ -155,7 +157,12 @@ class MainJob {
     for (ClipRecord& clip : clips_) {
       if (clip.evidence.artifact.empty()) continue;
       const auto person = persons_.find(clip.person());
-      if (person == persons_.end()) continue;
+      if (person == persons_.end()) {
+        clip.motion.outcome.kind = OutcomeKind::kRefused;
+        clip.motion.outcome.error = Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item,
+                                          "set ingest.source.person"};
+        continue;
+      }
       if (person->second.artifact.empty()) {
         clip.motion.outcome = person->second.outcome;
         continue;
@@ -181,7 +188,6 @@ class MainJob {
     if (item.inputs.size() == truth_.size()) return {};
     const auto scored = RunOne(FitErrorDeclaration(), std::move(item));
     if (!scored) return Forward(scored);
-    fit_error_ = *scored;
     result_.fit_error = scored->outcome.summary;
     return {};
   }
@@ -227,17 +233,14 @@ class MainJob {
 
   Status Assemble() {
     const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical);
-    if (!dataset) {
-      if (!runner_.options().dry_run) (void)WriteCurationLog(clips_, folder() / "curation_log.jsonl");
-      return Forward(dataset);
-    }
+    if (!dataset) return Forward(dataset);
     dataset_ = *dataset;
     if (options_.train.baseline) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline);
       if (!baseline) return Forward(baseline);
       baseline_ = *baseline;
     }
-    if (dataset_.artifact.empty()) return {};
+    if (dataset_.artifact.empty() || DryRun()) return {};
     result_.dataset = folder() / "dataset.h5";
     return CopyWhole(dataset_.artifact, result_.dataset);
   }
@@ -247,7 +250,6 @@ class MainJob {
     const auto audit = RunOne(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
     if (!audit) return Forward(audit);
     result_.audit = audit->outcome.summary;
-    audit_ = *audit;
     return {};
   }
 
@@ -275,7 +277,6 @@ class MainJob {
       crop.input = RecogniserInputKind::kCrop;
       AddRecognisers("crop_recogniser", "crop_recogniser", dataset_, crop, items);
     }
-    // The generator takes longest: it goes first, so that the others share the remaining workers.
     if (train.generator_enabled) {
       const auto generator = StartGenerator();
       if (!generator) return Forward(generator);
@@ -296,6 +297,7 @@ class MainJob {
   }
 
   Status CopyCheckpoint(const ItemResult& item) {
+    if (DryRun()) return {};
     std::string name = item.item;
     std::replace(name.begin(), name.end(), '/', '_');
     if (Status made = MakeFolder(folder() / "checkpoints"); !made) return made;
@@ -319,12 +321,12 @@ class MainJob {
     if (!baseline_.artifact.empty()) item.inputs.push_back(InputFrom("baseline_dataset", baseline_));
     const auto evaluated = RunOne(EvaluateDeclaration(), std::move(item));
     if (!evaluated) return Forward(evaluated);
-    if (evaluated->artifact.empty()) return {};
-    metrics_ = *evaluated;
+    if (evaluated->artifact.empty() || DryRun()) return {};
     const auto text = ReadFile(evaluated->artifact);
     if (!text) return Forward(text);
     result_.metrics = nlohmann::json::parse(*text);
     result_.metrics["generator_training"] = result_.training.value("Action2Motion", nlohmann::json());
+    AddTrainingNotes();
     result_.metrics["nearest_neighbour"] = result_.audit.value("nearest_neighbour", nlohmann::json());
     if (Status written = WriteFile(folder() / "metrics.json", result_.metrics.dump(1) + "\n"); !written) return written;
     const auto tables = WriteTables(result_.metrics, options_.name, folder() / "tables");
@@ -334,8 +336,22 @@ class MainJob {
     return {};
   }
 
+  /// What the generator was trained on, beside the table.
+  void AddTrainingNotes() {
+    const GeneratorOptions& generator = options_.train.generator;
+    if (!options_.train.generator_enabled) return;
+    result_.metrics["notes"].push_back("Action2Motion: " + std::to_string(generator.iterations) + " iterations of " +
+                                       std::to_string(generator.batch) + " clips on " +
+                                       (generator.all_clips ? "all clips, test clips included, as published." : "training clips only."));
+    if (generator.input != options_.train.recogniser.input) {
+      result_.metrics["notes"].push_back(
+          "The generator learns windows and the recogniser sees whole clips (or the reverse): FID and accuracy of the two "
+          "rows are not like for like; set train.generator.input and train.recogniser.input alike.");
+    }
+  }
+
   Status Report() {
-    if (dataset_.artifact.empty()) return {};
+    if (dataset_.artifact.empty() || DryRun()) return {};
     const nlohmann::json run = RunSummary(options_, clips_, persons_, result_);
     if (Status written = WriteFile(folder() / "report_input.json", run.dump(1) + "\n"); !written) return written;
     ItemSpec item{"report", OptionsToJson(options_.report), {}};
@@ -387,7 +403,7 @@ class MainJob {
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;
   std::vector<std::string> roles_;
-  ItemResult fit_error_, dataset_, baseline_, audit_, metrics_;
+  ItemResult dataset_, baseline_;
 };
 
 }  // namespace

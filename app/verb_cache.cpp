@@ -8,13 +8,14 @@
 namespace mocurate {
 namespace {
 
-void Print(const CommonArguments& common, const nlohmann::json& document, const std::string& text) {
+void Print(CommonArguments& common, const nlohmann::json& document, const std::string& text) {
+  common.answered = common.json;
   std::printf("%s\n", common.json ? document.dump(1).c_str() : text.c_str());
 }
 
 }  // namespace
 
-Status CacheVerb(const CommonArguments& common, const CacheArguments& arguments) {
+Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   Cache cache(DefaultCacheFolder());
   const std::string folder = DisplayPath(cache.folder());
   if (arguments.action == "verify") {

@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-Status ShowConfigVerb(const CommonArguments& common, const ConfigArguments& arguments) {
+Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
   const auto job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
   if (common.json) std::printf("%s\n", OptionsToJson(job->options).dump(1).c_str());
@@ -14,12 +14,12 @@ Status ShowConfigVerb(const CommonArguments& common, const ConfigArguments& argu
   return {};
 }
 
-Status ConfigSchemaVerb(const CommonArguments&) {
+Status ConfigSchemaVerb(CommonArguments&) {
   std::printf("%s\n", OptionsSchema<JobOptions>().dump(1).c_str());
   return {};
 }
 
-Status ConfigReferenceVerb(const CommonArguments& common) {
+Status ConfigReferenceVerb(CommonArguments& common) {
   const std::string reference = OptionsReference<JobOptions>("Options of a job");
   if (common.json) std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
   else std::printf("%s", reference.c_str());

@@ -110,7 +110,7 @@ Check CheckCache() {
 
 }  // namespace
 
-Status DoctorVerb(const CommonArguments& common) {
+Status DoctorVerb(CommonArguments& common) {
   const Check threads = CheckThreads();
   const std::vector<Check> checks = {{"version", true, std::string(CreatedBy()), ""},
                                      CheckWorker("mocurate-annotate", "ingesting and fitting"),
@@ -129,6 +129,7 @@ Status DoctorVerb(const CommonArguments& common) {
   }
   document["ok"] = missing == 0;
   if (common.json) std::printf("%s\n", document.dump(1).c_str());
+  common.answered = common.json;
   if (missing == 0) return {};
   return Fail(ErrorCode::kMissingOnHost, std::to_string(missing) + " checks failed", "doctor", "see the advice above");
 }

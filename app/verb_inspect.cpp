@@ -37,7 +37,7 @@ Status FirstError(const nlohmann::json& inspection) {
 
 }  // namespace
 
-Status InspectVerb(const CommonArguments& common, const InspectArguments& arguments) {
+Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   std::error_code ignored;
   if (!std::filesystem::exists(arguments.path, ignored)) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
@@ -55,6 +55,7 @@ Status InspectVerb(const CommonArguments& common, const InspectArguments& argume
     source = job->options.ingest.source;
   }
   const nlohmann::json inspection = InspectPath(arguments.path, source);
+  common.answered = common.json;
   if (common.json) PrintJson(inspection);
   else std::printf("%s", InspectionText(inspection).c_str());
   return FirstError(inspection);

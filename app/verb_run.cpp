@@ -16,6 +16,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kDay_s = 86400.0;  // no item takes longer at the budget of its config; training saves as it goes
+
 /// run.json: what was run, with what, where. Times and hardware live here and nowhere else.
 Status WriteRunFile(const LoadedJob& job, const RunArguments& arguments, const std::filesystem::path& folder) {
   struct utsname host {};
@@ -103,7 +105,7 @@ Status CheckFailures(const JobOptions& options, const JobResult& result) {
 
 }  // namespace
 
-Status RunVerb(const CommonArguments& common, const RunArguments& arguments) {
+Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   const auto started = std::chrono::steady_clock::now();
   auto job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
@@ -117,6 +119,7 @@ Status RunVerb(const CommonArguments& common, const RunArguments& arguments) {
   options.jobs = arguments.jobs;
   options.dry_run = arguments.dry_run;
   options.progress = !common.quiet;
+  options.item_timeout_s = kDay_s * std::max(1.0, arguments.budget);
   if (!job->options.takes.empty()) LogInfo(job->options.name + " takes " + job->options.takes);
   if (!arguments.dry_run) {
     if (Status made = MakeFolder(options.run_folder); !made) return made;
@@ -130,6 +133,7 @@ Status RunVerb(const CommonArguments& common, const RunArguments& arguments) {
   if (!result) return Forward(result);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (common.json) {
+    common.answered = true;
     std::printf("%s\n", ResultJson(*result, options.run_folder, seconds)
                             .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
                             .c_str());

@@ -14,6 +14,7 @@ struct CommonArguments {
   bool json = false;
   bool quiet = false;
   bool verbose = false;
+  bool answered = false;  ///< the verb has printed its JSON document: an error is not printed as another one
 };
 
 struct RunArguments {
@@ -43,12 +44,12 @@ struct CacheArguments {
 };
 
 /// Each verb prints its result and returns how it went. Runs end with the exit code of that.
-Status RunVerb(const CommonArguments& common, const RunArguments& arguments);
-Status InspectVerb(const CommonArguments& common, const InspectArguments& arguments);
-Status ShowConfigVerb(const CommonArguments& common, const ConfigArguments& arguments);
-Status ConfigSchemaVerb(const CommonArguments& common);
-Status ConfigReferenceVerb(const CommonArguments& common);
-Status DoctorVerb(const CommonArguments& common);
-Status CacheVerb(const CommonArguments& common, const CacheArguments& arguments);
+Status RunVerb(CommonArguments& common, const RunArguments& arguments);
+Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
+Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);
+Status ConfigSchemaVerb(CommonArguments& common);
+Status ConfigReferenceVerb(CommonArguments& common);
+Status DoctorVerb(CommonArguments& common);
+Status CacheVerb(CommonArguments& common, const CacheArguments& arguments);
 
 }  // namespace mocurate

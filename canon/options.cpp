@@ -56,7 +56,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 2, "mocurate-annotate"}; }
+StageDeclaration CanonDeclaration() { return {"canon", 3, "mocurate-annotate"}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 1, "mocurate-annotate"}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate"}; }
 

@@ -31,13 +31,14 @@ void SortById(std::vector<Clip>& clips) {
 }
 
 /// The clip with a motion that canonicalising starts from.
-Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& options) {
+Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& options, std::vector<Finding>& findings) {
   if (const StageInput* fitted = FindInput(request, "motion")) {
     auto dataset = ReadDataset(fitted->path);
     if (dataset) {
       if (dataset->clips.size() != 1) {
         return Fail(ErrorCode::kInconsistent, std::to_string(dataset->clips.size()) + " clips, one expected", fitted->name);
       }
+      findings = dataset->findings;
       return dataset->clips.front();
     }
     auto given = ReadEvidence(fitted->path);
@@ -109,10 +110,9 @@ nlohmann::json SplitSummary(const Split& split) {
 Expected<StageOutcome> CanonStage(const StageRequest& request) {
   const auto options = OptionsFromJson<CanonOptions>(request.options, "canon");
   if (!options) return Forward(options);
-  auto clip = ReadInputClip(request, *options);
-  if (!clip) return Forward(clip);
-
   Dataset dataset;
+  auto clip = ReadInputClip(request, *options, dataset.findings);
+  if (!clip) return Forward(clip);
   dataset.skeleton = clip->motion->skeleton;
   dataset.joints_only = clip->motion->joints_only();
   dataset.created_by = CreatedBy();
@@ -126,6 +126,7 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
     return outcome;
   }
   dataset.clips = std::move(*kept);
+  dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   int frames = 0;
   for (const Clip& c : dataset.clips) frames += c.motion->frame_count();
   outcome.summary = {{"clips", dataset.clips.size()}, {"frames", frames}};

@@ -20,7 +20,7 @@ std::vector<const StageInput*> InputsOf(const StageRequest& request, const std::
 }
 
 /// One figure set per kind of recogniser that the request holds, by its role.
-Expected<nlohmann::json> ScoreEveryKind(const StageRequest& request) {
+Expected<nlohmann::json> ScoreEveryKind(const StageRequest& request, const std::string& split) {
   nlohmann::json scores = nlohmann::json::object();
   for (const std::string kind : {"recogniser", "baseline_recogniser", "crop_recogniser"}) {
     const auto inputs = InputsOf(request, kind);
@@ -30,7 +30,7 @@ Expected<nlohmann::json> ScoreEveryKind(const StageRequest& request) {
     if (!dataset) return Forward(dataset);
     std::vector<std::filesystem::path> checkpoints;
     for (const StageInput* input : inputs) checkpoints.push_back(input->path);
-    auto scored = ScoreRecognisers(checkpoints, *dataset);
+    auto scored = ScoreRecognisers(checkpoints, *dataset, split);
     if (!scored) return Forward(scored);
     scores[kind] = std::move(*scored);
   }
@@ -69,7 +69,7 @@ Expected<StageOutcome> Evaluate(const OpenGenerator& open_generator, const Stage
   }
   const auto dataset = ReadDataset(datasets.front()->path);
   if (!dataset) return Forward(dataset);
-  auto result = ScoreEveryKind(request);
+  auto result = ScoreEveryKind(request, options->split);
   if (!result) return Forward(result);
   StageOutcome outcome;
   for (const auto& [kind, scored] : result->items()) outcome.summary[kind] = scored["mean"];
@@ -78,7 +78,7 @@ Expected<StageOutcome> Evaluate(const OpenGenerator& open_generator, const Stage
   if (!recogniser) return Forward(recogniser);
   const auto generators = OpenGenerators(open_generator, request);
   if (!generators) return Forward(generators);
-  const auto real = ChooseReal(*dataset, options->real);
+  const auto real = ChooseReal(*dataset, options->real, options->split);
   if (!real) return Forward(real);
   auto rows = EvaluateTable(*options, *dataset, **recogniser, *real, *generators);
   if (!rows) return Forward(rows);

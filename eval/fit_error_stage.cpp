@@ -1,4 +1,5 @@
 #include <map>
+#include <optional>
 
 #include "core/base/file.h"
 #include "core/store/store.h"
@@ -50,13 +51,18 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   if (!inputs) return Forward(inputs);
   nlohmann::json per_clip = nlohmann::json::object();
   FitError total;
+  std::optional<Error> first_error;
   for (const auto& [id, fitted] : inputs->fits) {
     const auto truth = inputs->truth.find(id);
     if (truth == inputs->truth.end()) continue;
     const auto evidence = inputs->evidence.find(id);
     const auto error = CompareWithTruth(fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence,
                                         truth->second);
-    if (!error) return Forward(error);
+    if (!error) {
+      per_clip[id] = {{"error", error.error().Message()}};
+      if (!first_error) first_error = error.error();
+      continue;
+    }
     per_clip[id] = ToJson(*error);
     total.frames += error->frames;
     total.joint_mm += error->joint_mm * error->frames;
@@ -64,6 +70,7 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
     total.rotation_deg += error->rotation_deg * error->frames;
     total.bone_direction_deg += error->bone_direction_deg * error->frames;
   }
+  if (total.frames == 0 && first_error) return tl::unexpected<Error>(*first_error);
   if (total.frames == 0) {
     return Fail(ErrorCode::kInconsistent, "no fitted clip has a truth of its id", "fit_error",
                 "the truth belongs to another capture");

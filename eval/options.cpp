@@ -12,10 +12,11 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
            "frequencies of generated labels: uniform (Action2Motion) or those of the real set (ACTOR)");
   v.Choice("real", real, {{"all", RealPart::kAll}, {"train", RealPart::kTrain}, {"test", RealPart::kTest}},
            "which clips are the real motions: all (as published), or one part of the split");
+  v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");
 }
 
-StageDeclaration EvaluateDeclaration() { return {"evaluate", 1, "mocurate-learn"}; }
+StageDeclaration EvaluateDeclaration() { return {"evaluate", 2, "mocurate-learn"}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 1, "mocurate-annotate"}; }
 
 }  // namespace mocurate

@@ -65,6 +65,7 @@ struct GeneratorOptions {
   std::optional<double> kl_weight;  ///< absent: 0.001 with Lie, 0.0001 without (released); 0.01 (paper, HumanAct12)
   LieExpChoice lie_exp = LieExpChoice::kReleased;
   bool include_last_start = false;
+  RecogniserInputKind input = RecogniserInputKind::kCrop;  ///< crop: the released windows; resample: whole clips
   std::int64_t frames = 60;
   std::int64_t hidden = 128;
   std::int64_t latent = 30;

@@ -17,7 +17,8 @@ constexpr std::chrono::milliseconds kSlice{20};
 bool MayBeCached(const StageOutcome& outcome) {
   if (outcome.kind == OutcomeKind::kCrashed) return false;
   return outcome.kind != OutcomeKind::kRefused ||
-         (outcome.error.code != ErrorCode::kNotFound && outcome.error.code != ErrorCode::kUnreadable);
+         (outcome.error.code != ErrorCode::kNotFound && outcome.error.code != ErrorCode::kUnreadable &&
+          outcome.error.code != ErrorCode::kConfig);
 }
 
 bool HasArtifact(const StageOutcome& outcome) {

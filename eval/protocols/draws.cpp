@@ -8,12 +8,11 @@
 namespace mocurate {
 namespace {
 
-std::vector<int> RowsOf(const Dataset& dataset, RealPart part) {
-  if (part != RealPart::kAll && !dataset.splits.empty()) {
-    const Split& split = dataset.splits.front();
-    if (part == RealPart::kTest) return split.test;
-    std::vector<int> rows = split.train;
-    rows.insert(rows.end(), split.validation.begin(), split.validation.end());
+std::vector<int> RowsOf(const Dataset& dataset, RealPart part, const Split* split) {
+  if (part != RealPart::kAll && split != nullptr) {
+    if (part == RealPart::kTest) return split->test;
+    std::vector<int> rows = split->train;
+    rows.insert(rows.end(), split->validation.begin(), split->validation.end());
     return rows;
   }
   std::vector<int> rows(dataset.clips.size());
@@ -30,10 +29,20 @@ std::vector<double> FirstFrameBones(const Motion& motion) {
 
 }  // namespace
 
-Expected<RealSet> ChooseReal(const Dataset& dataset, RealPart part) {
+Expected<const Split*> ChooseSplit(const Dataset& dataset, const std::string& name) {
+  if (name.empty()) return dataset.splits.empty() ? nullptr : &dataset.splits.front();
+  if (const Split* split = dataset.FindSplit(name)) return split;
+  std::string known;
+  for (const Split& split : dataset.splits) known += (known.empty() ? "" : ", ") + split.name;
+  return Fail(ErrorCode::kConfig, "the dataset has no split '" + name + "'", "evaluate.split", "it has: " + known);
+}
+
+Expected<RealSet> ChooseReal(const Dataset& dataset, RealPart part, const std::string& split_name) {
+  const auto split = ChooseSplit(dataset, split_name);
+  if (!split) return Forward(split);
   RealSet real;
   std::vector<int> members(dataset.labels.size(), 0);
-  for (const int row : RowsOf(dataset, part)) {
+  for (const int row : RowsOf(dataset, part, *split)) {
     const int label = dataset.LabelIndex(dataset.clips[row].label);
     if (label < 0) continue;
     real.rows.push_back(row);

@@ -15,7 +15,11 @@ struct RealSet {
 };
 
 /// Error kInconsistent if a class of the dataset has no clip in the chosen part (metrics would be undefined).
-Expected<RealSet> ChooseReal(const Dataset& dataset, RealPart part);
+/// `split` empty: the first one. Error kConfig for a split the dataset does not have.
+Expected<RealSet> ChooseReal(const Dataset& dataset, RealPart part, const std::string& split = {});
+
+/// The split of that name, the first one for an empty name; null in a dataset without splits. Error kConfig.
+Expected<const Split*> ChooseSplit(const Dataset& dataset, const std::string& name);
 
 /// Positions in `real` of one repetition's draw: `count` with replacement, natural label frequencies. [a2m_actor.md D.6]
 std::vector<int> DrawReal(const RealSet& real, int count, std::uint64_t seed, int repetition, const char* purpose);

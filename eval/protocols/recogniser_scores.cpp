@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "eval/features/feature_extractor.h"
+#include "eval/protocols/draws.h"
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/interval.h"
 
@@ -15,10 +16,10 @@ struct LabelledMotions {
   std::vector<int> labels;
 };
 
-LabelledMotions TestMotions(const Dataset& dataset) {
+LabelledMotions TestMotions(const Dataset& dataset, const Split* split) {
   std::vector<int> rows(dataset.clips.size());
   std::iota(rows.begin(), rows.end(), 0);
-  if (!dataset.splits.empty() && !dataset.splits.front().test.empty()) rows = dataset.splits.front().test;
+  if (split != nullptr && !split->test.empty()) rows = split->test;
   LabelledMotions test;
   for (const int row : rows) {
     const int label = dataset.LabelIndex(dataset.clips[row].label);
@@ -41,8 +42,10 @@ nlohmann::json MatrixJson(const Eigen::MatrixXi& confusion) {
 }  // namespace
 
 Expected<nlohmann::json> ScoreRecognisers(const std::vector<std::filesystem::path>& checkpoints,
-                                          const Dataset& dataset) {
-  const LabelledMotions test = TestMotions(dataset);
+                                          const Dataset& dataset, const std::string& split_name) {
+  const auto split = ChooseSplit(dataset, split_name);
+  if (!split) return Forward(split);
+  const LabelledMotions test = TestMotions(dataset, *split);
   nlohmann::json names = nlohmann::json::array();
   for (const LabelName& label : dataset.labels) names.push_back(label.name);
   const int classes = static_cast<int>(dataset.labels.size());

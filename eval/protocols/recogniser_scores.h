@@ -8,10 +8,10 @@
 
 namespace mocurate {
 
-/// Accuracy of recognisers (one checkpoint per seed) on the test clips of the dataset's first split, or on all clips
+/// Accuracy of recognisers (one checkpoint per seed) on the test clips of a split (empty: the first), or on all clips
 /// when it has none: {"test_accuracy": [...], "mean", "test_clips", "confusion": (C,C) summed over seeds, "labels"}.
 /// Errors of Recogniser::Load; kInconsistent when the skeleton is another one.
 Expected<nlohmann::json> ScoreRecognisers(const std::vector<std::filesystem::path>& checkpoints,
-                                          const Dataset& dataset);
+                                          const Dataset& dataset, const std::string& split = {});
 
 }  // namespace mocurate

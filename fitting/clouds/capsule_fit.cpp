@@ -68,7 +68,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vect
     const OneThread one_thread;
     ceres::Solve(SolverOptions(), &problem.problem(), &summary);
     if (!summary.IsSolutionUsable()) {
-      return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message, "frame " + std::to_string(frame));
+      return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message, "frame " + std::to_string(frame));
     }
     if (i == 0) outcome.initial_cost = summary.initial_cost;
     outcome.final_cost = summary.final_cost;

@@ -101,7 +101,7 @@ Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, c
   try {
     return ThinAndClean(cloud, options);
   } catch (const std::exception& error) {
-    return Fail(ErrorCode::kInternal, std::string("the point cloud cannot be thinned: ") + error.what(),
+    return Fail(ErrorCode::kInconsistent, std::string("the point cloud cannot be thinned: ") + error.what(),
                 "frame " + std::to_string(frame), "try a larger voxel_size");
   }
 }

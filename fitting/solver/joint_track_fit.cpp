@@ -44,7 +44,7 @@ Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::v
     const OneThread one_thread;
     ceres::Solve(SolverOptions(options), &problem.problem(), &summary);
     if (!summary.IsSolutionUsable()) {
-      return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message,
+      return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message,
                   "frames " + std::to_string(begin) + " to " + std::to_string(end));
     }
     result.iterations += static_cast<int>(summary.iterations.size()) - 1;

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/motion/kinematics.h"
 #include "core/motion/preparation.h"
 #include "train/recognisers/recogniser_input.h"
 
@@ -145,9 +146,15 @@ Action2MotionBatch MakeGeneratorBatch(const GeneratorOptions& options, const Act
   for (int b = 0; b < B; ++b) {
     const TrainingClip& item = clips[static_cast<std::size_t>(rows[b])];
     const JointPositions bent = AugmentTime(options.augmentation, item.clip->motion->joints, random);
-    const Window window = DrawWindow(bent.frames, T, last, random);
-    const std::vector<double> values = PrepareWindow(bent, window, T, true);
-    std::vector<float> input(values.begin(), values.end());
+    std::vector<float> input;
+    if (options.input == RecogniserInputKind::kResample) {
+      const Motion& motion = *item.clip->motion;
+      input = RecogniserInput(MakeJointsOnly(motion.skeleton, motion.rate, bent), options.input, T, random);
+    } else {
+      const Window window = DrawWindow(bent.frames, T, last, random);
+      const std::vector<double> values = PrepareWindow(bent, window, T, true);
+      input.assign(values.begin(), values.end());
+    }
     AugmentSpace(options.augmentation, *item.clip->motion->skeleton, T, random, input);
     for (int t = 0; t < T; ++t) {
       std::copy(input.begin() + static_cast<std::ptrdiff_t>(t) * D,
