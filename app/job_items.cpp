@@ -5,6 +5,8 @@
 
 #include "app/main_job.h"
 #include "core/base/file.h"
+#include "core/base/resources.h"
+#include "core/base/sha256.h"
 #include "core/base/version.h"
 #include "eval/tables/table.h"
 
@@ -65,6 +67,16 @@ std::string ClipRecord::failed_stage() const {
 
 StageInput InputFrom(const char* role, const ItemResult& item) {
   return {role, item.item, item.artifact, item.sha256};
+}
+
+StageInput SkeletonInput(const std::string& name_or_path) {
+  std::string content;
+  if (const auto resource = FindResource("skeletons/" + name_or_path + ".yaml")) {
+    content = std::string(*resource);
+  } else if (const auto file = ReadFile(name_or_path)) {
+    content = *file;
+  }
+  return {"skeleton", name_or_path, name_or_path, Sha256Hex(content)};
 }
 
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {

@@ -33,6 +33,10 @@ struct ClipRecord {
 /// An artifact as the input of a later stage.
 StageInput InputFrom(const char* role, const ItemResult& item);
 
+/// The content of a skeleton file as an input: stages find the file by its name, the key holds what is in it. Empty
+/// content hash for a file that does not exist: the stage says so.
+StageInput SkeletonInput(const std::string& name_or_path);
+
 /// One item per person with the evidence of at most 30 of their clips, chosen by hash of the clip ids so that other clips
 /// do not move the choice.
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options);

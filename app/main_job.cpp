@@ -79,6 +79,10 @@ class MainJob {
     return result;
   }
 
+  static void AddInput(const StageInput& input, std::vector<ItemSpec>& items) {
+    for (ItemSpec& item : items) item.inputs.push_back(input);
+  }
+
   Status Capture() {
     if (!options_.ingest.synthetic.enabled) return {};
     const nlohmann::json options = OptionsToJson(options_.ingest.synthetic);
@@ -104,6 +108,7 @@ class MainJob {
     if (!discovery) return Forward(discovery);
     left_out_ = discovery->findings;
     for (const Finding& finding : left_out_) LogWarning(finding.clip + ": " + finding.message);
+    AddInput(SkeletonInput(options_.ingest.source.skeleton), discovery->items);
     const std::vector<ItemSpec> specs = discovery->items;
     const auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
@@ -140,7 +145,9 @@ class MainJob {
 
   Status Proportions() {
     if (!Fits()) return {};
-    const auto report = RunStage(ProportionsDeclaration(), ProportionItems(clips_, OptionsToJson(options_.proportions)));
+    std::vector<ItemSpec> items = ProportionItems(clips_, OptionsToJson(options_.proportions));
+    AddInput(SkeletonInput(options_.proportions.skeleton), items);
+    const auto report = RunStage(ProportionsDeclaration(), std::move(items));
     if (!report) return Forward(report);
     for (const ItemResult& item : report->items) persons_[item.item] = item;
     return {};
@@ -171,6 +178,7 @@ class MainJob {
       items.back().inputs.insert(items.back().inputs.end(), clip.depth.begin(), clip.depth.end());
       records.push_back(&clip);
     }
+    AddInput(SkeletonInput(options_.fitting.skeleton), items);
     auto report = RunStage(FittingDeclaration(), std::move(items));
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->motion = report->items[i];
@@ -207,6 +215,7 @@ class MainJob {
       items.push_back({clip.item, options, {InputFrom(role, clip.*from)}});
       records.push_back(&clip);
     }
+    AddInput(SkeletonInput(options_.canon.skeleton), items);
     auto report = RunStage(CanonDeclaration(), std::move(items));
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
