@@ -9,7 +9,8 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
   if (config.empty()) {
     const auto text = FindResource("demo.yaml");
     if (!text) return Fail(ErrorCode::kInternal, "the embedded default is missing", "demo.yaml");
-    node = LoadConfig(ConfigSource{std::string(*text), "demo.yaml (embedded)", std::filesystem::current_path()}, assignments);
+    node = LoadConfig(ConfigSource{std::string(*text), "demo.yaml (embedded)", std::filesystem::current_path()},
+                      assignments);
   } else {
     node = LoadConfig(config, assignments);
   }

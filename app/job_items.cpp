@@ -21,7 +21,7 @@ bool Failed(const ItemResult& item) {
 }
 
 nlohmann::json StageSummary(const StageReport& stage) {
-  return {{"stage", stage.stage},     {"items", stage.items.size()}, {"done", stage.done},
+  return {{"stage", stage.stage},       {"items", stage.items.size()}, {"done", stage.done},
           {"doubtful", stage.doubtful}, {"refused", stage.refused},    {"crashed", stage.crashed}};
 }
 
@@ -65,9 +65,7 @@ std::string ClipRecord::failed_stage() const {
   return Failed(canonical) ? "canon" : "";
 }
 
-StageInput InputFrom(const char* role, const ItemResult& item) {
-  return {role, item.item, item.artifact, item.sha256};
-}
+StageInput InputFrom(const char* role, const ItemResult& item) { return {role, item.item, item.artifact, item.sha256}; }
 
 StageInput SkeletonInput(const std::string& name_or_path) {
   std::string content;
@@ -104,7 +102,9 @@ std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips,
   for (const ClipRecord& clip : clips) {
     if (HasArtifact(clip.motion)) fitted.push_back(&clip);
   }
-  const auto residual = [](const ClipRecord* clip) { return clip->motion.outcome.summary.value("residual_rms_mm", 0.0); };
+  const auto residual = [](const ClipRecord* clip) {
+    return clip->motion.outcome.summary.value("residual_rms_mm", 0.0);
+  };
   std::sort(fitted.begin(), fitted.end(), [&](const ClipRecord* a, const ClipRecord* b) {
     return residual(a) != residual(b) ? residual(a) < residual(b) : a->item < b->item;
   });
@@ -120,7 +120,8 @@ Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path&
   return WriteFileWith(to, [&](const std::filesystem::path& temporary) -> Status {
     std::error_code failed;
     std::filesystem::copy_file(from, temporary, std::filesystem::copy_options::overwrite_existing, failed);
-    if (failed) return Fail(ErrorCode::kCannotWrite, failed.message(), DisplayPath(to), "free space or choose another -o");
+    if (failed)
+      return Fail(ErrorCode::kCannotWrite, failed.message(), DisplayPath(to), "free space or choose another -o");
     return {};
   });
 }
@@ -152,8 +153,10 @@ Expected<WrittenTables> WriteTables(const nlohmann::json& metrics, const std::st
   table.columns = {"FID ↓", "Accuracy ↑", "Diversity →", "Multimodality →"};
   table.digits = {3, 3, 3, 3};
   for (const auto& [name, row] : metrics.at("rows").items()) {
-    if (name == "Real") table.rows.insert(table.rows.begin(), RowOf("Real", row, keys));
-    else table.rows.push_back(RowOf(name, row, keys));
+    if (name == "Real")
+      table.rows.insert(table.rows.begin(), RowOf("Real", row, keys));
+    else
+      table.rows.push_back(RowOf(name, row, keys));
   }
   table.notes = metrics.value("notes", std::vector<std::string>());
   WrittenTables written;

@@ -17,10 +17,10 @@ struct JobResult;
 struct ClipRecord {
   std::string item;
   std::vector<StageInput> depth;  ///< depth images that the evidence refers to
-  ItemResult evidence;   ///< stage ingest
-  ItemResult motion;     ///< stage fitting (or ingest, when nothing is fitted)
-  ItemResult canonical;  ///< stage canon
-  ItemResult baseline;   ///< stage canon on the unfitted tracks
+  ItemResult evidence;            ///< stage ingest
+  ItemResult motion;              ///< stage fitting (or ingest, when nothing is fitted)
+  ItemResult canonical;           ///< stage canon
+  ItemResult baseline;            ///< stage canon on the unfitted tracks
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
   bool kept() const { return !canonical.artifact.empty(); }
@@ -37,8 +37,8 @@ StageInput InputFrom(const char* role, const ItemResult& item);
 /// content hash for a file that does not exist: the stage says so.
 StageInput SkeletonInput(const std::string& name_or_path);
 
-/// One item per person with the evidence of at most 30 of their clips, chosen by hash of the clip ids so that other clips
-/// do not move the choice.
+/// One item per person with the evidence of at most 30 of their clips, chosen by hash of the clip ids so that other
+/// clips do not move the choice.
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options);
 
 /// The clips a report draws: best, worst and evenly between by residual, `count` in all.

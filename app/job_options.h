@@ -30,9 +30,9 @@ struct TrainOptions {
 struct JobOptions {
   std::string name = "run";
   std::string description;
-  std::string takes;                  ///< how long the job takes, in words
-  std::string skeleton = "smpl24";    ///< for stages that do not name their own
-  double tolerated_failures = 0.0;    ///< share of clips that may fail before the exit code is 1
+  std::string takes;                ///< how long the job takes, in words
+  std::string skeleton = "smpl24";  ///< for stages that do not name their own
+  double tolerated_failures = 0.0;  ///< share of clips that may fail before the exit code is 1
   IngestOptions ingest;
   ProportionsOptions proportions;
   FittingOptions fitting;

@@ -13,7 +13,8 @@ namespace {
 using namespace mocurate;
 
 constexpr const char* kFooter =
-    "Exit codes: 0 done; 1 more failures than tolerated; 2 usage or config; 3 input unusable; 4 something is missing on\n"
+    "Exit codes: 0 done; 1 more failures than tolerated; 2 usage or config; 3 input unusable; 4 something is missing "
+    "on\n"
     "this machine (see mocurate doctor); 70 a defect; 74 output cannot be written; 75 interrupted, run again to go on.";
 
 int Report(const Status& status, const CommonArguments& common) {
@@ -38,14 +39,17 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, evaluate, report");
   run->add_option("config", arguments->config, "YAML file; without one the embedded synthetic capture runs");
   run->add_option("-o,--output", arguments->output, "run folder (default runs/NAME)");
-  run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")->type_name("KEY=VALUE");
-  run->add_option("--to", arguments->to, "last stage: ingest proportions fitting canon assemble audit train evaluate report");
+  run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")
+      ->type_name("KEY=VALUE");
+  run->add_option("--to", arguments->to,
+                  "last stage: ingest proportions fitting canon assemble audit train evaluate report");
   run->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
   run->add_option("--budget", arguments->budget, "train the generator this many times longer than the config says")
       ->check(CLI::Range(0.001, 1e6));
   run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
-  run->footer("Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"
-              "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble");
+  run->footer(
+      "Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"
+      "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble");
   run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
 }
 
@@ -54,25 +58,30 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
   inspect->add_option("path", arguments->path, "file or folder")->required();
   inspect->add_option("--source", arguments->source, "config whose ingest.source declares the format");
-  inspect->footer("Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
-                  "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");
-  inspect->callback([&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
+  inspect->footer(
+      "Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
+      "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");
+  inspect->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
 }
 
 void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<ConfigArguments>();
-  CLI::App* config = app.add_subcommand("config", "Show a resolved config, its JSON Schema, or the reference of options");
+  CLI::App* config =
+      app.add_subcommand("config", "Show a resolved config, its JSON Schema, or the reference of options");
   config->require_subcommand(1);
   CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
   show->add_option("config", arguments->config, "YAML file; without one the embedded default");
   show->add_option("--set", arguments->assignments, "override an option")->type_name("KEY=VALUE");
   show->add_flag("--origins", arguments->origins, "say where each value comes from");
   show->footer("Example:\n  mocurate config show configs/kard.yaml --origins");
-  show->callback([&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
+  show->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
   CLI::App* schema = config->add_subcommand("schema", "JSON Schema of configs, for editors");
   schema->footer("Example:\n  mocurate config schema > mocurate.schema.json");
   schema->callback([&common, &verb] { verb = [&common] { return ConfigSchemaVerb(common); }; });
-  CLI::App* reference = config->add_subcommand("reference", "Every option with unit, default, range and help (Markdown)");
+  CLI::App* reference =
+      config->add_subcommand("reference", "Every option with unit, default, range and help (Markdown)");
   reference->footer("Example:\n  mocurate config reference > options.md");
   reference->callback([&common, &verb] { verb = [&common] { return ConfigReferenceVerb(common); }; });
 }
@@ -130,6 +139,7 @@ int main(int argc, char** argv) {
   try {
     return Report(verb(), common);
   } catch (const std::exception& defect) {
-    return Report(Fail(ErrorCode::kInternal, defect.what(), "", "this is a defect of mocurate; please report it"), common);
+    return Report(Fail(ErrorCode::kInternal, defect.what(), "", "this is a defect of mocurate; please report it"),
+                  common);
   }
 }

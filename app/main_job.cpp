@@ -20,9 +20,9 @@ struct StageName {
 };
 
 constexpr StageName kStages[] = {
-    {"ingest", JobStage::kIngest},     {"proportions", JobStage::kProportions}, {"fitting", JobStage::kFitting},
-    {"canon", JobStage::kCanon},       {"assemble", JobStage::kAssemble},       {"audit", JobStage::kAudit},
-    {"train", JobStage::kTrain},       {"evaluate", JobStage::kEvaluate},       {"report", JobStage::kReport}};
+    {"ingest", JobStage::kIngest}, {"proportions", JobStage::kProportions}, {"fitting", JobStage::kFitting},
+    {"canon", JobStage::kCanon},   {"assemble", JobStage::kAssemble},       {"audit", JobStage::kAudit},
+    {"train", JobStage::kTrain},   {"evaluate", JobStage::kEvaluate},       {"report", JobStage::kReport}};
 
 /// One run of the main job: holds what earlier stages gave to later ones.
 class MainJob {
@@ -31,13 +31,17 @@ class MainJob {
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
-    const std::pair<JobStage, Step> steps[] = {
-        {JobStage::kIngest, &MainJob::Capture},      {JobStage::kIngest, &MainJob::Ingest},
-        {JobStage::kProportions, &MainJob::Proportions}, {JobStage::kFitting, &MainJob::Fit},
-        {JobStage::kFitting, &MainJob::ScoreFits},   {JobStage::kCanon, &MainJob::Canonicalise},
-        {JobStage::kAssemble, &MainJob::Assemble},   {JobStage::kAudit, &MainJob::Audit},
-        {JobStage::kTrain, &MainJob::Train},         {JobStage::kEvaluate, &MainJob::Evaluate},
-        {JobStage::kReport, &MainJob::Report}};
+    const std::pair<JobStage, Step> steps[] = {{JobStage::kIngest, &MainJob::Capture},
+                                               {JobStage::kIngest, &MainJob::Ingest},
+                                               {JobStage::kProportions, &MainJob::Proportions},
+                                               {JobStage::kFitting, &MainJob::Fit},
+                                               {JobStage::kFitting, &MainJob::ScoreFits},
+                                               {JobStage::kCanon, &MainJob::Canonicalise},
+                                               {JobStage::kAssemble, &MainJob::Assemble},
+                                               {JobStage::kAudit, &MainJob::Audit},
+                                               {JobStage::kTrain, &MainJob::Train},
+                                               {JobStage::kEvaluate, &MainJob::Evaluate},
+                                               {JobStage::kReport, &MainJob::Report}};
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
       const Status done = (this->*step)();
@@ -166,15 +170,16 @@ class MainJob {
       const auto person = persons_.find(clip.person());
       if (person == persons_.end()) {
         clip.motion.outcome.kind = OutcomeKind::kRefused;
-        clip.motion.outcome.error = Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item,
-                                          "set ingest.source.person"};
+        clip.motion.outcome.error =
+            Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item, "set ingest.source.person"};
         continue;
       }
       if (person->second.artifact.empty()) {
         clip.motion.outcome = person->second.outcome;
         continue;
       }
-      items.push_back({clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}});
+      items.push_back(
+          {clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}});
       items.back().inputs.insert(items.back().inputs.end(), clip.depth.begin(), clip.depth.end());
       records.push_back(&clip);
     }
@@ -233,9 +238,10 @@ class MainJob {
       for (const ClipRecord& clip : clips_) {
         if (first == nullptr) first = clip.failure();
       }
-      return Fail(first != nullptr ? first->code : ErrorCode::kInconsistent,
-                  "no clip is left for the dataset" + (first != nullptr ? "; the first failed with: " + first->Message() : ""),
-                  DisplayPath(options_.ingest.path), "curation_log.jsonl in the run folder says why each was dropped");
+      return Fail(
+          first != nullptr ? first->code : ErrorCode::kInconsistent,
+          "no clip is left for the dataset" + (first != nullptr ? "; the first failed with: " + first->Message() : ""),
+          DisplayPath(options_.ingest.path), "curation_log.jsonl in the run folder says why each was dropped");
     }
     return RunOne(AssembleDeclaration(), std::move(item));
   }
@@ -256,14 +262,15 @@ class MainJob {
 
   Status Audit() {
     if (dataset_.artifact.empty()) return {};
-    const auto audit = RunOne(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
+    const auto audit =
+        RunOne(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
     if (!audit) return Forward(audit);
     result_.audit = audit->outcome.summary;
     return {};
   }
 
-  void AddRecognisers(const char* kind, const char* role, const ItemResult& dataset, const RecogniserOptions& recogniser,
-                      std::vector<ItemSpec>& items) {
+  void AddRecognisers(const char* kind, const char* role, const ItemResult& dataset,
+                      const RecogniserOptions& recogniser, std::vector<ItemSpec>& items) {
     if (dataset.artifact.empty()) return;
     for (const double seed : options_.train.seeds) {
       RecogniserOptions seeded = recogniser;
@@ -280,7 +287,8 @@ class MainJob {
     std::vector<ItemSpec> items;
     roles_.clear();
     AddRecognisers("recogniser", "recogniser", dataset_, train.recogniser, items);
-    if (train.baseline) AddRecognisers("baseline_recogniser", "baseline_recogniser", baseline_, train.recogniser, items);
+    if (train.baseline)
+      AddRecognisers("baseline_recogniser", "baseline_recogniser", baseline_, train.recogniser, items);
     if (train.crop) {
       RecogniserOptions crop = train.recogniser;
       crop.input = RecogniserInputKind::kCrop;
@@ -314,8 +322,9 @@ class MainJob {
   }
 
   Status StartGenerator() {
-    const auto generator = RunOne(TrainGeneratorDeclaration(), {"Action2Motion", OptionsToJson(options_.train.generator),
-                                                                {InputFrom("dataset", dataset_)}});
+    const auto generator =
+        RunOne(TrainGeneratorDeclaration(),
+               {"Action2Motion", OptionsToJson(options_.train.generator), {InputFrom("dataset", dataset_)}});
     if (!generator) return Forward(generator);
     if (generator->artifact.empty()) return {};
     networks_.push_back(InputFrom("generator", *generator));
@@ -349,12 +358,14 @@ class MainJob {
   void AddTrainingNotes() {
     const GeneratorOptions& generator = options_.train.generator;
     if (!options_.train.generator_enabled) return;
-    result_.metrics["notes"].push_back("Action2Motion: " + std::to_string(generator.iterations) + " iterations of " +
-                                       std::to_string(generator.batch) + " clips on " +
-                                       (generator.all_clips ? "all clips, test clips included, as published." : "training clips only."));
+    result_.metrics["notes"].push_back(
+        "Action2Motion: " + std::to_string(generator.iterations) + " iterations of " + std::to_string(generator.batch) +
+        " clips on " +
+        (generator.all_clips ? "all clips, test clips included, as published." : "training clips only."));
     if (generator.input != options_.train.recogniser.input) {
       result_.metrics["notes"].push_back(
-          "The generator learns windows and the recogniser sees whole clips (or the reverse): FID and accuracy of the two "
+          "The generator learns windows and the recogniser sees whole clips (or the reverse): FID and accuracy of the "
+          "two "
           "rows are not like for like; set train.generator.input and train.recogniser.input alike.");
     }
   }

@@ -22,19 +22,20 @@ struct JobResult {
   std::filesystem::path dataset;
   std::filesystem::path report;
   std::vector<std::filesystem::path> tables;
-  std::string table;           ///< Markdown
-  int clips = 0;               ///< source clips
-  int kept = 0;                ///< source clips with at least one clip in the dataset
-  int failed = 0;              ///< refused or crashed anywhere before the dataset
-  nlohmann::json fit_error;    ///< error against the truth, null without truth
+  std::string table;         ///< Markdown
+  int clips = 0;             ///< source clips
+  int kept = 0;              ///< source clips with at least one clip in the dataset
+  int failed = 0;            ///< refused or crashed anywhere before the dataset
+  nlohmann::json fit_error;  ///< error against the truth, null without truth
   nlohmann::json audit;
   nlohmann::json metrics;
   nlohmann::json training = nlohmann::json::object();  ///< summary of each trained network by its item
   std::vector<StageReport> stages;
 };
 
-/// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the runner's
-/// workers. Writes dataset.h5, curation_log.jsonl, tables/, metrics.json, report/index.html into the run folder.
+/// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the
+/// runner's workers. Writes dataset.h5, curation_log.jsonl, tables/, metrics.json, report/index.html into the run
+/// folder.
 Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner);
 
 }  // namespace mocurate

@@ -24,13 +24,15 @@ Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
     for (const std::string& key : damaged) text += "\n  " + key;
     Print(common, {{"folder", folder}, {"damaged", damaged}}, text);
     if (damaged.empty()) return {};
-    return Fail(ErrorCode::kInconsistent, std::to_string(damaged.size()) + " cache objects differ from their hash", folder,
-                "delete them (mocurate cache prune --days 0 removes all); they are made again");
+    return Fail(ErrorCode::kInconsistent, std::to_string(damaged.size()) + " cache objects differ from their hash",
+                folder, "delete them (mocurate cache prune --days 0 removes all); they are made again");
   }
   const Cache::Statistics statistics = arguments.action == "prune" ? cache.Prune(arguments.days) : cache.Stat();
-  Print(common, {{"folder", folder}, {"objects", statistics.objects}, {"bytes", statistics.bytes}, {"action", arguments.action}},
-        folder + ": " + (arguments.action == "prune" ? "removed " : "") + std::to_string(statistics.objects) + " objects, " +
-            std::to_string(statistics.bytes / 1000000) + " MB");
+  Print(
+      common,
+      {{"folder", folder}, {"objects", statistics.objects}, {"bytes", statistics.bytes}, {"action", arguments.action}},
+      folder + ": " + (arguments.action == "prune" ? "removed " : "") + std::to_string(statistics.objects) +
+          " objects, " + std::to_string(statistics.bytes / 1000000) + " MB");
   return {};
 }
 

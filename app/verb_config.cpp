@@ -9,8 +9,10 @@ namespace mocurate {
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
   const auto job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
-  if (common.json) std::printf("%s\n", OptionsToJson(job->options).dump(1).c_str());
-  else std::printf("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
+  if (common.json)
+    std::printf("%s\n", OptionsToJson(job->options).dump(1).c_str());
+  else
+    std::printf("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
   return {};
 }
 
@@ -21,8 +23,10 @@ Status ConfigSchemaVerb(CommonArguments&) {
 
 Status ConfigReferenceVerb(CommonArguments& common) {
   const std::string reference = OptionsReference<JobOptions>("Options of a job");
-  if (common.json) std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
-  else std::printf("%s", reference.c_str());
+  if (common.json)
+    std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
+  else
+    std::printf("%s", reference.c_str());
   return {};
 }
 

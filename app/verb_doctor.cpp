@@ -58,9 +58,10 @@ Check CheckBlas() {
   char speed[64];
   std::snprintf(speed, sizeof(speed), ", %.0f GF/s on one thread", gigaflops);
   check.found = DisplayPath(file) + speed;
-  check.advice = check.ok ? ""
-                          : "training is 4 to 15 times slower with this BLAS: apt-get install libopenblas0-pthread, then "
-                            "update-alternatives --config libblas.so.3-x86_64-linux-gnu";
+  check.advice = check.ok
+                     ? ""
+                     : "training is 4 to 15 times slower with this BLAS: apt-get install libopenblas0-pthread, then "
+                       "update-alternatives --config libblas.so.3-x86_64-linux-gnu";
   return check;
 }
 
@@ -72,18 +73,21 @@ Check CheckWorker(const std::string& name, const std::string& does) {
     if (access(program.c_str(), X_OK) != 0) continue;
     const std::string command = "'" + program.string() + "' --version >/dev/null 2>&1";
     const bool starts = std::system(command.c_str()) == 0;
-    return {name, starts, DisplayPath(program) + (starts ? "" : " does not start"),
-            starts ? "" : "run it with --version to see which shared library is missing; scripts/install.sh installs them"};
+    return {
+        name, starts, DisplayPath(program) + (starts ? "" : " does not start"),
+        starts ? "" : "run it with --version to see which shared library is missing; scripts/install.sh installs them"};
   }
-  return {name, false, "not found beside mocurate", does + " needs it: build the slice that holds it (MOCURATE_SLICE=all)"};
+  return {name, false, "not found beside mocurate",
+          does + " needs it: build the slice that holds it (MOCURATE_SLICE=all)"};
 }
 
 Check CheckThreads() {
   const char* blas = std::getenv("OPENBLAS_NUM_THREADS");
   const char* openmp = std::getenv("OMP_NUM_THREADS");
-  Check check{"threads", true, std::to_string(std::thread::hardware_concurrency()) + " cores; OPENBLAS_NUM_THREADS=" +
-                                   (blas != nullptr ? blas : "unset") + ", OMP_NUM_THREADS=" +
-                                   (openmp != nullptr ? openmp : "unset"), ""};
+  Check check{"threads", true,
+              std::to_string(std::thread::hardware_concurrency()) + " cores; OPENBLAS_NUM_THREADS=" +
+                  (blas != nullptr ? blas : "unset") + ", OMP_NUM_THREADS=" + (openmp != nullptr ? openmp : "unset"),
+              ""};
   check.advice = "mocurate gives each worker one BLAS and one OpenMP thread and runs clips in parallel (--jobs)";
   return check;
 }
@@ -122,7 +126,8 @@ Status DoctorVerb(CommonArguments& common) {
   int missing = 0;
   for (const Check& check : checks) {
     missing += check.ok ? 0 : 1;
-    document["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"found", check.found}, {"advice", check.advice}});
+    document["checks"].push_back(
+        {{"name", check.name}, {"ok", check.ok}, {"found", check.found}, {"advice", check.advice}});
     if (common.json) continue;
     std::printf("%-4s %-18s %s\n", check.ok ? "ok" : "BAD", check.name.c_str(), check.found.c_str());
     if (!check.advice.empty()) std::printf("     %-18s %s\n", "", check.advice.c_str());

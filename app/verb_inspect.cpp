@@ -56,8 +56,10 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   }
   const nlohmann::json inspection = InspectPath(arguments.path, source);
   common.answered = common.json;
-  if (common.json) PrintJson(inspection);
-  else std::printf("%s", InspectionText(inspection).c_str());
+  if (common.json)
+    PrintJson(inspection);
+  else
+    std::printf("%s", InspectionText(inspection).c_str());
   return FirstError(inspection);
 }
 

@@ -26,8 +26,11 @@ Status WriteRunFile(const LoadedJob& job, const RunArguments& arguments, const s
                               {"options", OptionsToJson(job.options)},
                               {"config", ShowOptions(job.options, job.node, true)},
                               {"budget", arguments.budget},
-                              {"machine", {{"system", host.sysname}, {"release", host.release}, {"architecture", host.machine},
-                                           {"cores", std::thread::hardware_concurrency()}}}};
+                              {"machine",
+                               {{"system", host.sysname},
+                                {"release", host.release},
+                                {"architecture", host.machine},
+                                {"cores", std::thread::hardware_concurrency()}}}};
   return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
@@ -98,7 +101,8 @@ void PrintResult(const JobResult& result, double seconds) {
 Status CheckFailures(const JobOptions& options, const JobResult& result) {
   if (result.clips == 0 || result.failed <= options.tolerated_failures * result.clips) return {};
   return Fail(ErrorCode::kTooManyFailures,
-              std::to_string(result.failed) + " of " + std::to_string(result.clips) + " clips failed, tolerated_failures is " +
+              std::to_string(result.failed) + " of " + std::to_string(result.clips) +
+                  " clips failed, tolerated_failures is " +
                   std::to_string(static_cast<int>(std::floor(options.tolerated_failures * result.clips))) + " clips",
               "run", "curation_log.jsonl says why each failed; the others are in the dataset");
 }
@@ -112,7 +116,8 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
   if (!last) return Forward(last);
   GeneratorOptions& generator = job->options.train.generator;
-  generator.iterations = std::max<std::int64_t>(1, std::llround(arguments.budget * static_cast<double>(generator.iterations)));
+  generator.iterations =
+      std::max<std::int64_t>(1, std::llround(arguments.budget * static_cast<double>(generator.iterations)));
 
   RunnerOptions options;
   options.run_folder = arguments.output.empty() ? std::filesystem::path("runs") / job->options.name : arguments.output;

@@ -21,10 +21,10 @@ struct RunArguments {
   std::filesystem::path config;  ///< empty: the embedded default, a synthetic capture
   std::filesystem::path output;  ///< run folder; empty: runs/NAME
   std::vector<std::string> assignments;
-  std::string to;                ///< last stage; empty: report
+  std::string to;  ///< last stage; empty: report
   int jobs = 0;
   bool dry_run = false;
-  double budget = 1.0;           ///< trains this many times longer than the config says
+  double budget = 1.0;  ///< trains this many times longer than the config says
 };
 
 struct InspectArguments {

@@ -36,7 +36,8 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
     auto dataset = ReadDataset(fitted->path);
     if (dataset) {
       if (dataset->clips.size() != 1) {
-        return Fail(ErrorCode::kInconsistent, std::to_string(dataset->clips.size()) + " clips, one expected", fitted->name);
+        return Fail(ErrorCode::kInconsistent, std::to_string(dataset->clips.size()) + " clips, one expected",
+                    fitted->name);
       }
       findings = dataset->findings;
       return dataset->clips.front();
@@ -97,12 +98,8 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, Clip clip,
 }
 
 nlohmann::json SplitSummary(const Split& split) {
-  return {{"name", split.name},
-          {"train", split.train.size()},
-          {"validation", split.validation.size()},
-          {"test", split.test.size()},
-          {"rule", split.rule},
-          {"leak_check", split.leak_check}};
+  return {{"name", split.name},        {"train", split.train.size()}, {"validation", split.validation.size()},
+          {"test", split.test.size()}, {"rule", split.rule},          {"leak_check", split.leak_check}};
 }
 
 }  // namespace
@@ -149,8 +146,8 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     }
     if (part->skeleton->name != dataset.skeleton->name || part->joints_only != dataset.joints_only) {
       return Fail(ErrorCode::kInconsistent,
-                  "skeleton '" + part->skeleton->name + "' where the others have '" + dataset.skeleton->name + "'", input.name,
-                  "one dataset holds one skeleton, with rotations or joints only");
+                  "skeleton '" + part->skeleton->name + "' where the others have '" + dataset.skeleton->name + "'",
+                  input.name, "one dataset holds one skeleton, with rotations or joints only");
     }
     for (Clip& clip : part->clips) {
       clip.motion->skeleton = dataset.skeleton;
@@ -159,7 +156,8 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     dataset.findings.insert(dataset.findings.end(), part->findings.begin(), part->findings.end());
   }
   if (dataset.clips.empty()) {
-    return Fail(ErrorCode::kInconsistent, "no clip is left to assemble", "assemble", "curation_log.jsonl says why each was dropped");
+    return Fail(ErrorCode::kInconsistent, "no clip is left to assemble", "assemble",
+                "curation_log.jsonl says why each was dropped");
   }
   SortById(dataset.clips);
   std::set<std::string> names;
@@ -168,7 +166,8 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   for (const std::string& name : names) dataset.labels.push_back({name, ""});
 
   StageOutcome outcome;
-  outcome.summary = {{"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
+  outcome.summary = {
+      {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
   for (const SplitOptions& split_options : options->splits) {
     auto split = MakeSplit(split_options, dataset);
     if (!split) return Forward(split);
@@ -206,8 +205,9 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
     frames += clip.motion->frame_count();
     seconds += clip.motion->duration();
   }
-  nlohmann::json audit = {{"clips", dataset->clips.size()}, {"frames", frames},         {"seconds", seconds},
-                          {"per_label", per_label},         {"per_person", per_person}, {"splits", nlohmann::json::array()}};
+  nlohmann::json audit = {
+      {"clips", dataset->clips.size()}, {"frames", frames},         {"seconds", seconds},
+      {"per_label", per_label},         {"per_person", per_person}, {"splits", nlohmann::json::array()}};
   for (const Split& split : dataset->splits) audit["splits"].push_back(SplitSummary(split));
   const Split* chosen = options->split.empty() ? (dataset->splits.empty() ? nullptr : &dataset->splits.front())
                                                : dataset->FindSplit(options->split);

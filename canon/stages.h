@@ -4,8 +4,8 @@
 
 namespace mocurate {
 
-/// One clip -> Dataset file with zero or more canonical clips. Input role "motion" (a one-clip Dataset from fitting, or an
-/// evidence file whose clip has a given motion) or role "tracks" (an evidence file; its tracks become a joints-only
+/// One clip -> Dataset file with zero or more canonical clips. Input role "motion" (a one-clip Dataset from fitting, or
+/// an evidence file whose clip has a given motion) or role "tracks" (an evidence file; its tracks become a joints-only
 /// motion on options.skeleton: the baseline without fitting). Dropped clips: kRefused with a reason.
 Expected<StageOutcome> CanonStage(const StageRequest& request);
 

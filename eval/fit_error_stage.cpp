@@ -11,8 +11,8 @@ namespace {
 
 struct Inputs {
   std::map<std::string, Motion> truth;
-  std::map<std::string, Clip> fits;       ///< by clip id
-  std::map<std::string, Clip> evidence;   ///< by clip id
+  std::map<std::string, Clip> fits;      ///< by clip id
+  std::map<std::string, Clip> evidence;  ///< by clip id
 };
 
 Expected<Inputs> ReadInputs(const StageRequest& request) {
@@ -56,8 +56,8 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
     const auto truth = inputs->truth.find(id);
     if (truth == inputs->truth.end()) continue;
     const auto evidence = inputs->evidence.find(id);
-    const auto error = CompareWithTruth(fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence,
-                                        truth->second);
+    const auto error = CompareWithTruth(
+        fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence, truth->second);
     if (!error) {
       per_clip[id] = {{"error", error.error().Message()}};
       if (!first_error) first_error = error.error();

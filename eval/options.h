@@ -22,7 +22,7 @@ struct EvaluateOptions {
   std::int64_t multimodality_quota = 20;
   LabelDraw labels = LabelDraw::kUniform;
   RealPart real = RealPart::kAll;
-  std::string split;  ///< whose parts are meant; empty: the first one
+  std::string split;           ///< whose parts are meant; empty: the first one
   bool random_hidden = false;  ///< recogniser starts from normal hidden states, as released (F5)
 
   void Declare(OptionVisitor& v);

@@ -18,12 +18,12 @@ using AnswerRequests = std::function<Expected<std::vector<Motion>>(const std::ve
 using OpenGenerator = std::function<Expected<AnswerRequests>(const std::filesystem::path& checkpoint)>;
 
 /// Inputs: role "dataset", "recogniser" (one per seed; the first gives the features), "generator", optionally
-/// "baseline_dataset" and "baseline_recogniser", "crop_recogniser" -> JSON artifact: the four metrics with repetitions and
-/// intervals for the rows Real and one per generator (input name), recogniser accuracy per seed, confusion matrix.
+/// "baseline_dataset" and "baseline_recogniser", "crop_recogniser" -> JSON artifact: the four metrics with repetitions
+/// and intervals for the rows Real and one per generator (input name), recogniser accuracy per seed, confusion matrix.
 StageFunction MakeEvaluateStage(OpenGenerator open_generator);
 
-/// Inputs: role "fit" (one-clip Datasets), "evidence" (the same clips), "truth" -> JSON artifact: joint error before and
-/// after (mm), rotation error (degrees), per clip and overall. Needs no libtorch.
+/// Inputs: role "fit" (one-clip Datasets), "evidence" (the same clips), "truth" -> JSON artifact: joint error before
+/// and after (mm), rotation error (degrees), per clip and overall. Needs no libtorch.
 Expected<StageOutcome> FitErrorStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -75,7 +75,7 @@ struct ProportionsOptions {
   std::int64_t refine_clips = 0;    ///< clips on which bones are fitted together with the pose; 0: medians only
   std::int64_t refine_frames = 60;  ///< frames of each, from its middle
   JointTrackOptions joint_tracks;
-  PointCloudOptions point_clouds;   ///< tracking of the clouds the lengths are read from
+  PointCloudOptions point_clouds;  ///< tracking of the clouds the lengths are read from
 
   void Declare(OptionVisitor& v);
 };

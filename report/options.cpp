@@ -8,7 +8,8 @@ void ReportOptions::Declare(OptionVisitor& v) {
 }
 
 void PictureOptions::Declare(OptionVisitor& v) {
-  v.Choice("kind", kind, {{"clip", PictureKind::kClip}, {"overlay", PictureKind::kOverlay}, {"cloud", PictureKind::kCloud}},
+  v.Choice("kind", kind,
+           {{"clip", PictureKind::kClip}, {"overlay", PictureKind::kOverlay}, {"cloud", PictureKind::kCloud}},
            "stills of a clip, the body over a depth view, or the bones inside the fused cloud");
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }

@@ -29,8 +29,12 @@ Expected<StageOutcome> PictureStage(const StageRequest& request) {
     case PictureKind::kClip:
       drawn = WriteClipPicture(clip, evidence->evidence, static_cast<int>(options->stills), request.output);
       break;
-    case PictureKind::kOverlay: drawn = WriteBodyOverlay(clip, evidence->evidence, 0, middle, request.output); break;
-    case PictureKind::kCloud: drawn = WriteCloudPicture(clip, evidence->evidence, middle, request.output); break;
+    case PictureKind::kOverlay:
+      drawn = WriteBodyOverlay(clip, evidence->evidence, 0, middle, request.output);
+      break;
+    case PictureKind::kCloud:
+      drawn = WriteCloudPicture(clip, evidence->evidence, middle, request.output);
+      break;
   }
   if (!drawn) return Forward(drawn);
   return StageOutcome();

@@ -65,7 +65,8 @@ void GeneratorOptions::Declare(OptionVisitor& v) {
            "whether angles below 0.01 rad are floored, as released");
   v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
   v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
-           "windows of consecutive frames (as released), or whole clips resampled; as the recogniser of the table sees them");
+           "windows of consecutive frames (as released), or whole clips resampled; as the recogniser of the table sees "
+           "them");
   v.Integer("frames", frames, {2.0, 1000.0}, "frames per training crop");
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent states");
   v.Integer("latent", latent, {1.0, 1024.0}, "size of the noise per frame");

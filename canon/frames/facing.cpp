@@ -38,8 +38,9 @@ Expected<BodyAxes> AxesFromJoints(const Motion& motion, int frame) {
   Vector3d up = Vector3d::UnitY();
   if (const auto neck = skeleton.FindJoint("neck")) {
     const auto hips = skeleton.Hips();
-    const Vector3d base = hips ? Vector3d(0.5 * (motion.joints.at(frame, (*hips)[0]) + motion.joints.at(frame, (*hips)[1])))
-                               : Vector3d(motion.joints.at(frame, 0));
+    const Vector3d base =
+        hips ? Vector3d(0.5 * (motion.joints.at(frame, (*hips)[0]) + motion.joints.at(frame, (*hips)[1])))
+             : Vector3d(motion.joints.at(frame, 0));
     const Vector3d trunk = motion.joints.at(frame, *neck) - base;
     if (trunk.norm() > 1e-6) up = trunk.normalized();
   }
@@ -77,7 +78,8 @@ Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, double min_hor
 
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
   if (!clip.motion || clip.motion->frame_count() == 0) {
-    return Fail(ErrorCode::kInconsistent, "clip has no motion to canonicalise", clip.id(), "run the stage fitting first");
+    return Fail(ErrorCode::kInconsistent, "clip has no motion to canonicalise", clip.id(),
+                "run the stage fitting first");
   }
   const Motion& motion = *clip.motion;
   const int anchor = options.anchor == Anchor::kFirst ? 0 : motion.frame_count() - 1;

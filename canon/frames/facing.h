@@ -18,13 +18,13 @@ struct Heading {
 /// `min_horizontal`, that of the forward axis: atan2(forward.x, forward.z). [multiact.md B.3, B.4]
 Heading HeadingOfAxes(const Vector3d& left, const Vector3d& forward, double min_horizontal);
 
-/// Heading of one frame. With rotations the axes turn with the root (for SMPL: columns 0 and 2 of its matrix); joints only:
-/// right to left hip (else shoulder), and that crossed with hips-to-neck. Error kInconsistent if the skeleton names
-/// neither hips nor shoulders.
+/// Heading of one frame. With rotations the axes turn with the root (for SMPL: columns 0 and 2 of its matrix); joints
+/// only: right to left hip (else shoulder), and that crossed with hips-to-neck. Error kInconsistent if the skeleton
+/// names neither hips nor shoulders.
 Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, double min_horizontal);
 
-/// Moves the clip so that the anchor frame's root is at the origin and faces +z: x -> Ry(-yaw) (x - x_anchor). Acts on all
-/// fields; canonical_from_source keeps what undoing needs.
+/// Moves the clip so that the anchor frame's root is at the origin and faces +z: x -> Ry(-yaw) (x - x_anchor). Acts on
+/// all fields; canonical_from_source keeps what undoing needs.
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip);
 
 }  // namespace mocurate

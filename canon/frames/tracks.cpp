@@ -60,8 +60,9 @@ Expected<Motion> MotionFromTracks(const JointTracks& tracks, const SkeletonPtr& 
     if (!found[j]) missing += (missing.empty() ? "" : ", ") + skeleton->joints[j].name;
   }
   if (!missing.empty()) {
-    return Fail(ErrorCode::kInconsistent, "no track gives the joints " + missing + " of skeleton '" + skeleton->name + "'",
-                "canon.skeleton", "choose a skeleton whose joints the source tracks, or fit first");
+    return Fail(ErrorCode::kInconsistent,
+                "no track gives the joints " + missing + " of skeleton '" + skeleton->name + "'", "canon.skeleton",
+                "choose a skeleton whose joints the source tracks, or fit first");
   }
   return motion;
 }

@@ -15,13 +15,16 @@ enum class Part { kTrain, kValidation, kTest };
 /// The property of a clip that two parts must not share.
 std::string GroupOf(SplitBy by, const Clip& clip) {
   switch (by) {
-    case SplitBy::kPerson: return clip.identity.person;
+    case SplitBy::kPerson:
+      return clip.identity.person;
     case SplitBy::kStyle: {
       const auto style = clip.provenance.find("style");
       return style == clip.provenance.end() ? std::string() : style->second;
     }
-    case SplitBy::kFraction: return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
-    case SplitBy::kRole: return clip.id();
+    case SplitBy::kFraction:
+      return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
+    case SplitBy::kRole:
+      return clip.id();
   }
   return {};
 }
@@ -46,10 +49,14 @@ Part PartOf(const SplitOptions& options, const std::string& group, const Clip& c
 
 const char* NameOf(SplitBy by) {
   switch (by) {
-    case SplitBy::kPerson: return "person";
-    case SplitBy::kStyle: return "style";
-    case SplitBy::kFraction: return "recording";
-    case SplitBy::kRole: return "role of the source";
+    case SplitBy::kPerson:
+      return "person";
+    case SplitBy::kStyle:
+      return "style";
+    case SplitBy::kFraction:
+      return "recording";
+    case SplitBy::kRole:
+      return "role of the source";
   }
   return "";
 }

@@ -27,8 +27,10 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
   const Motion& motion = *clip.motion;
   std::vector<KeptSpan> spans;
   for (const Segment& segment : clip.segments) {
-    const int begin = std::clamp(static_cast<int>(std::lround(segment.begin_s * motion.rate.hz())), 0, motion.frame_count());
-    const int end = std::clamp(static_cast<int>(std::lround(segment.end_s * motion.rate.hz())), 0, motion.frame_count());
+    const int begin =
+        std::clamp(static_cast<int>(std::lround(segment.begin_s * motion.rate.hz())), 0, motion.frame_count());
+    const int end =
+        std::clamp(static_cast<int>(std::lround(segment.end_s * motion.rate.hz())), 0, motion.frame_count());
     if (std::find(options.drop_labels.begin(), options.drop_labels.end(), segment.label) != options.drop_labels.end()) {
       Finding finding = Dropped(clip, "label_left_out", begin, end, segment.end_s - segment.begin_s,
                                 "segment '" + segment.label + "' is in trim.drop_labels");
@@ -97,9 +99,15 @@ std::vector<double> FrameSpeeds(const Motion& motion) {
 std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   std::vector<KeptSpan> spans;
   switch (options.rule) {
-    case TrimRule::kNone: spans = {{0, clip.motion->frame_count(), clip.label}}; break;
-    case TrimRule::kAnnotated: spans = AnnotatedSpans(options, clip, findings); break;
-    case TrimRule::kMotionEnergy: spans = MovingSpan(options, clip, findings); break;
+    case TrimRule::kNone:
+      spans = {{0, clip.motion->frame_count(), clip.label}};
+      break;
+    case TrimRule::kAnnotated:
+      spans = AnnotatedSpans(options, clip, findings);
+      break;
+    case TrimRule::kMotionEnergy:
+      spans = MovingSpan(options, clip, findings);
+      break;
   }
   std::vector<KeptSpan> kept;
   for (const KeptSpan& span : spans) {

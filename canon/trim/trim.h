@@ -18,8 +18,8 @@ struct KeptSpan {
 /// 90th percentile over joints of the joint speed of each frame, m/s, (F); central differences.
 std::vector<double> FrameSpeeds(const Motion& motion);
 
-/// Spans to keep, in order. Every span that is dropped, and every cut of more than a frame, is a finding with its rule and
-/// value. May be empty.
+/// Spans to keep, in order. Every span that is dropped, and every cut of more than a frame, is a finding with its rule
+/// and value. May be empty.
 std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings);
 
 }  // namespace mocurate

@@ -23,8 +23,8 @@ Expected<FeatureStatistics> StatisticsOf(const Features& features) {
 Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatistics& b) {
   if (a.mean.size() != b.mean.size()) {
     return Fail(ErrorCode::kInconsistent,
-                std::to_string(a.mean.size()) + " and " + std::to_string(b.mean.size()) + " features per motion", "features",
-                "both sets must come from the same recogniser");
+                std::to_string(a.mean.size()) + " and " + std::to_string(b.mean.size()) + " features per motion",
+                "features", "both sets must come from the same recogniser");
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> first(a.covariance);
   const Eigen::VectorXd roots = first.eigenvalues().cwiseMax(0.0).cwiseSqrt();

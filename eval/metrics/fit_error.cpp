@@ -99,8 +99,8 @@ void AddEvidenceError(const JointTracks& tracks, const Motion& truth, FitError& 
 Expected<FitError> CompareWithTruth(const Clip& fitted, const Evidence& evidence, const Motion& truth) {
   if (!fitted.motion || fitted.motion->frame_count() != truth.frame_count()) {
     return Fail(ErrorCode::kInconsistent,
-                "the fit has " + std::to_string(fitted.motion ? fitted.motion->frame_count() : 0) + " frames, the truth " +
-                    std::to_string(truth.frame_count()),
+                "the fit has " + std::to_string(fitted.motion ? fitted.motion->frame_count() : 0) +
+                    " frames, the truth " + std::to_string(truth.frame_count()),
                 fitted.id());
   }
   const Motion& motion = *fitted.motion;

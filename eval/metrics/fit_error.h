@@ -8,12 +8,12 @@ namespace mocurate {
 
 /// How far a fit, and the evidence it was fitted to, lie from the truth. World frame, all frames, hidden ones too.
 struct FitError {
-  double joint_mm = 0.0;               ///< mean over frames and joints present in both
-  double evidence_mm = 0.0;            ///< the same for the tracks, observed samples only; 0 without tracks
-  double rotation_deg = 0.0;           ///< mean over joints with two or more non-collinear children, global rotations
-  double bone_direction_deg = 0.0;     ///< mean angle between bones of at least 6 cm
+  double joint_mm = 0.0;            ///< mean over frames and joints present in both
+  double evidence_mm = 0.0;         ///< the same for the tracks, observed samples only; 0 without tracks
+  double rotation_deg = 0.0;        ///< mean over joints with two or more non-collinear children, global rotations
+  double bone_direction_deg = 0.0;  ///< mean angle between bones of at least 6 cm
   int frames = 0;
-  int rotation_joints = 0;             ///< joints behind rotation_deg
+  int rotation_joints = 0;  ///< joints behind rotation_deg
 };
 
 /// Joints are matched by name and synonym. Error kInconsistent if frames differ or no joint is shared.

@@ -27,8 +27,12 @@ Summary Summarise(const std::vector<double>& values, IntervalKind kind) {
       summary.half_width =
           StudentQuantile(0.975, static_cast<int>(values.size()) - 1) * std::sqrt(squares / (n - 1.0) / n);
       break;
-    case IntervalKind::kAction2Motion: summary.half_width = kNormal975 * std::sqrt(squares / n) / std::sqrt(n); break;
-    case IntervalKind::kActor: summary.half_width = kNormal975 * squares / n; break;
+    case IntervalKind::kAction2Motion:
+      summary.half_width = kNormal975 * std::sqrt(squares / n) / std::sqrt(n);
+      break;
+    case IntervalKind::kActor:
+      summary.half_width = kNormal975 * squares / n;
+      break;
   }
   return summary;
 }

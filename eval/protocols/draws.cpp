@@ -51,8 +51,9 @@ Expected<RealSet> ChooseReal(const Dataset& dataset, RealPart part, const std::s
   }
   for (std::size_t c = 0; c < members.size(); ++c) {
     if (members[c] > 0) continue;
-    return Fail(ErrorCode::kInconsistent, "class '" + dataset.labels[c].name + "' has no real motion in the chosen part",
-                "evaluate.real", "choose evaluate.real: all, or a split whose parts hold every class");
+    return Fail(ErrorCode::kInconsistent,
+                "class '" + dataset.labels[c].name + "' has no real motion in the chosen part", "evaluate.real",
+                "choose evaluate.real: all, or a split whose parts hold every class");
   }
   return real;
 }

@@ -4,9 +4,9 @@
 #include <numeric>
 
 #include "eval/features/feature_extractor.h"
-#include "eval/protocols/draws.h"
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/interval.h"
+#include "eval/protocols/draws.h"
 
 namespace mocurate {
 namespace {
@@ -41,8 +41,8 @@ nlohmann::json MatrixJson(const Eigen::MatrixXi& confusion) {
 
 }  // namespace
 
-Expected<nlohmann::json> ScoreRecognisers(const std::vector<std::filesystem::path>& checkpoints,
-                                          const Dataset& dataset, const std::string& split_name) {
+Expected<nlohmann::json> ScoreRecognisers(const std::vector<std::filesystem::path>& checkpoints, const Dataset& dataset,
+                                          const std::string& split_name) {
   const auto split = ChooseSplit(dataset, split_name);
   if (!split) return Forward(split);
   const LabelledMotions test = TestMotions(dataset, *split);

@@ -26,9 +26,12 @@ std::string CellText(const Table::Cell& cell, int digits, IntervalKind interval,
 
 const char* Meaning(IntervalKind interval) {
   switch (interval) {
-    case IntervalKind::kStudent: return "± is the half-width of the 95 % interval of the mean (Student t)";
-    case IntervalKind::kAction2Motion: return "± is 1.96 sd / sqrt(repetitions), as Action2Motion prints it";
-    case IntervalKind::kActor: return "± is 1.96 times the variance, as ACTOR prints it: not an interval";
+    case IntervalKind::kStudent:
+      return "± is the half-width of the 95 % interval of the mean (Student t)";
+    case IntervalKind::kAction2Motion:
+      return "± is 1.96 sd / sqrt(repetitions), as Action2Motion prints it";
+    case IntervalKind::kActor:
+      return "± is 1.96 times the variance, as ACTOR prints it: not an interval";
   }
   return "";
 }

@@ -43,7 +43,8 @@ std::string TableConfig(const std::string& units, const std::string& rows, const
 
 Result RunFolder(const Folder& folder, const std::string& config) {
   WriteText(folder / "job.yaml", config);
-  return RunProgram(folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "run").string(), "--to", "assemble"});
+  return RunProgram(folder,
+                    {"run", (folder / "job.yaml").string(), "-o", (folder / "run").string(), "--to", "assemble"});
 }
 
 std::string Rows(int count) {
@@ -87,7 +88,8 @@ TEST(BadInput, AFileNameOutsideThePatternIsSaid) {
 
 TEST(BadInput, ATruncatedOrBrokenBvhIsAnErrorWithItsLine) {
   const Folder folder;
-  const std::string head = "HIERARCHY\nROOT a\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n}\nMOTION\n";
+  const std::string head =
+      "HIERARCHY\nROOT a\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n}\nMOTION\n";
   WriteText(folder / "cut.bvh", head + "Frames: 3\nFrame Time: 0.033\n0 0 0\n");
   const Result cut = RunProgram(folder, {"inspect", (folder / "cut.bvh").string()});
   EXPECT_EQ(cut.exit_code, 3) << cut.out << cut.err;

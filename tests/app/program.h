@@ -97,16 +97,29 @@ class Started {
   bool done_ = false;
 };
 
-inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache") {
+inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments,
+                         const std::string& cache = "cache") {
   return Started(folder, arguments, cache).Wait();
 }
 
 /// A small synthetic job up to the dataset: a few clips, seconds.
-inline std::vector<std::string> SmallJob(const Folder& folder, const std::string& output, const std::string& jobs = "2") {
-  return {"run",   "-o",    (folder / output).string(),
-          "--to",  "assemble", "--jobs", jobs,
-          "--set", "ingest.synthetic.subjects=3", "--set", "ingest.synthetic.repetitions=1",
-          "--set", "ingest.synthetic.duration=1.5 s", "--set", "assemble.splits=[]"};
+inline std::vector<std::string> SmallJob(const Folder& folder, const std::string& output,
+                                         const std::string& jobs = "2") {
+  return {"run",
+          "-o",
+          (folder / output).string(),
+          "--to",
+          "assemble",
+          "--jobs",
+          jobs,
+          "--set",
+          "ingest.synthetic.subjects=3",
+          "--set",
+          "ingest.synthetic.repetitions=1",
+          "--set",
+          "ingest.synthetic.duration=1.5 s",
+          "--set",
+          "assemble.splits=[]"};
 }
 
 }  // namespace mocurate::program

@@ -84,8 +84,9 @@ TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
 
   const auto job = [&](const std::string& tolerated) {
     std::vector<std::string> arguments = SmallJob(folder, "bad");
-    arguments.insert(arguments.end(), {"--set", "ingest.synthetic.enabled=false", "--set", "ingest.path=" + capture.string(),
-                                       "--set", "tolerated_failures=" + tolerated, "--json"});
+    arguments.insert(arguments.end(),
+                     {"--set", "ingest.synthetic.enabled=false", "--set", "ingest.path=" + capture.string(), "--set",
+                      "tolerated_failures=" + tolerated, "--json"});
     return RunProgram(folder, arguments);
   };
   const Result strict = job("0");
@@ -120,7 +121,8 @@ TEST(Run, SurvivesRandomKillsAndEndsWithTheSameBytes) {
 TEST(Run, StopsOnRequestWith75AndGoesOn) {
   const Folder folder;
   Started run(folder, SmallJob(folder, "r", "1"));
-  while (run.Running() && !fs::exists(folder / "r/journal.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (run.Running() && !fs::exists(folder / "r/journal.jsonl"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   run.Signal(SIGTERM);
   const Result stopped = run.Wait();
   EXPECT_EQ(stopped.exit_code, 75) << stopped.err;
@@ -148,7 +150,8 @@ TEST(Run, FolderNamesMayHoldBlanksAndBytesThatAreNotUtf8) {
 TEST(Run, TwoRunsOfOneFolderAreRefused) {
   const Folder folder;
   Started first(folder, SmallJob(folder, "r", "1"));
-  while (first.Running() && !fs::exists(folder / "r/journal.jsonl")) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (first.Running() && !fs::exists(folder / "r/journal.jsonl"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const Folder other;
   std::vector<std::string> arguments = SmallJob(folder, "r", "1");
   const Result second = RunProgram(other, arguments);

@@ -16,9 +16,15 @@ using ::testing::HasSubstr;
 
 TEST(Help, EveryVerbHasAnExample) {
   const Folder folder;
-  for (const auto& verb : std::vector<std::vector<std::string>>{
-           {"run"}, {"inspect"}, {"config", "show"}, {"config", "schema"}, {"config", "reference"}, {"doctor"},
-           {"cache", "stat"}, {"cache", "verify"}, {"cache", "prune"}}) {
+  for (const auto& verb : std::vector<std::vector<std::string>>{{"run"},
+                                                                {"inspect"},
+                                                                {"config", "show"},
+                                                                {"config", "schema"},
+                                                                {"config", "reference"},
+                                                                {"doctor"},
+                                                                {"cache", "stat"},
+                                                                {"cache", "verify"},
+                                                                {"cache", "prune"}}) {
     std::vector<std::string> arguments = verb;
     arguments.emplace_back("--help");
     const Result result = RunProgram(folder, arguments);
@@ -41,7 +47,8 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
 
 TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
   const Folder folder;
-  WriteText(folder / "bad.yaml", "name: x\nskeletn: smpl24\ncanon:\n  trim:\n    min_length: 5 kg\n  facing: {anchor: middle}\n");
+  WriteText(folder / "bad.yaml",
+            "name: x\nskeletn: smpl24\ncanon:\n  trim:\n    min_length: 5 kg\n  facing: {anchor: middle}\n");
   const Result result = RunProgram(folder, {"run", (folder / "bad.yaml").string(), "-o", (folder / "r").string()});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:2:1"));
@@ -53,7 +60,8 @@ TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
 TEST(Config, ShowSaysWhereEachValueComesFrom) {
   const Folder folder;
   WriteText(folder / "a.yaml", "name: mine\ncanon:\n  rate: \"20\"\n");
-  const Result result = RunProgram(folder, {"config", "show", (folder / "a.yaml").string(), "--origins", "--set", "audit.split=s"});
+  const Result result =
+      RunProgram(folder, {"config", "show", (folder / "a.yaml").string(), "--origins", "--set", "audit.split=s"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("a.yaml:3"));
   EXPECT_THAT(result.out, HasSubstr("--set"));

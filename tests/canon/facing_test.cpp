@@ -85,8 +85,9 @@ TEST(FaceFront, IsUndoneByTheStoredTransform) {
   const RigidTransform source_from_canonical = Inverse(clip.canonical_from_source);
   for (int f = 0; f < clip.motion->frame_count(); ++f) {
     for (int j = 0; j < clip.motion->joint_count(); ++j) {
-      EXPECT_LT((source_from_canonical * Vector3d(clip.motion->joints.at(f, j)) - original.motion->joints.at(f, j)).norm(),
-                1e-9);
+      EXPECT_LT(
+          (source_from_canonical * Vector3d(clip.motion->joints.at(f, j)) - original.motion->joints.at(f, j)).norm(),
+          1e-9);
     }
   }
 }

@@ -1,5 +1,7 @@
 // Trimming, splitting and assembling: what is kept, what is dropped and why, and what leaks.
 
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -77,7 +79,8 @@ TEST(Trim, AClipThatNeverMovesIsDroppedWithItsFastestSpeed) {
 
 TEST(Trim, AnnotatedSegmentsBecomeClipsAndUnwantedLabelsAreLeftOut) {
   Clip clip = ClipMoving("p", "a", 90, 10, 50, 1.0);
-  clip.segments = {{0.0, 1.0, "idle", "", "annotated"}, {1.0, 2.0, "wave", "", "annotated"}, {2.0, 2.05, "jump", "", "annotated"}};
+  clip.segments = {
+      {0.0, 1.0, "idle", "", "annotated"}, {1.0, 2.0, "wave", "", "annotated"}, {2.0, 2.05, "jump", "", "annotated"}};
   TrimOptions options;
   options.rule = TrimRule::kAnnotated;
   options.drop_labels = {"idle"};
@@ -120,8 +123,8 @@ TEST(Tracks, AJointThatNobodyTracksIsNamed) {
 }
 
 TEST(Split, ByPersonNeverSharesAPerson) {
-  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1),
-                                 ClipMoving("p3", "b", 42, 5, 30, 1)});
+  const Dataset dataset = SetOf(
+      {ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1), ClipMoving("p3", "b", 42, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
   options.test = {"p3"};
@@ -180,7 +183,8 @@ TEST(NearestNeighbour, RecognisesMotionsThatDiffer) {
 }
 
 TEST(Stages, CanonThenAssembleGivesAReadableDataset) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "mocurate_canon_test";
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("mocurate_canon_test_" + std::to_string(getpid()));
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   AssembleOptions options;
@@ -196,7 +200,8 @@ TEST(Stages, CanonThenAssembleGivesAReadableDataset) {
       const auto input = folder / ("fit" + std::to_string(n) + ".h5");
       ASSERT_TRUE(WriteDataset(one, input));
       const auto output = folder / ("canon" + std::to_string(n++) + ".h5");
-      const StageRequest canon{"canon", "x", OptionsToJson(CanonOptions()), {{"motion", "x", input, ""}}, output, folder};
+      const StageRequest canon{"canon", "x",   OptionsToJson(CanonOptions()), {{"motion", "x", input, ""}},
+                               output,  folder};
       const auto outcome = CanonStage(canon);
       ASSERT_TRUE(outcome) << outcome.error().Message();
       EXPECT_EQ(outcome->summary.at("clips"), 1);

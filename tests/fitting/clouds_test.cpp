@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::filesystem::path Folder(const std::string& name) {
-  return std::filesystem::path(::testing::TempDir()) / ("mocurate_clouds_" + name);
+  return std::filesystem::path(::testing::TempDir()) / ("mocurate_clouds_" + std::to_string(getpid()) + "_" + name);
 }
 
 /// Someone who stands, lowers the arms and bends the knees a little, frame after frame.

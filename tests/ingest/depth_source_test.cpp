@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,7 +53,8 @@ TEST_F(RenderedSequence, TheTruthProjectsIntoEveryViewAsInTheRigsOwnFrame) {
   request.item = discovery->truth[0].item;
   request.options = discovery->truth[0].options;
   request.inputs = discovery->truth[0].inputs;
-  request.output = std::filesystem::path(::testing::TempDir()) / "mocurate_ingest_truth.h5";
+  request.output =
+      std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_truth_" + std::to_string(getpid()) + ".h5");
   const auto outcome = TruthStage(request);
   ASSERT_TRUE(outcome) << outcome.error().Message();
   const auto truth = ReadTruth(request.output);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <unistd.h>
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -23,7 +25,8 @@ inline std::string TestData() {
 
 /// A folder of one test, emptied before.
 inline std::filesystem::path FreshFolder(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_" + name);
+  const std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_" + std::to_string(getpid()) + "_" + name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;
@@ -73,7 +76,8 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   request.item = item.item;
   request.options = item.options;
   request.inputs = item.inputs;
-  request.output = std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_" + name + ".h5");
+  request.output = std::filesystem::path(::testing::TempDir()) /
+                   ("mocurate_ingest_" + std::to_string(getpid()) + "_" + name + ".h5");
   std::filesystem::remove(request.output);
   Ingested result{IngestStage(request), request.output, {}};
   if (result.outcome) {

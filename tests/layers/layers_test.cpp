@@ -38,21 +38,20 @@ const std::map<std::string, std::set<std::string>> kDoors = {
 
 /// Library -> the room whose door it stands behind.
 const std::map<std::string, std::string> kLibraryRooms = {
-    {"base", "core/base"},           {"config", "core/base"},
-    {"geometry", "core/geometry"},   {"motion", "core/motion"},
-    {"motion_yaml", "core/motion"},  {"quality", "core/quality"},
-    {"body", "core/body"},           {"formats", "core/formats"},
-    {"store", "core/store"},         {"pipeline", "core/pipeline"},
-    {"ingest", "ingest"},            {"ingest_options", "ingest"},
-    {"fitting", "fitting"},          {"fitting_options", "fitting"},
-    {"fitting_clouds", "fitting"},   {"canon", "canon"},
-    {"canon_options", "canon"},      {"train", "train"},
+    {"base", "core/base"},          {"config", "core/base"},
+    {"geometry", "core/geometry"},  {"motion", "core/motion"},
+    {"motion_yaml", "core/motion"}, {"quality", "core/quality"},
+    {"body", "core/body"},          {"formats", "core/formats"},
+    {"store", "core/store"},        {"pipeline", "core/pipeline"},
+    {"ingest", "ingest"},           {"ingest_options", "ingest"},
+    {"fitting", "fitting"},         {"fitting_options", "fitting"},
+    {"fitting_clouds", "fitting"},  {"canon", "canon"},
+    {"canon_options", "canon"},     {"train", "train"},
     {"train_options", "train"},     {"recognisers", "train/recognisers"},
-    {"checkpoint", "train"},
-    {"eval", "eval"},                {"eval_options", "eval"},
-    {"eval_metrics", "eval"},        {"eval_tables", "eval"},
-    {"eval_fits", "eval"},           {"report", "report"},
-    {"report_options", "report"},
+    {"checkpoint", "train"},        {"eval", "eval"},
+    {"eval_options", "eval"},       {"eval_metrics", "eval"},
+    {"eval_tables", "eval"},        {"eval_fits", "eval"},
+    {"report", "report"},           {"report_options", "report"},
 };
 
 /// Include prefix of a heavy library -> folders that may see it.

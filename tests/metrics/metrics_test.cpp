@@ -14,8 +14,8 @@
 namespace mocurate {
 namespace {
 
-#define REQUIRE_GOLDENS()                                       \
-  const char* goldens = std::getenv("MOCURATE_GOLDENS");        \
+#define REQUIRE_GOLDENS()                                              \
+  const char* goldens = std::getenv("MOCURATE_GOLDENS");               \
   if (goldens == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is unset"; \
   const golden::File file(std::string(goldens) + "/metrics.h5")
 
