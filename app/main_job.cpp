@@ -249,6 +249,7 @@ class MainJob {
   Status Assemble() {
     const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical);
     if (!dataset) return Forward(dataset);
+    for (const Finding& finding : dataset->outcome.findings) LogWarning(finding.message);
     dataset_ = *dataset;
     if (options_.train.baseline) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline);

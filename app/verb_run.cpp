@@ -64,7 +64,7 @@ nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& 
 }
 
 void PrintFigures(const JobResult& result) {
-  if (result.audit.contains("nearest_neighbour")) {
+  if (result.audit.contains("nearest_neighbour") && result.audit["nearest_neighbour"].value("count", 0) > 0) {
     const nlohmann::json& neighbour = result.audit["nearest_neighbour"];
     std::printf("1-nearest-neighbour accuracy %.3f (%d test clips)\n", neighbour.value("accuracy", 0.0),
                 neighbour.value("count", 0));
@@ -72,7 +72,12 @@ void PrintFigures(const JobResult& result) {
   for (const char* kind : {"recogniser", "baseline_recogniser", "crop_recogniser"}) {
     if (!result.metrics.is_object() || !result.metrics.contains(kind)) continue;
     const nlohmann::json& recogniser = result.metrics[kind];
-    std::printf("%-20s accuracy %.3f on test clips, mean of %zu seeds\n", kind, recogniser.value("mean", 0.0),
+    if (!recogniser.contains("mean")) {
+      std::printf("%-20s not scored: %s\n", kind, recogniser.value("scored", "").c_str());
+      continue;
+    }
+    std::printf("%-20s accuracy %.3f on %s, mean of %zu seeds\n", kind, recogniser.value("mean", 0.0),
+                recogniser.value("scored", "").c_str(),
                 recogniser.value("test_accuracy", std::vector<double>()).size());
   }
   if (result.fit_error.is_object()) {

@@ -39,10 +39,12 @@ void SplitOptions::Declare(OptionVisitor& v) {
            "what two parts must not share");
   v.Texts("test", test, "persons or styles that test");
   v.Texts("validation", validation, "persons or styles that select");
-  v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0}, "share of the recordings that test (by: fraction)");
+  v.Choice("absent", absent, {{"draw", AbsentGroups::kDraw}, {"refuse", AbsentGroups::kRefuse}},
+           "when the set has none of the persons or styles that test: draw others and say so, or refuse");
+  v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0}, "share of the recordings (or drawn groups) that test");
   v.Number("validation_share", validation_share, Unit::kNone, {0.0, 1.0},
-           "share of the recordings that select (by: fraction)");
-  v.Integer("seed", seed, {}, "of the drawing (by: fraction)");
+           "share of the recordings (or drawn groups) that select");
+  v.Integer("seed", seed, {}, "of the drawing");
 }
 
 void AssembleOptions::Declare(OptionVisitor& v) {
@@ -57,7 +59,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration CanonDeclaration() { return {"canon", 3, "mocurate-annotate"}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 1, "mocurate-annotate"}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 2, "mocurate-annotate"}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate"}; }
 
 }  // namespace mocurate

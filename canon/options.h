@@ -49,6 +49,10 @@ struct CanonOptions {
 
 enum class SplitBy { kPerson, kStyle, kFraction, kRole };
 
+/// What happens when the set lacks persons or styles that a split names: other recordings of a known layout bring other
+/// people. Drawing takes `test_share` and `validation_share` of those that are there, and only if nothing named tests.
+enum class AbsentGroups { kDraw, kRefuse };
+
 /// Which clips train, select and test. By person or style: the names in `test` and `validation`, all others train. By
 /// fraction: shares of the recordings, drawn by hash of their names and `seed`.
 struct SplitOptions {
@@ -56,6 +60,7 @@ struct SplitOptions {
   SplitBy by = SplitBy::kFraction;
   std::vector<std::string> test;
   std::vector<std::string> validation;
+  AbsentGroups absent = AbsentGroups::kDraw;
   double test_share = 0.2;
   double validation_share = 0.1;
   std::int64_t seed = 1;

@@ -169,7 +169,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   outcome.summary = {
       {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
   for (const SplitOptions& split_options : options->splits) {
-    auto split = MakeSplit(split_options, dataset);
+    auto split = MakeSplit(split_options, dataset, outcome.findings);
     if (!split) return Forward(split);
     outcome.summary["splits"].push_back(SplitSummary(*split));
     if (split->leak_check.rfind("ok", 0) != 0) {
@@ -179,10 +179,11 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
       finding.message = "split '" + split->name + "': " + split->leak_check;
       finding.action = "flagged";
       outcome.findings.push_back(finding);
-      outcome.kind = OutcomeKind::kDoubtful;
     }
     dataset.splits.push_back(std::move(*split));
   }
+  if (!outcome.findings.empty()) outcome.kind = OutcomeKind::kDoubtful;
+  dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);
   return outcome;
 }

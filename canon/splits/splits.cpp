@@ -1,6 +1,7 @@
 #include "canon/splits/splits.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -67,8 +68,9 @@ std::string JoinNames(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string RuleText(const SplitOptions& options) {
+std::string RuleText(const SplitOptions& options, bool drawn) {
   std::string text = std::string("by ") + NameOf(options.by);
+  if (drawn) text += ", drawn because the set has no other to test or to train";
   if (options.by == SplitBy::kPerson || options.by == SplitBy::kStyle) {
     text += "; test: " + JoinNames(options.test);
     if (!options.validation.empty()) text += "; validation: " + JoinNames(options.validation);
@@ -105,28 +107,93 @@ std::string LeakCheck(SplitBy by, const Dataset& dataset, const std::vector<Part
   return text;
 }
 
+bool NamesGroups(SplitBy by) { return by == SplitBy::kPerson || by == SplitBy::kStyle; }
+
+Finding SplitFinding(const SplitOptions& options, const char* code, std::string message, const char* action) {
+  Finding finding;
+  finding.code = code;
+  finding.message = "split '" + options.name + "': " + std::move(message);
+  finding.action = action;
+  return finding;
+}
+
+/// Names that test and select instead: shares of the groups, at least one each while two are left to train, in the
+/// order of a draw keyed by the group, so that other groups do not move it.
+SplitOptions DrawGroups(SplitOptions options, const std::set<std::string>& groups) {
+  std::vector<std::pair<double, std::string>> order;
+  for (const std::string& group : groups) {
+    order.emplace_back(Random(static_cast<std::uint64_t>(options.seed), "split", group).Uniform(), group);
+  }
+  std::sort(order.begin(), order.end());
+  const bool selects = !options.validation.empty();
+  options.test.clear();
+  options.validation.clear();
+  const auto count = [&](double share) {
+    return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * order.size())));
+  };
+  std::size_t next = 0;
+  for (; next + 1 < order.size() && options.test.size() < count(options.test_share); ++next) {
+    options.test.push_back(order[next].second);
+  }
+  for (; selects && next + 2 < order.size() && options.validation.size() < count(options.validation_share); ++next) {
+    options.validation.push_back(order[next].second);
+  }
+  std::sort(options.test.begin(), options.test.end());
+  std::sort(options.validation.begin(), options.validation.end());
+  return options;
+}
+
+/// The options as this set can meet them; `drawn` when groups stand in for those named.
+Expected<SplitOptions> MeetGroups(const SplitOptions& options, const std::set<std::string>& groups, bool& drawn,
+                                  std::vector<Finding>& findings) {
+  SplitOptions met = options;
+  std::vector<std::string> absent;
+  for (auto* names : {&met.test, &met.validation}) {
+    const auto gone = std::stable_partition(names->begin(), names->end(),
+                                            [&](const std::string& name) { return groups.count(name) != 0; });
+    absent.insert(absent.end(), gone, names->end());
+    names->erase(gone, names->end());
+  }
+  const std::string known = "the set has: " + JoinNames({groups.begin(), groups.end()});
+  if (!absent.empty()) {
+    const std::string what = std::string("no clip has the ") + NameOf(options.by) + " '" + JoinNames(absent) + "'";
+    if (options.absent == AbsentGroups::kRefuse) {
+      return Fail(ErrorCode::kConfig, what, "assemble.splits." + options.name, known);
+    }
+    findings.push_back(SplitFinding(options, "split_name_absent", what + " (" + known + ")", "flagged"));
+  }
+  const bool nobody_tests = met.test.empty() && !options.test.empty();
+  const bool nobody_trains = met.test.size() + met.validation.size() >= groups.size();
+  drawn = nobody_tests || nobody_trains;
+  if (!drawn) return met;
+  met = DrawGroups(options, groups);
+  findings.push_back(SplitFinding(options, "split_drawn",
+                                  met.test.empty()
+                                      ? "only one " + std::string(NameOf(options.by)) + ": it trains and nothing tests"
+                                      : "drawn instead: " + JoinNames(met.test) + " tests",
+                                  "replaced"));
+  return met;
+}
+
 }  // namespace
 
-Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset) {
-  std::set<std::string> seen;
-  for (const Clip& clip : dataset.clips) seen.insert(GroupOf(options.by, clip));
-  if (options.by == SplitBy::kPerson || options.by == SplitBy::kStyle) {
-    for (const auto* names : {&options.test, &options.validation}) {
-      for (const std::string& name : *names) {
-        if (seen.count(name) != 0) continue;
-        return Fail(ErrorCode::kConfig, std::string("no clip has the ") + NameOf(options.by) + " '" + name + "'",
-                    "assemble.splits." + options.name,
-                    "the set has: " + JoinNames(std::vector<std::string>(seen.begin(), seen.end())));
-      }
-    }
+Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, std::vector<Finding>& findings) {
+  SplitOptions met = options;
+  bool drawn = false;
+  if (NamesGroups(options.by)) {
+    std::set<std::string> groups;
+    for (const Clip& clip : dataset.clips) groups.insert(GroupOf(options.by, clip));
+    auto possible = MeetGroups(options, groups, drawn, findings);
+    if (!possible) return Forward(possible);
+    met = std::move(*possible);
   }
   Split split;
   split.name = options.name;
-  split.rule = RuleText(options);
+  split.rule = RuleText(met, drawn);
   std::vector<Part> parts;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
-    const Part part = PartOf(options, GroupOf(options.by, clip), clip);
+    const Part part = PartOf(met, GroupOf(options.by, clip), clip);
     parts.push_back(part);
     const int row = static_cast<int>(i);
     (part == Part::kTrain ? split.train : part == Part::kTest ? split.test : split.validation).push_back(row);

@@ -16,10 +16,11 @@ struct LabelledMotions {
   std::vector<int> labels;
 };
 
+/// The test clips; without a split all clips.
 LabelledMotions TestMotions(const Dataset& dataset, const Split* split) {
   std::vector<int> rows(dataset.clips.size());
   std::iota(rows.begin(), rows.end(), 0);
-  if (split != nullptr && !split->test.empty()) rows = split->test;
+  if (split != nullptr) rows = split->test;
   LabelledMotions test;
   for (const int row : rows) {
     const int label = dataset.LabelIndex(dataset.clips[row].label);
@@ -46,6 +47,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<std::filesystem::pat
   const auto split = ChooseSplit(dataset, split_name);
   if (!split) return Forward(split);
   const LabelledMotions test = TestMotions(dataset, *split);
+  if (test.motions.empty()) return nlohmann::json{{"test_clips", 0}, {"scored", "no clip tests"}};
   nlohmann::json names = nlohmann::json::array();
   for (const LabelName& label : dataset.labels) names.push_back(label.name);
   const int classes = static_cast<int>(dataset.labels.size());
@@ -63,6 +65,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<std::filesystem::pat
   return nlohmann::json{{"test_accuracy", accuracies},
                         {"mean", Summarise(accuracies, IntervalKind::kStudent).mean},
                         {"test_clips", test.labels.size()},
+                        {"scored", *split != nullptr ? "test clips" : "all clips, the dataset has no split"},
                         {"confusion", MatrixJson(confusion)},
                         {"labels", names}};
 }

@@ -123,13 +123,14 @@ TEST(Tracks, AJointThatNobodyTracksIsNamed) {
 }
 
 TEST(Split, ByPersonNeverSharesAPerson) {
+  std::vector<Finding> findings;
   const Dataset dataset = SetOf(
       {ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1), ClipMoving("p3", "b", 42, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
   options.test = {"p3"};
   options.validation = {"p2"};
-  const auto split = MakeSplit(options, dataset);
+  const auto split = MakeSplit(options, dataset, findings);
   ASSERT_TRUE(split) << split.error().Message();
   EXPECT_EQ(split->train, std::vector<int>{0});
   EXPECT_EQ(split->validation, std::vector<int>{1});
@@ -138,34 +139,93 @@ TEST(Split, ByPersonNeverSharesAPerson) {
 }
 
 TEST(Split, EqualClipsOfTwoPersonsLeak) {
+  std::vector<Finding> findings;
   Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 40, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
   options.test = {"p2"};
-  const auto split = MakeSplit(options, dataset);
+  const auto split = MakeSplit(options, dataset, findings);
   ASSERT_TRUE(split);
   EXPECT_THAT(split->leak_check, HasSubstr("1 clips of equal content"));
 }
 
-TEST(Split, APersonThatDoesNotExistIsAnErrorThatListsTheOthers) {
+TEST(Split, APersonThatDoesNotExistCanBeAnErrorThatListsTheOthers) {
+  std::vector<Finding> findings;
   const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
   options.test = {"p9"};
-  const auto split = MakeSplit(options, dataset);
+  options.absent = AbsentGroups::kRefuse;
+  const auto split = MakeSplit(options, dataset, findings);
   ASSERT_FALSE(split);
   EXPECT_THAT(split.error().what, HasSubstr("'p9'"));
   EXPECT_THAT(split.error().hint, HasSubstr("p1"));
 }
 
+TEST(Split, OtherPersonsOfTheSameSourceAreDrawnAndThatIsSaid) {
+  const Dataset dataset = SetOf({ClipMoving("p9", "a", 40, 5, 30, 1), ClipMoving("p10", "a", 41, 5, 30, 1),
+                                 ClipMoving("p11", "b", 42, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p7", "p8"};
+  std::vector<Finding> findings;
+  const auto split = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(split) << split.error().Message();
+  EXPECT_EQ(split->test.size(), 1u);
+  EXPECT_EQ(split->train.size(), 2u);
+  EXPECT_THAT(split->rule, HasSubstr("drawn"));
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[0].code, "split_name_absent");
+  EXPECT_THAT(findings[0].message, HasSubstr("'p7, p8'"));
+  EXPECT_EQ(findings[1].code, "split_drawn");
+}
+
+TEST(Split, OnePersonWhoIsThereTestsAloneAndNobodyIsDrawn) {
+  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p7", "a", 41, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p7", "p8"};
+  std::vector<Finding> findings;
+  const auto split = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(split);
+  EXPECT_EQ(split->test, std::vector<int>{1});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_THAT(findings[0].message, HasSubstr("'p8'"));
+}
+
+TEST(Split, OnlyTestPersonsStillLeaveSomebodyToTrain) {
+  const Dataset dataset = SetOf({ClipMoving("p7", "a", 40, 5, 30, 1), ClipMoving("p8", "a", 41, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p7", "p8"};
+  std::vector<Finding> findings;
+  const auto split = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(split);
+  EXPECT_EQ(split->test.size(), 1u);
+  EXPECT_EQ(split->train.size(), 1u);
+}
+
+TEST(Split, OnePersonAloneTrainsAndNothingTests) {
+  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p7"};
+  std::vector<Finding> findings;
+  const auto split = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(split);
+  EXPECT_TRUE(split->test.empty());
+  EXPECT_EQ(split->train, std::vector<int>{0});
+}
+
 TEST(Split, ByFractionDoesNotDependOnWhichOtherClipsThereAre) {
+  std::vector<Finding> findings;
   std::vector<Clip> clips;
   for (int i = 0; i < 60; ++i) clips.push_back(ClipMoving("p", "a", 40 + i, 5, 30, 1));
   SplitOptions options;
   options.test_share = 0.3;
-  const auto all = MakeSplit(options, SetOf(clips));
+  const auto all = MakeSplit(options, SetOf(clips), findings);
   clips.resize(30);
-  const auto half = MakeSplit(options, SetOf(clips));
+  const auto half = MakeSplit(options, SetOf(clips), findings);
   ASSERT_TRUE(all && half);
   for (const int row : half->test) EXPECT_THAT(all->test, ::testing::Contains(row));
   EXPECT_NEAR(static_cast<double>(all->test.size()), 18.0, 9.0);
