@@ -7,7 +7,9 @@ void TrimOptions::Declare(OptionVisitor& v) {
            {{"none", TrimRule::kNone}, {"annotated", TrimRule::kAnnotated}, {"motion_energy", TrimRule::kMotionEnergy}},
            "how the frames of interest are found");
   v.Number("still_speed", still_speed, Unit::kMetrePerSecond, {0.0, 10.0},
-           "a frame is still when 90 % of its joints move slower than this");
+           "a frame is still when its fastest joint is slower than this");
+  v.Number("speed_window", speed_window_s, Unit::kSecond, {0.0, 10.0},
+           "a speed is the slope of a joint's path over this time: longer is less moved by noise");
   v.Number("margin", margin_s, Unit::kSecond, {0.0, 10.0}, "kept before the first and after the last moving frame");
   v.Number("min_length", min_length_s, Unit::kSecond, {0.0, 3600.0}, "shorter clips are dropped, with a reason");
   v.Texts("drop_labels", drop_labels, "annotated segments of these labels are left out");
@@ -58,8 +60,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 3, "mocurate-annotate"}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 2, "mocurate-annotate"}; }
+StageDeclaration CanonDeclaration() { return {"canon", 4, "mocurate-annotate"}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate"}; }
 
 }  // namespace mocurate

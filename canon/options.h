@@ -18,9 +18,10 @@ enum class TrimRule {
 
 struct TrimOptions {
   TrimRule rule = TrimRule::kNone;
-  double still_speed = 0.10;   ///< m/s, 90th percentile over joints, below which a frame is still
-  double margin_s = 0.2;       ///< kept before the first and after the last moving frame
-  double min_length_s = 0.25;  ///< shorter clips are dropped
+  double still_speed = 0.15;    ///< m/s of the fastest joint, below which a frame is still
+  double speed_window_s = 0.4;  ///< a speed is the slope of a joint's path over this time
+  double margin_s = 0.2;        ///< kept before the first and after the last moving frame
+  double min_length_s = 0.25;   ///< shorter clips are dropped
   std::vector<std::string> drop_labels;
 
   void Declare(OptionVisitor& v);

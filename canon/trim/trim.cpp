@@ -8,8 +8,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSpeedPercentile = 0.9;
-
 Finding Dropped(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
   Finding finding;
   finding.clip = clip.id();
@@ -49,7 +47,7 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
 
 std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   const Motion& motion = *clip.motion;
-  const std::vector<double> speeds = FrameSpeeds(motion);
+  const std::vector<double> speeds = FrameSpeeds(motion, options.speed_window_s);
   int first = 0;
   int last = static_cast<int>(speeds.size()) - 1;
   while (first <= last && speeds[first] < options.still_speed) ++first;
@@ -76,22 +74,26 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
 
 }  // namespace
 
-std::vector<double> FrameSpeeds(const Motion& motion) {
+std::vector<double> FrameSpeeds(const Motion& motion, double window_s) {
   const int frames = motion.frame_count();
-  const int joints = motion.joint_count();
   std::vector<double> speeds(frames, 0.0);
   if (frames < 2) return speeds;
-  std::vector<double> per_joint(joints);
+  const int half = std::max(1, static_cast<int>(std::lround(0.5 * window_s * motion.rate.hz())));
+  const int width = std::min(frames, 2 * half + 1);
+  // Least-squares slope: sum of (t - mean t) x over sum of (t - mean t)^2.
+  std::vector<double> weight(width);
+  double squares = 0.0;
+  for (int i = 0; i < width; ++i) {
+    weight[i] = motion.rate.FrameTime(i) - 0.5 * motion.rate.FrameTime(width - 1);
+    squares += weight[i] * weight[i];
+  }
   for (int f = 0; f < frames; ++f) {
-    const int before = std::max(0, f - 1);
-    const int after = std::min(frames - 1, f + 1);
-    const double elapsed = motion.rate.FrameTime(after - before);
-    for (int j = 0; j < joints; ++j) {
-      per_joint[j] = (motion.joints.at(after, j) - motion.joints.at(before, j)).norm() / elapsed;
+    const int begin = std::clamp(f - half, 0, frames - width);
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      Vector3d sum = Vector3d::Zero();
+      for (int i = 0; i < width; ++i) sum += weight[i] * motion.joints.at(begin + i, j);
+      speeds[f] = std::max(speeds[f], sum.norm() / squares);
     }
-    const auto at = per_joint.begin() + static_cast<std::ptrdiff_t>(kSpeedPercentile * (joints - 1));
-    std::nth_element(per_joint.begin(), at, per_joint.end());
-    speeds[f] = *at;
   }
   return speeds;
 }

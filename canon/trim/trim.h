@@ -15,8 +15,10 @@ struct KeptSpan {
   std::string label;
 };
 
-/// 90th percentile over joints of the joint speed of each frame, m/s, (F); central differences.
-std::vector<double> FrameSpeeds(const Motion& motion);
+/// Speed of the fastest joint in each frame, m/s, (F): the slope of a line fitted to the joint over the `window_s`
+/// seconds around the frame, at least its two neighbours (shifted inwards at the ends, so that no frame is measured
+/// over less). White noise of s metres at F frames in the window moves the slope by about 3.5 s / (window_s sqrt(F)).
+std::vector<double> FrameSpeeds(const Motion& motion, double window_s);
 
 /// Spans to keep, in order. Every span that is dropped, and every cut of more than a frame, is a finding with its rule
 /// and value. May be empty.
