@@ -112,7 +112,8 @@ Expected<Discovery> Discover(const IngestOptions& options) {
   if (discovery.items.empty()) {
     return Fail(ErrorCode::kNotFound, "no file matches the pattern '" + source.files + "'", DisplayPath(options.path),
                 discovery.findings.empty() ? "is it the right folder?"
-                                           : "e.g. '" + discovery.findings.front().clip + "' does not match");
+                                           : "e.g. '" + discovery.findings.front().clip +
+                                                 "' does not match; mend ingest.source.files or ingest.path");
   }
   const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
   std::sort(discovery.items.begin(), discovery.items.end(), by_item);

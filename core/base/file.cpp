@@ -60,8 +60,11 @@ tl::unexpected<Error> CannotWrite(const fs::path& path, int error) {
       return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "write to a folder that you may change");
     case ENOENT:
       return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "its folder does not exist");
+    case EFBIG:
+      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path),
+                  "raise the limit on the size of files (ulimit -f), or write where there is more space");
     default:
-      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path));
+      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "write to another folder");
   }
 }
 

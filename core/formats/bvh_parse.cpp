@@ -236,7 +236,7 @@ class Parser {
       if (token == Token::kNotFinite || token == Token::kWord) {
         return Bad("'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
                        std::to_string(in_row) + " is no finite number",
-                   scanner.line());
+                   scanner.line(), "mend or cut the frame, or leave the file out");
       }
       more = token != Token::kEnd;
       if (in_row != 0 && in_row != bvh_.channel_count) {

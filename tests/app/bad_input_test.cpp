@@ -1,14 +1,17 @@
-// Bad input through the whole program: the message names file, place, value and way out, and the exit code is the
+// Bad input through the whole program: the message names file, place, value, rule and way out, and the exit code is the
 // documented one.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "tests/app/program.h"
 
 namespace mocurate {
 namespace {
 
+namespace fs = std::filesystem;
 using program::Folder;
 using program::ReadText;
 using program::Result;
@@ -28,23 +31,39 @@ ingest:
     axes: "+x +y -z"
     rate: 30 Hz
     skeleton: openni15
-    rows_per_frame: ROWS
+    rows_per_frame: 3
     joints: [JOINTS]
 )";
+
+constexpr const char* kBvh = R"(name: bad
+skeleton: a.yaml
+fitting: {method: none}
+ingest:
+  path: data
+  source:
+    name: bad
+    format: bvh
+    files: "{action}_{person}.bvh"
+    units: cm
+    axes: "+x +y +z"
+)";
+
+constexpr const char* kBvhHead =
+    "HIERARCHY\nROOT a\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n}\nMOTION\n";
 
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   text.replace(text.find(from), from.size(), to);
   return text;
 }
 
-std::string TableConfig(const std::string& units, const std::string& rows, const std::string& joints) {
-  return Replaced(Replaced(Replaced(kTable, "UNITS", units), "ROWS", rows), "JOINTS", joints);
+std::string TableConfig(const std::string& units = "units: mm", const std::string& joints = "head, neck, torso") {
+  return Replaced(Replaced(kTable, "UNITS", units), "JOINTS", joints);
 }
 
 Result RunFolder(const Folder& folder, const std::string& config) {
   WriteText(folder / "job.yaml", config);
-  return RunProgram(folder,
-                    {"run", (folder / "job.yaml").string(), "-o", (folder / "run").string(), "--to", "assemble"});
+  return RunProgram(
+      folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "run").string(), "--to", "assemble", "--json"});
 }
 
 std::string Rows(int count) {
@@ -53,61 +72,177 @@ std::string Rows(int count) {
   return text;
 }
 
-TEST(BadInput, ARowCountThatDoesNotDivideNamesFileAndCounts) {
+/// The exit code, and every part of the message on stderr and in the JSON document.
+void ExpectError(const Result& result, int exit_code, const std::vector<std::string>& parts) {
+  EXPECT_EQ(result.exit_code, exit_code) << result.out << result.err;
+  const nlohmann::json document = nlohmann::json::parse(result.out, nullptr, false);
+  ASSERT_TRUE(document.is_object()) << result.out;
+  if (document.contains("error")) {
+    EXPECT_EQ(document["error"]["exit_code"], exit_code);
+  }
+  for (const std::string& part : parts) EXPECT_THAT(result.err, HasSubstr(part));
+}
+
+TEST(BadInput, AnEmptyFileIsNamed) {
+  const Folder folder;
+  WriteText(folder / "data/a01_s01.txt", "");
+  ExpectError(RunFolder(folder, TableConfig()), 3,
+              {(folder / "data").string(), "a01_s01.txt", "the file holds no numbers", "is the file empty?",
+               "curation_log.jsonl"});
+  WriteText(folder / "empty.bvh", "");
+  ExpectError(RunProgram(folder, {"inspect", (folder / "empty.bvh").string(), "--json"}), 3,
+              {"empty.bvh", "the file is empty", "was it copied whole?"});
+}
+
+TEST(BadInput, ARowCountThatDoesNotDivideNamesFileLineAndCounts) {
   const Folder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(7));
-  const Result result = RunFolder(folder, TableConfig("units: mm", "3", "head, neck, torso"));
-  EXPECT_EQ(result.exit_code, 3) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("a01_s01"));
-  EXPECT_THAT(result.err, HasSubstr("7"));
+  ExpectError(RunFolder(folder, TableConfig()), 3,
+              {"a01_s01.txt:8", "7 rows are not a whole number of frames of 3 rows (1 left over)",
+               "check rows_per_frame, or the file is cut off"});
 }
 
-TEST(BadInput, AMissingUnitIsAConfigError) {
+TEST(BadInput, AMissingUnitIsAConfigErrorWithTheOptionToWrite) {
   const Folder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(6));
-  const Result result = RunFolder(folder, TableConfig("licence: none", "3", "head, neck, torso"));
-  EXPECT_EQ(result.exit_code, 2) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("units"));
+  ExpectError(RunFolder(folder, TableConfig("licence: none")), 2,
+              {"ingest.source.units", "source 'bad' does not say its unit of length", "write `units: m`"});
 }
 
-TEST(BadInput, AnUnknownJointIsNamed) {
+TEST(BadInput, AnUnknownJointIsNamedWithTheSkeletonThatLacksIt) {
   const Folder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(6));
-  const Result result = RunFolder(folder, TableConfig("units: mm", "3", "head, neck, third_elbow"));
-  EXPECT_NE(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("third_elbow"));
+  ExpectError(RunFolder(folder, TableConfig("units: mm", "head, neck, third_elbow")), 2,
+              {"ingest.source.joints", "joint 'third_elbow' is unknown to skeleton 'openni15'",
+               "use the skeleton's names or synonyms"});
 }
 
-TEST(BadInput, AFileNameOutsideThePatternIsSaid) {
+TEST(BadInput, AFileNameOutsideThePatternIsSaidWithPatternAndWayOut) {
   const Folder folder;
   WriteText(folder / "data/walk.txt", Rows(6));
-  const Result result = RunFolder(folder, TableConfig("units: mm", "3", "head, neck, torso"));
-  EXPECT_NE(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("walk.txt"));
+  ExpectError(RunFolder(folder, TableConfig()), 3,
+              {(folder / "data").string(), "no file matches the pattern 'a{action}_s{person}.txt'",
+               "'walk.txt' does not match", "mend ingest.source.files"});
 }
 
-TEST(BadInput, ATruncatedOrBrokenBvhIsAnErrorWithItsLine) {
+TEST(BadInput, ATruncatedBvhNamesLineAndCountsInARunAndInInspect) {
   const Folder folder;
-  const std::string head =
-      "HIERARCHY\nROOT a\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n}\nMOTION\n";
-  WriteText(folder / "cut.bvh", head + "Frames: 3\nFrame Time: 0.033\n0 0 0\n");
-  const Result cut = RunProgram(folder, {"inspect", (folder / "cut.bvh").string()});
-  EXPECT_EQ(cut.exit_code, 3) << cut.out << cut.err;
-  WriteText(folder / "nan.bvh", head + "Frames: 1\nFrame Time: 0.033\n0 nan 0\n");
-  const Result nan = RunProgram(folder, {"inspect", (folder / "nan.bvh").string()});
-  EXPECT_EQ(nan.exit_code, 3) << nan.out << nan.err;
-  EXPECT_THAT(nan.err, HasSubstr("nan"));
+  const std::string cut = std::string(kBvhHead) + "Frames: 3\nFrame Time: 0.033\n0 0 0\n";
+  WriteText(folder / "data/walk_p1.bvh", cut);
+  const std::vector<std::string> parts = {"walk_p1.bvh:11", "the file announces 3 frames and holds 1",
+                                          "the file is cut off: copy it again"};
+  ExpectError(RunFolder(folder, kBvh), 3, parts);
+  ExpectError(RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"}), 3, parts);
 }
 
-TEST(BadInput, ACorruptedStoreIsAnErrorThatNamesTheField) {
+TEST(BadInput, ABvhWithNanNamesLineFrameAndChannelInARunAndInInspect) {
+  const Folder folder;
+  WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 1\nFrame Time: 0.033\n0 nan 0\n");
+  const std::vector<std::string> parts = {"walk_p1.bvh:10", "'nan' in frame 0, channel 1 is no finite number",
+                                          "mend or cut the frame"};
+  ExpectError(RunFolder(folder, kBvh), 3, parts);
+  ExpectError(RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"}), 3, parts);
+}
+
+TEST(BadInput, AStoreWithOneFieldCorruptedIsAnErrorThatNamesTheField) {
   const Folder folder;
   ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r")).exit_code, 0);
-  std::string bytes = ReadText(folder / "r/dataset.h5");
-  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
-  WriteText(folder / "broken.h5", bytes);
-  const Result result = RunProgram(folder, {"inspect", (folder / "broken.h5").string()});
-  EXPECT_EQ(result.exit_code, 3) << result.out;
-  EXPECT_THAT(result.err, HasSubstr("broken.h5"));
+  const std::string bytes = ReadText(folder / "r/dataset.h5");
+  std::string label = bytes;
+  label.replace(label.find("clap"), 4, "Xlap");
+  std::string middle = bytes;
+  middle[middle.size() / 2] = static_cast<char>(middle[middle.size() / 2] ^ 0x10);
+  for (const auto& [text, field] :
+       {std::pair<std::string, std::string>{label, "broken.h5:/clips/"}, {middle, "broken.h5:/frames/"}}) {
+    WriteText(folder / "broken.h5", text);
+    ExpectError(RunProgram(folder, {"inspect", (folder / "broken.h5").string(), "--json"}), 3,
+                {field, "its values do not have the stored sha256", "copy it again"});
+  }
+  WriteText(folder / "broken.h5", bytes.substr(0, bytes.size() / 2));
+  ExpectError(RunProgram(folder, {"inspect", (folder / "broken.h5").string(), "--json"}), 3,
+              {"broken.h5", "truncated", "make the file again"});
+}
+
+/// Lines of the curation log of a run that bear a finding of `code`.
+std::vector<nlohmann::json> Flagged(const fs::path& run, const std::string& code, std::size_t& clips) {
+  std::vector<nlohmann::json> flagged;
+  std::ifstream log(run / "curation_log.jsonl");
+  std::string line;
+  for (clips = 0; std::getline(log, line); ++clips) {
+    const nlohmann::json clip = nlohmann::json::parse(line);
+    for (const nlohmann::json& finding : clip["findings"]) {
+      if (finding["code"] == code) flagged.push_back(finding);
+    }
+  }
+  return flagged;
+}
+
+void ExpectMistakenAxes(const std::vector<nlohmann::json>& findings, const std::string& axes) {
+  for (const nlohmann::json& finding : findings) {
+    EXPECT_EQ(finding["severity"], "error");
+    EXPECT_EQ(finding["action"], "flagged");
+    const std::string message = finding["message"];
+    EXPECT_THAT(message, HasSubstr("with axes '" + axes + "' the motion is left-handed"));
+    EXPECT_THAT(message, HasSubstr("mend ingest.source.axes"));
+  }
+}
+
+TEST(LeftHandedDeclaredRightHanded, ASyntheticCaptureIsFlaggedFromItsMotionAndNotMirrored) {
+  const Folder folder;
+  const auto run = [&](const std::string& axes, const std::string& on_contradiction) {
+    std::vector<std::string> arguments = program::SmallJob(folder, "r");
+    std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("ingest"));
+    arguments.insert(arguments.end(), {"--set", "ingest.source.axes=" + axes, "--set",
+                                       "ingest.source.on_contradiction=" + on_contradiction, "--json"});
+    return RunProgram(folder, arguments);
+  };
+  std::size_t clips = 0;
+  ASSERT_EQ(run("+x +y -z", "flag").exit_code, 0);
+  EXPECT_TRUE(Flagged(folder / "r", "handedness_contradiction", clips).empty());
+
+  const Result mistaken = run("+x +y +z", "flag");
+  EXPECT_EQ(mistaken.exit_code, 0) << mistaken.err;
+  const auto flagged = Flagged(folder / "r", "handedness_contradiction", clips);
+  EXPECT_GE(flagged.size(), clips * 2 / 3) << "of " << clips;
+  ExpectMistakenAxes(flagged, "+x +y +z");
+  bool by_knees = false;
+  for (const auto& finding : flagged)
+    by_knees |= finding["message"].get<std::string>().find("knees") != std::string::npos;
+  EXPECT_TRUE(by_knees);
+
+  const Result refused = run("+x +y +z", "refuse");
+  ExpectError(refused, 1, {"with axes '+x +y +z' the motion is left-handed", "on_contradiction: flag"});
+}
+
+TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const Folder folder;
+  fs::create_directories(folder / "kard");
+  for (const char* clip : {"a12_s01_e01", "a12_s01_e02", "a17_s01_e01", "a17_s01_e02", "a18_s01_e01", "a18_s01_e02"}) {
+    const std::string name = std::string(clip) + "_realworld.txt";
+    fs::copy_file(fs::path(data) / "kinect/kard" / name, folder / ("kard/" + name));
+  }
+  const std::string declaration = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml";
+  WriteText(folder / "mistaken.yaml", "include: " + declaration + "\ningest:\n  source:\n    axes: \"+x +y +z\"\n");
+  std::size_t clips = 0;
+  for (const bool mistaken : {false, true}) {
+    const Result result = RunProgram(
+        folder, {"run", mistaken ? (folder / "mistaken.yaml").string() : declaration, "--set",
+                 "ingest.path=" + (folder / "kard").string(), "-o", (folder / "r").string(), "--to", "ingest"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto flagged = Flagged(folder / "r", "handedness_contradiction", clips);
+    EXPECT_EQ(clips, 6u);
+    if (!mistaken) {
+      EXPECT_TRUE(flagged.empty());
+      continue;
+    }
+    EXPECT_GE(flagged.size(), 5u);
+    ExpectMistakenAxes(flagged, "+x +y +z");
+  }
+  const Result told = RunProgram(
+      folder, {"inspect", (folder / "kard").string(), "--source", (folder / "mistaken.yaml").string(), "--json"});
+  EXPECT_THAT(told.Json()["findings"].dump(), HasSubstr("handedness_contradiction")) << told.out;
 }
 
 }  // namespace

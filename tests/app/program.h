@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -57,25 +58,33 @@ struct Result {
   nlohmann::json Json() const { return nlohmann::json::parse(out); }
 };
 
+/// What a program is started with, besides its arguments.
+struct Surroundings {
+  std::string cache = "cache";              ///< below the folder of the test, unless absolute
+  std::function<void()> before_start = {};  ///< runs in the child: limits, environment, terminals
+  fs::path program = fs::path(MOCURATE_BINARY_FOLDER) / "mocurate";
+};
+
 /// A started program; output goes to files of the folder.
 class Started {
  public:
-  Started(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache")
+  Started(const Folder& folder, const std::vector<std::string>& arguments, const Surroundings& surroundings)
       : out_(folder / "out.txt"), err_(folder / "err.txt") {
     pid_ = fork();
     if (pid_ != 0) return;
-    const int out = open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    const int err = open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    dup2(out, 1);
-    dup2(err, 2);
-    setenv("MOCURATE_CACHE", (folder / cache).c_str(), 1);
-    const std::string program = std::string(MOCURATE_BINARY_FOLDER) + "/mocurate";
+    dup2(open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+    dup2(open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+    setenv("MOCURATE_CACHE", (folder / surroundings.cache).c_str(), 1);
+    if (surroundings.before_start) surroundings.before_start();
+    const std::string program = surroundings.program.native();
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     execv(program.c_str(), argv.data());
     _exit(127);
   }
+  Started(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache")
+      : Started(folder, arguments, Surroundings{cache}) {}
 
   pid_t pid() const { return pid_; }
   void Signal(int signal) const { kill(pid_, signal); }
@@ -100,6 +109,11 @@ class Started {
 inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments,
                          const std::string& cache = "cache") {
   return Started(folder, arguments, cache).Wait();
+}
+
+inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments,
+                         const Surroundings& surroundings) {
+  return Started(folder, arguments, surroundings).Wait();
 }
 
 /// A small synthetic job up to the dataset: a few clips, seconds.
