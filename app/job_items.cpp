@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <set>
 
 #include "app/main_job.h"
 #include "core/base/file.h"
 #include "core/base/resources.h"
 #include "core/base/sha256.h"
 #include "core/base/version.h"
-#include "eval/tables/table.h"
 
 namespace mocurate {
 namespace {
@@ -45,14 +43,6 @@ nlohmann::json ClipSummary(const ClipRecord& clip) {
     summary["failure"] = {{"stage", clip.failed_stage()}, {"code", Name(error->code)}, {"message", error->Message()}};
   }
   return summary;
-}
-
-/// A row of the table from {"fid": [...], ...}.
-Table::Row RowOf(const std::string& name, const nlohmann::json& metrics, const std::vector<std::string>& keys) {
-  Table::Row row;
-  row.name = name;
-  for (const std::string& key : keys) row.cells.push_back({metrics.value(key, std::vector<double>())});
-  return row;
 }
 
 }  // namespace
@@ -102,6 +92,40 @@ std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, cons
   return items;
 }
 
+FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string, ItemResult>& persons,
+                      const nlohmann::json& options) {
+  FitItems fits;
+  for (ClipRecord& clip : clips) {
+    if (!HasArtifact(clip.evidence)) continue;
+    const auto person = persons.find(clip.person());
+    if (person == persons.end()) {
+      clip.motion.outcome.kind = OutcomeKind::kRefused;
+      clip.motion.outcome.error =
+          Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item, "set ingest.source.person"};
+    } else if (!HasArtifact(person->second)) {
+      clip.motion.outcome = person->second.outcome;
+    } else {
+      ItemSpec item{
+          clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}};
+      item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
+      fits.items.push_back(std::move(item));
+      fits.clips.push_back(&clip);
+    }
+  }
+  return fits;
+}
+
+std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth) {
+  ItemSpec item{"fit_error", nlohmann::json::object(), truth};
+  for (const ClipRecord& clip : clips) {
+    if (!HasArtifact(clip.motion)) continue;
+    item.inputs.push_back(InputFrom("fit", clip.motion));
+    item.inputs.push_back(InputFrom("evidence", clip.evidence));
+  }
+  if (truth.empty() || item.inputs.size() == truth.size()) return std::nullopt;
+  return item;
+}
+
 std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count) {
   std::vector<const ClipRecord*> fitted;
   for (const ClipRecord& clip : clips) {
@@ -119,6 +143,25 @@ std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips,
     chosen.push_back(fitted[wanted == 1 ? 0 : i * (fitted.size() - 1) / (wanted - 1)]);
   }
   return chosen;
+}
+
+void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item) {
+  item.inputs.push_back(InputFrom("evidence", clip.evidence));
+  if (fitted) item.inputs.push_back(InputFrom("fit", clip.motion));
+  item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
+}
+
+std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
+  std::vector<ItemSpec> items;
+  const auto drawn = ClipsToDraw(clips, 3);
+  if (drawn.empty()) return items;
+  const ClipRecord& clip = *drawn[drawn.size() / 2];
+  for (const char* kind : {"clip", "overlay", "cloud"}) {
+    if (clip.depth.empty() && std::string(kind) != "clip") continue;
+    items.push_back({kind, {{"kind", kind}}, {}});
+    AddDrawing(clip, true, items.back());
+  }
+  return items;
 }
 
 Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to) {
@@ -140,53 +183,6 @@ Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path&
   });
 }
 
-Status UnpackCapture(const std::filesystem::path& artifact, const std::filesystem::path& folder) {
-  const auto text = ReadFile(artifact);
-  if (!text) return Forward(text);
-  if (Status made = MakeFolder(folder); !made) return made;
-  const nlohmann::json capture = nlohmann::json::parse(*text);
-  std::set<std::string> names;
-  for (const auto& [name, content] : capture.at("files").items()) {
-    names.insert(name);
-    const std::string bytes = content.get<std::string>();
-    if (const auto present = ReadFile(folder / name); present && *present == bytes) continue;
-    if (Status written = WriteFile(folder / name, bytes); !written) return written;
-  }
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (names.count(entry.path().filename().string()) == 0) std::filesystem::remove(entry.path());
-  }
-  return {};
-}
-
-Expected<WrittenTables> WriteTables(const nlohmann::json& metrics, const std::string& title,
-                                    const std::filesystem::path& folder) {
-  if (Status made = MakeFolder(folder); !made) return Forward(made);
-  const std::vector<std::string> keys = {"fid", "accuracy", "diversity", "multimodality"};
-  Table table;
-  table.title = title;
-  table.columns = {"FID ↓", "Accuracy ↑", "Diversity →", "Multimodality →"};
-  table.digits = {3, 3, 3, 3};
-  for (const auto& [name, row] : metrics.at("rows").items()) {
-    if (name == "Real")
-      table.rows.insert(table.rows.begin(), RowOf("Real", row, keys));
-    else
-      table.rows.push_back(RowOf(name, row, keys));
-  }
-  table.notes = metrics.value("notes", std::vector<std::string>());
-  WrittenTables written;
-  written.markdown = ToMarkdown(table, IntervalKind::kStudent);
-  const std::pair<const char*, std::string> files[] = {
-      {"table.md", written.markdown + "\n" + ToMarkdown(table, IntervalKind::kAction2Motion)},
-      {"table.csv", ToCsv(table)},
-      {"table.tex", ToLatex(table, IntervalKind::kStudent)},
-      {"table.json", metrics.at("rows").dump(1) + "\n"}};
-  for (const auto& [name, text] : files) {
-    if (Status done = WriteFile(folder / name, text); !done) return Forward(done);
-    written.files.push_back(folder / name);
-  }
-  return written;
-}
-
 nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,
                           const std::map<std::string, ItemResult>& persons, const JobResult& result) {
   nlohmann::json run = {{"name", options.name},
@@ -196,11 +192,15 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
                         {"audit", result.audit},
                         {"metrics", result.metrics},
                         {"training", result.training},
+                        {"untrained", nlohmann::json::object()},
                         {"fit_error", result.fit_error},
                         {"table_markdown", result.table},
                         {"stages", nlohmann::json::array()},
                         {"clips", nlohmann::json::array()},
                         {"persons", nlohmann::json::object()}};
+  for (const auto& [item, error] : result.untrained) {
+    run["untrained"][item] = {{"code", Name(error.code)}, {"message", error.Message()}};
+  }
   for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
   for (const ClipRecord& clip : clips) run["clips"].push_back(ClipSummary(clip));
   for (const auto& [person, item] : persons) run["persons"][person] = item.outcome.summary;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,23 +42,30 @@ StageInput SkeletonInput(const std::string& name_or_path);
 /// clips do not move the choice.
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options);
 
+/// Items of the stage `fitting`, and the clip of each.
+struct FitItems {
+  std::vector<ItemSpec> items;
+  std::vector<ClipRecord*> clips;
+};
+
+/// One item per clip with evidence; a clip whose person has no proportions is refused here, with the reason.
+FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string, ItemResult>& persons,
+                      const nlohmann::json& options);
+
+/// All fits and their evidence against the truth; nothing when one of the two is missing.
+std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth);
+
 /// The clips a report draws: best, worst and evenly between by residual, `count` in all.
 std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count);
 
+/// Adds what is needed to draw a clip: evidence, depth images and, if there is one, the fit.
+void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item);
+
+/// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
+std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips);
+
 /// Copies a file so that it appears whole.
 Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to);
-
-/// Writes the files of a capture artifact ({"files": {name: text}}) below `folder`.
-Status UnpackCapture(const std::filesystem::path& artifact, const std::filesystem::path& folder);
-
-struct WrittenTables {
-  std::string markdown;
-  std::vector<std::filesystem::path> files;
-};
-
-/// The table of the run as Markdown, CSV, LaTeX and JSON below `folder`.
-Expected<WrittenTables> WriteTables(const nlohmann::json& metrics, const std::string& title,
-                                    const std::filesystem::path& folder);
 
 /// What the report draws from, without anything that differs between equal runs (times, paths).
 nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,

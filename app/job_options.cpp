@@ -2,15 +2,6 @@
 
 namespace mocurate {
 
-void TrainOptions::Declare(OptionVisitor& v) {
-  v.Group("recogniser", recogniser, "the GRU that gives features and accuracy");
-  v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one recogniser per seed; the first gives the features");
-  v.Bool("baseline", baseline, "train the same recogniser on the unfitted tracks, to compare");
-  v.Bool("crop", crop, "train the same recogniser on windows of consecutive frames, as the papers do");
-  v.Bool("generator_enabled", generator_enabled, "train Action2Motion");
-  v.Group("generator", generator, "Action2Motion");
-}
-
 void JobOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the job and of its run folder");
   v.Text("description", description, "what the job is, for the report");

@@ -10,21 +10,9 @@
 #include "fitting/options.h"
 #include "ingest/options.h"
 #include "report/options.h"
-#include "train/options.h"
+#include "train/items.h"
 
 namespace mocurate {
-
-/// Which networks are trained on the dataset.
-struct TrainOptions {
-  RecogniserOptions recogniser;
-  std::vector<double> seeds{1, 2, 3};  ///< one recogniser each; the first gives the features of the metrics
-  bool baseline = false;               ///< the same recogniser on unfitted tracks
-  bool crop = false;                   ///< the same recogniser on the papers' window of consecutive frames
-  bool generator_enabled = true;
-  GeneratorOptions generator;
-
-  void Declare(OptionVisitor& v);
-};
 
 /// A whole job, as a config file says it: one group per stage, in order.
 struct JobOptions {

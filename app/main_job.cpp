@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "app/curation_log.h"
 #include "app/job_items.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
-#include "eval/tables/table.h"
+#include "eval/tables/run_table.h"
 #include "ingest/discover.h"
+#include "ingest/synthetic/capture_files.h"
 
 namespace mocurate {
 namespace {
@@ -93,13 +95,15 @@ class MainJob {
     const auto capture = RunOne(CaptureDeclaration(), {"capture", options, {}});
     if (!capture) return Forward(capture);
     options_.ingest.path = folder() / "capture";
-    if (capture->artifact.empty() || DryRun()) {
-      if (!std::filesystem::exists(options_.ingest.path)) options_.ingest.path.clear();
-      if (options_.ingest.path.empty()) return {};
+    if (!capture->artifact.empty()) {
+      auto names = CaptureFileNames(capture->artifact);
+      if (!names) return Forward(names);
+      captured_ = *std::move(names);
+      const Status unpacked = DryRun() ? Status() : UnpackCapture(capture->artifact, options_.ingest.path);
+      if (!unpacked) return unpacked;
     }
-    if (!DryRun()) {
-      if (Status unpacked = UnpackCapture(capture->artifact, options_.ingest.path); !unpacked) return unpacked;
-    }
+    if (!std::filesystem::exists(options_.ingest.path)) options_.ingest.path.clear();
+    if (options_.ingest.path.empty()) return {};
     const auto truth = RunOne(TruthDeclaration(), {"truth", {{"synthetic", options}}, {}});
     if (!truth) return Forward(truth);
     truth_.push_back(InputFrom("truth", *truth));
@@ -108,7 +112,7 @@ class MainJob {
 
   Status Ingest() {
     if (options_.ingest.synthetic.enabled && options_.ingest.path.empty()) return {};
-    auto discovery = Discover(options_.ingest);
+    auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
     left_out_ = discovery->findings;
     for (const Finding& finding : left_out_) LogWarning(finding.clip + ": " + finding.message);
@@ -162,44 +166,18 @@ class MainJob {
       for (ClipRecord& clip : clips_) clip.motion = clip.evidence;
       return {};
     }
-    const nlohmann::json options = OptionsToJson(options_.fitting);
-    std::vector<ItemSpec> items;
-    std::vector<ClipRecord*> records;
-    for (ClipRecord& clip : clips_) {
-      if (clip.evidence.artifact.empty()) continue;
-      const auto person = persons_.find(clip.person());
-      if (person == persons_.end()) {
-        clip.motion.outcome.kind = OutcomeKind::kRefused;
-        clip.motion.outcome.error =
-            Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item, "set ingest.source.person"};
-        continue;
-      }
-      if (person->second.artifact.empty()) {
-        clip.motion.outcome = person->second.outcome;
-        continue;
-      }
-      items.push_back(
-          {clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}});
-      items.back().inputs.insert(items.back().inputs.end(), clip.depth.begin(), clip.depth.end());
-      records.push_back(&clip);
-    }
-    AddInput(SkeletonInput(options_.fitting.skeleton), items);
-    auto report = RunStage(FittingDeclaration(), std::move(items));
+    FitItems fits = FittingItems(clips_, persons_, OptionsToJson(options_.fitting));
+    AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
+    const auto report = RunStage(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);
-    for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->motion = report->items[i];
+    for (std::size_t i = 0; i < report->items.size(); ++i) fits.clips[i]->motion = report->items[i];
     return {};
   }
 
   Status ScoreFits() {
-    if (truth_.empty() || !Fits()) return {};
-    ItemSpec item{"fit_error", nlohmann::json::object(), truth_};
-    for (const ClipRecord& clip : clips_) {
-      if (clip.motion.artifact.empty()) continue;
-      item.inputs.push_back(InputFrom("fit", clip.motion));
-      item.inputs.push_back(InputFrom("evidence", clip.evidence));
-    }
-    if (item.inputs.size() == truth_.size()) return {};
-    const auto scored = RunOne(FitErrorDeclaration(), std::move(item));
+    auto item = Fits() ? FitErrorItem(clips_, truth_) : std::nullopt;
+    if (!item) return {};
+    const auto scored = RunOne(FitErrorDeclaration(), *std::move(item));
     if (!scored) return Forward(scored);
     result_.fit_error = scored->outcome.summary;
     return {};
@@ -270,46 +248,25 @@ class MainJob {
     return {};
   }
 
-  void AddRecognisers(const char* kind, const char* role, const ItemResult& dataset,
-                      const RecogniserOptions& recogniser, std::vector<ItemSpec>& items) {
-    if (dataset.artifact.empty()) return;
-    for (const double seed : options_.train.seeds) {
-      RecogniserOptions seeded = recogniser;
-      seeded.seed = static_cast<std::int64_t>(seed);
-      const std::string name = std::string(kind) + "/" + std::to_string(seeded.seed);
-      items.push_back({name, OptionsToJson(seeded), {InputFrom("dataset", dataset)}});
-      roles_.emplace_back(role);
-    }
-  }
-
+  /// All networks at once; one that fails costs the others nothing.
   Status Train() {
     if (dataset_.artifact.empty()) return {};
-    const TrainOptions& train = options_.train;
-    std::vector<ItemSpec> items;
-    roles_.clear();
-    AddRecognisers("recogniser", "recogniser", dataset_, train.recogniser, items);
-    if (train.baseline)
-      AddRecognisers("baseline_recogniser", "baseline_recogniser", baseline_, train.recogniser, items);
-    if (train.crop) {
-      RecogniserOptions crop = train.recogniser;
-      crop.input = RecogniserInputKind::kCrop;
-      AddRecognisers("crop_recogniser", "crop_recogniser", dataset_, crop, items);
-    }
-    if (train.generator_enabled) {
-      const auto generator = StartGenerator();
-      if (!generator) return Forward(generator);
-    }
-    const auto report = RunStage(TrainRecogniserDeclaration(), std::move(items));
+    TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
+    if (!baseline_.artifact.empty()) inputs.baseline = InputFrom("dataset", baseline_);
+    const std::vector<TrainItem> items = TrainItems(options_.train, inputs);
+    std::vector<ItemSpec> specs;
+    for (const TrainItem& item : items) specs.push_back(item.spec);
+    const auto report = RunStage(TrainDeclaration(), std::move(specs));
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) {
       const ItemResult& item = report->items[i];
-      if (item.artifact.empty()) {
-        if (runner_.options().dry_run) continue;
-        return tl::unexpected<Error>(item.outcome.error);
+      if (!item.artifact.empty()) {
+        networks_.push_back(InputFrom(items[i].role.c_str(), item));
+        result_.training[item.item] = item.outcome.summary;
+        if (Status copied = CopyCheckpoint(item); !copied) return copied;
+      } else if (!DryRun()) {
+        result_.untrained[item.item] = item.outcome.error;
       }
-      networks_.push_back(InputFrom(roles_[i].c_str(), item));
-      result_.training[item.item] = item.outcome.summary;
-      if (Status copied = CopyCheckpoint(item); !copied) return copied;
     }
     return {};
   }
@@ -322,19 +279,10 @@ class MainJob {
     return CopyWhole(item.artifact, folder() / "checkpoints" / (name + ".h5"));
   }
 
-  Status StartGenerator() {
-    const auto generator =
-        RunOne(TrainGeneratorDeclaration(),
-               {"Action2Motion", OptionsToJson(options_.train.generator), {InputFrom("dataset", dataset_)}});
-    if (!generator) return Forward(generator);
-    if (generator->artifact.empty()) return {};
-    networks_.push_back(InputFrom("generator", *generator));
-    result_.training[generator->item] = generator->outcome.summary;
-    return CopyCheckpoint(*generator);
-  }
-
   Status Evaluate() {
-    if (dataset_.artifact.empty() || networks_.empty()) return {};
+    const bool scored = std::any_of(networks_.begin(), networks_.end(),
+                                    [](const StageInput& network) { return network.role == "recogniser"; });
+    if (dataset_.artifact.empty() || !scored) return {};
     ItemSpec item{"metrics", OptionsToJson(options_.evaluate), networks_};
     item.inputs.push_back(InputFrom("dataset", dataset_));
     if (!baseline_.artifact.empty()) item.inputs.push_back(InputFrom("baseline_dataset", baseline_));
@@ -345,7 +293,10 @@ class MainJob {
     if (!text) return Forward(text);
     result_.metrics = nlohmann::json::parse(*text);
     result_.metrics["generator_training"] = result_.training.value("Action2Motion", nlohmann::json());
-    AddTrainingNotes();
+    for (const std::string& note : TrainingNotes(options_.train)) result_.metrics["notes"].push_back(note);
+    for (const auto& [network, error] : result_.untrained) {
+      result_.metrics["notes"].push_back(network + " was not trained: " + error.Message());
+    }
     result_.metrics["nearest_neighbour"] = result_.audit.value("nearest_neighbour", nlohmann::json());
     if (Status written = WriteFile(folder() / "metrics.json", result_.metrics.dump(1) + "\n"); !written) return written;
     const auto tables = WriteTables(result_.metrics, options_.name, folder() / "tables");
@@ -353,22 +304,6 @@ class MainJob {
     result_.table = tables->markdown;
     result_.tables = tables->files;
     return {};
-  }
-
-  /// What the generator was trained on, beside the table.
-  void AddTrainingNotes() {
-    const GeneratorOptions& generator = options_.train.generator;
-    if (!options_.train.generator_enabled) return;
-    result_.metrics["notes"].push_back(
-        "Action2Motion: " + std::to_string(generator.iterations) + " iterations of " + std::to_string(generator.batch) +
-        " clips on " +
-        (generator.all_clips ? "all clips, test clips included, as published." : "training clips only."));
-    if (generator.input != options_.train.recogniser.input) {
-      result_.metrics["notes"].push_back(
-          "The generator learns windows and the recogniser sees whole clips (or the reverse): FID and accuracy of the "
-          "two "
-          "rows are not like for like; set train.generator.input and train.recogniser.input alike.");
-    }
   }
 
   Status Report() {
@@ -380,9 +315,7 @@ class MainJob {
     item.inputs.push_back(InputFrom("dataset", dataset_));
     for (const StageInput& network : networks_) item.inputs.push_back(network);
     for (const ClipRecord* clip : ClipsToDraw(clips_, static_cast<int>(options_.report.filmstrip_clips))) {
-      item.inputs.push_back(InputFrom("evidence", clip->evidence));
-      if (Fits()) item.inputs.push_back(InputFrom("fit", clip->motion));
-      item.inputs.insert(item.inputs.end(), clip->depth.begin(), clip->depth.end());
+      AddDrawing(*clip, Fits(), item);
     }
     const auto page = RunOne(ReportDeclaration(), std::move(item));
     if (!page) return Forward(page);
@@ -393,19 +326,8 @@ class MainJob {
     return Fits() ? Pictures() : Status();
   }
 
-  /// The middle fit of the report as pictures beside the page.
   Status Pictures() {
-    const auto drawn = ClipsToDraw(clips_, 3);
-    if (drawn.empty()) return {};
-    const ClipRecord& clip = *drawn[drawn.size() / 2];
-    std::vector<ItemSpec> items;
-    for (const char* kind : {"clip", "overlay", "cloud"}) {
-      if (clip.depth.empty() && std::string(kind) != "clip") continue;
-      ItemSpec item{kind, {{"kind", kind}}, {InputFrom("evidence", clip.evidence), InputFrom("fit", clip.motion)}};
-      item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
-      items.push_back(std::move(item));
-    }
-    const auto report = RunStage(PictureDeclaration(), std::move(items));
+    const auto report = RunStage(PictureDeclaration(), PictureItems(clips_));
     if (!report) return Forward(report);
     for (const ItemResult& item : report->items) {
       if (item.artifact.empty()) continue;
@@ -419,11 +341,11 @@ class MainJob {
   Runner& runner_;
   JobResult result_;
   std::vector<ClipRecord> clips_;
+  std::optional<std::set<std::string>> captured_;  ///< files of the synthetic capture: others are not ours
   std::vector<Finding> left_out_;
   std::map<std::string, ItemResult> persons_;
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;
-  std::vector<std::string> roles_;
   ItemResult dataset_, baseline_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -30,6 +31,7 @@ struct JobResult {
   nlohmann::json audit;
   nlohmann::json metrics;
   nlohmann::json training = nlohmann::json::object();  ///< summary of each trained network by its item
+  std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
   std::vector<StageReport> stages;
 };
 

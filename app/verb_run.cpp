@@ -49,6 +49,12 @@ nlohmann::json StagesJson(const JobResult& result) {
   return stages;
 }
 
+nlohmann::json UntrainedJson(const JobResult& result) {
+  nlohmann::json untrained = nlohmann::json::object();
+  for (const auto& [item, error] : result.untrained) untrained[item] = error.Message();
+  return untrained;
+}
+
 nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& folder, double seconds) {
   return {{"run", DisplayPath(folder)},
           {"dataset", DisplayPath(result.dataset)},
@@ -59,6 +65,7 @@ nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& 
           {"fit_error", result.fit_error},
           {"audit", result.audit},
           {"metrics", result.metrics},
+          {"untrained", UntrainedJson(result)},
           {"stages", StagesJson(result)},
           {"seconds", seconds}};
 }
@@ -103,6 +110,17 @@ void PrintResult(const JobResult& result, double seconds) {
   if (!result.report.empty()) std::printf("report   %s\n", DisplayPath(result.report).c_str());
 }
 
+/// A network that was asked for and is not there is a failure, whatever the others gave.
+Status CheckNetworks(const JobResult& result) {
+  if (result.untrained.empty()) return {};
+  const auto& [item, error] = *result.untrained.begin();
+  const std::size_t all = result.training.size() + result.untrained.size();
+  return Fail(result.training.empty() ? error.code : ErrorCode::kTooManyFailures,
+              std::to_string(result.untrained.size()) + " of " + std::to_string(all) + " networks were not trained; " +
+                  item + ": " + error.what,
+              error.where, error.hint.empty() ? "the page of the run lists them" : error.hint);
+}
+
 Status CheckFailures(const JobOptions& options, const JobResult& result) {
   if (result.clips == 0 || result.failed <= options.tolerated_failures * result.clips) return {};
   return Fail(ErrorCode::kTooManyFailures,
@@ -120,9 +138,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   if (!job) return Forward(job);
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
   if (!last) return Forward(last);
-  GeneratorOptions& generator = job->options.train.generator;
-  generator.iterations =
-      std::max<std::int64_t>(1, std::llround(arguments.budget * static_cast<double>(generator.iterations)));
+  if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
 
   RunnerOptions options;
   options.run_folder = arguments.output.empty() ? std::filesystem::path("runs") / job->options.name : arguments.output;
@@ -150,6 +166,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   } else {
     PrintResult(*result, seconds);
   }
+  if (Status networks = CheckNetworks(*result); !networks) return networks;
   return CheckFailures(job->options, *result);
 }
 

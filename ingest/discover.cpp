@@ -74,7 +74,7 @@ Finding LeftOut(const std::string& name, const SourceOptions& source, bool match
 
 }  // namespace
 
-Expected<Discovery> Discover(const IngestOptions& options) {
+Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only) {
   const SourceOptions& source = options.source;
   if (Status ok = CheckSource(source); !ok) return Forward(ok);
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
@@ -93,6 +93,7 @@ Expected<Discovery> Discover(const IngestOptions& options) {
   const bool has_depth = source.format == SourceFormat::kDepthSequence;
   const nlohmann::json stage_options = OptionsToJson(source);
   for (const FolderFile& file : *files) {
+    if (only && only->count(file.name) == 0) continue;
     if (has_depth && depth_pattern->Match(file.name)) continue;
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && (source.other_files == OtherFiles::kIgnore || DepthOf(file.name) != pattern->depth())) continue;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "core/base/finding.h"
@@ -16,7 +19,8 @@ struct Discovery {
   std::vector<ItemSpec> truth;  ///< items for the stage `truth`, when the source knows its truth
 };
 
-/// Lists files; reads only names, never contents. Error kNotFound, kConfig.
-Expected<Discovery> Discover(const IngestOptions& options);
+/// Lists files; reads only names, never contents. With `only`, files of other names do not exist for it. Error
+/// kNotFound, kConfig.
+Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only = {});
 
 }  // namespace mocurate

@@ -171,6 +171,17 @@ std::string RecogniserCharts(const std::string& kind,
   return Chart(loss) + Chart(accuracy);
 }
 
+/// Networks that the run was to train and did not, with the reason; empty when there are none.
+std::string UntrainedHtml(const nlohmann::json& run) {
+  HtmlTable table{"Not trained", {"Item", "Reason", "Message"}, {}, false};
+  const nlohmann::json& untrained = Field(run, "untrained");
+  if (!untrained.is_object()) return "";
+  for (const auto& [item, error] : untrained.items()) {
+    table.rows.push_back({EscapeHtml(item), EscapeHtml(TextOf(error, "code")), EscapeHtml(TextOf(error, "message"))});
+  }
+  return table.rows.empty() ? "" : table.Html();
+}
+
 }  // namespace
 
 std::string TableHtml(const ReportInput& input) {
@@ -250,12 +261,17 @@ std::string StopsHtml(const ReportInput& input) {
                                clips && *clips > 0.0 ? FixedText(passes / *clips, 1) : "–",
                                number(*training, "loss", 4)});
   }
-  if (generators.rows.empty() && recognisers.rows.empty()) return Paragraph("Nothing was trained in this run.");
-  std::string html = Paragraph(
-      "Training ends after the number of steps that the configuration states, not when it has converged. A generator "
-      "stopped early scores worse than a published one: read the table with this in mind. <code>--budget N</code> "
-      "trains N "
-      "times as long.");
+  const std::string failed = UntrainedHtml(input.run);
+  if (generators.rows.empty() && recognisers.rows.empty())
+    return failed.empty() ? Paragraph("Nothing was trained in this run.") : failed;
+  std::string html =
+      failed +
+      Paragraph(
+          "Training ends after the number of steps that the configuration states, not when it has converged. A "
+          "generator "
+          "stopped early scores worse than a published one: read the table with this in mind. <code>--budget N</code> "
+          "trains N "
+          "times as long.");
   if (!generators.rows.empty()) html += generators.Html();
   if (!recognisers.rows.empty()) html += recognisers.Html();
   return html;

@@ -12,7 +12,8 @@ void AugmentationOptions::Declare(OptionVisitor& v) {
 }
 
 void RecogniserOptions::Declare(OptionVisitor& v) {
-  v.Integer("seed", seed, {0.0, {}}, "of initial weights, order and augmentation; an item recogniser/N uses N");
+  v.Integer("seed", seed, {0.0, {}},
+            "of initial weights, order and augmentation; a job trains one for each of its train.seeds instead");
   v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
   v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
            "whole clip resampled to `frames`, or the paper's crop of `frames` with repeated last pose");
@@ -78,7 +79,6 @@ void GeneratorOptions::Declare(OptionVisitor& v) {
   v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
-StageDeclaration TrainRecogniserDeclaration() { return {"train_recogniser", 1, "mocurate-learn"}; }
-StageDeclaration TrainGeneratorDeclaration() { return {"train_generator", 2, "mocurate-learn"}; }
+StageDeclaration TrainDeclaration() { return {"train", 1, "mocurate-learn"}; }
 
 }  // namespace mocurate

@@ -78,7 +78,6 @@ struct GeneratorOptions {
   void Declare(OptionVisitor& v);
 };
 
-StageDeclaration TrainRecogniserDeclaration();
-StageDeclaration TrainGeneratorDeclaration();
+StageDeclaration TrainDeclaration();
 
 }  // namespace mocurate

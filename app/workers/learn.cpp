@@ -37,7 +37,6 @@ int main(int argc, char** argv) {
     std::printf("%s\n", std::string(CreatedBy()).c_str());
     return 0;
   }
-  return RunWorker({{TrainRecogniserDeclaration().name, TrainRecogniserStage},
-                    {TrainGeneratorDeclaration().name, TrainGeneratorStage},
+  return RunWorker({{TrainDeclaration().name, TrainStage},
                     {EvaluateDeclaration().name, MakeEvaluateStage(OpenGeneratorCheckpoint)}});
 }

@@ -15,7 +15,7 @@
 #include "eval/stages.h"
 #include "tests/train/toy_dataset.h"
 #include "train/generators/motion_generator.h"
-#include "train/options.h"
+#include "train/items.h"
 #include "train/stages.h"
 
 namespace mocurate {
@@ -35,8 +35,9 @@ class ToyEvaluation : public testing::Test {
     recogniser.epochs = 40;
     recogniser.learning_rate = 1e-2;
     recogniser.refit = false;
-    for (const char* item : {"recogniser/1", "recogniser/2"}) {
-      Train(TrainRecogniserStage, item, OptionsToJson(recogniser));
+    for (const std::int64_t seed : {1, 2}) {
+      recogniser.seed = seed;
+      Train("recogniser/" + std::to_string(seed), {NetworkKind::kRecogniser, recogniser, {}});
     }
     GeneratorOptions generator;
     generator.lie = false;
@@ -44,7 +45,7 @@ class ToyEvaluation : public testing::Test {
     generator.hidden = 8;
     generator.latent = 2;
     generator.iterations = 3;
-    Train(TrainGeneratorStage, "Action2Motion", OptionsToJson(generator));
+    Train("Action2Motion", {NetworkKind::kAction2Motion, {}, generator});
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
 
@@ -59,14 +60,14 @@ class ToyEvaluation : public testing::Test {
     return folder_ / (item + ".h5");
   }
 
-  static void Train(const StageFunction& stage, const std::string& item, nlohmann::json options) {
+  static void Train(const std::string& item, const NetworkOptions& options) {
     StageRequest request;
     request.stage = "train";
     request.item = item;
-    request.options = std::move(options);
+    request.options = OptionsToJson(options);
     request.inputs = {{"dataset", "dataset", folder_ / "dataset.h5", "0"}};
     request.output = NetworkPath(item);
-    const auto outcome = stage(request);
+    const auto outcome = TrainStage(request);
     ASSERT_TRUE(outcome) << outcome.error().Message();
   }
 

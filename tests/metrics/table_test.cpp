@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "eval/tables/run_table.h"
 
 namespace mocurate {
 namespace {
@@ -69,6 +71,19 @@ TEST(Latex, IsATabularWithTheSameNumbers) {
             "method & FID & Accuracy \\\\ \\hline\n"
             "Real & $2.00 \\pm 0.98$ & $0.920 \\pm 0.018$ \\\\\n"
             "\\end{tabular}\n");
+}
+
+TEST(RunTable, PutsRealFirstAndLeavesAGapForAMetricThatIsMissing) {
+  const nlohmann::json metrics = {
+      {"rows", {{"Action2Motion", {{"fid", {3.0, 5.0}}}}, {"Real", {{"fid", {1.0}}, {"accuracy", {0.9}}}}}},
+      {"notes", {"Three seeds."}}};
+  const Table table = RunTable(metrics, "toy");
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0].name, "Real");
+  EXPECT_EQ(table.rows[1].name, "Action2Motion");
+  EXPECT_EQ(table.rows[1].cells[0].values, (std::vector<double>{3.0, 5.0}));
+  EXPECT_TRUE(table.rows[1].cells[1].values.empty());
+  EXPECT_EQ(table.notes, std::vector<std::string>{"Three seeds."});
 }
 
 }  // namespace

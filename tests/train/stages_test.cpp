@@ -7,7 +7,7 @@
 #include "core/base/file.h"
 #include "tests/train/toy_dataset.h"
 #include "train/checkpoint/checkpoint.h"
-#include "train/options.h"
+#include "train/items.h"
 
 namespace mocurate {
 namespace {
@@ -24,11 +24,11 @@ class TrainStages : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  StageRequest Request(const std::string& item, nlohmann::json options) const {
+  StageRequest Request(const std::string& item, const NetworkOptions& options) const {
     StageRequest request;
     request.stage = "train";
     request.item = item;
-    request.options = std::move(options);
+    request.options = OptionsToJson(options);
     request.inputs = {{"dataset", "dataset", folder_ / "dataset.h5", "0"}};
     request.output = folder_ / "output.h5";
     request.scratch = folder_ / "scratch";
@@ -43,7 +43,8 @@ TEST_F(TrainStages, ARecogniserIsTrainedFromADatasetFile) {
   options.frames = 12;
   options.hidden = 8;
   options.epochs = 3;
-  const Expected<StageOutcome> outcome = TrainRecogniserStage(Request("recogniser/5", OptionsToJson(options)));
+  options.seed = 5;
+  const Expected<StageOutcome> outcome = TrainStage(Request("recogniser/7", {NetworkKind::kRecogniser, options, {}}));
   ASSERT_TRUE(outcome) << outcome.error().Message();
   EXPECT_EQ(outcome->summary.at("seed"), 5);
   EXPECT_EQ(outcome->summary.at("classes"), 3);
@@ -60,7 +61,8 @@ TEST_F(TrainStages, AGeneratorIsTrainedFromADatasetFile) {
   options.hidden = 8;
   options.latent = 2;
   options.iterations = 3;
-  const Expected<StageOutcome> outcome = TrainGeneratorStage(Request("action2motion", OptionsToJson(options)));
+  const Expected<StageOutcome> outcome =
+      TrainStage(Request("Action2Motion", {NetworkKind::kAction2Motion, {}, options}));
   ASSERT_TRUE(outcome) << outcome.error().Message();
   EXPECT_EQ(outcome->summary.at("iterations"), 3);
   const Expected<Checkpoint> checkpoint = ReadCheckpoint(folder_ / "output.h5", kAction2MotionKind);
@@ -69,11 +71,13 @@ TEST_F(TrainStages, AGeneratorIsTrainedFromADatasetFile) {
 }
 
 TEST_F(TrainStages, AnUnknownOptionAndAMissingDatasetAreErrors) {
-  const Expected<StageOutcome> option = TrainRecogniserStage(Request("recogniser/1", {{"epoch", 3}}));
+  StageRequest request = Request("recogniser/1", {});
+  request.options["recogniser"]["epoch"] = 3;
+  const Expected<StageOutcome> option = TrainStage(request);
   ASSERT_FALSE(option);
   EXPECT_NE(option.error().Message().find("epoch"), std::string::npos);
   std::filesystem::remove(folder_ / "dataset.h5");
-  const Expected<StageOutcome> missing = TrainGeneratorStage(Request("action2motion", nlohmann::json::object()));
+  const Expected<StageOutcome> missing = TrainStage(Request("Action2Motion", {NetworkKind::kAction2Motion, {}, {}}));
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
 }

@@ -1,0 +1,88 @@
+#include "ingest/synthetic/capture_files.h"
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<nlohmann::json> ReadCapture(const fs::path& artifact) {
+  const auto text = ReadFile(artifact);
+  if (!text) return Forward(text);
+  nlohmann::json capture = nlohmann::json::parse(*text, nullptr, false);
+  if (!capture.is_object() || !capture.contains("files") || !capture["files"].is_object()) {
+    return Fail(ErrorCode::kMalformed, "is no capture", DisplayPath(artifact), "mocurate cache verify");
+  }
+  return std::move(capture["files"]);
+}
+
+/// name -> SHA-256 of what was written; empty when there is no list, or none that can be read.
+std::map<std::string, std::string> ReadList(const fs::path& list) {
+  const auto text = ReadFile(list);
+  const nlohmann::json json = nlohmann::json::parse(text ? *text : std::string(), nullptr, false);
+  std::map<std::string, std::string> written;
+  if (!json.is_object()) return written;
+  for (const auto& [name, sha256] : json.items()) {
+    // Only plain names: a list that was tampered with reaches nothing outside the folder.
+    if (sha256.is_string() && name.find('/') == std::string::npos) written[name] = sha256.get<std::string>();
+  }
+  return written;
+}
+
+Status WriteList(const std::map<std::string, std::string>& written, const fs::path& list) {
+  return WriteFile(list, nlohmann::json(written).dump(1) + "\n");
+}
+
+bool Holds(const fs::path& file, const std::string& sha256) {
+  const auto bytes = ReadFile(file);
+  return bytes && Sha256Hex(*bytes) == sha256;
+}
+
+}  // namespace
+
+Expected<std::set<std::string>> CaptureFileNames(const fs::path& artifact) {
+  const auto files = ReadCapture(artifact);
+  if (!files) return Forward(files);
+  std::set<std::string> names;
+  for (const auto& file : files->items()) names.insert(file.key());
+  return names;
+}
+
+Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
+  const auto files = ReadCapture(artifact);
+  if (!files) return Forward(files);
+  if (Status made = MakeFolder(folder); !made) return made;
+  fs::path list = folder;
+  list += ".json";
+  const std::map<std::string, std::string> before = ReadList(list);
+  std::map<std::string, std::string> now;
+  for (const auto& [name, text] : files->items()) now[name] = Sha256Hex(text.get<std::string>());
+
+  // The list names what is ours before it is there, so that a run that is killed in between can go on.
+  std::map<std::string, std::string> both = now;
+  both.insert(before.begin(), before.end());
+  if (both != before) {
+    for (const auto& [name, sha256] : now) {
+      if (before.count(name) != 0 || !fs::exists(folder / name) || Holds(folder / name, sha256)) continue;
+      return Fail(ErrorCode::kCannotWrite, "another file has this name", DisplayPath(folder / name),
+                  "move it away, or choose another run folder with -o");
+    }
+    if (Status listed = WriteList(both, list); !listed) return listed;
+  }
+  for (const auto& [name, text] : files->items()) {
+    if (Holds(folder / name, now[name])) continue;
+    if (Status written = WriteFile(folder / name, text.get_ref<const std::string&>()); !written) return written;
+  }
+  for (const auto& [name, sha256] : before) {
+    std::error_code left;
+    if (now.count(name) == 0 && Holds(folder / name, sha256)) fs::remove(folder / name, left);
+  }
+  return now == before ? Status() : WriteList(now, list);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,107 @@
+// Which networks a job trains: one per seed and kind, the longest first, each with options of its own only.
+
+#include "train/items.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mocurate {
+namespace {
+
+StageInput Input(const std::string& name) { return {"dataset", name, "/nowhere/" + name, "sha of " + name}; }
+
+TrainOptions EveryKind() {
+  TrainOptions options;
+  options.seeds = {4, 9};
+  options.baseline = true;
+  options.crop = true;
+  return options;
+}
+
+std::vector<TrainItem> ItemsOf(const TrainOptions& options) {
+  return TrainItems(options, {Input("dataset"), Input("baseline")});
+}
+
+std::set<std::string> KeysOf(const std::vector<TrainItem>& items, const std::string& role) {
+  std::set<std::string> keys;
+  for (const TrainItem& item : items) {
+    if (item.role == role) keys.insert(Cache::Key(TrainDeclaration(), item.spec));
+  }
+  return keys;
+}
+
+TEST(TrainItems, TheGeneratorTakesLongestAndStartsFirst) { EXPECT_EQ(ItemsOf(EveryKind()).front().role, "generator"); }
+
+TEST(TrainItems, ThereIsOneRecogniserOfEachKindPerSeedAndTheSeedIsInItsOptions) {
+  TrainOptions options = EveryKind();
+  options.recogniser.seed = 77;  // seeds decide
+  std::vector<std::string> names;
+  for (const TrainItem& item : ItemsOf(options)) {
+    names.push_back(item.spec.item);
+    if (item.role == "generator") continue;
+    const auto network = OptionsFromJson<NetworkOptions>(item.spec.options);
+    ASSERT_TRUE(network) << network.error().Message();
+    EXPECT_EQ(item.spec.item, item.role + "/" + std::to_string(network->recogniser.seed));
+    EXPECT_EQ(network->recogniser.input == RecogniserInputKind::kCrop, item.role == "crop_recogniser");
+    EXPECT_EQ(item.spec.inputs.at(0).name, item.role == "baseline_recogniser" ? "baseline" : "dataset");
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"Action2Motion", "recogniser/4", "recogniser/9", "baseline_recogniser/4",
+                                             "baseline_recogniser/9", "crop_recogniser/4", "crop_recogniser/9"}));
+}
+
+TEST(TrainItems, AnOptionOfOneNetworkLeavesTheKeysOfTheOthersAlone) {
+  const TrainOptions before = EveryKind();
+  TrainOptions longer = before;
+  longer.generator.iterations *= 2;
+  EXPECT_EQ(KeysOf(ItemsOf(before), "recogniser"), KeysOf(ItemsOf(longer), "recogniser"));
+  EXPECT_NE(KeysOf(ItemsOf(before), "generator"), KeysOf(ItemsOf(longer), "generator"));
+  TrainOptions wider = before;
+  wider.recogniser.hidden *= 2;
+  EXPECT_NE(KeysOf(ItemsOf(before), "recogniser"), KeysOf(ItemsOf(wider), "recogniser"));
+  EXPECT_EQ(KeysOf(ItemsOf(before), "generator"), KeysOf(ItemsOf(wider), "generator"));
+}
+
+TEST(TrainItems, WithoutABaselineDatasetNothingIsTrainedOnIt) {
+  for (const TrainItem& item : TrainItems(EveryKind(), {Input("dataset"), std::nullopt})) {
+    EXPECT_NE(item.role, "baseline_recogniser");
+  }
+}
+
+TEST(TrainItems, OptionsOfAnotherNetworkAreUnknown) {
+  nlohmann::json options = OptionsToJson(NetworkOptions{NetworkKind::kAction2Motion, {}, {}});
+  EXPECT_FALSE(options.contains("recogniser"));
+  options["recogniser"] = {{"epochs", 3}};
+  EXPECT_FALSE(OptionsFromJson<NetworkOptions>(options));
+}
+
+TEST(TrainingBudget, MultipliesTheGeneratorsIterationsAndStaysInRange) {
+  TrainOptions options;
+  options.generator.iterations = 300;
+  ASSERT_TRUE(ScaleTraining(2.5, options));
+  EXPECT_EQ(options.generator.iterations, 750);
+  ASSERT_TRUE(ScaleTraining(1e-6, options));
+  EXPECT_EQ(options.generator.iterations, 1);
+  options.generator.iterations = 1000;
+  const Status refused = ScaleTraining(1e6, options);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+  EXPECT_EQ(options.generator.iterations, 1000);
+}
+
+TEST(TrainingNotes, SayWhetherTestClipsWereTrainedOnAndWhetherRowsAreAlike) {
+  TrainOptions options;
+  options.generator.all_clips = true;
+  EXPECT_NE(TrainingNotes(options).at(0).find("test clips included"), std::string::npos);
+  options.generator.input = options.recogniser.input;
+  EXPECT_EQ(TrainingNotes(options).size(), 1u);
+  options.generator.input = RecogniserInputKind::kCrop;
+  options.recogniser.input = RecogniserInputKind::kResample;
+  EXPECT_EQ(TrainingNotes(options).size(), 2u);
+  options.generator_enabled = false;
+  EXPECT_TRUE(TrainingNotes(options).empty());
+}
+
+}  // namespace
+}  // namespace mocurate
