@@ -1,7 +1,9 @@
 // The command: reads the command line, calls one verb, turns its result into an exit code.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "app/verbs.h"
@@ -17,20 +19,32 @@ constexpr const char* kFooter =
     "on\n"
     "this machine (see mocurate doctor); 70 a defect; 74 output cannot be written; 75 interrupted, run again to go on.";
 
+void PrintError(const Error& error, int exit_code) {
+  const nlohmann::json document = {{"error",
+                                    {{"code", Name(error.code)},
+                                     {"what", error.what},
+                                     {"where", error.where},
+                                     {"hint", error.hint},
+                                     {"exit_code", exit_code}}}};
+  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
 int Report(const Status& status, const CommonArguments& common) {
   if (status) return static_cast<int>(ExitCode::kDone);
   const Error& error = status.error();
   const int exit_code = static_cast<int>(ExitCodeOf(error.code));
-  if (common.json && !common.answered) {
-    const nlohmann::json document = {{"error",
-                                      {{"code", Name(error.code)},
-                                       {"what", error.what},
-                                       {"where", error.where},
-                                       {"hint", error.hint},
-                                       {"exit_code", exit_code}}}};
-    std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  }
+  if (common.json && !common.answered) PrintError(error, exit_code);
   std::fprintf(stderr, "mocurate: %s\n", error.Message().c_str());
+  return exit_code;
+}
+
+/// Help and version go to stdout and are no error; all else is wrong usage.
+int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  if (error.get_exit_code() == 0) return app.exit(error);
+  const auto exit_code = static_cast<int>(ExitCode::kUsage);
+  const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
+  if (json) PrintError({ErrorCode::kUsage, error.what(), "command line", "run with --help for more"}, exit_code);
+  app.exit(error);
   return exit_code;
 }
 
@@ -133,7 +147,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(ExitCode::kDone) : static_cast<int>(ExitCode::kUsage);
+    return ReportParse(app, error, argc, argv);
   }
   SetLogLevel(common.quiet ? LogLevel::kError : common.verbose ? LogLevel::kDebug : LogLevel::kInfo);
   try {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/verbs.h"
+#include "app/worker_check.h"
 #include "core/base/file.h"
 #include "core/base/version.h"
 #include "core/pipeline/runner.h"
@@ -58,27 +59,43 @@ Check CheckBlas() {
   char speed[64];
   std::snprintf(speed, sizeof(speed), ", %.0f GF/s on one thread", gigaflops);
   check.found = DisplayPath(file) + speed;
-  check.advice = check.ok
-                     ? ""
-                     : "training is 4 to 15 times slower with this BLAS: apt-get install libopenblas0-pthread, then "
-                       "update-alternatives --config libblas.so.3-x86_64-linux-gnu";
+  if (check.ok) return check;
+  const bool reference = file.parent_path().filename() == "blas";  // where Debian's libblas3 puts it
+  if (reference) check.found += ": the reference BLAS";
+  check.advice =
+      "training is 4 to 15 times slower with this BLAS: apt-get install libopenblas0-pthread, then "
+      "update-alternatives --auto libblas.so.3-" MOCURATE_MULTIARCH " (and unset LD_LIBRARY_PATH if it names another)";
   return check;
 }
 
-Check CheckWorker(const std::string& name, const std::string& does) {
+/// A worker program, then one line per shared library that it lacks.
+std::vector<Check> CheckWorker(const std::string& name, const std::string& does) {
   std::error_code ignored;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const std::filesystem::path& folder : {self, self.parent_path() / "libexec" / "mocurate"}) {
     const std::filesystem::path program = folder / name;
     if (access(program.c_str(), X_OK) != 0) continue;
-    const std::string command = "'" + program.string() + "' --version >/dev/null 2>&1";
-    const bool starts = std::system(command.c_str()) == 0;
-    return {
-        name, starts, DisplayPath(program) + (starts ? "" : " does not start"),
-        starts ? "" : "run it with --version to see which shared library is missing; scripts/install.sh installs them"};
+    const WorkerCheck worker = CheckWorkerProgram(program);
+    Check check{name, worker.starts, DisplayPath(program), ""};
+    if (worker.starts && worker.version != CreatedBy()) {
+      check.ok = false;
+      check.found += " is " + worker.version + ", this program is " + std::string(CreatedBy());
+      check.advice = "build and install both together";
+    } else if (!worker.starts) {
+      check.found += " does not start: " + worker.last_words;
+      check.advice = does + " needs it; " +
+                     (worker.missing.empty() ? "build it again, scripts/install.sh installs what it needs"
+                                             : "install the libraries below");
+    }
+    std::vector<Check> checks = {check};
+    for (const MissingLibrary& library : worker.missing) {
+      const std::string package = library.package.empty() ? "the package that holds it" : library.package;
+      checks.push_back({library.name, false, "not found, " + name + " needs it", "apt-get install " + package});
+    }
+    return checks;
   }
-  return {name, false, "not found beside mocurate",
-          does + " needs it: build the slice that holds it (MOCURATE_SLICE=all)"};
+  return {{name, false, "not found beside mocurate",
+           does + " needs it: build the slice that holds it (MOCURATE_SLICE=all)"}};
 }
 
 Check CheckThreads() {
@@ -115,13 +132,14 @@ Check CheckCache() {
 }  // namespace
 
 Status DoctorVerb(CommonArguments& common) {
-  const Check threads = CheckThreads();
-  const std::vector<Check> checks = {{"version", true, std::string(CreatedBy()), ""},
-                                     CheckWorker("mocurate-annotate", "ingesting and fitting"),
-                                     CheckWorker("mocurate-learn", "training and evaluating"),
-                                     CheckBlas(),
-                                     threads,
-                                     CheckCache()};
+  const Check threads = CheckThreads();  // before the check of the BLAS sets its threads
+  std::vector<Check> checks = {{"version", true, std::string(CreatedBy()), ""}};
+  for (const auto& [name, does] : {std::pair<const char*, const char*>{"mocurate-annotate", "ingesting and fitting"},
+                                   {"mocurate-learn", "training and evaluating"}}) {
+    const std::vector<Check> worker = CheckWorker(name, does);
+    checks.insert(checks.end(), worker.begin(), worker.end());
+  }
+  for (const Check& check : {CheckBlas(), threads, CheckCache()}) checks.push_back(check);
   nlohmann::json document = {{"checks", nlohmann::json::array()}};
   int missing = 0;
   for (const Check& check : checks) {
@@ -129,14 +147,15 @@ Status DoctorVerb(CommonArguments& common) {
     document["checks"].push_back(
         {{"name", check.name}, {"ok", check.ok}, {"found", check.found}, {"advice", check.advice}});
     if (common.json) continue;
-    std::printf("%-4s %-18s %s\n", check.ok ? "ok" : "BAD", check.name.c_str(), check.found.c_str());
-    if (!check.advice.empty()) std::printf("     %-18s %s\n", "", check.advice.c_str());
+    std::printf("%-4s %-20s %s\n", check.ok ? "ok" : "BAD", check.name.c_str(), check.found.c_str());
+    if (!check.advice.empty()) std::printf("     %-20s %s\n", "", check.advice.c_str());
   }
   document["ok"] = missing == 0;
   if (common.json) std::printf("%s\n", document.dump(1).c_str());
   common.answered = common.json;
   if (missing == 0) return {};
-  return Fail(ErrorCode::kMissingOnHost, std::to_string(missing) + " checks failed", "doctor", "see the advice above");
+  return Fail(ErrorCode::kMissingOnHost, std::to_string(missing) + " checks failed", "doctor",
+              "each line says what to install or set");
 }
 
 }  // namespace mocurate

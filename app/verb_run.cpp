@@ -55,8 +55,25 @@ nlohmann::json UntrainedJson(const JobResult& result) {
   return untrained;
 }
 
+int Executed(const JobResult& result) {
+  int count = 0;
+  for (const StageReport& stage : result.stages) count += static_cast<int>(stage.items.size()) - stage.from_cache;
+  return count;
+}
+
+/// What a dry run has found. The report is drawn from results, which a dry run has not.
+std::string Foreseen(const JobResult& result, JobStage last) {
+  const int count = Executed(result);
+  if (count == 0) {
+    return std::string(last == JobStage::kReport ? "nothing before the report would run" : "nothing would run") +
+           ": every item is in the cache";
+  }
+  return std::to_string(count) + " items would run, and what follows from them";
+}
+
 nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& folder, double seconds) {
   return {{"run", DisplayPath(folder)},
+          {"executed", Executed(result)},
           {"dataset", DisplayPath(result.dataset)},
           {"report", DisplayPath(result.report)},
           {"clips", result.clips},
@@ -165,6 +182,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
                             .c_str());
   } else {
     PrintResult(*result, seconds);
+    if (arguments.dry_run) std::printf("dry run: %s\n", Foreseen(*result, *last).c_str());
   }
   if (Status networks = CheckNetworks(*result); !networks) return networks;
   return CheckFailures(job->options, *result);

@@ -22,18 +22,35 @@ constexpr RecogniserKind kRecognisers[] = {{"recogniser", "Fitted motion"},
                                            {"baseline_recogniser", "Raw tracks"},
                                            {"crop_recogniser", "Fitted motion, windows as published"}};
 
-std::vector<std::string> CellsOfLine(std::string_view line) {
-  std::vector<std::string> cells;
-  const std::string_view inner = Trim(line);
-  if (inner.size() < 2 || inner.front() != '|') return cells;
-  for (const std::string_view cell : SplitText(inner.substr(1, inner.size() - 2), '|'))
-    cells.push_back(EscapeHtml(Trim(cell)));
-  return cells;
+/// Markdown as plain text: no stars, no escapes.
+std::string PlainText(std::string_view markdown) {
+  std::string text;
+  for (std::size_t i = 0; i < markdown.size(); ++i) {
+    if (markdown.substr(i, 2) == "**") {
+      ++i;
+      continue;
+    }
+    if (markdown[i] == '\\' && i + 1 < markdown.size()) ++i;
+    text += markdown[i];
+  }
+  return text;
 }
 
-std::string WithoutStars(std::string text) {
-  for (std::size_t at = text.find("**"); at != std::string::npos; at = text.find("**")) text.erase(at, 2);
-  return text;
+/// Cells of a row of a table; an escaped bar ends no cell. Empty for a line that is no row.
+std::vector<std::string> CellsOfLine(std::string_view line) {
+  std::vector<std::string> cells;
+  const std::string_view row = Trim(line);
+  if (row.size() < 2 || row.front() != '|') return cells;
+  std::size_t begin = 1;
+  for (std::size_t i = 1; i < row.size(); ++i) {
+    if (row[i] == '\\') {
+      ++i;
+    } else if (row[i] == '|') {
+      cells.push_back(EscapeHtml(PlainText(Trim(row.substr(begin, i - begin)))));
+      begin = i + 1;
+    }
+  }
+  return cells;
 }
 
 /// A table of Markdown and the lines around it.
@@ -43,7 +60,7 @@ std::string MarkdownToHtml(const std::string& markdown) {
   for (const std::string_view line : SplitText(markdown, '\n')) {
     const std::vector<std::string> cells = CellsOfLine(line);
     if (cells.empty()) {
-      const std::string note = EscapeHtml(WithoutStars(std::string(Trim(line))));
+      const std::string note = EscapeHtml(PlainText(Trim(line)));
       if (note.empty()) continue;
       if (table.head.empty())
         table.caption = note;

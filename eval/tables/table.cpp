@@ -1,6 +1,10 @@
 #include "eval/tables/table.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <string_view>
+#include <utility>
 
 #include "core/base/text.h"
 
@@ -16,8 +20,8 @@ std::string Fixed(double value, int digits) {
   return buffer;
 }
 
+/// "0.920 ± 0.050"; the cell has values.
 std::string CellText(const Table::Cell& cell, int digits, IntervalKind interval, const char* plus_minus) {
-  if (cell.values.empty()) return "-";
   const Summary summary = Summarise(cell.values, interval);
   std::string text = Fixed(summary.mean, digits);
   if (cell.values.size() > 1) text += plus_minus + Fixed(summary.half_width, digits);
@@ -42,23 +46,68 @@ std::string CsvText(const std::string& text) {
   return quoted + "\"";
 }
 
+/// A name in one line of Markdown: what would be markup, or end a cell, is escaped.
+std::string MarkdownText(std::string_view text) {
+  constexpr std::string_view kMarkup = "\\`*_|<[]";
+  std::string escaped;
+  for (const char c : text) {
+    if (kMarkup.find(c) != std::string_view::npos) escaped += '\\';
+    escaped += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return escaped;
+}
+
+/// A name in LaTeX text, with the arrows and signs of our columns and notes.
+std::string LatexText(std::string_view text) {
+  constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {{"\\", "\\textbackslash{}"},
+                                                                         {"~", "\\textasciitilde{}"},
+                                                                         {"^", "\\textasciicircum{}"},
+                                                                         {"<", "\\textless{}"},
+                                                                         {">", "\\textgreater{}"},
+                                                                         {"|", "\\textbar{}"},
+                                                                         {"&", "\\&"},
+                                                                         {"%", "\\%"},
+                                                                         {"$", "\\$"},
+                                                                         {"#", "\\#"},
+                                                                         {"_", "\\_"},
+                                                                         {"{", "\\{"},
+                                                                         {"}", "\\}"},
+                                                                         {"↓", "$\\downarrow$"},
+                                                                         {"↑", "$\\uparrow$"},
+                                                                         {"→", "$\\rightarrow$"},
+                                                                         {"±", "$\\pm$"},
+                                                                         {"\n", " "},
+                                                                         {"\r", " "}};
+  std::string escaped;
+  while (!text.empty()) {
+    const auto* found = std::find_if(std::begin(kReplaced), std::end(kReplaced), [&](const auto& replaced) {
+      return text.substr(0, replaced.first.size()) == replaced.first;
+    });
+    const bool plain = found == std::end(kReplaced);
+    escaped += plain ? text.substr(0, 1) : found->second;
+    text.remove_prefix(plain ? 1 : found->first.size());
+  }
+  return escaped;
+}
+
 }  // namespace
 
 std::string ToMarkdown(const Table& table, IntervalKind interval) {
-  std::string text = "**" + table.title + "**\n\n| method |";
-  for (const std::string& column : table.columns) text += " " + column + " |";
+  std::string text = "**" + MarkdownText(table.title) + "**\n\n| method |";
+  for (const std::string& column : table.columns) text += " " + MarkdownText(column) + " |";
   text += "\n|---|";
   for (std::size_t c = 0; c < table.columns.size(); ++c) text += "---|";
   text += "\n";
   for (const Table::Row& row : table.rows) {
-    text += "| " + row.name + " |";
+    text += "| " + MarkdownText(row.name) + " |";
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      text += " " + CellText(row.cells[c], table.digits[c], interval, " ± ") + " |";
+      const Table::Cell& cell = row.cells[c];
+      text += " " + (cell.values.empty() ? "-" : CellText(cell, table.digits[c], interval, " ± ")) + " |";
     }
     text += "\n";
   }
   text += "\n" + std::string(Meaning(interval)) + ".\n";
-  for (const std::string& note : table.notes) text += note + "\n";
+  for (const std::string& note : table.notes) text += MarkdownText(note) + "\n";
   return text;
 }
 
@@ -80,17 +129,21 @@ std::string ToCsv(const Table& table) {
 }
 
 std::string ToLatex(const Table& table, IntervalKind interval) {
-  std::string text = "% " + table.title + "\n\\begin{tabular}{l" + std::string(table.columns.size(), 'c') + "}\nmethod";
-  for (const std::string& column : table.columns) text += " & " + column;
+  std::string text =
+      "% " + LatexText(table.title) + "\n\\begin{tabular}{l" + std::string(table.columns.size(), 'c') + "}\nmethod";
+  for (const std::string& column : table.columns) text += " & " + LatexText(column);
   text += " \\\\ \\hline\n";
   for (const Table::Row& row : table.rows) {
-    text += row.name;
+    text += LatexText(row.name);
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      text += " & $" + CellText(row.cells[c], table.digits[c], interval, " \\pm ") + "$";
+      const Table::Cell& cell = row.cells[c];
+      text += cell.values.empty() ? " & --" : " & $" + CellText(cell, table.digits[c], interval, " \\pm ") + "$";
     }
     text += " \\\\\n";
   }
-  return text + "\\end{tabular}\n";
+  text += "\\end{tabular}\n\n\\smallskip{\\footnotesize " + LatexText(Meaning(interval)) + ".";
+  for (const std::string& note : table.notes) text += "\n" + LatexText(note);
+  return text + "}\n";
 }
 
 }  // namespace mocurate

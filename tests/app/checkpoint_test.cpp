@@ -22,12 +22,11 @@ using ::testing::HasSubstr;
 std::vector<std::string> TinyTraining(const Folder& folder) {
   std::vector<std::string> arguments = program::SmallJob(folder, "r");
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("evaluate"));
-  for (const char* option :
-       {"ingest.synthetic.actions=[kick,wave]", "train.recogniser.split=''", "train.recogniser.epochs=1",
-        "train.recogniser.hidden=8", "train.recogniser.frames=10", "train.generator.split=''",
-        "train.generator.hidden=8", "train.generator.latent=2", "train.generator.frames=10",
-        "train.generator.iterations=1", "train.generator.batch=4", "evaluate.repetitions=1", "evaluate.motions=20",
-        "evaluate.diversity_pairs=5", "evaluate.multimodality_quota=2"}) {
+  for (const char* option : {"train.recogniser.split=''", "train.recogniser.epochs=1", "train.recogniser.hidden=8",
+                             "train.recogniser.frames=10", "train.generator.split=''", "train.generator.hidden=8",
+                             "train.generator.latent=2", "train.generator.frames=10", "train.generator.iterations=1",
+                             "train.generator.batch=4", "evaluate.repetitions=1", "evaluate.motions=20",
+                             "evaluate.diversity_pairs=5", "evaluate.multimodality_quota=2"}) {
     arguments.insert(arguments.end(), {"--set", option});
   }
   arguments.emplace_back("--json");

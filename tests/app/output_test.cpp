@@ -21,7 +21,7 @@ using program::TightDisk;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
-constexpr std::size_t kLargestFile = 850000;  // the dataset of the small job is larger, all else is smaller
+constexpr std::size_t kLargestFile = 380000;  // the dataset of the small job is larger, all else is smaller
 
 int FromCache(const nlohmann::json& document) {
   int count = 0;
@@ -57,13 +57,13 @@ void ExpectAnEndAndAGoingOn(const Folder& folder, TightDisk& disk, const std::st
 
 TEST(FullDisk, UnderTheCacheEndsWith74AndTheRunGoesOnWhenThereIsRoom) {
   const Folder folder;
-  TightDisk disk(folder / "small", 3000000, kLargestFile);
+  TightDisk disk(folder / "small", 1500000, kLargestFile);
   ExpectAnEndAndAGoingOn(folder, disk, "r", disk.path().native());
 }
 
 TEST(FullDisk, UnderTheRunFolderEndsWith74AndTheRunGoesOnWhenThereIsRoom) {
   const Folder folder;
-  TightDisk disk(folder / "small", 1200000, kLargestFile);
+  TightDisk disk(folder / "small", 600000, kLargestFile);
   ExpectAnEndAndAGoingOn(folder, disk, disk.path().native(), "small/cache_elsewhere");
 }
 

@@ -127,6 +127,8 @@ inline std::vector<std::string> SmallJob(const Folder& folder, const std::string
           "--jobs",
           jobs,
           "--set",
+          "ingest.synthetic.actions=[clap, kick, squat, walk, wave]",
+          "--set",
           "ingest.synthetic.subjects=3",
           "--set",
           "ingest.synthetic.repetitions=1",

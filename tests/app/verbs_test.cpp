@@ -92,17 +92,6 @@ TEST(Errors, AnOutputThatCannotBeWrittenIsExitCode74) {
   EXPECT_THAT(result.err, HasSubstr("/proc/mocurate_run"));
 }
 
-TEST(Doctor, TellsProgramsBlasAndCacheAsJson) {
-  const Folder folder;
-  const Result result = RunProgram(folder, {"doctor", "--json"});
-  const nlohmann::json document = result.Json();
-  std::string names;
-  for (const auto& check : document["checks"]) names += check["name"].get<std::string>() + " ";
-  EXPECT_THAT(names, HasSubstr("BLAS"));
-  EXPECT_THAT(names, HasSubstr("mocurate-learn"));
-  EXPECT_EQ(result.exit_code, document["ok"].get<bool>() ? 0 : 4);
-}
-
 TEST(Inspect, AnEmptyFileIsAnErrorThatNamesIt) {
   const Folder folder;
   WriteText(folder / "empty.bvh", "");

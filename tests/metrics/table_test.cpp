@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 
+#include "core/base/random.h"
 #include "core/base/text.h"
 #include "eval/tables/run_table.h"
 
@@ -62,15 +66,86 @@ TEST(Csv, HoldsTheMeanAndAllThreeIntervalsOfEveryCellWithValues) {
   EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,0,0,0,1");
 }
 
-TEST(Latex, IsATabularWithTheSameNumbers) {
-  Table table = TwoMethods();
-  table.rows.pop_back();
-  EXPECT_EQ(ToLatex(table, IntervalKind::kAction2Motion),
+TEST(Latex, IsATabularWithTheSameNumbersADashForWhatIsMissingAndTheNotes) {
+  EXPECT_EQ(ToLatex(TwoMethods(), IntervalKind::kAction2Motion),
             "% toy\n"
             "\\begin{tabular}{lcc}\n"
             "method & FID & Accuracy \\\\ \\hline\n"
             "Real & $2.00 \\pm 0.98$ & $0.920 \\pm 0.018$ \\\\\n"
-            "\\end{tabular}\n");
+            "Ours, \"new\" & $12.50$ & -- \\\\\n"
+            "\\end{tabular}\n"
+            "\n"
+            "\\smallskip{\\footnotesize $\\pm$ is 1.96 sd / sqrt(repetitions), as Action2Motion prints it.\n"
+            "Three seeds.}\n");
+}
+
+TEST(Latex, ArrowsOfColumnsAreMathematics) {
+  Table table = TwoMethods();
+  table.columns = {"FID ↓", "Diversity →"};
+  EXPECT_NE(ToLatex(table, IntervalKind::kStudent).find("method & FID $\\downarrow$ & Diversity $\\rightarrow$ \\\\"),
+            std::string::npos);
+}
+
+/// A name of `length` characters of which most mean something to a format.
+std::string NastyName(Random& random, int length) {
+  constexpr std::string_view kCharacters = "ab_&%|$#{}~^\\<>*`[]\n\"";
+  std::string name;
+  for (int i = 0; i < length; ++i) name += kCharacters[random.Below(kCharacters.size())];
+  return name;
+}
+
+/// The text without its escapes; empty when `text` holds a character of `special` that is not escaped.
+std::optional<std::string> Unescaped(std::string_view text, std::string_view special) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\\' && i + 1 < text.size()) {
+      plain += text[++i];
+    } else if (special.find(text[i]) != std::string_view::npos) {
+      return std::nullopt;
+    } else {
+      plain += text[i];
+    }
+  }
+  return plain;
+}
+
+TEST(Markdown, NoNameEndsACellOrBecomesMarkup) {
+  Random random(3, "markdown names");
+  for (int trial = 0; trial < 200; ++trial) {
+    Table table = TwoMethods();
+    std::string name = table.rows[0].name = "x" + NastyName(random, 12) + "x";
+    std::replace(name.begin(), name.end(), '\n', ' ');
+    const auto lines = SplitText(ToMarkdown(table, IntervalKind::kStudent), '\n');
+    const std::string row(lines.at(4));
+    const std::string end = " | 2.00 ± 1.84 | 0.920 ± 0.050 |";
+    ASSERT_EQ(row.substr(0, 2), "| ") << row;
+    ASSERT_GT(row.size(), end.size() + 2);
+    ASSERT_EQ(row.substr(row.size() - end.size()), end) << row;
+    EXPECT_EQ(Unescaped(row.substr(2, row.size() - end.size() - 2), "|*_`<[]"), name) << row;
+  }
+}
+
+TEST(Latex, NoNameIsTakenForACommand) {
+  Random random(4, "latex names");
+  const std::pair<std::string, std::string> words[] = {{"\\textbackslash{}", "\\\\"},  {"\\textasciitilde{}", "\\~"},
+                                                       {"\\textasciicircum{}", "\\^"}, {"\\textless{}", "\\<"},
+                                                       {"\\textgreater{}", "\\>"},     {"\\textbar{}", "\\|"}};
+  for (int trial = 0; trial < 200; ++trial) {
+    Table table = TwoMethods();
+    std::string name = table.rows[0].name = "x" + NastyName(random, 12) + "x";
+    std::replace(name.begin(), name.end(), '\n', ' ');
+    std::string row(SplitText(ToLatex(table, IntervalKind::kStudent), '\n').at(3));
+    const std::string end = " & $2.00 \\pm 1.84$ & $0.920 \\pm 0.050$ \\\\";
+    ASSERT_GT(row.size(), end.size());
+    ASSERT_EQ(row.substr(row.size() - end.size()), end) << row;
+    row.resize(row.size() - end.size());
+    for (const auto& [word, character] : words) {
+      for (std::size_t at = row.find(word); at != std::string::npos; at = row.find(word, at + 2)) {
+        row.replace(at, word.size(), character);
+      }
+    }
+    EXPECT_EQ(Unescaped(row, "&%$#_{}~^<>|"), name) << row;
+  }
 }
 
 TEST(RunTable, PutsRealFirstAndLeavesAGapForAMetricThatIsMissing) {

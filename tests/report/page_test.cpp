@@ -111,6 +111,15 @@ TEST(ReportPage, StaysReadableWhenEveryClipFailed) {
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
+TEST(ReportPage, ShowsNamesOfATableAsTheyAreWritten) {
+  SmallRun run;
+  run.run["table_markdown"] = "**my\\_run**\n\n| method | FID |\n|---|---|\n| a\\|b\\_c\\\\ | 0.200 |\n\nn\\_1.\n";
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("my_run"));
+  EXPECT_THAT(page, HasSubstr("a|b_c\\</th>"));
+  EXPECT_THAT(page, HasSubstr("n_1."));
+}
+
 TEST(ReportPage, SaysThatNothingFailed) {
   SmallRun run;
   EXPECT_THAT(PageOf(run), HasSubstr("No clip was left out."));

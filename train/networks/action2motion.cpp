@@ -237,6 +237,27 @@ Action2MotionLoss Action2MotionStep(const Action2MotionConfig& config, const Act
   return {total.item<double>(), reconstruction.sum().item<double>(), kl.sum().item<double>()};
 }
 
+Action2MotionAnswers Action2MotionForward(const Action2MotionConfig& config, const ParameterList& parameters,
+                                          const Action2MotionRows& rows) {
+  torch::set_num_threads(1);
+  torch::NoGradGuard no_gradient;
+  const Weights weights = MakeWeights(parameters, false);
+  const Tensor prior_rows = View(rows.prior, {rows.frames, rows.batch, config.input()});
+  const Tensor decoder_rows = View(rows.decoder, {rows.frames, rows.batch, config.input() + config.latent});
+  const Cell prior(weights, "prior/gru.0.", "prior/embed");
+  Decoder decoder(weights, config, rows.batch);
+  Tensor hidden = torch::zeros({rows.batch, config.hidden});
+  std::vector<Tensor> hiddens, outputs;
+  for (int t = 0; t < rows.frames; ++t) {
+    hidden = prior.Step(prior_rows[t], hidden);
+    hiddens.push_back(hidden);
+    outputs.push_back(decoder.Step(decoder_rows[t]));
+  }
+  const Gaussian gaussian(weights, "prior", torch::stack(hiddens));
+  return {Numbers(torch::stack(hiddens)), Numbers(gaussian.mean), Numbers(gaussian.log_variance),
+          Numbers(torch::stack(outputs))};
+}
+
 double GaussianKl(const std::vector<float>& mean_q, const std::vector<float>& log_variance_q,
                   const std::vector<float>& mean_p, const std::vector<float>& log_variance_p, int batch) {
   const std::int64_t size = static_cast<std::int64_t>(mean_q.size());

@@ -64,6 +64,22 @@ struct Action2MotionTrace {
 Action2MotionLoss Action2MotionStep(const Action2MotionConfig& config, const Action2MotionBatch& batch,
                                     ParameterList& parameters, Action2MotionTrace* trace = nullptr);
 
+/// The prior and the decoder on given rows, one row of a motion a frame, from zero hidden states and without feedback:
+/// for comparison with other implementations.
+struct Action2MotionRows {
+  int batch = 0;
+  int frames = 0;
+  std::vector<float> prior;    ///< (T,B,input)
+  std::vector<float> decoder;  ///< (T,B,input + latent)
+};
+struct Action2MotionAnswers {
+  std::vector<float> hidden;              ///< (T,B,hidden) of the prior
+  std::vector<float> mean, log_variance;  ///< (T,B,latent) of the prior
+  std::vector<float> output;              ///< (T,B,3J) of the decoder
+};
+Action2MotionAnswers Action2MotionForward(const Action2MotionConfig& config, const ParameterList& parameters,
+                                          const Action2MotionRows& rows);
+
 /// KL of two diagonal normals, summed over all numbers and divided by `batch` (B.6, 4).
 double GaussianKl(const std::vector<float>& mean_q, const std::vector<float>& log_variance_q,
                   const std::vector<float>& mean_p, const std::vector<float>& log_variance_p, int batch);

@@ -1,0 +1,125 @@
+// With --json stdout is one JSON document, whatever becomes of the verb; all that is said on the way goes to stderr.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::Surroundings;
+using program::WriteText;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// The document on stdout: the whole of it, and nothing else.
+nlohmann::json ExpectDocument(const Result& result, int exit_code) {
+  EXPECT_EQ(result.exit_code, exit_code) << result.out << result.err;
+  const nlohmann::json document = nlohmann::json::parse(result.out, nullptr, false);
+  EXPECT_TRUE(document.is_object()) << result.out;
+  EXPECT_THAT(result.err, Not(HasSubstr("{")));
+  if (exit_code == 0) {
+    EXPECT_THAT(result.err, Not(HasSubstr("mocurate: ")));
+  } else {
+    EXPECT_THAT(result.err, HasSubstr("mocurate: "));
+  }
+  if (document.is_object() && document.contains("error")) {
+    EXPECT_EQ(document["error"]["exit_code"], exit_code);
+    for (const char* part : {"code", "what", "where", "hint"}) EXPECT_TRUE(document["error"][part].is_string());
+  }
+  return document;
+}
+
+TEST(Documents, AWholeRunAndWhatLooksAtIt) {
+  const Folder folder;
+  std::vector<std::string> job = SmallJob(folder, "r");
+  job.emplace_back("--json");
+  const Result run = RunProgram(folder, job);
+  EXPECT_EQ(ExpectDocument(run, 0)["clips"], 15);
+  EXPECT_THAT(run.err, HasSubstr("info: fitting: 15 items"));
+  ExpectDocument(RunProgram(folder, {"inspect", (folder / "r/dataset.h5").string(), "--json"}), 0);
+  ExpectDocument(RunProgram(folder, {"inspect", (folder / "r/capture").string(), "--json"}), 0);
+  EXPECT_GT(ExpectDocument(RunProgram(folder, {"cache", "stat", "--json"}), 0)["objects"], 15);
+  EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"cache", "verify", "--json"}), 0)["damaged"].empty());
+
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "cache/objects")) {
+    if (entry.path().extension() != ".h5") continue;
+    std::string bytes = ReadText(entry.path());
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    WriteText(entry.path(), bytes);
+    break;
+  }
+  EXPECT_EQ(ExpectDocument(RunProgram(folder, {"cache", "verify", "--json"}), 3)["damaged"].size(), 1u);
+  EXPECT_GT(ExpectDocument(RunProgram(folder, {"cache", "prune", "--days", "0", "--json"}), 0)["objects"], 15);
+  EXPECT_EQ(ExpectDocument(RunProgram(folder, {"cache", "stat", "--json"}), 0)["objects"], 0);
+}
+
+TEST(Documents, ARunWithABadClipIsOneDocumentWithExitCode1) {
+  const Folder folder;
+  std::vector<std::string> job = SmallJob(folder, "r");
+  ASSERT_EQ(RunProgram(folder, job).exit_code, 0);
+  fs::copy(folder / "r/capture", folder / "capture");
+  WriteText(folder / "capture/clap_p01_r01.txt", "");
+  job.insert(job.end(), {"--json", "--set", "ingest.synthetic.enabled=false", "--set",
+                         "ingest.path=" + (folder / "capture").string()});
+  const Result result = RunProgram(folder, job);
+  EXPECT_EQ(ExpectDocument(result, 1)["failed"], 1);
+  EXPECT_THAT(result.err, HasSubstr("clap_p01_r01.txt"));
+}
+
+TEST(Documents, VerbsThatNeedNoCapture) {
+  const Folder folder;
+  EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"config", "show", "--json"}), 0).contains("ingest"));
+  EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"config", "schema", "--json"}), 0).contains("properties"));
+  EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"config", "reference", "--json"}), 0).contains("markdown"));
+  ExpectDocument(RunProgram(folder, {"run", "--dry-run", "-o", (folder / "r").string(), "--json"}), 0);
+}
+
+TEST(Documents, WrongUsageAndWrongConfigAreExitCode2) {
+  const Folder folder;
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run", "--wings", "--json"},
+                                                    {"--json", "fly"},
+                                                    {"--json"},
+                                                    {"inspect", "--json"},
+                                                    {"cache", "--json"},
+                                                    {"cache", "prune", "--days", "-1", "--json"},
+                                                    {"run", "--jobs", "many", "--json"},
+                                                    {"run", "--to", "heaven", "--json"}}) {
+    const Result result = RunProgram(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    const nlohmann::json document = nlohmann::json::parse(result.out, nullptr, false);
+    ASSERT_TRUE(document.is_object()) << arguments.back() << ": " << result.out;
+    EXPECT_EQ(document["error"]["code"], "usage");
+    EXPECT_EQ(document["error"]["exit_code"], 2);
+    EXPECT_NE(result.err, "");
+  }
+  WriteText(folder / "bad.yaml", "name: x\nskeletn: smpl24\n");
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"run"}, {"config", "show"}}) {
+    std::vector<std::string> arguments = verb;
+    arguments.insert(arguments.end(), {(folder / "bad.yaml").string(), "--json"});
+    EXPECT_EQ(ExpectDocument(RunProgram(folder, arguments), 2)["error"]["code"], "config");
+  }
+}
+
+TEST(Documents, WhatIsNotThereIsExitCode3) {
+  const Folder folder;
+  const std::string none = folder / "none.yaml";
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"run", none}, {"config", "show", none}, {"inspect", none}}) {
+    std::vector<std::string> with_json = arguments;
+    with_json.emplace_back("--json");
+    const nlohmann::json document = ExpectDocument(RunProgram(folder, with_json), 3);
+    EXPECT_EQ(document["error"]["code"], "not_found");
+    EXPECT_THAT(document["error"]["where"].get<std::string>(), HasSubstr("none.yaml"));
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

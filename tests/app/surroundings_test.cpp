@@ -1,0 +1,174 @@
+// What a user has around the program: a terminal or a pipe, a locale, odd file names, a warm or a cold cache.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <clocale>
+#include <map>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::Started;
+using program::Surroundings;
+using program::WriteText;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::vector<std::string> With(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+/// Every file below a folder with its bytes and time.
+std::map<std::string, std::string> Snapshot(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string time = std::to_string(fs::last_write_time(entry).time_since_epoch().count());
+    files[entry.path().native()] = entry.is_regular_file() ? time + ReadText(entry.path()) : time;
+  }
+  return files;
+}
+
+TEST(DryRun, OfAColdCacheSaysThatThereIsWorkAndWritesNothing) {
+  const Folder folder;
+  const Result result = RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("dry run: 1 items would run, and what follows from them"));
+  EXPECT_FALSE(fs::exists(folder / "r"));
+  EXPECT_FALSE(fs::exists(folder / "cache"));
+}
+
+TEST(DryRun, OfAWarmCacheSaysThatNothingWouldRunAndWritesNothing) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  const auto run = Snapshot(folder / "r"), cache = Snapshot(folder / "cache");
+  const Result result = RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("dry run: nothing would run: every item is in the cache"));
+  EXPECT_EQ(RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run", "--json"})).Json()["executed"], 0);
+  EXPECT_TRUE(run == Snapshot(folder / "r"));
+  EXPECT_TRUE(cache == Snapshot(folder / "cache"));
+
+  const Result changed =
+      RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run", "--json", "--set", "canon.facing.anchor=last"}));
+  EXPECT_EQ(changed.Json()["executed"], changed.Json()["clips"]) << "every clip is canonicalised again";
+}
+
+/// What a program prints to a terminal.
+std::string OnATerminal(const Folder& folder, const std::vector<std::string>& arguments) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  EXPECT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+  const std::string name = ptsname(terminal);
+  Surroundings surroundings;
+  surroundings.before_start = [name] { dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDERR_FILENO); };
+  Started run(folder, arguments, surroundings);
+  std::string text;
+  char bytes[4096];
+  while (true) {
+    const bool running = run.Running();
+    pollfd wait{terminal, POLLIN, 0};
+    const ssize_t count = poll(&wait, 1, 50) > 0 ? read(terminal, bytes, sizeof bytes) : 0;
+    if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
+    if (!running && count <= 0) break;
+  }
+  close(terminal);
+  EXPECT_EQ(run.Wait().exit_code, 0) << text;
+  return text;
+}
+
+TEST(Progress, IsDrawnOnATerminalOnly) {
+  const Folder folder;
+  const std::string terminal = OnATerminal(folder, SmallJob(folder, "r"));
+  EXPECT_THAT(terminal, HasSubstr("\r\x1b[Kfitting "));
+  EXPECT_THAT(terminal, HasSubstr("/15"));
+  EXPECT_THAT(OnATerminal(folder, With(SmallJob(folder, "quiet"), {"--quiet"})), Not(HasSubstr("\x1b[K")));
+  const Result piped = RunProgram(folder, SmallJob(folder, "piped"), "other_cache");
+  EXPECT_EQ(piped.exit_code, 0);
+  EXPECT_THAT(piped.err, Not(HasSubstr("\r")));
+  EXPECT_THAT(piped.err, Not(HasSubstr("\x1b")));
+  EXPECT_THAT(piped.err, HasSubstr("fitting: 15 items"));
+}
+
+/// Makes a locale with a decimal comma below `folder`, of which the program is told.
+Surroundings CommaLocale(const Folder& folder) {
+  const pid_t made = fork();
+  const std::string target = folder / "de_DE.UTF-8";
+  if (made == 0) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    execlp("localedef", "localedef", "-i", "de_DE", "-f", "UTF-8", target.c_str(), nullptr);
+    _exit(127);
+  }
+  waitpid(made, nullptr, 0);
+  Surroundings surroundings;
+  surroundings.before_start = [path = folder.path().native()] {
+    setenv("LOCPATH", path.c_str(), 1);
+    setenv("LC_ALL", "de_DE.UTF-8", 1);
+    setenv("LANG", "de_DE.UTF-8", 1);
+    if (setlocale(LC_ALL, "") == nullptr || std::string(localeconv()->decimal_point) != ",") _exit(99);
+  };
+  return surroundings;
+}
+
+TEST(Locale, ADecimalCommaChangesNoByteAndNoNumber) {
+  const Folder folder;
+  Surroundings comma = CommaLocale(folder);
+  const std::vector<std::string> rate = {"--json", "--set", "canon.trim.margin=0.25 s"};
+  const Result point = RunProgram(folder, With(SmallJob(folder, "point"), rate));
+  ASSERT_EQ(point.exit_code, 0) << point.err;
+  comma.cache = "comma_cache";
+  const Result german = RunProgram(folder, With(SmallJob(folder, "comma"), rate), comma);
+  ASSERT_EQ(german.exit_code, 0) << "99: no locale with a decimal comma, install `locales`; " << german.err;
+  EXPECT_EQ(point.Json()["fit_error"], german.Json()["fit_error"]);
+  EXPECT_TRUE(ReadText(folder / "point/dataset.h5") == ReadText(folder / "comma/dataset.h5"));
+  EXPECT_EQ(ReadText(folder / "point/curation_log.jsonl"), ReadText(folder / "comma/curation_log.jsonl"));
+  for (const std::vector<std::string>& verb :
+       {std::vector<std::string>{"config", "show", "--set", "ingest.synthetic.dropout=0.125"},
+        {"inspect", (folder / "point/dataset.h5").string()},
+        {"inspect", (folder / "point/capture").string()},
+        {"config", "schema"}}) {
+    const Result here = RunProgram(folder, verb);
+    EXPECT_EQ(here.exit_code, 0) << here.err;
+    EXPECT_EQ(here.out, RunProgram(folder, verb, comma).out) << verb[0];
+  }
+}
+
+TEST(FileNames, MayHoldBytesThatAreNotUtf8UnderThePlainLocale) {
+  const Folder folder;
+  Surroundings plain;
+  plain.before_start = [] { setenv("LC_ALL", "C", 1); };
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r"), plain).exit_code, 0);
+  fs::copy(folder / "r/capture", folder / "odd c\xe4pture");
+  fs::path chosen;
+  for (const auto& entry : fs::directory_iterator(folder / "odd c\xe4pture")) chosen = std::max(chosen, entry.path());
+  fs::rename(chosen, chosen.parent_path() / "wave_pJ\xf6rg_r01.txt");
+  const Result told = RunProgram(folder, {"inspect", (folder / "odd c\xe4pture").string(), "--json"}, plain);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_THAT(told.Json().dump(), HasSubstr("odd c\\\\xe4pture"));
+  EXPECT_THAT(told.out, HasSubstr("J\\\\xf6rg"));
+
+  fs::rename(folder / "odd c\xe4pture", folder / "capture");
+  const Result with_name =
+      RunProgram(folder,
+                 With(SmallJob(folder, "odd r\xfcn"), {"--set", "ingest.synthetic.enabled=false", "--set",
+                                                       "ingest.path=" + (folder / "capture").string(), "--json"}),
+                 plain);
+  EXPECT_EQ(with_name.exit_code, 0) << with_name.err;
+  EXPECT_EQ(with_name.Json()["kept"], with_name.Json()["clips"]);
+  EXPECT_TRUE(fs::exists(folder.path() / "odd r\xfcn" / "dataset.h5"));
+  EXPECT_THAT(ReadText(folder.path() / "odd r\xfcn" / "curation_log.jsonl"), HasSubstr("rg_r01"));
+}
+
+}  // namespace
+}  // namespace mocurate
