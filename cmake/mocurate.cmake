@@ -13,13 +13,18 @@ endif()
 add_library(mocurate_settings INTERFACE)
 target_include_directories(mocurate_settings INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 # g++ 12 takes Eigen's fixed-size storage for uninitialised after inlining.
-target_compile_options(mocurate_settings INTERFACE -Wall -Wextra -Wshadow -Wno-psabi -Wno-maybe-uninitialized)
+target_compile_options(mocurate_settings INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 if(MOCURATE_WARNINGS_AS_ERRORS)
   target_compile_options(mocurate_settings INTERFACE -Werror)
 endif()
 if(MOCURATE_SANITIZE)
   add_compile_options(-fsanitize=${MOCURATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${MOCURATE_SANITIZE})
+endif()
+
+if(MOCURATE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
 # mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ...): static library mocurate_NAME. Sources may be globs relative

@@ -1,11 +1,18 @@
-// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_bvh.cpp
-// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+/// Any bytes are a BVH file: an answer is a motion that can be written and read again, or an error.
+
 #include <cstddef>
 #include <cstdint>
 
 #include "core/formats/bvh.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  (void)mocurate::ParseBvh({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const auto bvh = mocurate::ParseBvh({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!bvh) return 0;
+  if (bvh->frames > 0) {
+    std::vector<mocurate::Vector3d> positions;
+    mocurate::BvhForward(*bvh, bvh->frames - 1, positions);
+  }
+  const auto again = mocurate::ParseBvh(mocurate::WriteBvh(*bvh), "again");
+  if (!again || again->values != bvh->values) __builtin_trap();
   return 0;
 }

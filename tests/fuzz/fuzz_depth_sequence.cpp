@@ -1,5 +1,5 @@
-// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_depth_sequence.cpp
-// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+/// Any bytes are the JSON beside a depth sequence.
+
 #include <cstddef>
 #include <cstdint>
 
