@@ -19,6 +19,7 @@ struct FitResult {
   std::string termination;    ///< "converged", "iteration limit" or the solver's own words
   double initial_cost = 0.0;  ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
+  std::string capsule_radii;      ///< RadiiText of the body that was fitted; empty without one
   std::vector<Finding> findings;  ///< clip id left empty
 };
 

@@ -2,6 +2,7 @@
 
 #include "core/base/file.h"
 #include "core/base/version.h"
+#include "core/body/flesh_body.h"
 #include "core/store/store.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/evidence/depth_files.h"
@@ -61,6 +62,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   clip->evidence = Evidence{};
   if (clip->evidence_sha256.empty()) clip->evidence_sha256 = evidence->sha256;
   clip->provenance["fitting"] = options->method == FitMethod::kNone ? "given motion" : CreatedBy();
+  if (!fit->capsule_radii.empty()) clip->provenance[kCapsuleRadii] = fit->capsule_radii;
   dataset.clips.push_back(std::move(*clip));
   if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);
   return outcome;

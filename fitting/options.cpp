@@ -45,13 +45,12 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
   v.Group("outliers", outliers, "statistical outlier removal");
   v.Number("capsule_radius_scale", capsule_radius_scale, Unit::kNone, {0.1, 10.0}, "factor on the skeleton's radii");
-  v.Integer("iterations", iterations, {1, 1000}, "of matching points to capsules, per frame");
+  v.Integer("iterations", iterations, {1, 1000}, "of matching points to capsules, at most, per frame");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
   v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "root position, metres per square root second");
-  v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
+  v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3},
+           "distance of joints from the rest pose; the trunk, feet and hands move less");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
-  v.Number("start_facing_deg", start_facing_deg, Unit::kNone, {-360.0, 360.0},
-           "heading of the first pose about +y in degrees; 0 faces +z");
 }
 
 void FittingOptions::Declare(OptionVisitor& v) {
@@ -83,8 +82,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 1, "mocurate-annotate"}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 2, "mocurate-annotate"}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 1, "mocurate-annotate"}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 2, "mocurate-annotate"}; }
 
 }  // namespace mocurate

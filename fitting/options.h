@@ -49,12 +49,11 @@ struct PointCloudOptions {
   double max_distance = 0.1;  ///< m from the body; farther points do not pull
   CloudOutlierOptions outliers;
   double capsule_radius_scale = 1.0;
-  std::int64_t iterations = 10;  ///< of matching points to capsules, per frame
+  std::int64_t iterations = 40;  ///< of matching points to capsules, at most, per frame
   double rotation_walk = 0.55;   ///< rad per sqrt(s), each joint
   double velocity_walk = 0.33;   ///< m per sqrt(s), root
-  double rest_spread = 1.0;      ///< rad from the rest pose
+  double rest_spread = 1.0;  ///< rad from the rest pose; joints of the trunk, feet and hands have less, see RestSpreads
   double huber_sigmas = 2.5;
-  double start_facing_deg = 0.0;  ///< heading of the first pose about +y, degrees; 0 faces +z
 
   void Declare(OptionVisitor& v);
 };

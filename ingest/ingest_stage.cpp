@@ -63,6 +63,16 @@ int JointCount(const Clip& clip) {
   return clip.motion ? clip.motion->joint_count() : 0;
 }
 
+/// Of the source file; with depth views, of the hashes of that file and of every image, view after view.
+std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
+  std::string hash = Sha256Hex(bytes);
+  if (evidence.depth_views.empty()) return hash;
+  for (const DepthView& view : evidence.depth_views) {
+    for (const std::string& image : view.sha256) hash += '\n' + image;
+  }
+  return Sha256Hex(hash);
+}
+
 void Complete(const SourceOptions& source, const NamedFile& named, const std::string& bytes, IngestedClip& ingested) {
   Clip& clip = ingested.clip;
   clip.identity = named.identity;
@@ -70,7 +80,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   clip.identity.end_frame = FrameCount(clip);
   clip.label = named.label;
   clip.role = named.role;
-  clip.evidence_sha256 = Sha256Hex(bytes);
+  clip.evidence_sha256 = EvidenceHash(bytes, clip.evidence);
   clip.provenance["file"] = named.fields.at("file");
   clip.provenance["source_axes"] = source.axes;
   if (!source.units.empty()) clip.provenance["source_units"] = source.units;

@@ -13,9 +13,9 @@ const cv::Scalar kOutline(255, 255, 255);
 const cv::Scalar kNothing(34, 28, 24);
 
 /// The part of a view that shows the body, with a margin; the whole view when the body is out of sight.
-cv::Rect CropOf(const CapsuleBody& body, const Vector3d* joints, const Camera& camera) {
+cv::Rect CropOf(const PosedBody& body, const Camera& camera) {
   const cv::Rect whole(0, 0, camera.width, camera.height);
-  const DepthRendering rendering = RenderBody(body, joints, camera, PixelRays(camera));
+  const DepthRendering rendering = RenderBody(body.capsules, body.points.data(), camera, PixelRays(camera));
   cv::Rect box;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -86,11 +86,11 @@ void DrawOutlines(const DepthRendering& rendering, int bodies, cv::Mat& image) {
   cv::drawContours(image, contours, -1, kOutline, 1, cv::LINE_AA);
 }
 
-void DrawBones(const Motion& motion, const Vector3d* joints, const Camera& camera, cv::Mat& image) {
+void DrawBones(const Motion& motion, int frame, const Camera& camera, cv::Mat& image) {
   const std::vector<int> sides = SidesOf(*motion.skeleton);
   for (int j = 1; j < motion.joint_count(); ++j) {
-    const auto from = camera.ProjectWorld(joints[motion.skeleton->joints[j].parent]);
-    const auto to = camera.ProjectWorld(joints[j]);
+    const auto from = camera.ProjectWorld(motion.joints.at(frame, motion.skeleton->joints[j].parent));
+    const auto to = camera.ProjectWorld(motion.joints.at(frame, j));
     if (!from || !to || from->norm() > 1e5 || to->norm() > 1e5) continue;
     const cv::Scalar colour = sides[j] > 0   ? cv::Scalar(255, 170, 90)
                               : sides[j] < 0 ? cv::Scalar(60, 140, 255)
@@ -113,15 +113,14 @@ Expected<cv::Mat> Overlay(const Clip& fitted, const Evidence& evidence, int view
   const DepthView& seen = evidence.depth_views[view];
   const auto depth = ReadDepth(seen, frame);
   if (!depth) return Forward(depth);
-  const CapsuleBody body = BodyOf(*fitted.motion);
-  std::vector<Vector3d> storage;
-  const Vector3d* joints = JointsOf(*fitted.motion, frame, storage);
-  const cv::Rect crop = CropOf(body, joints, seen.camera);
+  const PosedBody body = BodyOf(fitted, frame);
+  const cv::Rect crop = CropOf(body, seen.camera);
   const int factor = std::clamp((kWantedHeight + crop.height / 2) / std::max(1, crop.height), 1, 4);
   const Camera camera = CameraOf(seen.camera, crop, factor);
   cv::Mat image = FalseColours((*depth)(crop), factor);
-  DrawOutlines(RenderBody(body, joints, camera, PixelRays(camera)), static_cast<int>(body.capsules.size()), image);
-  DrawBones(*fitted.motion, joints, camera, image);
+  DrawOutlines(RenderBody(body.capsules, body.points.data(), camera, PixelRays(camera)),
+               static_cast<int>(body.capsules.capsules.size()), image);
+  DrawBones(*fitted.motion, frame, camera, image);
   return image;
 }
 

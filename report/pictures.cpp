@@ -82,7 +82,8 @@ struct Extent {
   double Height() const { return std::max(0.5, high.y() - low.y() + 0.35); }
 };
 
-cv::Mat StillOf(const Motion& motion, const Evidence& evidence, int frame, const Extent& extent) {
+cv::Mat StillOf(const Clip& fitted, const Evidence& evidence, int frame, const Extent& extent) {
+  const Motion& motion = *fitted.motion;
   const int height = 400 * kOversampling;
   const double pixels_per_metre = 0.88 * height / extent.Height();
   const double wanted = std::clamp(2.0 * extent.reach * pixels_per_metre, 0.4 * height, 1.2 * height);
@@ -90,16 +91,14 @@ cv::Mat StillOf(const Motion& motion, const Evidence& evidence, int frame, const
   Vector3d centre = motion.joints.at(frame, 0);
   centre.y() = 0.5 * (extent.low.y() + extent.high.y()) - 0.04;
   const Camera camera = LookAt(FrontView(motion), centre, pixels_per_metre, width, height);
-  std::vector<Vector3d> storage;
-  cv::Mat image = ShadeBody(BodyOf(motion), JointsOf(motion, frame, storage), camera, FloorOf(motion)).image;
+  cv::Mat image = ShadeBody(BodyOf(fitted, frame), camera, FloorOf(motion)).image;
   if (evidence.tracks) DrawTracks(*evidence.tracks, *motion.skeleton, frame, camera, image);
   WriteBelow(FixedText(motion.rate.FrameTime(frame), 2) + " s", image);
   return Smaller(image);
 }
 
 /// Measured points of all views that lie near the body, world.
-Expected<std::vector<Vector3d>> CloudNear(const CapsuleBody& body, const Vector3d* joints, const Evidence& evidence,
-                                          int frame) {
+Expected<std::vector<Vector3d>> CloudNear(const PosedBody& body, const Evidence& evidence, int frame) {
   constexpr double kReach = 0.3;
   std::vector<Vector3d> points;
   for (const DepthView& view : evidence.depth_views) {
@@ -111,7 +110,7 @@ Expected<std::vector<Vector3d>> CloudNear(const CapsuleBody& body, const Vector3
         const double metres = depth->at<std::uint16_t>(y, x) * view.metres_per_unit;
         if (metres <= 0.0) continue;
         const Vector3d world = world_from_camera * view.camera.Unproject(Vector2d(x, y), metres);
-        const auto near = ClosestOnBody(body, joints, world);
+        const auto near = ClosestOnBody(body.capsules, body.points.data(), world);
         if (near && near->on_capsule.distance < kReach) points.push_back(world);
       }
     }
@@ -119,10 +118,11 @@ Expected<std::vector<Vector3d>> CloudNear(const CapsuleBody& body, const Vector3
   return points;
 }
 
-/// Points in front of the body veil it, those behind it are hidden by it.
+/// Points in front of the body or just below its surface veil it, those farther behind are hidden by it.
 void DrawCloud(const std::vector<Vector3d>& points, const Camera& camera, const std::vector<float>& body_depth,
                cv::Mat& image) {
   constexpr double kVeil = 0.5;
+  constexpr double kSkin = 0.02;  // metres
   const cv::Vec3d colour(150, 128, 58);
   std::vector<bool> drawn(body_depth.size(), false);
   for (const Vector3d& point : points) {
@@ -133,19 +133,12 @@ void DrawCloud(const std::vector<Vector3d>& points, const Camera& camera, const 
     if (pixel.x < 0 || pixel.y < 0 || pixel.x + 1 >= image.cols || pixel.y + 1 >= image.rows) continue;
     for (const cv::Point& part : {pixel, pixel + cv::Point(1, 0), pixel + cv::Point(0, 1), pixel + cv::Point(1, 1)}) {
       const std::size_t index = static_cast<std::size_t>(part.y) * image.cols + part.x;
-      if (drawn[index] || (body_depth[index] > 0.0F && seen.z() > body_depth[index])) continue;
+      if (drawn[index] || (body_depth[index] > 0.0F && seen.z() > body_depth[index] + kSkin)) continue;
       drawn[index] = true;
       cv::Vec3b& under = image.at<cv::Vec3b>(part);
       for (int c = 0; c < 3; ++c) under[c] = cv::saturate_cast<uchar>(kVeil * colour[c] + (1.0 - kVeil) * under[c]);
     }
   }
-}
-
-/// Bones with a little flesh, so that they lie inside what the cameras saw.
-CapsuleBody SlimBodyOf(const Motion& motion) {
-  CapsuleBody body = BodyOf(motion);
-  for (Capsule& capsule : body.capsules) capsule.radius = std::min(0.55 * capsule.radius, 0.035);
-  return body;
 }
 
 }  // namespace
@@ -155,7 +148,7 @@ Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames
   const std::vector<int> chosen = StillFrames(fitted.motion->frame_count(), std::max(1, frames));
   const Extent extent(*fitted.motion, chosen);
   std::vector<cv::Mat> stills;
-  for (const int frame : chosen) stills.push_back(StillOf(*fitted.motion, evidence, frame, extent));
+  for (const int frame : chosen) stills.push_back(StillOf(fitted, evidence, frame, extent));
   cv::Mat strip;
   cv::hconcat(stills, strip);
   return WritePng(strip, png);
@@ -166,10 +159,8 @@ Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame
   if (evidence.depth_views.empty())
     return Fail(ErrorCode::kInconsistent, "the evidence has no depth views", fitted.id());
   const Motion& motion = *fitted.motion;
-  const CapsuleBody body = BodyOf(motion);
-  std::vector<Vector3d> storage;
-  const Vector3d* joints = JointsOf(motion, frame, storage);
-  const auto points = CloudNear(body, joints, evidence, frame);
+  const PosedBody body = BodyOf(fitted, frame);
+  const auto points = CloudNear(body, evidence, frame);
   if (!points) return Forward(points);
   const Extent extent(motion, {frame});
   const int height = 560 * kOversampling;
@@ -179,7 +170,7 @@ Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame
     Viewpoint view = FrontView(motion);
     view.yaw += turn;
     const Camera camera = LookAt(view, 0.5 * (extent.low + extent.high), pixels_per_metre, 400 * kOversampling, height);
-    ShadedBody shaded = ShadeBody(SlimBodyOf(motion), joints, camera, extent.low.y() - 0.05);
+    ShadedBody shaded = ShadeBody(body, camera, extent.low.y() - 0.05);
     DrawCloud(*points, camera, shaded.depth, shaded.image);
     panels.push_back(Smaller(shaded.image));
   }

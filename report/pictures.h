@@ -7,9 +7,9 @@
 
 namespace mocurate {
 
-/// Pictures of fits as PNG, drawn with OpenCV. Bodies are capsules with the skeleton's radii, scaled by the person's
-/// bone lengths. Errors: kInconsistent when `fitted` has no motion or a frame or view does not exist, kNotFound and
-/// kMalformed for depth images, kCannotWrite.
+/// Pictures of fits as PNG, drawn with OpenCV. Bodies are drawn as they were fitted to point clouds, else as capsules
+/// with the skeleton's radii, scaled by the person's bone lengths. Errors: kInconsistent when `fitted` has no motion or
+/// a frame or view does not exist, kNotFound and kMalformed for depth images, kCannotWrite.
 
 /// `frames` stills of the fitted body with the tracked points (dark) in front, time below.
 Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png);
@@ -20,7 +20,7 @@ Status WriteBodyOverlay(const Clip& fitted, const Evidence& evidence, int view, 
 /// The same, as bytes of a PNG.
 Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame);
 
-/// The fitted bones, as slim capsules, inside the point cloud of all depth views of a frame: front and side.
+/// The fitted body inside the point cloud of all depth views of a frame: front and side.
 Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame, const std::filesystem::path& png);
 
 std::string Base64(const std::string& bytes);

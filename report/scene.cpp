@@ -24,9 +24,9 @@ cv::Point2i Pixel(const Vector2d& at, int bits) {
   return {static_cast<int>(std::lround(at.x() * unit)), static_cast<int>(std::lround(at.y() * unit))};
 }
 
-void DrawShadow(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, double floor_y, cv::Mat& image) {
-  for (const Capsule& capsule : body.capsules) {
-    Vector3d ends[] = {joints[capsule.parent], joints[capsule.joint]};
+void DrawShadow(const PosedBody& body, const Camera& camera, double floor_y, cv::Mat& image) {
+  for (const Capsule& capsule : body.capsules.capsules) {
+    Vector3d ends[] = {body.points[capsule.parent], body.points[capsule.joint]};
     for (Vector3d& end : ends) end.y() = floor_y;
     const auto from = camera.ProjectWorld(ends[0]);
     const auto to = camera.ProjectWorld(ends[1]);
@@ -37,23 +37,6 @@ void DrawShadow(const CapsuleBody& body, const Vector3d* joints, const Camera& c
 }
 
 }  // namespace
-
-CapsuleBody BodyOf(const Motion& motion) {
-  double length = 0.0;
-  double rest_length = 0.0;
-  const std::vector<double> rest = motion.skeleton->RestBoneLengths();
-  for (std::size_t j = 0; j < rest.size() && j < motion.bone_length.size(); ++j) {
-    length += motion.bone_length[j];
-    rest_length += rest[j];
-  }
-  return CapsuleBody::Make(motion.skeleton, length > 0.0 && rest_length > 0.0 ? length / rest_length : 1.0);
-}
-
-const Vector3d* JointsOf(const Motion& motion, int frame, std::vector<Vector3d>& storage) {
-  storage.clear();
-  for (int j = 0; j < motion.joint_count(); ++j) storage.emplace_back(motion.joints.at(frame, j));
-  return storage.data();
-}
 
 Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height) {
   Camera camera;
@@ -71,22 +54,22 @@ Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_m
   return camera;
 }
 
-ShadedBody ShadeBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, double floor_y) {
+ShadedBody ShadeBody(const PosedBody& body, const Camera& camera, double floor_y) {
   ShadedBody shaded;
   shaded.image = cv::Mat(camera.height, camera.width, CV_8UC3, kBackground);
-  DrawShadow(body, joints, camera, floor_y, shaded.image);
+  DrawShadow(body, camera, floor_y, shaded.image);
   const std::vector<Vector2d> rays = PixelRays(camera);
-  const DepthRendering rendering = RenderBody(body, joints, camera, rays);
-  const std::vector<int> sides = SidesOf(*body.skeleton);
+  const Vector3d* points = body.points.data();
+  const DepthRendering rendering = RenderBody(body.capsules, points, camera, rays);
   const Vector3d to_light = Vector3d(-0.45, -0.65, -0.75).normalized();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (rendering.capsule[i] < 0) continue;
-    const Capsule& capsule = body.capsules[rendering.capsule[i]];
+    const Capsule& capsule = body.capsules.capsules[rendering.capsule[i]];
     const Vector3d point = static_cast<double>(rendering.depth[i]) * Vector3d(rays[i].x(), rays[i].y(), 1.0);
-    const CapsulePoint on = ClosestOnCapsule(camera.camera_from_world * joints[capsule.parent],
-                                             camera.camera_from_world * joints[capsule.joint], capsule.radius, point);
+    const CapsulePoint on = ClosestOnCapsule(camera.camera_from_world * points[capsule.parent],
+                                             camera.camera_from_world * points[capsule.joint], capsule.radius, point);
     const double light = 0.62 + 0.42 * std::max(0.0, on.normal.dot(to_light));
-    const cv::Vec3d colour = light * ColourOf(sides[capsule.joint]);
+    const cv::Vec3d colour = light * ColourOf(body.sides[rendering.capsule[i]]);
     shaded.image.at<cv::Vec3b>(static_cast<int>(i) / camera.width, static_cast<int>(i) % camera.width) = cv::Vec3b(
         cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]), cv::saturate_cast<uchar>(colour[2]));
   }

@@ -4,17 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "core/body/capsule_body.h"
 #include "core/motion/clip.h"
 #include "report/filmstrip.h"
+#include "report/posed_body.h"
 
 namespace mocurate {
 
 /// What the pictures are made of; only for files that draw with OpenCV. Colours are blue, green, red.
-
-/// Capsules of a motion's skeleton, scaled by the sum of its bone lengths over the rest lengths.
-CapsuleBody BodyOf(const Motion& motion);
-const Vector3d* JointsOf(const Motion& motion, int frame, std::vector<Vector3d>& storage);
 
 /// A camera that looks at `centre` from the viewpoint, far away, `pixels_per_metre` at the centre.
 Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height);
@@ -25,7 +21,7 @@ struct ShadedBody {
   std::vector<float> depth;
 };
 /// Left limbs blue, right ones orange, the trunk grey; over a shadow on the floor at `floor_y`.
-ShadedBody ShadeBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, double floor_y);
+ShadedBody ShadeBody(const PosedBody& body, const Camera& camera, double floor_y);
 
 /// Error kMalformed, kNotFound, kInconsistent (other size than the camera). CV_16UC1.
 Expected<cv::Mat> ReadDepth(const DepthView& view, int frame);

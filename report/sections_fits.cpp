@@ -73,8 +73,7 @@ std::string Overlays(const DrawnClip& clip) {
             "</figcaption></figure>\n";
   }
   return html + "</div>\n" +
-         Paragraph("White: outline of the skeleton's capsules, scaled to the person; colours: depth, near is bright.",
-                   "soft");
+         Paragraph("White: outline of the body as it was fitted; colours: depth, near is bright.", "soft");
 }
 
 std::string Player(const DrawnClip& clip, std::size_t index) {

@@ -122,7 +122,8 @@ void AddClips(std::vector<Field>& fields, const std::string& rows) {
       .Add("fit_rms", kF8, {rows}, "m", AtLeast(0), "residual of the fit; 0 if not fitted")
       .Add("canonical_from_source", kF8, {rows, "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
       .Add("provenance", kText, {rows}, "", JsonTexts(), "JSON object of texts; bytes that are not UTF-8 as \\xNN")
-      .Add("evidence_sha256", kText, {rows}, "", Anything(), "of the evidence artifact, or empty");
+      .Add("evidence_sha256", kText, {rows}, "", Anything(),
+           "of what the evidence was read from (source file, depth images), or empty");
   Group(fields, "/segments", Presence::kGroup)
       .Add("clip", kI4, {"S"}, "", RowOf("/clips/id"), "row of the clip")
       .Add("begin_s", kF8, {"S"}, "s", Finite(), "from the clip's first frame")

@@ -12,14 +12,14 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSettled = 1e-3;  ///< m; joints move less on average: well below the error of the body
-constexpr double kWidening = 2.0;  ///< the first matching looks this much farther than the later ones
-constexpr int kSolverSteps = 4;    ///< between two matchings
+constexpr double kSettled = 1e-3;        ///< m; joints move less on average: well below the error of the body
+constexpr int kWideMatchings = 4;        ///< look farther than the later ones
+constexpr int kSolverSteps = 4;          ///< between two matchings
+constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
 
 ceres::Solver::Options SolverOptions() {
   ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
   solver.max_num_iterations = kSolverSteps;
   solver.function_tolerance = 1e-4;
@@ -39,29 +39,27 @@ double MeanMove(const std::vector<Vector3d>& before, const std::vector<Vector3d>
   return sum / static_cast<double>(before.size());
 }
 
-/// From kWidening down to 1 over the first half of the matchings.
-double Widening(int iteration, int iterations) {
-  return 1.0 + (kWidening - 1.0) * std::max(0.0, 1.0 - 2.0 * iteration / iterations);
+/// From the first matching's down to 1 over a few matchings.
+double Widening(double first, int iteration) {
+  return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
 }  // namespace
 
-Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vector<FusedCloud>& clouds,
-                                          PoseState& state, int frame, bool after_previous, double frame_seconds,
-                                          const PointCloudOptions& options) {
+Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                          PoseState& state, const PointCloudOptions& options) {
   CapsuleFitOutcome outcome;
-  const int iterations = static_cast<int>(options.iterations);
-  for (int i = 0; i < iterations && !outcome.converged; ++i) {
+  const int frame = fit.frame;
+  for (int i = 0; i < fit.iterations && !outcome.converged; ++i) {
     state.Update(frame, frame + 1, false);
-    const double widening = Widening(i, iterations);
-    const std::vector<CloudMatch> matches =
-        MatchPoints(body, state, frame, clouds[frame], widening * options.max_distance);
+    const double widening = Widening(fit.widening, i);
+    const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
     std::vector<double> distances;
     for (const CloudMatch& match : matches) distances.push_back(match.distance);
     outcome.sigma = RobustSigma(std::move(distances));
-    CloudProblem problem(body, state, {frame, frame + 1, after_previous, frame_seconds}, outcome.sigma, options);
-    problem.AddFrame(frame, clouds[frame], matches);
-    if (after_previous) problem.AddStep();
+    CloudProblem problem(body, state, {frame, frame + 1, fit.since_previous_s}, outcome.sigma, options);
+    problem.AddFrame(frame, cloud, matches);
+    if (fit.since_previous_s) problem.AddStep();
 
     const std::vector<Vector3d> before = JointsOf(state, frame);
     ceres::Solver::Summary summary;
@@ -74,9 +72,22 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vect
     outcome.final_cost = summary.final_cost;
     ++outcome.iterations;
     state.Update(frame, frame + 1, false);
-    outcome.converged = widening == 1.0 && MeanMove(before, JointsOf(state, frame)) < kSettled;
+    outcome.moved = MeanMove(before, JointsOf(state, frame));
+    outcome.converged = widening == 1.0 && outcome.moved < kSettled;
   }
   return outcome;
+}
+
+Expected<double> PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+                          const PointCloudOptions& options) {
+  const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, options.max_distance);
+  CloudProblem problem(body, state, {frame, frame + 1, std::nullopt}, kComparedSigma, options);
+  problem.AddFrame(frame, cloud, matches);
+  double cost = 0.0;
+  if (!problem.problem().Evaluate({}, &cost, nullptr, nullptr, nullptr)) {
+    return Fail(ErrorCode::kInternal, "a pose cannot be evaluated", "frame " + std::to_string(frame));
+  }
+  return cost + problem.CostOfPoint(options.max_distance) * (cloud.size() - static_cast<double>(matches.size()));
 }
 
 double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,

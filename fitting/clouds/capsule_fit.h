@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <optional>
 
 #include "core/base/error.h"
 #include "fitting/clouds/cloud_body.h"
@@ -15,19 +15,32 @@ struct CapsuleFitOutcome {
   double initial_cost = 0.0;
   double final_cost = 0.0;
   double sigma = 0.0;  ///< m, robust spread of the distances that the points were weighted with
+  double moved = 0.0;  ///< m, mean move of the joints in the last matching
   int iterations = 0;  ///< of matching
   bool converged = false;
 };
 
-/// Fits one frame from the pose that stands in the state, matching and solving in turn. With `after_previous` the frame
-/// before is held and joins through the walks of the options over `frame_seconds`. `clouds` (F). Error kInternal if the
-/// solver fails.
-Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const std::vector<FusedCloud>& clouds,
-                                          PoseState& state, int frame, bool after_previous, double frame_seconds,
-                                          const PointCloudOptions& options);
+/// How one frame is fitted.
+struct FrameFit {
+  int frame = 0;
+  /// Seconds since the frame before, which then is held and joins through the walks of the options. None: on its own.
+  std::optional<double> since_previous_s;
+  double widening = 1.0;  ///< the first matching looks this many times farther than max_distance, later ones less
+  int iterations = 40;    ///< of matching, at most
+};
+
+/// Fits one frame from the pose that stands in the state, matching and solving in turn until the joints rest. Error
+/// kInconsistent if the solver fails.
+Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                          PoseState& state, const PointCloudOptions& options);
 
 /// Mean distance of a frame's points to the body in metres, each at most `max_distance`: compares starts. Needs Update.
 double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,
                     double max_distance);
+
+/// What a pose costs on its own: distances of all points weighted with one sigma, those of points without a match at
+/// their limit, and the priors. Compares poses of one cloud. Needs Update.
+Expected<double> PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+                          const PointCloudOptions& options);
 
 }  // namespace mocurate

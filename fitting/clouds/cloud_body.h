@@ -2,42 +2,20 @@
 
 #include <vector>
 
-#include "core/body/capsule_body.h"
+#include "core/body/flesh_body.h"
 #include "fitting/costs/pose_state.h"
 
 namespace mocurate {
 
-/// A capsule that moves with the frame of one joint. It goes from that joint to `end_joint` (a child, or the joint
-/// itself), both ends moved by offsets in the joint's frame: flesh is not centred on bones and reaches past the last
-/// joints. Metres.
-struct FleshCapsule {
-  int frame = 0;
-  int end_joint = 0;
-  Vector3d begin_offset = Vector3d::Zero();
-  Vector3d end_offset = Vector3d::Zero();
-  double radius = 0.05;
-  int mirror = 0;  ///< the capsule on the other side; its own index on the midline
-};
+/// Ends of a capsule in a frame of a state. Needs Update.
+inline CapsuleEnds EndsOf(const FleshCapsule& capsule, const PoseState& state, int frame) {
+  return EndsOf(capsule, state.global(frame, capsule.frame), state.position(frame, capsule.frame),
+                state.position(frame, capsule.end_joint));
+}
 
-/// The body that point clouds are fitted with.
-struct FleshBody {
-  SkeletonPtr skeleton;
-  std::vector<FleshCapsule> capsules;
-
-  /// One capsule per bone with the radius of its end; the trunk, hands, feet and head of a skeleton with SMPL's joints
-  /// get the cross-sections of the CC0 body template that its rest pose is taken from. Offsets and radii are scaled by
-  /// `scale`, radii also by `radius_scale`.
-  static FleshBody Make(SkeletonPtr skeleton, double scale, double radius_scale);
-
-  /// (J) joints that turn a capsule.
-  std::vector<bool> MovingJoints() const;
-};
-
-/// Posed ends of a capsule in the world.
-struct CapsuleEnds {
-  Vector3d begin;
-  Vector3d end;
-};
-CapsuleEnds EndsOf(const FleshCapsule& capsule, const PoseState& state, int frame);
+/// (J) how far each joint usually is from the rest pose, radians: `rest_spread` times the joint's mobility. Limbs move
+/// freely; the trunk, collars, feet and hands of a skeleton with these names little, so that they do not take up the
+/// error of a capsule body.
+std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread);
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/body/capsule_body.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {

@@ -15,14 +15,6 @@ namespace {
 constexpr double kBodyPatch = 0.05;   ///< m; points closer than this share the error of the capsule body
 constexpr double kLimitSpread = 0.1;  ///< rad
 
-ceres::Problem::Options ProblemOptions(PoseUpdate& update) {
-  ceres::Problem::Options options;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.disable_all_safety_checks = true;
-  options.evaluation_callback = &update;
-  return options;
-}
-
 /// Square root of a point's share in its patch.
 double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
 
@@ -35,9 +27,10 @@ CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const CloudF
       frames_(frames),
       options_(options),
       weight_(PatchShare(options.voxel_size) / sigma),
-      update_(state, frames.after_previous ? frames.begin - 1 : frames.begin, frames.end),
+      rest_spreads_(RestSpreads(*body.skeleton, options.rest_spread)),
+      update_(state, frames.since_previous_s ? frames.begin - 1 : frames.begin, frames.end),
       loss_(options.huber_sigmas * PatchShare(options.voxel_size)),
-      problem_(ProblemOptions(update_)) {}
+      problem_(PoseProblemOptions(update_)) {}
 
 void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches) {
   for (const CloudMatch& match : matches) {
@@ -47,23 +40,31 @@ void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vecto
   }
   for (int j = 1; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    problem_.AddResidualBlock(new RestPriorCost(options_.rest_spread), nullptr, state_.rotation(frame, j));
+    problem_.AddResidualBlock(new RestPriorCost(rest_spreads_[j]), nullptr, state_.rotation(frame, j));
     const auto& limits = body_.skeleton->joints[j].limits;
     if (!limits) continue;
     problem_.AddResidualBlock(new JointLimitCost(*limits, kLimitSpread), nullptr, state_.rotation(frame, j));
   }
 }
 
+double CloudProblem::CostOfPoint(double distance) const {
+  double rho[3];
+  const double whitened = weight_ * distance;
+  loss_.Evaluate(whitened * whitened, rho);
+  return 0.5 * rho[0];
+}
+
 void CloudProblem::AddStep() {
   const int previous = frames_.begin - 1;
-  const double turn_weight = 1.0 / (options_.rotation_walk * std::sqrt(frames_.frame_seconds));
+  const double root_of_time = std::sqrt(frames_.since_previous_s.value_or(0.0));
+  const double turn_weight = 1.0 / (options_.rotation_walk * root_of_time);
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
     problem_.AddResidualBlock(new RotationSmoothnessCost(state_, previous, j, turn_weight), nullptr,
                               state_.rotation(previous, j), state_.rotation(previous + 1, j));
     problem_.SetParameterBlockConstant(state_.rotation(previous, j));
   }
-  const double move_weight = 1.0 / (options_.velocity_walk * std::sqrt(frames_.frame_seconds));
+  const double move_weight = 1.0 / (options_.velocity_walk * root_of_time);
   auto* cost = new JointVelocityCost(state_, previous, 0, move_weight, false);
   problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
   problem_.SetParameterBlockConstant(state_.translation(previous));

@@ -3,11 +3,12 @@
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 
+#include <optional>
 #include <vector>
 
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/options.h"
-#include "fitting/solver/track_problem.h"
+#include "fitting/solver/pose_update.h"
 
 namespace mocurate {
 
@@ -15,8 +16,8 @@ namespace mocurate {
 struct CloudFrames {
   int begin = 0;
   int end = 0;
-  bool after_previous = false;  ///< frame begin - 1 is held and joins through the walks of the options
-  double frame_seconds = 0.0;
+  /// Seconds since frame begin - 1, which then is held and joins through the walks of the options.
+  std::optional<double> since_previous_s;
 };
 
 /// The costs of matched points over the memory of a PoseState. Weights: points share the error of the body with their
@@ -30,6 +31,9 @@ class CloudProblem {
   /// Joins the first frame to the one before it, which is held.
   void AddStep();
 
+  /// Robust cost of a point at this distance from its capsule (metres).
+  double CostOfPoint(double distance) const;
+
   ceres::Problem& problem() { return problem_; }
 
  private:
@@ -38,6 +42,7 @@ class CloudProblem {
   CloudFrames frames_;
   const PointCloudOptions& options_;
   double weight_;
+  std::vector<double> rest_spreads_;
   PoseUpdate update_;
   ceres::HuberLoss loss_;
   ceres::Problem problem_;

@@ -20,7 +20,7 @@ Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& cli
     if (!of_clip) return Forward(of_clip);
     clouds.insert(clouds.end(), std::make_move_iterator(of_clip->begin()), std::make_move_iterator(of_clip->end()));
   }
-  const double scale = ScaleFromHeight(skeleton, clouds);
+  const double scale = ScaleFromHeight(skeleton, clouds, options.voxel_size);
   std::vector<double> lengths = skeleton->RestBoneLengths();
   for (double& length : lengths) length *= scale;
   return lengths;

@@ -21,14 +21,14 @@ struct CloudTrack {
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options);
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames);
 
-/// Size of the person against the rest skeleton: the median height of clouds against that of the rest body. 1 without
-/// points.
-double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds);
+/// Size of the person against the rest skeleton: the median height of clouds against that of the rest body. Thinning
+/// to one point per voxel takes about half a voxel at either end, which is given back. 1 without points.
+double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size);
 
 /// Finds the first pose by trying several, measures the radii there, then follows frame after frame. Bones (J, metres)
-/// are held. Error kInconsistent when no frame has points.
+/// are held; `time_s` (F) increases. Error kInconsistent when no frame has points.
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
-                                 const std::vector<double>& bone_length, double frame_seconds,
+                                 const std::vector<double>& bone_length, const std::vector<double>& time_s,
                                  const PointCloudOptions& options);
 
 }  // namespace mocurate

@@ -43,7 +43,7 @@ FusedCloud Sorted(const open3d::geometry::PointCloud& cloud) {
     const Vector3d& q = cloud.points_[b];
     return std::tie(p.x(), p.y(), p.z(), a) < std::tie(q.x(), q.y(), q.z(), b);
   });
-  FusedCloud sorted{Eigen::Matrix3Xd(3, order.size()), Eigen::Matrix3Xd(3, order.size())};
+  FusedCloud sorted{Eigen::Matrix3Xd(3, order.size()), Eigen::Matrix3Xd(3, order.size()), 0};
   for (std::size_t i = 0; i < order.size(); ++i) {
     sorted.points.col(i) = cloud.points_[order[i]];
     sorted.normals.col(i) = cloud.normals_[order[i]];
@@ -97,7 +97,7 @@ Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, c
       cloud.normals_.emplace_back((centre - points->col(i)).normalized());
     }
   }
-  if (cloud.points_.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0)};
+  if (cloud.points_.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
   try {
     return ThinAndClean(cloud, options);
   } catch (const std::exception& error) {

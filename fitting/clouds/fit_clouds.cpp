@@ -5,32 +5,15 @@
 #include <string>
 #include <utility>
 
-#include "core/motion/kinematics.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kObservingPoints = 10;  ///< of the capsules at a joint make it observed
-
-Motion MotionOf(const CloudTrack& track, const FrameRate& rate) {
-  const PoseState& state = track.state;
-  std::vector<Vector3d> translation;
-  std::vector<Quaterniond> rotation;
-  std::vector<double> bone_length;
-  for (int f = 0; f < state.frames(); ++f) {
-    translation.emplace_back(Eigen::Map<const Vector3d>(state.translation(f)));
-    for (int j = 0; j < state.joints(); ++j) {
-      rotation.push_back(ExpQuaternion(Eigen::Map<const Vector3d>(state.rotation(f, j))));
-    }
-  }
-  for (int j = 0; j < state.joints(); ++j) {
-    bone_length.push_back(*state.bone(j));
-    MakeSignContinuous(rotation.data() + j, state.frames(), state.joints());
-  }
-  return MakeMotion(track.body.skeleton, rate, std::move(translation), std::move(rotation), std::move(bone_length));
-}
+constexpr int kObservingPoints = 10;   ///< of the capsules at a joint make it observed
+constexpr double kNotableRoom = 0.02;  ///< share of the points, worth a finding
+constexpr double kNotableFar = 0.05;
 
 /// Points near each joint: those of the capsules that end at it or move with it.
 std::vector<int> PointsOfJoints(const FleshBody& body, const std::vector<CloudMatch>& matches) {
@@ -85,6 +68,32 @@ void ReportFramesWithoutPoints(const CloudTrack& track, FitResult& result) {
   }
 }
 
+/// Tells of points that were taken for the room, and of points of the person that the body does not reach.
+void ReportPointsOffTheBody(const CloudTrack& track, double max_distance, FitResult& result) {
+  double room = 0.0;
+  double far = 0.0;
+  double all = 0.0;
+  for (int f = 0; f < track.state.frames(); ++f) {
+    if (track.outcomes[f].iterations == 0) continue;
+    const FusedCloud& cloud = track.clouds[f];
+    all += cloud.size() + cloud.left_out;
+    room += cloud.left_out;
+    far += cloud.size() - static_cast<double>(MatchPoints(track.body, track.state, f, cloud, max_distance).size());
+  }
+  const auto report = [&](double points, double share, const char* code, const char* message, const char* action) {
+    if (points <= share * all) return;
+    Finding finding;
+    finding.code = code;
+    finding.value = points / all;
+    finding.message = std::to_string(std::lround(100.0 * points / all)) + message;
+    finding.action = action;
+    result.findings.push_back(finding);
+  };
+  report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or stand apart from the person",
+         "left out");
+  report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body", "flagged");
+}
+
 }  // namespace
 
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
@@ -93,12 +102,14 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
   if (!clouds) return Forward(clouds);
   const auto track =
       TrackClouds(std::move(*clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
-                  1.0 / clip.rate.hz(), options);
+                  clip.evidence.depth_views[0].time_s, options);
   if (!track) return Forward(track);
   FitResult result;
-  result.motion = MotionOf(*track, clip.rate);
+  result.motion = MotionOf(track->state, track->body.skeleton, clip.rate);
+  result.capsule_radii = RadiiText(track->body);
   Measure(*track, options.max_distance, result);
   ReportFramesWithoutPoints(*track, result);
+  ReportPointsOffTheBody(*track, options.max_distance, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {
     result.iterations += outcome.iterations;

@@ -1,6 +1,8 @@
 #include "fitting/costs/pose_state.h"
 
-#include <algorithm>
+#include <utility>
+
+#include "core/motion/kinematics.h"
 
 namespace mocurate {
 
@@ -50,6 +52,23 @@ void PoseState::Update(int begin, int end, bool derivatives) {
       if (derivatives && active_[j]) d.lever.noalias() = above.global * d.right_jacobian.transpose();  // J_l = J_r^T
     }
   }
+}
+
+Motion MotionOf(const PoseState& state, SkeletonPtr skeleton, const FrameRate& rate) {
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation;
+  std::vector<double> bone_length;
+  for (int f = 0; f < state.frames(); ++f) {
+    translation.emplace_back(Eigen::Map<const Vector3d>(state.translation(f)));
+    for (int j = 0; j < state.joints(); ++j) {
+      rotation.push_back(ExpQuaternion(Eigen::Map<const Vector3d>(state.rotation(f, j))));
+    }
+  }
+  for (int j = 0; j < state.joints(); ++j) {
+    bone_length.push_back(*state.bone(j));
+    MakeSignContinuous(rotation.data() + j, state.frames(), state.joints());
+  }
+  return MakeMotion(std::move(skeleton), rate, std::move(translation), std::move(rotation), std::move(bone_length));
 }
 
 }  // namespace mocurate

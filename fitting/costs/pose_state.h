@@ -1,8 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
-#include "core/motion/skeleton.h"
+#include "core/motion/motion.h"
 
 namespace mocurate {
 
@@ -26,6 +27,12 @@ class PoseState {
   double* bone(int joint) { return parameters_.data() + static_cast<std::size_t>(frames_) * stride_ + joint; }
   const double* bone(int joint) const {
     return parameters_.data() + static_cast<std::size_t>(frames_) * stride_ + joint;
+  }
+
+  /// Translation and rotations of a frame, 3 + 3 J numbers.
+  std::vector<double> FrameParameters(int frame) const { return {translation(frame), translation(frame) + stride_}; }
+  void SetFrameParameters(int frame, const std::vector<double>& parameters) {
+    std::copy(parameters.begin(), parameters.end(), translation(frame));
   }
 
   bool active(int joint) const { return active_[joint]; }
@@ -69,5 +76,8 @@ class PoseState {
   std::vector<std::vector<int>> paths_;
   std::vector<std::vector<int>> bones_;
 };
+
+/// The motion that the parameters of a state are: rotations as quaternions, sign-continuous in time.
+Motion MotionOf(const PoseState& state, SkeletonPtr skeleton, const FrameRate& rate);
 
 }  // namespace mocurate

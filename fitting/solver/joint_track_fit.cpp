@@ -82,23 +82,6 @@ std::vector<JointState> StatesOf(const SkeletonTracks& tracks, const std::vector
   return states;
 }
 
-Motion MotionOf(const SkeletonTracks& tracks, const FrameRate& rate, const PoseState& state) {
-  std::vector<Vector3d> translation;
-  std::vector<Quaterniond> rotation;
-  std::vector<double> bone_length;
-  for (int f = 0; f < state.frames(); ++f) {
-    translation.emplace_back(Eigen::Map<const Vector3d>(state.translation(f)));
-    for (int j = 0; j < state.joints(); ++j) {
-      rotation.push_back(ExpQuaternion(Eigen::Map<const Vector3d>(state.rotation(f, j))));
-    }
-  }
-  for (int j = 0; j < state.joints(); ++j) {
-    bone_length.push_back(*state.bone(j));
-    MakeSignContinuous(rotation.data() + j, state.frames(), state.joints());
-  }
-  return MakeMotion(tracks.skeleton, rate, std::move(translation), std::move(rotation), std::move(bone_length));
-}
-
 void MeasureResiduals(const SkeletonTracks& tracks, FitResult& result) {
   std::vector<double> residuals;
   double square = 0.0;
@@ -178,7 +161,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   if (Status solved = SolveWindows(tracks, state, joint_sigma, bone_length, bones, walks, result); !solved) {
     return tl::unexpected<Error>(solved.error());
   }
-  result.motion = MotionOf(tracks, rate, state);
+  result.motion = MotionOf(state, tracks.skeleton, rate);
   result.motion.state = StatesOf(tracks, rejected);
   MeasureResiduals(tracks, result);
   ReportFramesWithoutEvidence(tracks, result);

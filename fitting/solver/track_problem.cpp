@@ -11,18 +11,6 @@
 #include "fitting/costs/rotation_smoothness_cost.h"
 
 namespace mocurate {
-namespace {
-
-ceres::Problem::Options ProblemOptions(PoseUpdate& update) {
-  ceres::Problem::Options options;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.disable_all_safety_checks = true;
-  options.evaluation_callback = &update;
-  return options;
-}
-
-}  // namespace
-
 TrackProblem::TrackProblem(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
                            const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options,
                            int begin, int end)
@@ -33,7 +21,7 @@ TrackProblem::TrackProblem(const SkeletonTracks& tracks, PoseState& state, const
       free_bones_(bones == Bones::kFree),
       update_(state, std::max(begin - 1, 0), end),
       loss_(options.huber_sigmas),
-      problem_(ProblemOptions(update_)) {
+      problem_(PoseProblemOptions(update_)) {
   for (int f = begin; f < end; ++f) AddFrame(f);
   for (int f = std::max(begin - 1, 0); f + 1 < end; ++f) AddStep(f);
   if (free_bones_) AddBonePriors(bone_prior);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
@@ -30,8 +31,20 @@ Expected<std::map<std::string, FilesOfView>> SortFiles(const SourceFile& file) {
   return views;
 }
 
+/// Number of the first image of any view: all views count alike, so that one which starts later is incomplete.
+long long FirstNumber(const DepthSequence& sequence, const std::map<std::string, FilesOfView>& views) {
+  std::optional<long long> first;
+  for (const DepthSequenceView& view : sequence.views) {
+    const auto files = views.find(view.name);
+    if (files == views.end() || files->second.empty()) continue;
+    if (!first || files->second.begin()->first < *first) first = files->second.begin()->first;
+  }
+  return first.value_or(0);
+}
+
 Expected<DepthView> MakeView(const SourceFile& file, const DepthSequence& sequence, const DepthSequenceView& view,
-                             const FilesOfView& files, FrameRate rate, const RigidTransform& world_from_rig) {
+                             const FilesOfView& files, long long first, FrameRate rate,
+                             const RigidTransform& world_from_rig) {
   DepthView made;
   made.camera.name = view.name;
   made.camera.width = view.width;
@@ -39,13 +52,12 @@ Expected<DepthView> MakeView(const SourceFile& file, const DepthSequence& sequen
   made.camera.fx = view.fx, made.camera.fy = view.fy, made.camera.cx = view.cx, made.camera.cy = view.cy;
   made.camera.camera_from_world = view.camera_from_rig * Inverse(world_from_rig);
   made.metres_per_unit = file.source.depth_unit;
-  const long long first = files.empty() ? 0 : files.begin()->first;
   for (int f = 0; f < sequence.frames; ++f) {
     const auto found = files.find(first + f);
     if (found == files.end()) {
       return Fail(ErrorCode::kNotFound,
                   "view '" + view.name + "' has no depth image for frame " + std::to_string(f) + " of " +
-                      std::to_string(sequence.frames),
+                      std::to_string(sequence.frames) + " (number " + std::to_string(first + f) + ")",
                   file.name, "check ingest.source.depth_files, or the folder is incomplete");
     }
     const StageInput& input = *found->second;
@@ -80,10 +92,11 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   Clip& clip = ingested.clip;
   clip.rate = FrameRate::FromHz(sequence->fps);
   const RigidTransform world_from_rig{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
+  const long long first = FirstNumber(*sequence, *views);
   for (const DepthSequenceView& view : sequence->views) {
     const auto files = views->find(view.name);
     Expected<DepthView> made = MakeView(file, *sequence, view, files == views->end() ? FilesOfView() : files->second,
-                                        clip.rate, world_from_rig);
+                                        first, clip.rate, world_from_rig);
     if (!made) return Forward(made);
     clip.evidence.depth_views.push_back(std::move(*made));
   }

@@ -8,6 +8,7 @@
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/person_points.h"
 #include "tests/fitting/cloud_scene.h"
 
 namespace mocurate {
@@ -20,7 +21,7 @@ std::filesystem::path Folder(const std::string& name) {
 }
 
 /// Someone who stands, lowers the arms and bends the knees a little, frame after frame.
-Motion Standing(const SkeletonPtr& skeleton, int frames) {
+Motion Standing(const SkeletonPtr& skeleton, int frames, double heading = 0.0) {
   const int joints = skeleton->joint_count();
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation(static_cast<std::size_t>(frames) * joints, Quaterniond::Identity());
@@ -29,6 +30,7 @@ Motion Standing(const SkeletonPtr& skeleton, int frames) {
     const auto turn = [&](const char* name, const Vector3d& by) {
       rotation[static_cast<std::size_t>(f) * joints + *skeleton->FindJoint(name)] = ExpQuaternion(by);
     };
+    rotation[static_cast<std::size_t>(f) * joints] = ExpQuaternion({0.0, heading, 0.0});
     turn("plain_left_shoulder", {0.0, 0.0, -0.9 + 0.05 * f});
     turn("plain_right_shoulder", {0.0, 0.0, 0.7 - 0.1 * f});
     turn("plain_right_elbow", {0.0, 0.4, 0.0});
@@ -54,6 +56,80 @@ TEST(CloudFit, RecoversACapsulePersonInThreeViews) {
   EXPECT_GT(fit->iterations, 0);
   ASSERT_EQ(fit->motion.state.size(), 3u * skeleton->joints.size());
   EXPECT_EQ(fit->motion.state[*skeleton->FindJoint("plain_left_knee")], JointState::kObserved);
+}
+
+TEST(CloudFit, FindsAPersonWhoFacesAwayFromTheFirstCamera) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const Motion truth = Standing(skeleton, 1, 2.5);
+  const auto clip = RenderClip(truth, Folder("away"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  ASSERT_TRUE(fit) << fit.error().Message();
+  EXPECT_TRUE(fit->converged);
+  EXPECT_LT(MeanJointError(fit->motion.joints, truth.joints), 0.02);
+}
+
+/// Error of the second of two frames, with an arm far from where it was, that much later.
+double ErrorAfter(double seconds, const SkeletonPtr& skeleton) {
+  Motion truth = Standing(skeleton, 2);
+  const int arm = *skeleton->FindJoint("plain_left_shoulder");
+  truth.rotation_at(1, arm) = ExpQuaternion({0.0, 0.0, 0.2});
+  truth = MakeMotion(skeleton, truth.rate, truth.root_translation, truth.rotation, truth.bone_length);
+  auto clip = RenderClip(truth, Folder("later"));
+  if (!clip) return -1.0;
+  for (DepthView& view : clip->evidence.depth_views) view.time_s = {0.0, seconds};
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  const int hand = *skeleton->FindJoint("plain_left_hand");
+  return fit ? (fit->motion.joints.at(1, hand) - truth.joints.at(1, hand)).norm() : -1.0;
+}
+
+TEST(CloudFit, TheLongerAgoTheFrameBeforeTheLessItHolds) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const double at_once = ErrorAfter(1e-4, skeleton);
+  const double later = ErrorAfter(1.0, skeleton);
+  EXPECT_GT(later, 0.0);
+  EXPECT_GT(at_once, 2.0 * later);
+}
+
+/// Points every `step` metres of an upright box or a level square, normals up.
+FusedCloud Scene(const std::vector<Vector3d>& points) {
+  FusedCloud cloud{Eigen::Matrix3Xd(3, points.size()), Eigen::Matrix3Xd(3, points.size()), 0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    cloud.points.col(static_cast<Eigen::Index>(i)) = points[i];
+    cloud.normals.col(static_cast<Eigen::Index>(i)) = Vector3d::UnitY();
+  }
+  return cloud;
+}
+
+std::vector<Vector3d> Column(const Vector3d& foot, double height) {
+  std::vector<Vector3d> points;
+  for (double y = 0.0; y < height; y += 0.015) {
+    for (double x = 0.0; x < 0.3; x += 0.015) points.push_back(foot + Vector3d(x, y, 0.0));
+  }
+  return points;
+}
+
+TEST(PersonPoints, KeepsThePersonWithoutTheFloorAndWhatStandsApart) {
+  std::vector<Vector3d> points = Column({0.0, 0.05, 0.0}, 1.7);
+  const int person = static_cast<int>(points.size());
+  for (double x = -1.0; x < 1.0; x += 0.015) {
+    for (double z = -1.0; z < 1.0; z += 0.015) points.emplace_back(x, 0.0, z);
+  }
+  const std::vector<Vector3d> chair = Column({0.8, 0.05, 0.3}, 0.5);
+  points.insert(points.end(), chair.begin(), chair.end());
+  const FusedCloud kept = PersonPoints(Scene(points), 0.015);
+  EXPECT_EQ(kept.size(), person);
+  EXPECT_EQ(kept.left_out, static_cast<int>(points.size()) - person);
+  EXPECT_LT(kept.points.row(0).maxCoeff(), 0.31);
+}
+
+TEST(PersonPoints, KeepsAPartThatAShadowCutsOff) {
+  std::vector<Vector3d> points = Column({0.0, 0.0, 0.0}, 1.0);
+  const std::vector<Vector3d> head = Column({0.0, 1.12, 0.0}, 0.3);
+  points.insert(points.end(), head.begin(), head.end());
+  EXPECT_EQ(PersonPoints(Scene(points), 0.015).size(), static_cast<int>(points.size()));
 }
 
 TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/formats/depth_sequence.h"
 #include "tests/ingest/sources.h"
 
@@ -96,6 +98,41 @@ TEST_F(RenderedSequence, AMissingDepthImageIsRefusedWithViewAndFrame) {
   const Ingested ingested = RunIngest(discovery->items[0], "rendered_gap");
   ASSERT_FALSE(ingested.outcome);
   EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("view 'd3' has no depth image for frame 10 of 48"));
+}
+
+TEST_F(RenderedSequence, AViewThatStartsLaterThanTheOthersIsIncompleteAndNotShiftedInTime) {
+  auto discovery = Discover(Declared("rendered_seq"));
+  ASSERT_TRUE(discovery);
+  std::vector<StageInput>& inputs = discovery->items[0].inputs;
+  const auto first = std::find_if(inputs.begin(), inputs.end(),
+                                  [](const StageInput& input) { return input.name == "depth/d2_0000.png"; });
+  ASSERT_NE(first, inputs.end());
+  inputs.erase(first);
+  const Ingested ingested = RunIngest(discovery->items[0], "rendered_late");
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("view 'd2' has no depth image for frame 0 of 48"));
+}
+
+TEST_F(RenderedSequence, AnotherDepthImageIsOtherEvidence) {
+  auto discovery = Discover(Declared("rendered_seq"));
+  ASSERT_TRUE(discovery);
+  const Ingested once = RunIngest(discovery->items[0], "rendered_once");
+  const Ingested again = RunIngest(discovery->items[0], "rendered_again");
+  ASSERT_TRUE(once.outcome && again.outcome);
+  EXPECT_EQ(once.clip.evidence_sha256.size(), 64u);
+  EXPECT_EQ(once.clip.evidence_sha256, again.clip.evidence_sha256);
+
+  std::vector<StageInput>& inputs = discovery->items[0].inputs;
+  const std::filesystem::path other = FreshFolder("other_image") / "changed.png";
+  for (StageInput& input : inputs) {
+    if (input.name != "depth/d1_0007.png") continue;
+    std::filesystem::copy_file(inputs.back().path, other);
+    input.path = other;
+    input.sha256.clear();
+  }
+  const Ingested changed = RunIngest(discovery->items[0], "rendered_changed");
+  ASSERT_TRUE(changed.outcome) << changed.outcome.error().Message();
+  EXPECT_NE(once.clip.evidence_sha256, changed.clip.evidence_sha256);
 }
 
 TEST_F(RenderedSequence, LeftHandedAxesAreRefused) {

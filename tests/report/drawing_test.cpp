@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include "core/body/flesh_body.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/pictures.h"
+#include "report/posed_body.h"
 #include "report/svg.h"
 #include "tests/report/builders.h"
 
@@ -122,6 +124,26 @@ TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
   expect_png(WriteClipPicture(fitted_, evidence_, 4, png));
   expect_png(WriteBodyOverlay(fitted_, evidence_, 0, 20, png));
   expect_png(WriteCloudPicture(fitted_, evidence_, 20, png));
+}
+
+TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
+  const PosedBody plain = BodyOf(fitted_, 20);
+  const std::size_t count = FleshBody::Make(fitted_.motion->skeleton, 1.0, 1.0).capsules.size();
+  ASSERT_GT(count, 0u);
+  std::string radii = "0.2";
+  for (std::size_t i = 1; i < count; ++i) radii += " 0.2";
+  fitted_.provenance[kCapsuleRadii] = radii;
+  const PosedBody body = BodyOf(fitted_, 20);
+  ASSERT_EQ(body.capsules.capsules.size(), count);
+  ASSERT_EQ(body.sides.size(), count);
+  for (const Capsule& capsule : body.capsules.capsules) {
+    EXPECT_DOUBLE_EQ(capsule.radius, 0.2);
+    ASSERT_LT(capsule.joint, static_cast<int>(body.points.size()));
+  }
+  for (const Capsule& capsule : plain.capsules.capsules) EXPECT_LT(capsule.radius, 0.19);
+
+  fitted_.provenance[kCapsuleRadii] = "0.2";  // of another skeleton
+  EXPECT_EQ(BodyOf(fitted_, 20).capsules.capsules.size(), plain.capsules.capsules.size());
 }
 
 TEST_F(PictureTest, WhatIsNotThereIsNamed) {

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/motion/skeleton.h"
+
+namespace mocurate {
+
+/// A capsule that moves with the frame of one joint. It goes from that joint to `end_joint` (a child, or the joint
+/// itself), both ends moved by offsets in the joint's frame: flesh is not centred on bones and reaches past the last
+/// joints. Metres.
+struct FleshCapsule {
+  int frame = 0;
+  int end_joint = 0;
+  Vector3d begin_offset = Vector3d::Zero();
+  Vector3d end_offset = Vector3d::Zero();
+  double radius = 0.05;
+  int mirror = 0;  ///< the capsule on the other side; its own index on the midline
+};
+
+/// A body of capsules off the bones: what point clouds are fitted with, and how such a fit is drawn.
+struct FleshBody {
+  SkeletonPtr skeleton;
+  std::vector<FleshCapsule> capsules;
+
+  /// One capsule per bone with the radius of its end; the trunk, hands, feet and head of a skeleton with SMPL's joints
+  /// get the cross-sections of the CC0 body template that its rest pose is taken from. Offsets and radii are scaled by
+  /// `scale`, radii also by `radius_scale`.
+  static FleshBody Make(SkeletonPtr skeleton, double scale, double radius_scale);
+
+  /// (J) joints that turn a capsule.
+  std::vector<bool> MovingJoints() const;
+};
+
+/// Ends of a capsule's axis in the world.
+struct CapsuleEnds {
+  Vector3d begin;
+  Vector3d end;
+};
+
+/// `frame_joint` and `end_joint` are world positions of the joints that the capsule names.
+CapsuleEnds EndsOf(const FleshCapsule& capsule, const Matrix3d& world_from_frame, const Vector3d& frame_joint,
+                   const Vector3d& end_joint);
+
+/// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated: what Clip::provenance keeps of a fitted body
+/// (key kCapsuleRadii).
+inline constexpr const char* kCapsuleRadii = "capsule_radii";
+std::string RadiiText(const FleshBody& body);
+
+/// The body that such a text was written of: Make at the scale of the bone lengths (J), with those radii. Empty for a
+/// text that does not give one positive radius per capsule.
+std::optional<FleshBody> BodyFromRadii(SkeletonPtr skeleton, const std::vector<double>& bone_length,
+                                       const std::string& radii);
+
+/// Sum of bone lengths (J) over that of the rest skeleton: how much larger the person is. 1 without lengths.
+double BodyScale(const Skeleton& skeleton, const std::vector<double>& bone_length);
+
+}  // namespace mocurate

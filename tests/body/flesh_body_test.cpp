@@ -1,0 +1,57 @@
+// The body that is fitted to point clouds: capsules off the bones.
+#include "core/body/flesh_body.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/body/stick_figure.h"
+
+namespace mocurate {
+namespace {
+
+TEST(FleshBody, HasOneCapsulePerBoneWhereTheTemplateDoesNotApply) {
+  const test::StickFigure figure = test::MakeStickFigure();
+  const FleshBody body = FleshBody::Make(figure.skeleton, 2.0, 0.5);
+  ASSERT_EQ(body.capsules.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(body.capsules[i].end_joint, i + 1);
+    EXPECT_EQ(body.capsules[i].frame, figure.skeleton->joints[i + 1].parent);
+    EXPECT_DOUBLE_EQ(body.capsules[i].radius, figure.skeleton->joints[i + 1].radius);
+  }
+}
+
+TEST(FleshBody, ACapsuleTurnsWithItsJoint) {
+  FleshCapsule capsule;
+  capsule.begin_offset = {0.1, 0.0, 0.0};
+  capsule.end_offset = {0.0, 0.2, 0.0};
+  const Matrix3d quarter = ExpMatrix(Vector3d(0.0, 0.0, 0.5 * 3.14159265358979323846));
+  const CapsuleEnds ends = EndsOf(capsule, quarter, {1.0, 1.0, 1.0}, {2.0, 2.0, 2.0});
+  EXPECT_LT((ends.begin - Vector3d(1.0, 1.1, 1.0)).norm(), 1e-12);
+  EXPECT_LT((ends.end - Vector3d(1.8, 2.0, 2.0)).norm(), 1e-12);
+}
+
+TEST(FleshBody, ComesBackFromTheTextOfItsRadii) {
+  const test::StickFigure figure = test::MakeStickFigure();
+  std::vector<double> bones = figure.skeleton->RestBoneLengths();
+  for (double& bone : bones) bone *= 1.1;
+  EXPECT_NEAR(BodyScale(*figure.skeleton, bones), 1.1, 1e-12);
+  FleshBody body = FleshBody::Make(figure.skeleton, 1.1, 1.0);
+  body.capsules[1].radius = 0.12345;
+  const auto read = BodyFromRadii(figure.skeleton, bones, RadiiText(body));
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->capsules.size(), body.capsules.size());
+  for (std::size_t i = 0; i < body.capsules.size(); ++i) {
+    EXPECT_NEAR(read->capsules[i].radius, body.capsules[i].radius, 5e-5 + 1e-12);
+    EXPECT_LT((read->capsules[i].end_offset - body.capsules[i].end_offset).norm(), 1e-12);
+  }
+}
+
+TEST(FleshBody, ATextOfAnotherBodyGivesNone) {
+  const test::StickFigure figure = test::MakeStickFigure();
+  const std::vector<double> bones = figure.skeleton->RestBoneLengths();
+  for (const char* radii : {"", "0.1 0.1", "0.1 0.1 0.1 0.1", "0.1 wide 0.1", "0.1 -0.1 0.1", "0.1 0 0.1"}) {
+    EXPECT_FALSE(BodyFromRadii(figure.skeleton, bones, radii)) << radii;
+  }
+}
+
+}  // namespace
+}  // namespace mocurate
