@@ -82,8 +82,11 @@ std::vector<int> Asf::Order() const {
 double Asf::RadiansPerUnit() const { return degrees ? 3.14159265358979323846 / 180.0 : 1.0; }
 
 std::string WriteAsf(const Asf& asf) {
-  std::string text = ":version " + asf.version + "\n:name " + asf.name + "\n:units\n  mass " + Shown(asf.mass_unit) +
-                     "\n  length " + Shown(asf.length_unit) + "\n  angle " + (asf.degrees ? "deg" : "rad") + "\n";
+  std::string text;
+  if (!asf.version.empty()) text += ":version " + asf.version + "\n";
+  if (!asf.name.empty()) text += ":name " + asf.name + "\n";
+  text += ":units\n  mass " + Shown(asf.mass_unit) + "\n  length " + Shown(asf.length_unit) + "\n  angle " +
+          (asf.degrees ? "deg" : "rad") + "\n";
   if (!asf.documentation.empty()) text += ":documentation\n";
   for (const std::string& line : asf.documentation) text += "  " + line + "\n";
   text += ":root\n  order";
