@@ -119,7 +119,6 @@ class Parser {
       }
       const long long frame = rows_ / layout_.rows_per_frame;
       Report(code, frame, row.numbers, name_ + ":" + std::to_string(line) + ": " + what);
-      table_.values.resize(begin);
       table_.values.resize(begin + static_cast<std::size_t>(table_.columns), kNan);
       if (damaged_.empty() || damaged_.back() != frame) damaged_.push_back(frame);
     }
