@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/joint_table.h"
 #include "core/formats/line_reader.h"
 
 namespace mocurate {

@@ -7,11 +7,9 @@
 
 #include "core/base/error.h"
 #include "core/base/finding.h"
+#include "core/formats/damaged_rows.h"
 
 namespace mocurate {
-
-/// What a reader does about a damaged row: refuse the file, or mark its frame as missing and report it.
-enum class DamagedRows { kRefuse, kReport };
 
 /// Rows of numbers without a header: what Kinect data sets ship. A frame is `rows_per_frame` rows.
 struct JointTableLayout {

@@ -1,5 +1,6 @@
 #include "core/formats/ntu_skeleton.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -42,13 +43,16 @@ auto Tied(const NtuBody& b) {
 
 class Parser {
  public:
-  Parser(std::string_view bytes, const std::string& name) : scanner_(bytes, false), name_(name) {}
+  Parser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
+      : scanner_(bytes, false), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<NtuSkeleton> Run() {
     const Expected<int> frames = Count("frame count", std::numeric_limits<int>::max());
     if (!frames) return Forward(frames);
-    for (frame_ = 0; frame_ < *frames; ++frame_) {
+    const int line = line_;
+    for (frame_ = 0; frame_ < *frames || reports_; ++frame_) {
       body_ = -1;
+      if (reports_ && AtEnd()) break;
       const Expected<int> bodies = Count("body count", kMostBodies);
       if (!bodies) return Forward(bodies);
       skeleton_.frames.emplace_back();
@@ -56,10 +60,11 @@ class Parser {
         if (Status read = Body(); !read) return Forward(read);
       }
     }
-    for (Token token = scanner_.Next(); token != Token::kEnd; token = scanner_.Next()) {
-      if (token == Token::kLineEnd) continue;
-      return Bad("the frame count announces " + std::to_string(*frames) + " frames, and more follows",
-                 ErrorCode::kInconsistent, "correct the first line");
+    body_ = -1;
+    const std::string announces = "the frame count announces " + std::to_string(*frames) + " frames, and ";
+    if (!AtEnd()) return Bad(announces + "more follows", ErrorCode::kInconsistent, "correct the first line");
+    if (const int held = static_cast<int>(skeleton_.frames.size()); held != *frames) {
+      Report("frame_count", *frames, line, announces + std::to_string(held) + " follow");
     }
     return std::move(skeleton_);
   }
@@ -70,6 +75,27 @@ class Parser {
     return Fail(code, what + Where(), name_ + ":" + std::to_string(line > 0 ? line : scanner_.line()), hint);
   }
 
+  bool AtEnd() const {
+    NumberScanner ahead = scanner_;
+    Token token = ahead.Next();
+    while (token == Token::kLineEnd) token = ahead.Next();
+    return token == Token::kEnd;
+  }
+
+  void Report(const char* code, double value, int line, const std::string& what) {
+    constexpr std::size_t kMostFindings = 1000;
+    if (skeleton_.findings.size() >= kMostFindings) return;
+    Finding finding;
+    finding.code = code;
+    finding.frame_begin = std::max(frame_, 0);
+    finding.frame_end = finding.frame_begin + 1;
+    if (joint_ >= 0) finding.joint = std::to_string(joint_);
+    finding.value = value;
+    finding.message = name_ + ":" + std::to_string(line) + ": " + what + Where();
+    finding.action = "dropped";
+    skeleton_.findings.push_back(std::move(finding));
+  }
+
   std::string Where() const {
     if (frame_ < 0) return "";
     std::string where = ", frame " + std::to_string(frame_);
@@ -78,27 +104,41 @@ class Parser {
     return where;
   }
 
-  /// Numbers of the next line that is not blank; `line_` is where it stands.
-  Status Row(const char* const* fields, int count) {
+  /// Numbers of the next line that is not blank, into `row_`; `line_` is where it stands. Where a damaged line may be
+  /// left out (`damaged` is not null), it says whether it was.
+  Status Row(const char* const* fields, int count, bool* damaged = nullptr) {
     row_.clear();
-    for (;;) {
+    Token token = Token::kLineEnd;
+    while (row_.empty() && token == Token::kLineEnd) {
       line_ = scanner_.line();
-      const Token token = scanner_.Numbers(row_);
-      const int read = static_cast<int>(row_.size());
-      if (token == Token::kWord || token == Token::kNotFinite) {
-        return Bad("'" + Shown(scanner_.text()) +
-                   "' is no finite number: " + (read < count ? fields[read] : "behind the last field"));
-      }
-      if (read == 0 && token == Token::kLineEnd) continue;
-      if (read == 0) {
-        return Bad(std::string("the file ends where the ") + fields[0] + " is expected", ErrorCode::kInconsistent,
-                   "a count contradicts what follows, or the file is cut off: copy it again");
-      }
-      if (read == count) return {};
-      return Bad(std::to_string(read) + " numbers stand where " + std::to_string(count) + " are expected, from " +
-                     fields[0] + (count > 1 ? std::string(" to ") + fields[count - 1] : ""),
-                 ErrorCode::kInconsistent, "a count contradicts what follows, or the line is damaged", line_);
+      token = scanner_.Numbers(row_);
     }
+    const int read = static_cast<int>(row_.size());
+    const bool leaves_out = reports_ && damaged != nullptr;
+    if (token == Token::kWord || token == Token::kNotFinite) {
+      const std::string what = "'" + Shown(scanner_.text()) +
+                               "' is no finite number: " + (read < count ? fields[read] : "behind the last field");
+      if (!leaves_out) return Bad(what);
+      Report("not_a_number", read, line_, what);
+      while (token != Token::kLineEnd && token != Token::kEnd) token = scanner_.Next();
+      *damaged = true;
+      return {};
+    }
+    if (read == 0) {
+      return Bad(std::string("the file ends where the ") + fields[0] + " is expected", ErrorCode::kInconsistent,
+                 "a count contradicts what follows, or the file is cut off: copy it again");
+    }
+    if (read == count) return {};
+    const std::string what = std::to_string(read) + " numbers stand where " + std::to_string(count) +
+                             " are expected, from " + fields[0] +
+                             (count > 1 ? std::string(" to ") + fields[count - 1] : "");
+    // A line of one number or of ten may be a count or another body: then lines are missing, and nothing has its place.
+    if (leaves_out && read != 1 && read != static_cast<int>(kBodyFields.size())) {
+      Report("row_length", read, line_, what);
+      *damaged = true;
+      return {};
+    }
+    return Bad(what, ErrorCode::kInconsistent, "a count contradicts what follows, or the line is damaged", line_);
   }
 
   Expected<int> Whole(double value, const char* field, int least, int most) const {
@@ -138,22 +178,15 @@ class Parser {
     NtuBody body;
     if (Status id = BodyId(body.id); !id) return id;
     const int line = scanner_.line();
-    if (Status row = Row(&kBodyFields[1], 9); !row) return row;
+    bool damaged = false;
+    if (Status row = Row(&kBodyFields[1], 9, &damaged); !row) return row;
     if (line_ != line) {
       return Bad("1 number stands where 10 are expected, from body id to body tracking state", ErrorCode::kInconsistent,
                  "a count contradicts what follows, or the line is damaged", line);
     }
-    int* const flags[] = {&body.clipped_edges,         &body.hand_left_confidence, &body.hand_left_state,
-                          &body.hand_right_confidence, &body.hand_right_state,     &body.is_restricted};
-    for (std::size_t i = 0; i < std::size(flags); ++i) {
-      const Expected<int> flag = Whole(row_[i], kBodyFields[i + 1], 0, kLargestWhole);
-      if (!flag) return Forward(flag);
-      *flags[i] = *flag;
+    if (!damaged) {
+      if (Status flags = Flags(body); !flags) return flags;
     }
-    body.lean_x = row_[6], body.lean_y = row_[7];
-    const Expected<int> tracking = Whole(row_[8], kBodyFields[9], 0, kTracked);
-    if (!tracking) return Forward(tracking);
-    body.tracking = *tracking;
     const Expected<int> joints = Count("joint count", std::numeric_limits<int>::max());
     if (!joints) return Forward(joints);
     if (*joints != kNtuJoints) {
@@ -168,8 +201,25 @@ class Parser {
     return {};
   }
 
+  Status Flags(NtuBody& body) const {
+    int* const flags[] = {&body.clipped_edges,         &body.hand_left_confidence, &body.hand_left_state,
+                          &body.hand_right_confidence, &body.hand_right_state,     &body.is_restricted};
+    for (std::size_t i = 0; i < std::size(flags); ++i) {
+      const Expected<int> flag = Whole(row_[i], kBodyFields[i + 1], 0, kLargestWhole);
+      if (!flag) return Forward(flag);
+      *flags[i] = *flag;
+    }
+    body.lean_x = row_[6], body.lean_y = row_[7];
+    const Expected<int> tracking = Whole(row_[8], kBodyFields[9], 0, kTracked);
+    if (!tracking) return Forward(tracking);
+    body.tracking = *tracking;
+    return {};
+  }
+
   Status Joint(NtuJoint& joint) {
-    if (Status row = Row(kJointFields.data(), 12); !row) return row;
+    bool damaged = false;
+    if (Status row = Row(kJointFields.data(), 12, &damaged); !row) return row;
+    if (damaged) return {};  // zeros, not tracked
     const double* v = row_.data();
     joint = {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], 0};
     const Expected<int> tracking = Whole(v[11], kJointFields[11], 0, kTracked);
@@ -180,6 +230,7 @@ class Parser {
 
   NumberScanner scanner_;
   const std::string& name_;
+  bool reports_;
   NtuSkeleton skeleton_;
   std::vector<double> row_;
   int line_ = 1;
@@ -201,8 +252,8 @@ std::string ThreeDigits(char letter, int number) {
 bool operator==(const NtuJoint& a, const NtuJoint& b) { return Tied(a) == Tied(b); }
 bool operator==(const NtuBody& a, const NtuBody& b) { return Tied(a) == Tied(b); }
 
-Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name) {
-  return Parser(bytes, name).Run();
+Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name, DamagedRows damaged_rows) {
+  return Parser(bytes, name, damaged_rows).Run();
 }
 
 std::string WriteNtuSkeleton(const NtuSkeleton& skeleton) {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/formats/damaged_rows.h"
 
 namespace mocurate {
 
@@ -43,16 +45,22 @@ bool operator==(const NtuBody& a, const NtuBody& b);
 /// An NTU RGB+D `.skeleton` file: bodies of each frame, none to many, in the file's order.
 struct NtuSkeleton {
   std::vector<std::vector<NtuBody>> frames;
+  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "not_a_number", "row_length", "frame_count"
 };
 
+/// Of the frames; what was found on the way does not count.
 inline bool operator==(const NtuSkeleton& a, const NtuSkeleton& b) { return a.frames == b.frames; }
 
 /// Text: count of frames; per frame the count of bodies; per body a line of 10 numbers, a line "25", 25 lines of 12.
 /// A file of 0 frames is read as such. Error kMalformed "name:line" that names frame, body, joint and field: a line
 /// with another count of numbers, no finite number, a whole number or a tracking state out of range, an id twice in a
 /// frame; kInconsistent: the counts of frames, bodies or joints contradict what follows. Nothing is allocated on the
-/// word of a count. Layout: Shahroudy et al. 2016, the released reader of the data set.
-Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name);
+/// word of a count. With DamagedRows::kReport a line of a joint or of a body's flags that holds no number, NaN (which
+/// files of the set are known to have) or another count of numbers leaves that joint at tracking state 0 and zeros, or
+/// the flags at 0, and is reported; so is a count of frames that is not the count of whole frames. A line too few or
+/// too many stays an error. Layout: Shahroudy et al. 2016, the released reader of the data set.
+Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name,
+                                       DamagedRows damaged_rows = DamagedRows::kRefuse);
 
 /// The same as text, LF, fewest digits that read back as the same doubles.
 std::string WriteNtuSkeleton(const NtuSkeleton& skeleton);

@@ -107,6 +107,46 @@ TEST(NtuSkeletonText, EveryDamagedFieldIsNamedWithItsLine) {
   EXPECT_THAT(Fails(Replaced(text, "\n" + std::to_string(kFirst), "\n7.2e16")), HasSubstr("'7.2e16' is no body id"));
 }
 
+TEST(NtuSkeletonText, ADamagedLineCostsItsJointAndNothingElseWhereThatIsAskedFor) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  NtuSkeleton wanted = Scene();
+  wanted.frames[0][0].joints[3] = NtuJoint();
+  for (const auto& [line, code] : {std::pair{"0.13 NaN 3.1 270", "not_a_number"}, {"0.13 0.5 270", "row_length"}}) {
+    const std::string damaged = Replaced(text, "0.13 0.5 3.1 270", line);
+    EXPECT_FALSE(ParseNtuSkeleton(damaged, "a.skeleton"));
+    const auto skeleton = ParseNtuSkeleton(damaged, "a.skeleton", DamagedRows::kReport);
+    ASSERT_TRUE(skeleton) << skeleton.error().Message();
+    EXPECT_TRUE(*skeleton == wanted);
+    ASSERT_EQ(skeleton->findings.size(), 1u);
+    EXPECT_EQ(skeleton->findings[0].code, code);
+    EXPECT_EQ(skeleton->findings[0].joint, "3");
+    EXPECT_THAT(skeleton->findings[0].message, HasSubstr("a.skeleton:8: "));
+  }
+  wanted = Scene();
+  wanted.frames[0][0].hand_left_confidence = wanted.frames[0][0].tracking = 0;
+  wanted.frames[0][0].lean_x = 0;
+  const auto lean = ParseNtuSkeleton(Replaced(text, "-0.1159187", "nan"), "a.skeleton", DamagedRows::kReport);
+  ASSERT_TRUE(lean) << lean.error().Message();
+  EXPECT_TRUE(*lean == wanted);
+  for (int line = 2; line <= 3 + 3 * 27 + 1; ++line) {
+    const auto shorter = ParseNtuSkeleton(WithoutLine(text, line), "a.skeleton", DamagedRows::kReport);
+    EXPECT_TRUE(!shorter || !shorter->findings.empty()) << "line " << line << " is lost unseen";
+  }
+}
+
+TEST(NtuSkeletonText, AFrameCountThatContradictsTheDataIsAFindingWhereThatIsAskedFor) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  for (const char* count : {"2", "4"}) {
+    const auto skeleton = ParseNtuSkeleton(count + text.substr(1), "a.skeleton", DamagedRows::kReport);
+    ASSERT_TRUE(skeleton) << skeleton.error().Message();
+    EXPECT_TRUE(*skeleton == Scene());
+    ASSERT_EQ(skeleton->findings.size(), 1u);
+    EXPECT_EQ(skeleton->findings[0].code, "frame_count");
+    EXPECT_THAT(skeleton->findings[0].message, HasSubstr("a.skeleton:1: the frame count announces"));
+  }
+  EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton", DamagedRows::kReport)->findings.empty());
+}
+
 TEST(NtuNames, FilesThatDifferInTheirCameraAreOneCapture) {
   const auto first = ParseNtuName("S001C001P008R002A058.skeleton"),
              third = ParseNtuName("S001C003P008R002A058_rgb.avi");

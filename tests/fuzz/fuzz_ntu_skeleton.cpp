@@ -8,6 +8,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   (void)mocurate::ParseNtuName(bytes);
+  (void)mocurate::ParseNtuSkeleton(bytes, "fuzz", mocurate::DamagedRows::kReport);
   const auto skeleton = mocurate::ParseNtuSkeleton(bytes, "fuzz");
   if (!skeleton) return 0;
   const auto again = mocurate::ParseNtuSkeleton(mocurate::WriteNtuSkeleton(*skeleton), "again");
