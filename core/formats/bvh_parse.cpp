@@ -5,6 +5,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
+#include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
 namespace mocurate {
@@ -14,12 +15,6 @@ constexpr int kMaxDepth = 512;  // no body is deeper; bounds what a hostile file
 constexpr double kShortestFrame = 1e-6;
 constexpr double kLongestFrame = 1e6;  // seconds
 
-bool SameWord(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
-           return (x >= 'A' && x <= 'Z' ? x + 32 : x) == (y >= 'A' && y <= 'Z' ? y + 32 : y);
-         });
-}
-
 std::optional<BvhChannel> ChannelOf(std::string_view word) {
   constexpr std::string_view kNames[] = {"Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation"};
   for (int i = 0; i < 6; ++i) {
@@ -28,50 +23,12 @@ std::optional<BvhChannel> ChannelOf(std::string_view word) {
   return std::nullopt;
 }
 
-std::string Shown(std::string_view text) {
-  std::string shown;
-  for (const char c : text.substr(0, 40)) shown += (c >= ' ' && c < 127) ? c : '?';
-  return shown;
-}
-
-/// Lines of a text, without their ends, counted.
-class Lines {
- public:
-  explicit Lines(std::string_view bytes) : rest_(bytes) {}
-  /// Next line that is not blank, trimmed; empty at the end.
-  std::string_view Next() {
-    while (!rest_.empty()) {
-      const std::size_t end = rest_.find_first_of("\r\n");
-      const std::string_view line = Trim(rest_.substr(0, end));
-      Skip(end);
-      ++number_;
-      if (!line.empty()) return line;
-    }
-    return {};
-  }
-  int number() const { return number_; }
-  std::string_view rest() const { return rest_; }
-
- private:
-  void Skip(std::size_t end) {
-    if (end == std::string_view::npos) {
-      rest_ = {};
-      return;
-    }
-    const bool both = rest_[end] == '\r' && end + 1 < rest_.size() && rest_[end + 1] == '\n';
-    rest_.remove_prefix(end + (both ? 2 : 1));
-  }
-  std::string_view rest_;
-  int number_ = 0;
-};
-
 class Parser {
  public:
-  Parser(std::string_view bytes, const std::string& name) : lines_(bytes), name_(name) {}
+  Parser(std::string_view bytes, const std::string& name) : lines_(bytes, name), name_(name) {}
 
   Expected<Bvh> Run() {
-    std::string_view first = lines_.Next();
-    if (first.substr(0, 3) == "\xEF\xBB\xBF") first = Trim(first.substr(3));
+    const std::string_view first = lines_.Next();
     if (first.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_, "copy it again");
     if (!SameWord(first, "HIERARCHY")) {
       return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'");
@@ -86,10 +43,6 @@ class Parser {
   tl::unexpected<Error> Bad(std::string what, int line = 0, std::string hint = {}) const {
     return Fail(ErrorCode::kMalformed, std::move(what), name_ + ":" + std::to_string(line > 0 ? line : lines_.number()),
                 std::move(hint));
-  }
-
-  tl::unexpected<Error> CutOff(const std::string& wanted) const {
-    return Bad("the file ends where " + wanted + " is expected", 0, "the file is cut off: copy it again");
   }
 
   Expected<Vector3d> Offset(const std::vector<std::string_view>& words) const {
@@ -138,7 +91,7 @@ class Parser {
 
   Status Brace(const std::string& owner) {
     const std::string_view line = lines_.Next();
-    if (line.empty()) return CutOff("'{' of " + owner);
+    if (line.empty()) return lines_.CutOff("'{' of " + owner);
     if (line != "{") return Bad("'{' is expected after " + owner + ", not '" + Shown(line) + "'");
     return {};
   }
@@ -148,7 +101,7 @@ class Parser {
     if (Status brace = Brace("End Site"); !brace) return brace;
     BvhJoint& joint = bvh_.joints[stack_.back()];
     for (std::string_view line = lines_.Next(); line != "}"; line = lines_.Next()) {
-      if (line.empty()) return CutOff("'}' of an End Site");
+      if (line.empty()) return lines_.CutOff("'}' of an End Site");
       const std::vector<std::string_view> words = SplitBlanks(line);
       if (!SameWord(words[0], "OFFSET")) return Bad("an End Site holds OFFSET only, not '" + Shown(line) + "'");
       const Expected<Vector3d> offset = Offset(words);
@@ -162,7 +115,8 @@ class Parser {
   Status Hierarchy() {
     do {
       const std::string_view line = lines_.Next();
-      if (line.empty()) return CutOff(bvh_.joints.empty() ? "ROOT" : "'}' of joint '" + bvh_.joints.back().name + "'");
+      if (line.empty())
+        return lines_.CutOff(bvh_.joints.empty() ? "ROOT" : "'}' of joint '" + bvh_.joints.back().name + "'");
       const std::vector<std::string_view> words = SplitBlanks(line);
       const bool root = SameWord(words[0], "ROOT");
       if (root || SameWord(words[0], "JOINT")) {
@@ -190,10 +144,10 @@ class Parser {
 
   Status Header() {
     std::string_view line = lines_.Next();
-    if (line.empty()) return CutOff("MOTION");
+    if (line.empty()) return lines_.CutOff("MOTION");
     if (!SameWord(line, "MOTION")) return Bad("MOTION is expected, not '" + Shown(line) + "'");
     line = lines_.Next();
-    if (line.empty()) return CutOff("'Frames:'");
+    if (line.empty()) return lines_.CutOff("'Frames:'");
     const std::size_t colon = std::min(line.find(':'), line.size() - 1);
     const std::optional<long long> frames = ParseInteger(Trim(line.substr(colon + 1)));
     if (!SameWord(Trim(line.substr(0, colon)), "Frames") || !frames) {
@@ -202,7 +156,7 @@ class Parser {
     if (*frames < 1) return Bad("the file holds " + std::to_string(*frames) + " frames");
     announced_ = *frames;
     line = lines_.Next();
-    if (line.empty()) return CutOff("'Frame Time:'");
+    if (line.empty()) return lines_.CutOff("'Frame Time:'");
     const std::size_t second = std::min(line.find(':'), line.size() - 1);
     const std::optional<double> time = ParseDouble(Trim(line.substr(second + 1)));
     if (!SameWord(Trim(line.substr(0, second)), "Frame Time") || !time) {
@@ -223,29 +177,24 @@ class Parser {
     bvh_.values.reserve(std::min<std::size_t>(lines_.rest().size() / 2 + 1,
                                               static_cast<std::size_t>(std::min<long long>(announced_, 1 << 24)) *
                                                   static_cast<std::size_t>(bvh_.channel_count)));
-    int in_row = 0;
     int line = scanner.line();
     long long rows = 0;
     for (bool more = true; more;) {
-      const Token token = scanner.Next();
-      if (token == Token::kNumber) {
-        bvh_.values.push_back(scanner.value());
-        ++in_row;
-        continue;
-      }
+      const std::size_t begin = bvh_.values.size();
+      const Token token = scanner.Numbers(bvh_.values);
+      const std::size_t in_row = bvh_.values.size() - begin;
       if (token == Token::kNotFinite || token == Token::kWord) {
         return Bad("'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
                        std::to_string(in_row) + " is no finite number",
                    scanner.line(), "mend or cut the frame, or leave the file out");
       }
       more = token != Token::kEnd;
-      if (in_row != 0 && in_row != bvh_.channel_count) {
+      if (in_row != 0 && in_row != static_cast<std::size_t>(bvh_.channel_count)) {
         return Bad("frame " + std::to_string(rows) + " has " + std::to_string(in_row) + " numbers, the hierarchy has " +
                        std::to_string(bvh_.channel_count) + " channels",
                    line, "the file is cut off or damaged: copy it again");
       }
       if (in_row != 0) ++rows;
-      in_row = 0;
       line = scanner.line();
     }
     if (rows != announced_) {
@@ -257,7 +206,7 @@ class Parser {
     return {};
   }
 
-  Lines lines_;
+  LineReader lines_;
   const std::string& name_;
   Bvh bvh_;
   std::vector<int> stack_;

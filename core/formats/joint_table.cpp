@@ -1,82 +1,187 @@
 #include "core/formats/joint_table.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
 namespace mocurate {
 namespace {
 
-std::string Place(const std::string& name, int line) { return name + ":" + std::to_string(line); }
+using Token = NumberScanner::Token;
 
-std::string Shown(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  std::string shown;
-  for (const char c : text.substr(0, kLongest)) shown += (c >= ' ' && c < 127) ? c : '?';
-  return text.size() > kLongest ? shown + "..." : shown;
-}
+constexpr int kFewRows = 8;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+class Parser {
+ public:
+  Parser(std::string_view bytes, const JointTableLayout& layout, const std::string& name)
+      : layout_(layout),
+        name_(name),
+        scanner_(bytes, layout.separator != JointTableLayout::Separator::kBlanks, layout.first_line) {
+    table_.rows_per_frame = layout.rows_per_frame;
+    table_.columns = layout.columns;
+    table_.values.reserve(bytes.size() / 8);
+  }
+
+  Expected<JointTable> Run() {
+    for (bool more = true; more;) {
+      const std::size_t begin = table_.values.size();
+      const int line = scanner_.line();
+      const Token token = scanner_.Numbers(table_.values);
+      const std::size_t read = table_.values.size() - begin;
+      if (token == Token::kLineEnd && read > 0 && read == static_cast<std::size_t>(table_.columns)) {
+        ++rows_;
+        last_line_ = line;
+        continue;
+      }
+      const Expected<Row> row = ReadRow(token, begin);
+      if (!row) return Forward(row);
+      more = row->more;
+      if (row->numbers == 0 && row->damage.empty()) continue;  // a blank line
+      if (Status kept = Keep(*row, begin, line); !kept) return Forward(kept);
+    }
+    return Finish();
+  }
+
+ private:
+  struct Row {
+    int numbers = 0;
+    bool more = true;
+    std::string damage;  ///< what is no number; empty: nothing
+    std::string hint;
+  };
+
+  tl::unexpected<Error> Bad(std::string what, int line, std::string hint) const {
+    return Fail(ErrorCode::kMalformed, std::move(what), name_ + ":" + std::to_string(line), std::move(hint));
+  }
+
+  std::string Column(int column) const {
+    const std::string number = "column " + std::to_string(column + 1);
+    if (column >= static_cast<int>(layout_.column_names.size())) return number;
+    return number + ", '" + layout_.column_names[static_cast<std::size_t>(column)] + "'";
+  }
+
+  /// The rest of a line whose numbers so far stand from `begin` on, and end at `token`.
+  Expected<Row> ReadRow(Token token, std::size_t begin) {
+    Row row;
+    for (;; token = scanner_.Numbers(table_.values)) {
+      const bool first = table_.values.size() == begin;
+      if (token == Token::kEnd || token == Token::kLineEnd) {
+        row.more = token == Token::kLineEnd;
+        row.numbers = static_cast<int>(table_.values.size() - begin);
+        return row;
+      }
+      if (token == Token::kWord && first && !layout_.end_word.empty() && scanner_.text() == layout_.end_word) {
+        if (Status closed = NothingFollows(); !closed) return Forward(closed);
+        row.more = false;
+        return row;
+      }
+      const bool nan = token == Token::kNotFinite;
+      if (row.damage.empty() && !(nan && layout_.allow_nan)) {
+        const int column = static_cast<int>(table_.values.size() - begin);
+        row.damage = "'" + Shown(scanner_.text()) + "' is not a " + (nan ? "finite number" : "number") + " (" +
+                     Column(column) + ")";
+        row.hint = nan ? "a missing joint is declared with `missing: nan`"
+                       : "a joint table holds rows of numbers only, without a header";
+      }
+      table_.values.push_back(kNan);
+    }
+  }
+
+  Status NothingFollows() {
+    for (Token token = scanner_.Next(); token != Token::kEnd; token = scanner_.Next()) {
+      if (token == Token::kLineEnd) continue;
+      return Bad("'" + Shown(scanner_.text()) + "' stands after " + layout_.end_word, scanner_.line(),
+                 layout_.end_word + " closes the table");
+    }
+    return {};
+  }
+
+  /// Counts the row; a damaged one is refused, or made to stand in its place as NaN.
+  Status Keep(const Row& row, std::size_t begin, int line) {
+    if (table_.columns == 0) table_.columns = row.numbers;
+    std::string what = row.damage;
+    std::string hint = row.hint;
+    const char* code = "not_a_number";
+    if (what.empty() && row.numbers != table_.columns) {
+      code = "row_length";
+      what = "row has " + std::to_string(row.numbers) + " numbers, not " + std::to_string(table_.columns);
+      hint = "every row must have the declared columns; is the file cut off?";
+    }
+    if (!what.empty()) {
+      if (layout_.damaged_rows == DamagedRows::kRefuse) return Bad(what, line, hint);
+      if (++damaged_rows_ > kFewRows && damaged_rows_ > rows_ / 2 + 1) {
+        return Bad(what, line, "more rows are damaged than whole: this is no table of such rows");
+      }
+      const long long frame = rows_ / layout_.rows_per_frame;
+      Report(code, frame, row.numbers, name_ + ":" + std::to_string(line) + ": " + what);
+      table_.values.resize(begin + static_cast<std::size_t>(table_.columns), kNan);
+      if (damaged_.empty() || damaged_.back() != frame) damaged_.push_back(frame);
+    }
+    last_line_ = line;
+    ++rows_;
+    return {};
+  }
+
+  void Report(const char* code, long long frame, double value, std::string message) {
+    constexpr std::size_t kMostFindings = 1000;
+    if (table_.findings.size() >= kMostFindings) return;
+    Finding finding;
+    finding.code = code;
+    finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
+    finding.frame_end = finding.frame_begin + 1;
+    finding.value = value;
+    finding.message = std::move(message);
+    finding.action = "dropped";
+    table_.findings.push_back(std::move(finding));
+  }
+
+  Expected<JointTable> Finish() {
+    if (rows_ == 0) return Fail(ErrorCode::kMalformed, "the file holds no numbers", name_, "is the file empty?");
+    const long long frames = rows_ / layout_.rows_per_frame;
+    const long long left_over = rows_ % layout_.rows_per_frame;
+    if (left_over != 0) {
+      const std::string what = std::to_string(rows_) + " rows are not a whole number of frames of " +
+                               std::to_string(layout_.rows_per_frame) + " rows (" + std::to_string(left_over) +
+                               " left over)";
+      if (layout_.damaged_rows == DamagedRows::kRefuse || frames == 0) {
+        return Bad(what, scanner_.line(), "check rows_per_frame, or the file is cut off");
+      }
+      Report("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
+    }
+    if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name_);
+    table_.frames = static_cast<int>(frames);
+    const std::size_t size =
+        static_cast<std::size_t>(layout_.rows_per_frame) * static_cast<std::size_t>(table_.columns);
+    table_.values.resize(static_cast<std::size_t>(frames) * size);
+    for (const long long frame : damaged_) {
+      if (frame < frames) std::fill_n(table_.values.begin() + static_cast<std::ptrdiff_t>(frame * size), size, kNan);
+    }
+    return std::move(table_);
+  }
+
+  const JointTableLayout& layout_;
+  const std::string& name_;
+  NumberScanner scanner_;
+  JointTable table_;
+  long long rows_ = 0;
+  long long damaged_rows_ = 0;
+  int last_line_ = 0;
+  std::vector<long long> damaged_;
+};
 
 }  // namespace
 
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name) {
   if (layout.rows_per_frame < 1) return Fail(ErrorCode::kUsage, "rows_per_frame must be at least 1", name);
-  JointTable table;
-  table.rows_per_frame = layout.rows_per_frame;
-  table.columns = layout.columns;
-  table.values.reserve(bytes.size() / 10);
-  NumberScanner scanner(bytes, layout.separator != JointTableLayout::Separator::kBlanks);
-  long long rows = 0;
-  int in_row = 0;
-  int line = 1;  // of the row being read
-  for (bool more = true; more;) {
-    const NumberScanner::Token token = scanner.Next();
-    switch (token) {
-      case NumberScanner::Token::kNumber:
-        table.values.push_back(scanner.value());
-        ++in_row;
-        break;
-      case NumberScanner::Token::kNotFinite:
-        if (!layout.allow_nan) {
-          return Fail(ErrorCode::kMalformed, "'" + Shown(scanner.text()) + "' is not a finite number",
-                      Place(name, scanner.line()), "a missing joint is declared with `missing: nan`");
-        }
-        table.values.push_back(std::numeric_limits<double>::quiet_NaN());
-        ++in_row;
-        break;
-      case NumberScanner::Token::kWord:
-        return Fail(ErrorCode::kMalformed, "'" + Shown(scanner.text()) + "' is not a number",
-                    Place(name, scanner.line()), "a joint table holds rows of numbers only, without a header");
-      case NumberScanner::Token::kEnd:
-        more = false;
-        [[fallthrough]];
-      case NumberScanner::Token::kLineEnd:
-        if (in_row > 0) {
-          if (table.columns == 0) table.columns = in_row;
-          if (in_row != table.columns) {
-            return Fail(ErrorCode::kMalformed,
-                        "row has " + std::to_string(in_row) + " numbers, not " + std::to_string(table.columns),
-                        Place(name, line), "every row must have the declared columns; is the file cut off?");
-          }
-          ++rows;
-        }
-        in_row = 0;
-        line = scanner.line();
-        break;
-    }
+  if (layout.damaged_rows == DamagedRows::kReport && layout.columns < 1) {
+    return Fail(ErrorCode::kUsage, "damaged rows can be told from others only where the columns are declared", name);
   }
-  if (rows == 0) return Fail(ErrorCode::kMalformed, "the file holds no numbers", name, "is the file empty?");
-  if (rows % layout.rows_per_frame != 0) {
-    return Fail(ErrorCode::kMalformed,
-                std::to_string(rows) + " rows are not a whole number of frames of " +
-                    std::to_string(layout.rows_per_frame) + " rows (" + std::to_string(rows % layout.rows_per_frame) +
-                    " left over)",
-                Place(name, line), "check rows_per_frame, or the file is cut off");
-  }
-  const long long frames = rows / layout.rows_per_frame;
-  if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name);
-  table.frames = static_cast<int>(frames);
-  return table;
+  return Parser(bytes, layout, name).Run();
 }
 
 std::string WriteJointTable(const JointTable& table, char separator) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 namespace mocurate {
 
@@ -21,11 +22,18 @@ class NumberScanner {
 
   /// Next token; blanks are skipped. After kLineEnd, line() is already the next line.
   Token Next();
+  /// Appends numbers up to the first token that is none, and returns that token: the fast way through a row.
+  Token Numbers(std::vector<double>& values);
   double value() const { return value_; }
+  /// The number or word as it stands in the file; after Numbers() only of the token returned.
   std::string_view text() const { return text_; }
   int line() const { return line_; }
+  /// What follows the last token.
+  std::string_view rest() const { return {at_, static_cast<std::size_t>(end_ - at_)}; }
 
  private:
+  bool Separates(char c) const;
+  bool EndsAt(const char* at) const;
   Token Word();
   const char* at_;
   const char* end_;

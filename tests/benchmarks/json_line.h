@@ -10,7 +10,7 @@
 namespace mocurate::benchmarks {
 
 /// Runs `work` once unmeasured, then `repeats` times, and prints one JSON line with the median.
-inline void Report(const char* name, int items, const char* unit, int repeats, const std::function<void()>& work) {
+inline void Report(const char* name, double items, const char* unit, int repeats, const std::function<void()>& work) {
   work();
   std::vector<double> seconds, cpu_seconds;
   for (int i = 0; i < repeats; ++i) {
@@ -25,7 +25,7 @@ inline void Report(const char* name, int items, const char* unit, int repeats, c
   const double median = seconds[seconds.size() / 2];
   std::printf(
       "{\"name\": \"%s\", \"seconds_median\": %.6f, \"seconds_min\": %.6f, \"cpu_seconds_median\": %.6f, \"repeats\": "
-      "%d, \"items\": %d, "
+      "%d, \"items\": %.9g, "
       "\"unit\": \"%s\", \"items_per_s\": %.3f, \"threads\": 1}\n",
       name, median, seconds.front(), cpu_seconds[cpu_seconds.size() / 2], repeats, items, unit, items / median);
 }

@@ -7,10 +7,17 @@
 #include <functional>
 
 #include "core/base/random.h"
+#include "core/formats/amc.h"
+#include "core/formats/bandai_label.h"
 #include "core/formats/bvh.h"
 #include "core/formats/depth_sequence.h"
-#include "core/formats/joint_table.h"
+#include "core/formats/expmap_table.h"
+#include "core/formats/joint_layout.h"
 #include "core/formats/npy.h"
+#include "core/formats/ntu_skeleton.h"
+#include "core/formats/opensim_table.h"
+#include "core/formats/phspd_text.h"
+#include "core/formats/uestc_info.h"
 
 namespace mocurate {
 namespace {
@@ -128,6 +135,91 @@ TEST(DamagedFiles, DepthSequence) {
     (void)ParseDepthSequenceTruth(bytes, "damaged");
   });
   Survives(std::string(100000, '['), 3, [](const std::string& bytes) { (void)ParseDepthSequence(bytes, "deep"); });
+}
+
+TEST(DamagedFiles, Acclaim) {
+  const std::string skeleton =
+      ":version 1.10\n:units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n"
+      ":bonedata\n begin\n id 1\n name a\n direction 1 0 0\n length 2\n axis 0 0 90 XYZ\n dof rx rz\n limits (-1 2)\n"
+      " (-inf inf)\n end\n:hierarchy\n begin\n root a\n end\n";
+  int read = 0;
+  Survives(skeleton, 20000, [&](const std::string& bytes) {
+    const auto asf = ParseAsf(bytes, "damaged");
+    if (!asf) return;
+    ++read;
+    const std::string text = WriteAsf(*asf);
+    const auto again = ParseAsf(text, "again");
+    ASSERT_TRUE(again) << again.error().Message() << "\n" << bytes;
+    ASSERT_EQ(WriteAsf(*again), text);
+  });
+  EXPECT_GT(read, 100);
+  const Asf arm = ParseAsf(skeleton, "arm").value();
+  Survives(":DEGREES\n1\nroot 1 2 3 4 5 6\na 7 8\n2\nroot 1 2 3 4 5 6\na 7 8\n", 20000, [&](const std::string& bytes) {
+    for (const DamagedRows damaged : {DamagedRows::kRefuse, DamagedRows::kReport}) {
+      const auto amc = ParseAmc(bytes, {&arm, damaged}, "damaged");
+      if (!amc) continue;
+      ASSERT_EQ(amc->values.size(), static_cast<std::size_t>(amc->frames) * 8u);
+      std::vector<Vector3d> ends;
+      AcclaimForward(arm, *amc, amc->frames - 1, ends);
+      ASSERT_FALSE(ends[0].hasNaN());
+    }
+  });
+}
+
+TEST(DamagedFiles, NtuSkeleton) {
+  NtuSkeleton scene;
+  scene.frames = {{NtuBody()}, {}, {NtuBody()}};
+  scene.frames[0][0].id = 72057594037931649u;
+  int read = 0;
+  Survives(WriteNtuSkeleton(scene), 5000, [&](const std::string& bytes) {
+    const auto skeleton = ParseNtuSkeleton(bytes, "damaged");
+    if (!skeleton) return;
+    ++read;
+    ASSERT_TRUE(ParseNtuSkeleton(WriteNtuSkeleton(*skeleton), "again").value() == *skeleton);
+  });
+  EXPECT_GT(read, 10);
+}
+
+TEST(DamagedFiles, JointLayout) {
+  Survives("frame 1*(rotation rotation_confidence x y z confidence) 1*(x y z)", 5000,
+           [](const std::string& text) { (void)ParseJointLayout(text, "damaged"); });
+  const JointLayout layout = ParseJointLayout("frame 2*(x y z)", "layout").value();
+  JointTableLayout table;
+  table.end_word = "END";
+  table.damaged_rows = DamagedRows::kReport;
+  Survives("1,2,3,4,5,6,7,\n2,2,3,4,5,6,7,\n3,2,3,4,5,6,7,\nEND\n", 20000, [&](const std::string& bytes) {
+    const auto rows = ParseJointRows(bytes, layout, table, "damaged");
+    if (!rows) return;
+    ASSERT_EQ(rows->position.size(), static_cast<std::size_t>(rows->frames) * 6u);
+    for (const double value : rows->position) ASSERT_TRUE(std::isfinite(value) || !rows->findings.empty());
+  });
+}
+
+TEST(DamagedFiles, TablesAndLists) {
+  Survives("Coordinates\nnRows=2\nnColumns=3\ninDegrees=yes\nendheader\ntime\ta\tb\n0\t1\t2\n1\t3\t4\n", 20000,
+           [](const std::string& bytes) {
+             const auto table = ParseOpenSimTable(bytes, "damaged");
+             if (!table) return;
+             ASSERT_EQ(table->values.size(),
+                       table->time_s.size() * table->labels.size() * static_cast<std::size_t>(table->components));
+           });
+  Survives("1,2,3,0,0,1\n4,5,6,0,0,2\n", 20000,
+           [](const std::string& bytes) { (void)ParseExpmapTable(bytes, "damaged", 0, DamagedRows::kReport); });
+  Survives(R"({"content": 6, "style": 11})", 5000,
+           [](const std::string& bytes) { (void)ParseBandaiLabel(bytes, "damaged"); });
+  Survives("dataset-1_walk\ndataset-1_run\n", 5000,
+           [](const std::string& bytes) { (void)ParseBandaiLabelList(bytes, "damaged"); });
+  Survives("a12_d4_p007_c2_color.avi\na12_d4_p008_c2_color.avi\n", 5000, [](const std::string& bytes) {
+    (void)ParseUestcNames(bytes, "damaged");
+    (void)ParseUestcFrameCounts(bytes, "damaged");
+  });
+  PhspdPose pose;
+  pose.frame = {3, 9};
+  pose.position_m.assign(144, 0.5);
+  Survives(WritePhspdPose(pose), 5000, [](const std::string& bytes) {
+    (void)ParsePhspdPose(bytes, "damaged");
+    (void)ParsePhspdShape(bytes, "damaged");
+  });
 }
 
 }  // namespace

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/formats/asf.h"
+#include "core/formats/damaged_rows.h"
+
+namespace mocurate {
+
+struct AmcBone {
+  std::string name;  ///< "root" for the root
+  int channels = 0;
+  int first_channel = 0;  ///< of the frame's values
+};
+
+/// Acclaim motion. Lengths in the unit of its skeleton file, angles in its own.
+struct Amc {
+  std::optional<bool> degrees;  ///< :DEGREES or :RADIANS; nothing: as the skeleton's
+  std::optional<double> hz;     ///< :SAMPLES-PER-SECOND, which hardly any file has
+  bool fully_specified = false;
+  std::vector<AmcBone> bones;  ///< root first where it has one
+  int channel_count = 0;
+  int frames = 0;
+  std::vector<int> frame_numbers;     ///< (frames) as written: not always 1, 2, 3
+  std::vector<double> values;         ///< (frames, channel_count); 0 where the bone is missing in that frame
+  std::vector<std::uint8_t> present;  ///< (frames, bones)
+  std::vector<Finding> findings;      ///< "frame_number", "bone_missing"; with kReport "row_length", "cut_off"
+
+  double value(int frame, int channel) const {
+    return values[static_cast<std::size_t>(frame) * static_cast<std::size_t>(channel_count) +
+                  static_cast<std::size_t>(channel)];
+  }
+  bool has(int frame, int bone) const {
+    return present[static_cast<std::size_t>(frame) * bones.size() + static_cast<std::size_t>(bone)] != 0;
+  }
+  int Find(std::string_view bone) const;  ///< -1: none
+};
+
+struct AmcOptions {
+  const Asf* skeleton = nullptr;  ///< bones are then its root and its bones with dof, in its order
+  DamagedRows damaged_rows = DamagedRows::kRefuse;
+};
+
+/// Comments in any encoding, LF or CRLF or both in one file, keywords in any letter case. Without a skeleton the first
+/// frame says which bones there are. Error kMalformed "name:line" naming frame and bone: an unknown keyword or bone, a
+/// bone twice in a frame, a row of another length than the dof, no finite number, no whole frame number; a last frame
+/// that lacks bones of the one before it (cut off). With kReport such a row counts as missing, keeps its frame, and is
+/// reported, and so is a last frame that lacks bones.
+Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
+
+std::string WriteAmc(const Amc& amc);
+
+/// parent_from_bone: C L C^-1, C the bone's axis, L its dof; a missing bone or dof turns by nothing. Error
+/// kInconsistent is for ParseAmc: here `amc` was read with `asf`.
+Matrix3d AcclaimLocalRotation(const Asf& asf, const Amc& amc, int frame, int bone);
+
+/// World ends of the bones (bones), file units and axes; `root`, if not null, receives the root's place; `global`
+/// (bones), if not null, world_from_bone. A bone starts where its parent ends. Translation dof of a bone move its end
+/// along its own axes and kLength stretches it [Acclaim's description; no recorded file at hand has them].
+void AcclaimForward(const Asf& asf, const Amc& amc, int frame, std::vector<Vector3d>& ends, Vector3d* root = nullptr,
+                    std::vector<Matrix3d>* global = nullptr);
+
+}  // namespace mocurate

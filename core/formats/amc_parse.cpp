@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/formats/amc.h"
+#include "core/formats/line_reader.h"
+#include "core/formats/number_scanner.h"
+
+namespace mocurate {
+namespace {
+
+using Token = NumberScanner::Token;
+
+constexpr std::size_t kMostFindings = 200;
+constexpr std::size_t kFewPlaces = 10000;
+
+class Parser {
+ public:
+  Parser(std::string_view bytes, const AmcOptions& options, const std::string& name)
+      : scanner_(bytes, false), options_(options), name_(name), bytes_(bytes.size()) {
+    if (options.skeleton == nullptr) return;
+    Add("root", options.skeleton->root_order.size());
+    for (const AsfBone& bone : options.skeleton->bones) {
+      if (!bone.dof.empty()) Add(bone.name, bone.dof.size());
+    }
+  }
+
+  Expected<Amc> Run() {
+    for (bool more = true; more;) {
+      line_ = scanner_.line();
+      const Token token = scanner_.Next();
+      const std::string_view text = scanner_.text();
+      if (token == Token::kLineEnd) continue;
+      if (token == Token::kEnd) break;
+      Expected<bool> read = false;
+      if (token == Token::kWord && text.front() == '#') {
+        read = SkipLine();
+      } else if (token == Token::kWord && text.front() == ':') {
+        read = Keyword(std::string(text));
+      } else if (token == Token::kNumber) {
+        read = Frame();
+      } else {
+        read = Row(std::string(text));
+      }
+      if (!read) return Forward(read);
+      more = *read;
+    }
+    if (amc_.frames == 0) return Fail(ErrorCode::kMalformed, "the file holds no frame", name_, "is it cut off?");
+    if (Status closed = CloseFrame(); !closed) return Forward(closed);
+    if (Status whole = LastFrame(); !whole) return Forward(whole);
+    ReportMissing();
+    return std::move(amc_);
+  }
+
+ private:
+  tl::unexpected<Error> Bad(const std::string& what, const std::string& hint = {}, int line = 0) const {
+    const std::string frame =
+        amc_.frames > 0 ? ", frame " + std::to_string(amc_.frame_numbers.back()) : std::string(", before any frame");
+    return Fail(ErrorCode::kMalformed, what + frame, Place(line > 0 ? line : line_), hint);
+  }
+
+  std::string Place(int line) const { return name_ + ":" + std::to_string(line); }
+
+  void Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
+    if (amc_.findings.size() >= kMostFindings) return;
+    Finding finding;
+    finding.code = code;
+    finding.joint = Shown(bone);
+    finding.frame_begin = frame < 0 ? amc_.frames - 1 : frame;
+    finding.frame_end = finding.frame_begin + 1;
+    finding.value = value;
+    finding.message = std::move(message);
+    finding.action = "kept";
+    amc_.findings.push_back(std::move(finding));
+  }
+
+  std::size_t Add(const std::string& name, std::size_t channels) {
+    const std::size_t bone = amc_.bones.size();
+    index_.emplace(name, bone);
+    amc_.bones.push_back({name, static_cast<int>(channels), amc_.channel_count});
+    amc_.channel_count += static_cast<int>(channels);
+    return bone;
+  }
+
+  /// Whether more than the end of the file follows.
+  bool SkipLine() {
+    Token token = scanner_.Next();
+    while (token != Token::kLineEnd && token != Token::kEnd) token = scanner_.Next();
+    return token == Token::kLineEnd;
+  }
+
+  Expected<bool> Keyword(const std::string& word) {
+    const std::string_view key = std::string_view(word).substr(1);
+    if (amc_.frames > 0) return Bad("'" + Shown(word) + "' stands after the first frame");
+    if (SameWord(key, "asf-file") || SameWord(key, "asf-path")) return SkipLine();
+    if (SameWord(key, "samples-per-second")) {
+      const bool number = scanner_.Next() == Token::kNumber;
+      if (!number || !(scanner_.value() >= 1e-6 && scanner_.value() <= 1e6)) {
+        return Bad(":SAMPLES-PER-SECOND needs a rate");
+      }
+      amc_.hz = scanner_.value();
+    } else if (SameWord(key, "degrees") || SameWord(key, "radians")) {
+      const bool degrees = SameWord(key, "degrees");
+      if (amc_.degrees && *amc_.degrees != degrees) return Bad("the file says both :DEGREES and :RADIANS");
+      amc_.degrees = degrees;
+    } else if (SameWord(key, "fully-specified")) {
+      amc_.fully_specified = true;
+    } else {
+      const auto nearest = Nearest(key, {"FULLY-SPECIFIED", "DEGREES", "RADIANS", "SAMPLES-PER-SECOND"});
+      return Bad("unknown keyword '" + Shown(word) + "'", nearest ? "did you mean ':" + *nearest + "'?" : "");
+    }
+    return LineEnds("'" + Shown(word) + "'");
+  }
+
+  Expected<bool> LineEnds(const std::string& behind) {
+    const Token token = scanner_.Next();
+    if (token == Token::kLineEnd || token == Token::kEnd) return token == Token::kLineEnd;
+    return Bad("'" + Shown(scanner_.text()) + "' stands behind " + behind);
+  }
+
+  Expected<bool> Frame() {
+    const double number = scanner_.value();
+    if (number != std::floor(number) || std::abs(number) > 1e9) {
+      return Bad("'" + Shown(scanner_.text()) + "' is no frame number");
+    }
+    const std::string text(scanner_.text());
+    const Expected<bool> more = LineEnds("frame number " + Shown(text));
+    if (!more) return more;
+    if (Status closed = CloseFrame(); !closed) return Forward(closed);
+    if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
+    const int before = amc_.frames > 0 ? amc_.frame_numbers.back() : 0;
+    amc_.frame_numbers.push_back(static_cast<int>(number));
+    ++amc_.frames;
+    row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
+    here_.assign(amc_.bones.size(), 0);
+    if (amc_.frames > 1 && number != before + 1.0) {
+      Report("frame_number", "", number,
+             Place(line_) + ": frame number " + Shown(text) + " follows " + std::to_string(before));
+    }
+    return more;
+  }
+
+  /// A bone and its numbers.
+  Expected<bool> Row(const std::string& bone) {
+    if (amc_.frames == 0) return Bad("'" + Shown(bone) + "' stands where a frame number is expected");
+    const std::string called = "bone '" + Shown(bone) + "'";
+    numbers_.clear();
+    const Token token = scanner_.Numbers(numbers_);
+    const bool whole = token == Token::kLineEnd || token == Token::kEnd;
+    auto found = index_.find(bone);
+    const bool learns = options_.skeleton == nullptr && amc_.frames == 1;
+    if (found == index_.end() && !learns) {
+      return Bad("unknown " + called, options_.skeleton != nullptr
+                                          ? "the skeleton has no such bone with dof; is it the right skeleton?"
+                                          : "the first frame does not have it");
+    }
+    if (!whole && (learns || options_.damaged_rows == DamagedRows::kRefuse)) {
+      return Bad("'" + Shown(scanner_.text()) + "' is no finite number: " + called + ", number " +
+                 std::to_string(numbers_.size() + 1));
+    }
+    if (found == index_.end()) {
+      if (numbers_.empty()) return Bad(called + " has no numbers");
+      Add(bone, numbers_.size());
+      row_.resize(static_cast<std::size_t>(amc_.channel_count), 0.0);
+      here_.push_back(0);
+      found = index_.find(bone);
+    }
+    const AmcBone& known = amc_.bones[found->second];
+    if (here_[found->second] != 0) return Bad(called + " stands twice");
+    const bool fits = whole && numbers_.size() == static_cast<std::size_t>(known.channels);
+    if (!fits) {
+      const std::string what = called + (whole ? " has " + std::to_string(numbers_.size()) + " numbers, not " +
+                                                     std::to_string(known.channels)
+                                               : " has '" + Shown(scanner_.text()) + "' for a number");
+      if (options_.damaged_rows == DamagedRows::kRefuse) return Bad(what, "the row is damaged, or cut off");
+      Report("row_length", bone, static_cast<double>(numbers_.size()), Place(line_) + ": " + what);
+      return whole ? token == Token::kLineEnd : SkipLine();
+    }
+    here_[found->second] = 1;
+    std::copy(numbers_.begin(), numbers_.end(), row_.begin() + known.first_channel);
+    return token == Token::kLineEnd;
+  }
+
+  Status CloseFrame() {
+    if (amc_.frames == 0) return {};
+    if (std::none_of(here_.begin(), here_.end(), [](std::uint8_t here) { return here != 0; })) {
+      return Bad("the frame holds no bone", "the file is cut off, or damaged");
+    }
+    // Every number takes two bytes at least: a file with more places than bytes lacks most of what it announces.
+    if (amc_.values.size() + row_.size() > bytes_ + kFewPlaces) {
+      return Bad("most bones are missing in most frames", "is it the right skeleton?");
+    }
+    amc_.values.insert(amc_.values.end(), row_.begin(), row_.end());
+    amc_.present.insert(amc_.present.end(), here_.begin(), here_.end());
+    return {};
+  }
+
+  /// A last frame with fewer bones than the one before it is the mark of a file that was cut off.
+  Status LastFrame() {
+    if (amc_.frames < 2) return {};
+    for (std::size_t bone = 0; bone < amc_.bones.size(); ++bone) {
+      const int b = static_cast<int>(bone);
+      if (amc_.has(amc_.frames - 1, b) || !amc_.has(amc_.frames - 2, b)) continue;
+      const std::string what = "the last frame lacks bone '" + Shown(amc_.bones[bone].name) + "'";
+      if (options_.damaged_rows == DamagedRows::kRefuse) return Bad(what, "the file is cut off: copy it again");
+      Report("cut_off", amc_.bones[bone].name, 1.0, Place(line_) + ": " + what);
+    }
+    return {};
+  }
+
+  void ReportMissing() {
+    for (std::size_t bone = 0; bone < amc_.bones.size(); ++bone) {
+      int missing = 0, first = -1;
+      for (int frame = 0; frame < amc_.frames; ++frame) {
+        if (amc_.has(frame, static_cast<int>(bone))) continue;
+        if (first < 0) first = frame;
+        ++missing;
+      }
+      if (missing == 0) continue;
+      const std::string& name = amc_.bones[bone].name;
+      Report("bone_missing", name, missing,
+             name_ + ": bone '" + Shown(name) + "' is missing in " + std::to_string(missing) + " of " +
+                 std::to_string(amc_.frames) + " frames, first in frame " +
+                 std::to_string(amc_.frame_numbers[static_cast<std::size_t>(first)]),
+             first);
+    }
+  }
+
+  NumberScanner scanner_;
+  const AmcOptions& options_;
+  const std::string& name_;
+  std::size_t bytes_;
+  Amc amc_;
+  std::unordered_map<std::string, std::size_t> index_;
+  std::vector<double> numbers_, row_;
+  std::vector<std::uint8_t> here_;
+  int line_ = 1;
+};
+
+}  // namespace
+
+Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name) {
+  return Parser(bytes, options, name).Run();
+}
+
+}  // namespace mocurate

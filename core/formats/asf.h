@@ -1,0 +1,85 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/geometry/rotation.h"
+
+namespace mocurate {
+
+/// A degree of freedom of the root or of a bone; kLength stretches the bone.
+enum class AcclaimChannel { kTx, kTy, kTz, kRx, kRy, kRz, kLength };
+
+inline bool IsTranslation(AcclaimChannel channel) { return channel <= AcclaimChannel::kTz; }
+inline bool IsRotation(AcclaimChannel channel) {
+  return channel >= AcclaimChannel::kRx && channel <= AcclaimChannel::kRz;
+}
+
+/// A turn as Acclaim writes it: angle i, in the file's unit, about the axis that letter i of the order names; the first
+/// letter is applied first, about fixed axes.
+struct AcclaimAxis {
+  Vector3d angles = Vector3d::Zero();
+  std::string order = "XYZ";
+};
+
+bool operator==(const AcclaimAxis& a, const AcclaimAxis& b);
+
+/// In the angle unit of the file (kLength: in its length unit); infinite where it says inf.
+struct AsfLimit {
+  double least = 0.0;
+  double most = 0.0;
+};
+
+struct AsfBone {
+  int id = 0;
+  std::string name;
+  int parent = -1;                        ///< bone; -1: the root
+  Vector3d direction = Vector3d::Zero();  ///< world axes, at rest; as written, not always of length 1
+  double length = 0.0;                    ///< file units
+  AcclaimAxis axis;                       ///< world_from_bone at rest
+  std::vector<AcclaimChannel> dof;        ///< in the order of the numbers in an AMC; empty: never in it
+  std::vector<AsfLimit> limits;           ///< one per dof, or none
+  std::vector<std::string> other;         ///< lines of keys that say nothing about motion ("bodymass 2")
+};
+
+/// Acclaim skeleton file. Lengths and angles in the file's own units.
+struct Asf {
+  std::string version;
+  std::string name;
+  double mass_unit = 1.0;
+  double length_unit = 1.0;  ///< length in the file / length_unit = inches, at Vicon and CMU
+  bool degrees = true;       ///< `angle deg`; false: `angle rad`
+  std::vector<std::string> documentation;
+  std::vector<AcclaimChannel> root_order;        ///< of the numbers of `root` in an AMC
+  std::string root_axis = "XYZ";                 ///< order of root_orientation
+  Vector3d root_position = Vector3d::Zero();     ///< file units; replaced by what the AMC's root says
+  Vector3d root_orientation = Vector3d::Zero();  ///< angle unit of the file
+  std::vector<AsfBone> bones;                    ///< in the order of :bonedata; parents may come later, see Order()
+  std::vector<Finding> findings;                 ///< "bone_id_twice"
+
+  int Find(std::string_view bone) const;  ///< -1: none
+  /// Bones such that parents precede children.
+  std::vector<int> Order() const;
+  double RadiansPerUnit() const;
+};
+
+/// Comments (#) anywhere, LF or CRLF, keys and channels in any letter case, sections in any order that names bones
+/// before the hierarchy. Error kMalformed "name:line" naming section, bone and key: an unknown section, key, channel or
+/// unit, a missing name or length, a direction of no length for a bone that has one, dof and limits of different count,
+/// a bone twice, a bone that is not in the hierarchy or hangs on itself. Source: Acclaim ASF/AMC as Vicon writes it.
+Expected<Asf> ParseAsf(std::string_view bytes, const std::string& name);
+
+std::string WriteAsf(const Asf& asf);
+
+/// From the start of a bone to its end in world axes at rest: the unit direction times the length, file units.
+Vector3d AsfOffset(const AsfBone& bone);
+/// The matrix of a turn; `radians_per_unit` of its angles.
+Matrix3d AcclaimMatrix(const AcclaimAxis& axis, double radians_per_unit);
+
+/// "rx"; upper-case in the root's order by custom.
+const char* Name(AcclaimChannel channel);
+
+}  // namespace mocurate

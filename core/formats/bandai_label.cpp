@@ -1,0 +1,81 @@
+#include "core/formats/bandai_label.h"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "core/formats/line_reader.h"
+
+namespace mocurate {
+namespace {
+
+using nlohmann::json;
+
+std::string LineAndColumn(std::string_view bytes, std::size_t at) {
+  const std::string_view before = bytes.substr(0, std::min(at > 0 ? at - 1 : 0, bytes.size()));
+  const std::size_t begin = before.rfind('\n');
+  const std::size_t column = before.size() - (begin == std::string_view::npos ? 0 : begin + 1) + 1;
+  return std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" + std::to_string(column);
+}
+
+Expected<int> Index(const json& label, const char* key, const std::string& name) {
+  const auto found = label.find(key);
+  if (found == label.end()) return Fail(ErrorCode::kMalformed, std::string("the key '") + key + "' is missing", name);
+  const bool whole = found->is_number_unsigned() && found->get<std::uint64_t>() <= std::numeric_limits<int>::max();
+  if (!whole) {
+    return Fail(ErrorCode::kMalformed, "a whole number from 0 on is expected, not " + Shown(found->dump(-1, ' ', true)),
+                name + ":/" + key);
+  }
+  return found->get<int>();
+}
+
+}  // namespace
+
+Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name) {
+  constexpr std::size_t kLargest = 4096;  // a label is thirty bytes
+  if (bytes.size() > kLargest) return Fail(ErrorCode::kMalformed, "this is too long for a label", name);
+  json label;
+  try {
+    label = json::parse(bytes.begin(), bytes.end());
+  } catch (const json::parse_error& error) {
+    return Fail(ErrorCode::kMalformed, "the label is no JSON", name + ":" + LineAndColumn(bytes, error.byte),
+                R"(as in {"content": 6, "style": 11})");
+  } catch (const json::exception&) {
+    return Fail(ErrorCode::kMalformed, "a number in the label is out of range", name);
+  }
+  if (!label.is_object()) return Fail(ErrorCode::kMalformed, "the label is no JSON object", name + ":/");
+  for (const auto& item : label.items()) {
+    if (item.key() == "content" || item.key() == "style") continue;
+    return Fail(ErrorCode::kMalformed, "unknown key '" + Shown(item.key()) + "'", name + ":/",
+                "a label has content and style");
+  }
+  const Expected<int> content = Index(label, "content", name);
+  if (!content) return Forward(content);
+  const Expected<int> style = Index(label, "style", name);
+  if (!style) return Forward(style);
+  return BandaiLabel{*content, *style};
+}
+
+Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, const std::string& name) {
+  std::vector<std::string> labels;
+  LineReader lines(bytes, name);
+  for (std::string_view line = lines.Next(); !line.empty(); line = lines.Next()) {
+    if (lines.number() != static_cast<int>(labels.size()) + 1) {
+      return lines.Bad("an empty line stands before label '" + Shown(line) + "'", "labels are counted by lines");
+    }
+    const std::size_t prefix = line.find('_');
+    std::string label(prefix == std::string_view::npos ? line : line.substr(prefix + 1));
+    if (label.empty()) return lines.Bad("'" + Shown(line) + "' names no label");
+    if (std::find(labels.begin(), labels.end(), label) != labels.end()) {
+      return lines.Bad("label '" + Shown(label) + "' stands twice");
+    }
+    constexpr std::size_t kMostLabels = 10000;
+    if (labels.size() == kMostLabels) return lines.Bad("more than 10000 labels");
+    labels.push_back(std::move(label));
+  }
+  if (labels.empty()) return Fail(ErrorCode::kMalformed, "the list holds no label", name, "is the file empty?");
+  return labels;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// The `.json` beside a clip of the Bandai-Namco-Research motion dataset: {"content": 6, "style": 11}, 0-based lines of
+/// content_label.txt and style_label.txt.
+struct BandaiLabel {
+  int content = 0;
+  int style = 0;
+};
+
+/// Error kMalformed with "name:line:column" where it is no JSON, "name:/key" where a key is missing, unknown, or no
+/// whole number from 0 on.
+Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name);
+
+/// One label a line ("dataset-1_walk-back"); the set's prefix up to the first '_' is left out, also where nothing
+/// stands before it ("_raise-up-right-hand"). The last line needs no line end. Error kMalformed "name:line": no label,
+/// an empty line between labels (it would shift those behind it), a label twice.
+Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, const std::string& name);
+
+}  // namespace mocurate

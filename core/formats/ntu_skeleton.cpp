@@ -1,0 +1,319 @@
+#include "core/formats/ntu_skeleton.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "core/base/text.h"
+#include "core/formats/line_reader.h"
+#include "core/formats/number_scanner.h"
+
+namespace mocurate {
+namespace {
+
+using Token = NumberScanner::Token;
+
+constexpr std::array<const char*, 10> kBodyFields = {"body id",
+                                                     "clipped edges",
+                                                     "left hand confidence",
+                                                     "left hand state",
+                                                     "right hand confidence",
+                                                     "right hand state",
+                                                     "restricted",
+                                                     "lean x",
+                                                     "lean y",
+                                                     "body tracking state"};
+constexpr std::array<const char*, 12> kJointFields = {"x",        "y",  "z",  "depth u", "depth v", "colour u",
+                                                      "colour v", "qw", "qx", "qy",      "qz",      "tracking state"};
+constexpr int kMostBodies = 1000;   // the sensor follows six; bounds a damaged count
+constexpr int kLargestWhole = 255;  // of the flags of a body
+constexpr int kTracked = 2;
+
+auto Tied(const NtuJoint& j) {
+  return std::tie(j.x_m, j.y_m, j.z_m, j.depth_u, j.depth_v, j.colour_u, j.colour_v, j.qw, j.qx, j.qy, j.qz,
+                  j.tracking);
+}
+
+auto Tied(const NtuBody& b) {
+  return std::tie(b.id, b.clipped_edges, b.hand_left_confidence, b.hand_left_state, b.hand_right_confidence,
+                  b.hand_right_state, b.is_restricted, b.lean_x, b.lean_y, b.tracking, b.joints);
+}
+
+class Parser {
+ public:
+  Parser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
+      : scanner_(bytes, false), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
+
+  Expected<NtuSkeleton> Run() {
+    const Expected<int> frames = Count("frame count", std::numeric_limits<int>::max());
+    if (!frames) return Forward(frames);
+    const int line = line_;
+    for (frame_ = 0; frame_ < *frames || reports_; ++frame_) {
+      body_ = -1;
+      if (reports_ && AtEnd()) break;
+      const Expected<int> bodies = Count("body count", kMostBodies);
+      if (!bodies) return Forward(bodies);
+      skeleton_.frames.emplace_back();
+      for (body_ = 0; body_ < *bodies; ++body_) {
+        if (Status read = Body(); !read) return Forward(read);
+      }
+    }
+    body_ = -1;
+    const std::string announces = "the frame count announces " + std::to_string(*frames) + " frames, and ";
+    if (!AtEnd()) return Bad(announces + "more follows", ErrorCode::kInconsistent, "correct the first line");
+    if (const int held = static_cast<int>(skeleton_.frames.size()); held != *frames) {
+      Report("frame_count", *frames, line, announces + std::to_string(held) + " follow");
+    }
+    return std::move(skeleton_);
+  }
+
+ private:
+  tl::unexpected<Error> Bad(const std::string& what, ErrorCode code = ErrorCode::kMalformed,
+                            const std::string& hint = "copy the file again", int line = 0) const {
+    return Fail(code, what + Where(), name_ + ":" + std::to_string(line > 0 ? line : scanner_.line()), hint);
+  }
+
+  bool AtEnd() const {
+    NumberScanner ahead = scanner_;
+    Token token = ahead.Next();
+    while (token == Token::kLineEnd) token = ahead.Next();
+    return token == Token::kEnd;
+  }
+
+  void Report(const char* code, double value, int line, const std::string& what) {
+    constexpr std::size_t kMostFindings = 1000;
+    if (skeleton_.findings.size() >= kMostFindings) return;
+    Finding finding;
+    finding.code = code;
+    finding.frame_begin = std::max(frame_, 0);
+    finding.frame_end = finding.frame_begin + 1;
+    if (joint_ >= 0) finding.joint = std::to_string(joint_);
+    finding.value = value;
+    finding.message = name_ + ":" + std::to_string(line) + ": " + what + Where();
+    finding.action = "dropped";
+    skeleton_.findings.push_back(std::move(finding));
+  }
+
+  std::string Where() const {
+    if (frame_ < 0) return "";
+    std::string where = ", frame " + std::to_string(frame_);
+    if (body_ >= 0) where += ", body " + std::to_string(body_);
+    if (joint_ >= 0) where += ", joint " + std::to_string(joint_);
+    return where;
+  }
+
+  /// Numbers of the next line that is not blank, into `row_`; `line_` is where it stands. Where a damaged line may be
+  /// left out (`damaged` is not null), it says whether it was.
+  Status Row(const char* const* fields, int count, bool* damaged = nullptr) {
+    row_.clear();
+    Token token = Token::kLineEnd;
+    while (row_.empty() && token == Token::kLineEnd) {
+      line_ = scanner_.line();
+      token = scanner_.Numbers(row_);
+    }
+    const int read = static_cast<int>(row_.size());
+    const bool leaves_out = reports_ && damaged != nullptr;
+    if (token == Token::kWord || token == Token::kNotFinite) {
+      const std::string what = "'" + Shown(scanner_.text()) +
+                               "' is no finite number: " + (read < count ? fields[read] : "behind the last field");
+      if (!leaves_out) return Bad(what);
+      Report("not_a_number", read, line_, what);
+      while (token != Token::kLineEnd && token != Token::kEnd) token = scanner_.Next();
+      *damaged = true;
+      return {};
+    }
+    if (read == 0) {
+      return Bad(std::string("the file ends where the ") + fields[0] + " is expected", ErrorCode::kInconsistent,
+                 "a count contradicts what follows, or the file is cut off: copy it again");
+    }
+    if (read == count) return {};
+    const std::string what = std::to_string(read) + " numbers stand where " + std::to_string(count) +
+                             " are expected, from " + fields[0] +
+                             (count > 1 ? std::string(" to ") + fields[count - 1] : "");
+    // A line of one number or of ten may be a count or another body: then lines are missing, and nothing has its place.
+    if (leaves_out && read != 1 && read != static_cast<int>(kBodyFields.size())) {
+      Report("row_length", read, line_, what);
+      *damaged = true;
+      return {};
+    }
+    return Bad(what, ErrorCode::kInconsistent, "a count contradicts what follows, or the line is damaged", line_);
+  }
+
+  Expected<int> Whole(double value, const char* field, int least, int most) const {
+    if (!(value >= least && value <= most) || value != std::floor(value)) {
+      return Bad(std::string(field) + " " + FormatDouble(value) + " is no whole number from " + std::to_string(least) +
+                     " to " + std::to_string(most),
+                 ErrorCode::kMalformed, "copy the file again", line_);
+    }
+    return static_cast<int>(value);
+  }
+
+  Expected<int> Count(const char* field, int most) {
+    if (Status row = Row(&field, 1); !row) return Forward(row);
+    return Whole(row_[0], field, 0, most);
+  }
+
+  Status BodyId(std::uint64_t& id) {
+    Token token = scanner_.Next();
+    while (token == Token::kLineEnd) token = scanner_.Next();
+    if (token == Token::kEnd) {
+      return Bad("the file ends where a body id is expected", ErrorCode::kInconsistent,
+                 "a count contradicts what follows, or the file is cut off: copy it again");
+    }
+    const std::string_view text = scanner_.text();
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      return Bad("'" + Shown(text) + "' is no body id", ErrorCode::kMalformed, "a whole number of up to 64 bits");
+    }
+    for (const NtuBody& other : skeleton_.frames.back()) {
+      if (other.id == id) return Bad("body id " + std::to_string(id) + " stands twice in a frame");
+    }
+    return {};
+  }
+
+  Status Body() {
+    joint_ = -1;
+    NtuBody body;
+    if (Status id = BodyId(body.id); !id) return id;
+    const int line = scanner_.line();
+    bool damaged = false;
+    if (Status row = Row(&kBodyFields[1], 9, &damaged); !row) return row;
+    if (line_ != line) {
+      return Bad("1 number stands where 10 are expected, from body id to body tracking state", ErrorCode::kInconsistent,
+                 "a count contradicts what follows, or the line is damaged", line);
+    }
+    if (!damaged) {
+      if (Status flags = Flags(body); !flags) return flags;
+    }
+    const Expected<int> joints = Count("joint count", std::numeric_limits<int>::max());
+    if (!joints) return Forward(joints);
+    if (*joints != kNtuJoints) {
+      return Bad("joint count " + std::to_string(*joints) + " is not 25", ErrorCode::kInconsistent,
+                 "a count contradicts what follows, or the line is damaged", line_);
+    }
+    for (joint_ = 0; joint_ < kNtuJoints; ++joint_) {
+      if (Status joint = Joint(body.joints[static_cast<std::size_t>(joint_)]); !joint) return joint;
+    }
+    joint_ = -1;
+    skeleton_.frames.back().push_back(body);
+    return {};
+  }
+
+  Status Flags(NtuBody& body) const {
+    int* const flags[] = {&body.clipped_edges,         &body.hand_left_confidence, &body.hand_left_state,
+                          &body.hand_right_confidence, &body.hand_right_state,     &body.is_restricted};
+    for (std::size_t i = 0; i < std::size(flags); ++i) {
+      const Expected<int> flag = Whole(row_[i], kBodyFields[i + 1], 0, kLargestWhole);
+      if (!flag) return Forward(flag);
+      *flags[i] = *flag;
+    }
+    body.lean_x = row_[6], body.lean_y = row_[7];
+    const Expected<int> tracking = Whole(row_[8], kBodyFields[9], 0, kTracked);
+    if (!tracking) return Forward(tracking);
+    body.tracking = *tracking;
+    return {};
+  }
+
+  Status Joint(NtuJoint& joint) {
+    bool damaged = false;
+    if (Status row = Row(kJointFields.data(), 12, &damaged); !row) return row;
+    if (damaged) return {};  // zeros, not tracked
+    const double* v = row_.data();
+    joint = {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], 0};
+    const Expected<int> tracking = Whole(v[11], kJointFields[11], 0, kTracked);
+    if (!tracking) return Forward(tracking);
+    joint.tracking = *tracking;
+    return {};
+  }
+
+  NumberScanner scanner_;
+  const std::string& name_;
+  bool reports_;
+  NtuSkeleton skeleton_;
+  std::vector<double> row_;
+  int line_ = 1;
+  int frame_ = -1, body_ = -1, joint_ = -1;
+};
+
+void Append(std::string& text, double value) {
+  text += FormatDouble(value);
+  text += ' ';
+}
+
+std::string ThreeDigits(char letter, int number) {
+  const std::string digits = std::to_string(number);
+  return letter + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+}
+
+}  // namespace
+
+bool operator==(const NtuJoint& a, const NtuJoint& b) { return Tied(a) == Tied(b); }
+bool operator==(const NtuBody& a, const NtuBody& b) { return Tied(a) == Tied(b); }
+
+Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name, DamagedRows damaged_rows) {
+  return Parser(bytes, name, damaged_rows).Run();
+}
+
+std::string WriteNtuSkeleton(const NtuSkeleton& skeleton) {
+  std::string text = std::to_string(skeleton.frames.size()) + "\n";
+  for (const std::vector<NtuBody>& frame : skeleton.frames) {
+    text += std::to_string(frame.size()) + "\n";
+    for (const NtuBody& body : frame) {
+      text += std::to_string(body.id) + " ";
+      for (const int flag : {body.clipped_edges, body.hand_left_confidence, body.hand_left_state,
+                             body.hand_right_confidence, body.hand_right_state, body.is_restricted}) {
+        text += std::to_string(flag) + " ";
+      }
+      Append(text, body.lean_x);
+      Append(text, body.lean_y);
+      text += std::to_string(body.tracking) + "\n25\n";
+      for (const NtuJoint& j : body.joints) {
+        for (const double value :
+             {j.x_m, j.y_m, j.z_m, j.depth_u, j.depth_v, j.colour_u, j.colour_v, j.qw, j.qx, j.qy, j.qz}) {
+          Append(text, value);
+        }
+        text += std::to_string(j.tracking) + "\n";
+      }
+    }
+  }
+  return text;
+}
+
+std::string NtuName::Capture() const {
+  return ThreeDigits('S', setup) + ThreeDigits('P', performer) + ThreeDigits('R', replication) +
+         ThreeDigits('A', action);
+}
+
+std::string NtuName::Text() const {
+  return ThreeDigits('S', setup) + ThreeDigits('C', camera) + ThreeDigits('P', performer) +
+         ThreeDigits('R', replication) + ThreeDigits('A', action);
+}
+
+bool operator==(const NtuName& a, const NtuName& b) {
+  return std::tie(a.setup, a.camera, a.performer, a.replication, a.action) ==
+         std::tie(b.setup, b.camera, b.performer, b.replication, b.action);
+}
+
+std::optional<NtuName> ParseNtuName(std::string_view file_name) {
+  constexpr std::string_view kLetters = "SCPRA";
+  NtuName name;
+  int* const numbers[] = {&name.setup, &name.camera, &name.performer, &name.replication, &name.action};
+  for (std::size_t i = 0; i < kLetters.size(); ++i) {
+    const std::string_view part = file_name.substr(std::min(i * 4, file_name.size()), 4);
+    if (part.size() != 4 || !SameWord(part.substr(0, 1), kLetters.substr(i, 1))) return std::nullopt;
+    int number = 0;
+    for (const char c : part.substr(1)) {
+      if (c < '0' || c > '9') return std::nullopt;
+      number = number * 10 + (c - '0');
+    }
+    if (number == 0) return std::nullopt;
+    *numbers[i] = number;
+  }
+  const bool longer_number = file_name.size() > 20 && file_name[20] >= '0' && file_name[20] <= '9';
+  if (longer_number) return std::nullopt;
+  return name;
+}
+
+}  // namespace mocurate

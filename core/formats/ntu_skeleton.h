@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/formats/damaged_rows.h"
+
+namespace mocurate {
+
+constexpr int kNtuJoints = 25;
+
+/// One line of 12 numbers. Axes of the depth camera: x to the sensor's left, y up, z away from it.
+struct NtuJoint {
+  double x_m = 0, y_m = 0, z_m = 0;
+  double depth_u = 0, depth_v = 0;        ///< pixels of the depth image, 512 x 424
+  double colour_u = 0, colour_v = 0;      ///< pixels of the colour image, 1920 x 1080
+  double qw = 0, qx = 0, qy = 0, qz = 0;  ///< orientation as written; 0 0 0 0 at the leaves: none
+  int tracking = 0;                       ///< 0 not tracked, 1 inferred, 2 tracked
+
+  bool HasOrientation() const { return qw != 0 || qx != 0 || qy != 0 || qz != 0; }
+};
+
+bool operator==(const NtuJoint& a, const NtuJoint& b);
+
+/// One person in one frame; the fields of the Kinect v2 body.
+struct NtuBody {
+  std::uint64_t id = 0;  ///< lasts as long as the sensor follows the person; does not fit a double
+  int clipped_edges = 0;
+  int hand_left_confidence = 0, hand_left_state = 0;
+  int hand_right_confidence = 0, hand_right_state = 0;
+  int is_restricted = 0;
+  double lean_x = 0, lean_y = 0;
+  int tracking = 0;
+  std::array<NtuJoint, kNtuJoints> joints;
+};
+
+bool operator==(const NtuBody& a, const NtuBody& b);
+
+/// An NTU RGB+D `.skeleton` file: bodies of each frame, none to many, in the file's order.
+struct NtuSkeleton {
+  std::vector<std::vector<NtuBody>> frames;
+  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "not_a_number", "row_length", "frame_count"
+};
+
+/// Of the frames; what was found on the way does not count.
+inline bool operator==(const NtuSkeleton& a, const NtuSkeleton& b) { return a.frames == b.frames; }
+
+/// Text: count of frames; per frame the count of bodies; per body a line of 10 numbers, a line "25", 25 lines of 12.
+/// A file of 0 frames is read as such. Error kMalformed "name:line" that names frame, body, joint and field: a line
+/// with another count of numbers, no finite number, a whole number or a tracking state out of range, an id twice in a
+/// frame; kInconsistent: the counts of frames, bodies or joints contradict what follows. Nothing is allocated on the
+/// word of a count. With DamagedRows::kReport a line of a joint or of a body's flags that holds no number, NaN (which
+/// files of the set are known to have) or another count of numbers leaves that joint at tracking state 0 and zeros, or
+/// the flags at 0, and is reported; so is a count of frames that is not the count of whole frames. A line too few or
+/// too many stays an error. Layout: Shahroudy et al. 2016, the released reader of the data set.
+Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name,
+                                       DamagedRows damaged_rows = DamagedRows::kRefuse);
+
+/// The same as text, LF, fewest digits that read back as the same doubles.
+std::string WriteNtuSkeleton(const NtuSkeleton& skeleton);
+
+/// SsssCcccPpppRrrrAaaa.
+struct NtuName {
+  int setup = 0;
+  int camera = 0;
+  int performer = 0;
+  int replication = 0;
+  int action = 0;
+
+  /// The capture: what C001 to C003 of one performance share, "S001P001R001A011".
+  std::string Capture() const;
+  std::string Text() const;
+};
+
+bool operator==(const NtuName& a, const NtuName& b);
+
+/// The name at the begin of a file name without its folder ("S001C002P003R001A058.skeleton", "..._rgb.avi"); letters of
+/// either case; nothing where the text does not begin so, or a number is 0.
+std::optional<NtuName> ParseNtuName(std::string_view file_name);
+
+}  // namespace mocurate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+constexpr int kPhspdJoints = 24;  ///< SMPL's, in its order
+constexpr int kPhspdBetas = 10;
+
+/// `pose.txt` of a PHSPD recording: joints in the frame of the polarisation camera (y down). Frames have gaps.
+struct PhspdPose {
+  std::vector<int> frame;          ///< index in the recording, growing
+  std::vector<double> position_m;  ///< (frames, 24, 3)
+};
+
+/// `shape_smpl.txt`: SMPL's parameters of the same frames.
+struct PhspdShape {
+  std::vector<int> frame;
+  std::vector<double> translation_m;  ///< (frames, 3)
+  std::vector<double> betas;          ///< (frames, 10)
+  std::vector<double> pose_rad;       ///< (frames, 24, 3) rotation vectors, root first
+};
+
+/// Lines "frame x0 y0 z0 ... x23 y23 z23", 73 numbers. Error kMalformed "name:line" that names the column: a line of
+/// another length, no finite number, a frame that is no whole number or does not come after the one before it.
+Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name);
+/// Lines of frame and 85 numbers: translation 0-2, betas 3-12, pose 13-84. Errors as above.
+Expected<PhspdShape> ParsePhspdShape(std::string_view bytes, const std::string& name);
+
+/// One blank between numbers, none at the end: the released scripts split at single blanks.
+std::string WritePhspdPose(const PhspdPose& pose);
+std::string WritePhspdShape(const PhspdShape& shape);
+
+/// The folder of a recording, "subject03_group2_time4".
+struct PhspdRecording {
+  int subject = 0;
+  int group = 0;
+  int time = 0;
+
+  std::string Name() const;
+};
+
+/// Nothing where the text is no such name.
+std::optional<PhspdRecording> ParsePhspdRecording(std::string_view folder);
+
+}  // namespace mocurate

@@ -1,0 +1,199 @@
+#include "core/formats/joint_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/geometry/rotation.h"
+#include "tests/formats/corruption.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
+
+JointLayout Layout(const std::string& text) { return ParseJointLayout(text, "layout").value(); }
+
+JointTableLayout Rows(int rows_per_frame, DamagedRows damaged = DamagedRows::kRefuse) {
+  JointTableLayout rows;
+  rows.rows_per_frame = rows_per_frame;
+  rows.damaged_rows = damaged;
+  return rows;
+}
+
+TEST(JointLayout, ADeclarationSaysWhatEachNumberIs) {
+  const JointLayout layout = Layout(kCad60);
+  EXPECT_EQ(layout.Joints(), 15);
+  EXPECT_EQ(layout.NumbersPerFrame(), 171);
+  EXPECT_EQ(Layout("20*(x, y, z, confidence)").NumbersPerFrame(), 80);
+  EXPECT_EQ(Layout("skip 2*(x y z skip skip)").NumbersPerFrame(), 11);
+}
+
+TEST(JointLayout, ADeclarationThatCannotBeMeantIsRefused) {
+  for (const auto& [text, message] : {std::pair{"15*(x y zz)", "'zz' is no column of a joint"},
+                                      {"15*(x y)", "needs all of x, y and z"},
+                                      {"15*(x y z", "a bracket is not closed"},
+                                      {"15(x y z)", "'*(' is expected after 15"},
+                                      {"15*(x y z x)", "a joint has 'x' twice"},
+                                      {"frame", "has no joint"},
+                                      {"", "has no joint"},
+                                      {"confidence 2*(x y z)", "'confidence' stands in a group without x, y, z"},
+                                      {"3*(frame) 2*(x y z)", "outside of the joints, once"},
+                                      {"0*(x y z)", "a group of 0 joints"},
+                                      {"99999*(x y z)", "more than 100000 numbers"},
+                                      {"2*() 1*(x y z)", "has no columns"},
+                                      {"2*(x y z confidenc)", "did you mean 'confidence'?"}}) {
+    const auto layout = ParseJointLayout(text, "layout");
+    ASSERT_FALSE(layout) << text;
+    EXPECT_THAT(layout.error().Message(), HasSubstr(message));
+  }
+}
+
+TEST(JointRows, NumbersGoWhereTheDeclarationPutsThem) {
+  const auto rows = ParseJointRows(
+      "7,1,0,0,0,1,0,0,0,1,0.5,10,20,30,1,40,50,60,0,\n8,1,0,0,0,1,0,0,0,1,0,11,21,31,1,41,"
+      "51,61,1,\nEND\n",
+      Layout("frame 1*(rotation rotation_confidence x y z confidence) 1*(x y z confidence)"),
+      [] {
+        JointTableLayout table;
+        table.end_word = "END";
+        return table;
+      }(),
+      "a.txt");
+  ASSERT_TRUE(rows) << rows.error().Message();
+  EXPECT_EQ(rows->frames, 2);
+  EXPECT_THAT(rows->frame_number, ElementsAre(7, 8));
+  EXPECT_THAT(rows->position, ElementsAre(10, 20, 30, 40, 50, 60, 11, 21, 31, 41, 51, 61));
+  EXPECT_THAT(rows->confidence, ElementsAre(1, 0, 1, 1));
+  EXPECT_THAT(rows->rotation_confidence, ElementsAre(0.5, 0, 0, 0));
+  EXPECT_EQ(rows->rotation[4], 1.0);
+  EXPECT_EQ(rows->rotation[9], 0.0) << "the second joint has no rotation";
+  EXPECT_TRUE(rows->findings.empty());
+}
+
+TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
+  const JointLayout layout = Layout("2*(x y z)");
+  const std::string text = "1 2 3\n4 5 6\n7 8\n10 11 12\n13 14 15\n16 17 18\n";
+  EXPECT_THAT(ParseJointRows(text, layout, Rows(2), "a.txt").error().Message(),
+              HasSubstr("a.txt:3: row has 2 numbers, not 3"));
+  const auto rows = ParseJointRows(text, layout, Rows(2, DamagedRows::kReport), "a.txt");
+  ASSERT_TRUE(rows) << rows.error().Message();
+  ASSERT_EQ(rows->frames, 3);
+  for (int i = 6; i < 12; ++i) EXPECT_TRUE(std::isnan(rows->position[static_cast<std::size_t>(i)])) << "both joints";
+  EXPECT_EQ(rows->position[12], 13.0);
+  ASSERT_EQ(rows->findings.size(), 1u);
+  EXPECT_EQ(rows->findings[0].code, "row_length");
+  EXPECT_EQ(rows->findings[0].frame_begin, 1);
+  EXPECT_EQ(rows->findings[0].value, 2.0);
+  EXPECT_THAT(rows->findings[0].message, HasSubstr("a.txt:3"));
+}
+
+TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
+  const JointLayout layout = Layout("2*(x y z)");
+  const auto rows =
+      ParseJointRows("1 2 3\n4 oops 6\n7 8 9\n10 11 12\n13 14 15\n", layout, Rows(2, DamagedRows::kReport), "a");
+  ASSERT_TRUE(rows) << rows.error().Message();
+  EXPECT_EQ(rows->frames, 2);
+  EXPECT_EQ(rows->position[6], 7.0);
+  ASSERT_EQ(rows->findings.size(), 2u);
+  EXPECT_THAT(rows->findings[0].message, HasSubstr("a:2: 'oops' is not a number (column 2, 'y')"));
+  EXPECT_EQ(rows->findings[1].code, "cut_off");
+  std::string other;
+  for (int i = 0; i < 100; ++i) other += "1 2 3 4\n";
+  EXPECT_THAT(ParseJointRows(other, layout, Rows(2, DamagedRows::kReport), "a").error().Message(),
+              HasSubstr("more rows are damaged than whole"));
+}
+
+TEST(JointRows, TheEndIsTheEnd) {
+  JointTableLayout table = Rows(1);
+  table.end_word = "END";
+  EXPECT_TRUE(ParseJointRows("1 2 3\n", Layout("1*(x y z)"), table, "a"));
+  EXPECT_THAT(ParseJointRows("1 2 3\nEND\n4 5 6\n", Layout("1*(x y z)"), table, "a").error().Message(),
+              HasSubstr("a:3: '4' stands after END"));
+  EXPECT_THAT(ParseJointRows("1 2 3\nEND\n", Layout("1*(x y z)"), Rows(1), "a").error().Message(),
+              HasSubstr("a:2: 'END' is not a number"));
+}
+
+TEST(JointRows, FrameNumbersThatJumpAreReported) {
+  const auto rows = ParseJointRows("1,1,2,3\n2,1,2,3\n5,1,2,3\n6,1,2,3\n", Layout("frame 1*(x y z)"), Rows(1), "a");
+  ASSERT_TRUE(rows);
+  ASSERT_EQ(rows->findings.size(), 1u);
+  EXPECT_EQ(rows->findings[0].code, "frame_number");
+  EXPECT_EQ(rows->findings[0].frame_begin, 2);
+}
+
+TEST(JointRows, EveryDamagedFieldIsNamedWithItsLine) {
+  ExpectEveryDamagedWordIsNamed(
+      "1,1,2,3\n2,4,5,6\n",
+      [](const std::string& text) -> Status {
+        const auto rows = ParseJointRows(text, Layout("frame 1*(x y z)"), Rows(1), "file");
+        return rows ? Status() : Forward(rows);
+      },
+      nullptr);
+  EXPECT_THAT(ParseJointRows("1,1,2,x\n", Layout("frame 1*(x y z)"), Rows(1), "a").error().Message(),
+              HasSubstr("column 4, 'joint 0 z'"));
+}
+
+// Recorded files.
+
+struct Set {
+  const char* folder;
+  const char* ending;
+  const char* layout;
+  int rows_per_frame, files, frames;
+};
+
+class KinectSets : public ::testing::TestWithParam<Set> {};
+
+TEST_P(KinectSets, IsReadByItsDeclaration) {
+  const Set& set = GetParam();
+  const auto folder = RecordedData(set.folder);
+  if (folder.empty()) GTEST_SKIP() << set.folder << " is not there";
+  JointTableLayout table = Rows(set.rows_per_frame);
+  table.end_word = "END";
+  int files = 0, frames = 0;
+  for (const auto& path : FilesEndingIn(folder, set.ending)) {
+    const auto rows = ParseJointRows(Bytes(path), Layout(set.layout), table, path.filename().string());
+    ASSERT_TRUE(rows) << rows.error().Message();
+    EXPECT_TRUE(rows->findings.empty());
+    ++files, frames += rows->frames;
+  }
+  EXPECT_EQ(files, set.files);
+  EXPECT_EQ(frames, set.frames);
+}
+
+INSTANTIATE_TEST_SUITE_P(Recorded, KinectSets,
+                         ::testing::Values(Set{"kinect/kard", "_realworld.txt", "15*(x y z)", 15, 432, 51228},
+                                           Set{"kinect/msr_action3d", "_skeleton3D.txt", "20*(x y z confidence)", 20,
+                                               449, 18921},
+                                           Set{"kinect/utkinect", ".txt", "20*(x y z)", 20, 160, 4867},
+                                           Set{"kinect/florence3d", ".txt", "15*(x y z)", 15, 173, 3096},
+                                           Set{"kinect/cad60", ".txt", kCad60, 1, 3, 900}));
+
+TEST(KinectSets, Cad60HoldsRotationsOfWholeBodies) {
+  const auto folder = RecordedData("kinect/cad60");
+  if (folder.empty()) GTEST_SKIP() << "CAD-60 is not there";
+  for (const auto& path : FilesEndingIn(folder, ".txt")) {
+    const JointRows rows = ParseJointRows(Bytes(path), Layout(kCad60), Rows(1), path.string()).value();
+    EXPECT_EQ(rows.frame_number[0], 1.0);
+    for (const double confidence : rows.confidence) EXPECT_TRUE(confidence == 0 || confidence == 1);
+    for (std::size_t i = 0; i < rows.rotation_confidence.size(); ++i) {
+      if (rows.rotation_confidence[i] == 0) continue;
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(&rows.rotation[i * 9]);
+      EXPECT_NEAR((matrix * matrix.transpose() - Matrix3d::Identity()).norm(), 0.0, 1e-6);
+      EXPECT_NEAR(matrix.determinant(), 1.0, 1e-6);
+    }
+    for (std::size_t f = 0; f < static_cast<std::size_t>(rows.frames); ++f) {
+      EXPECT_GT(rows.position[f * 45 + 1], rows.position[f * 45 + 7]) << "the head is above the torso, y up";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

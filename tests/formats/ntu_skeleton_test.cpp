@@ -1,0 +1,194 @@
+#include "core/formats/ntu_skeleton.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/text.h"
+#include "tests/formats/corruption.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::uint64_t kFirst = 72057594037931648u;  // no double holds kFirst + 1
+
+NtuBody Body(std::uint64_t id, double x) {
+  NtuBody body;
+  body.id = id;
+  body.hand_left_confidence = 1;
+  body.lean_x = -0.1159187;
+  body.tracking = 2;
+  for (std::size_t j = 0; j < body.joints.size(); ++j) {
+    const bool leaf = j == 3 || j == 15 || j == 19 || j > 20;
+    body.joints[j] = {x + 0.01 * static_cast<double>(j), 0.5, 3.1, 270, 190, 1030, 510, leaf ? 0.0 : 1.0, 0, 0, 0, 2};
+  }
+  body.joints[5].tracking = 1;
+  return body;
+}
+
+/// A person, nobody, then two of whom the second comes before the first.
+NtuSkeleton Scene() {
+  NtuSkeleton scene;
+  scene.frames = {{Body(kFirst, 0.1)}, {}, {Body(kFirst + 1, -0.4), Body(kFirst, 0.2)}};
+  return scene;
+}
+
+std::string Fails(const std::string& text) {
+  const auto skeleton = ParseNtuSkeleton(text, "a.skeleton");
+  return skeleton ? "read" : skeleton.error().Message();
+}
+
+std::string WithoutLine(const std::string& text, int line) {
+  std::string shorter;
+  int number = 0;
+  for (const std::string_view each : SplitText(text, '\n')) {
+    if (++number != line && !each.empty()) shorter += std::string(each) + "\n";
+  }
+  return shorter;
+}
+
+TEST(NtuSkeletonText, PeopleComeAndGoAndKeepAllBitsOfTheirIds) {
+  const auto scene = ParseNtuSkeleton(WriteNtuSkeleton(Scene()), "a.skeleton");
+  ASSERT_TRUE(scene) << scene.error().Message();
+  EXPECT_TRUE(*scene == Scene());
+  EXPECT_TRUE(scene->frames[1].empty());
+  EXPECT_EQ(scene->frames[2][0].id, kFirst + 1);
+  EXPECT_FALSE(scene->frames[0][0].joints[3].HasOrientation());
+  EXPECT_TRUE(scene->frames[0][0].joints[4].HasOrientation());
+}
+
+TEST(NtuSkeletonText, CarriageReturnsChangeNothingAndAnEmptyTakeIsEmpty) {
+  std::string text;
+  for (const char c : WriteNtuSkeleton(Scene())) text += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton").value() == Scene());
+  EXPECT_TRUE(ParseNtuSkeleton("0\r\n", "a.skeleton").value().frames.empty());
+}
+
+TEST(NtuSkeletonText, CountsThatContradictTheDataAreRefusedWhereItShows) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  EXPECT_THAT(Fails("4" + text.substr(1)), HasSubstr("the file ends where the body count is expected, frame 3"));
+  EXPECT_THAT(Fails("2" + text.substr(1)), HasSubstr("announces 2 frames, and more follows"));
+  EXPECT_THAT(Fails(Replaced(text, "\n25\n", "\n24\n")), HasSubstr("a.skeleton:4: joint count 24 is not 25"));
+  EXPECT_THAT(Fails("3\n2" + text.substr(3)), HasSubstr("frame 0, body 1"));
+  EXPECT_THAT(Fails("3\n0" + text.substr(3)), HasSubstr("a.skeleton:3: 10 numbers stand where 1 are expected"));
+  EXPECT_THAT(Fails(Replaced(text, std::to_string(kFirst + 1), std::to_string(kFirst))), HasSubstr("twice in a frame"));
+  EXPECT_THAT(Fails(""), HasSubstr("the file ends where the frame count is expected"));
+  EXPECT_THAT(Fails("99999999999\n"), HasSubstr("frame count 99999999999"));
+}
+
+TEST(NtuSkeletonText, NoLineCanBeLostUnseen) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  for (int line = 1; line <= 3 + 3 * 27 + 1; ++line) {
+    EXPECT_FALSE(ParseNtuSkeleton(WithoutLine(text, line), "a.skeleton")) << line;
+  }
+  for (std::size_t length = 0; length + 2 < text.size(); length += 13) {
+    EXPECT_FALSE(ParseNtuSkeleton(text.substr(0, length), "a.skeleton")) << length;
+  }
+}
+
+TEST(NtuSkeletonText, EveryDamagedFieldIsNamedWithItsLine) {
+  NtuSkeleton one;
+  one.frames = {{Body(kFirst, 0.1)}};
+  ExpectEveryDamagedWordIsNamed(
+      WriteNtuSkeleton(one),
+      [](const std::string& text) -> Status {
+        const auto skeleton = ParseNtuSkeleton(text, "file");
+        return skeleton ? Status() : Forward(skeleton);
+      },
+      nullptr);
+  const std::string text = WriteNtuSkeleton(one);
+  EXPECT_THAT(Fails(Replaced(text, "0.13 0.5 3.1 270", "0.13 0.5 x 270")),
+              HasSubstr("a.skeleton:8: 'x' is no finite number: z, frame 0, body 0, joint 3"));
+  EXPECT_THAT(Fails(Replaced(text, "0.13 0.5 3.1 270", "0.13 0.5 270")),
+              HasSubstr("a.skeleton:8: 11 numbers stand where 12 are expected, from x to tracking state, frame 0, body "
+                        "0, joint 3"));
+  EXPECT_THAT(Fails(Replaced(text, " 0 0 0 2\n", " 0 0 0 7\n")), HasSubstr("tracking state 7 is no whole number"));
+  EXPECT_THAT(Fails(Replaced(text, "\n" + std::to_string(kFirst), "\n7.2e16")), HasSubstr("'7.2e16' is no body id"));
+}
+
+TEST(NtuSkeletonText, ADamagedLineCostsItsJointAndNothingElseWhereThatIsAskedFor) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  NtuSkeleton wanted = Scene();
+  wanted.frames[0][0].joints[3] = NtuJoint();
+  for (const auto& [line, code] : {std::pair{"0.13 NaN 3.1 270", "not_a_number"}, {"0.13 0.5 270", "row_length"}}) {
+    const std::string damaged = Replaced(text, "0.13 0.5 3.1 270", line);
+    EXPECT_FALSE(ParseNtuSkeleton(damaged, "a.skeleton"));
+    const auto skeleton = ParseNtuSkeleton(damaged, "a.skeleton", DamagedRows::kReport);
+    ASSERT_TRUE(skeleton) << skeleton.error().Message();
+    EXPECT_TRUE(*skeleton == wanted);
+    ASSERT_EQ(skeleton->findings.size(), 1u);
+    EXPECT_EQ(skeleton->findings[0].code, code);
+    EXPECT_EQ(skeleton->findings[0].joint, "3");
+    EXPECT_THAT(skeleton->findings[0].message, HasSubstr("a.skeleton:8: "));
+  }
+  wanted = Scene();
+  wanted.frames[0][0].hand_left_confidence = wanted.frames[0][0].tracking = 0;
+  wanted.frames[0][0].lean_x = 0;
+  const auto lean = ParseNtuSkeleton(Replaced(text, "-0.1159187", "nan"), "a.skeleton", DamagedRows::kReport);
+  ASSERT_TRUE(lean) << lean.error().Message();
+  EXPECT_TRUE(*lean == wanted);
+  for (int line = 2; line <= 3 + 3 * 27 + 1; ++line) {
+    const auto shorter = ParseNtuSkeleton(WithoutLine(text, line), "a.skeleton", DamagedRows::kReport);
+    EXPECT_TRUE(!shorter || !shorter->findings.empty()) << "line " << line << " is lost unseen";
+  }
+}
+
+TEST(NtuSkeletonText, AFrameCountThatContradictsTheDataIsAFindingWhereThatIsAskedFor) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  for (const char* count : {"2", "4"}) {
+    const auto skeleton = ParseNtuSkeleton(count + text.substr(1), "a.skeleton", DamagedRows::kReport);
+    ASSERT_TRUE(skeleton) << skeleton.error().Message();
+    EXPECT_TRUE(*skeleton == Scene());
+    ASSERT_EQ(skeleton->findings.size(), 1u);
+    EXPECT_EQ(skeleton->findings[0].code, "frame_count");
+    EXPECT_THAT(skeleton->findings[0].message, HasSubstr("a.skeleton:1: the frame count announces"));
+  }
+  EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton", DamagedRows::kReport)->findings.empty());
+}
+
+TEST(NtuNames, FilesThatDifferInTheirCameraAreOneCapture) {
+  const auto first = ParseNtuName("S001C001P008R002A058.skeleton"),
+             third = ParseNtuName("S001C003P008R002A058_rgb.avi");
+  ASSERT_TRUE(first && third);
+  EXPECT_EQ(first->Capture(), third->Capture());
+  EXPECT_EQ(third->camera, 3);
+  EXPECT_EQ(third->action, 58);
+  EXPECT_EQ(third->Text(), "S001C003P008R002A058");
+  EXPECT_NE(ParseNtuName("S001C001P008R001A058")->Capture(), first->Capture());
+  for (const char* wrong :
+       {"", "S001", "S001C001P008R002", "S001C001P008R002A05", "S001C001P008R002A0581", "S001C001P008R002B058",
+        "S0x1C001P008R002A058", "S000C001P008R002A058", "xS001C001P008R002A058"}) {
+    EXPECT_FALSE(ParseNtuName(wrong)) << wrong;
+  }
+}
+
+TEST(NtuSkeletonFiles, ReadAsTheirFactsSay) {
+  const auto folder = RecordedData("ntu");
+  if (folder.empty()) GTEST_SKIP() << "NTU is not there";
+  const struct {
+    const char* name;
+    std::size_t frames, bodies;
+  } facts[] = {{"S001C001P001R001A011", 82, 1},
+               {"S001C003P008R002A058", 70, 2},
+               {"S002C001P003R001A003", 100, 1},
+               {"S004C002P003R001A017", 124, 1}};
+  for (const auto& fact : facts) {
+    const auto skeleton = ParseNtuSkeleton(Bytes(folder / (std::string(fact.name) + ".skeleton")), fact.name);
+    ASSERT_TRUE(skeleton) << skeleton.error().Message();
+    EXPECT_EQ(skeleton->frames.size(), fact.frames);
+    EXPECT_TRUE(*skeleton == ParseNtuSkeleton(WriteNtuSkeleton(*skeleton), "again").value());
+    for (const auto& frame : skeleton->frames) {
+      EXPECT_EQ(frame.size(), fact.bodies);
+      for (const NtuBody& body : frame) {
+        EXPECT_GT(body.id, std::uint64_t{1} << 56);
+        for (const std::size_t leaf : {3u, 15u, 19u, 21u, 22u, 23u, 24u}) {
+          EXPECT_FALSE(body.joints[leaf].HasOrientation());
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

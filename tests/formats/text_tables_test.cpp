@@ -1,0 +1,291 @@
+// Tables and lists with few rules of their own: OpenSim, exponential maps, Bandai labels, UESTC, PHSPD.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/bandai_label.h"
+#include "core/formats/expmap_table.h"
+#include "core/formats/opensim_table.h"
+#include "core/formats/phspd_text.h"
+#include "core/formats/uestc_info.h"
+#include "tests/formats/corruption.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+template <class T>
+std::string Message(const Expected<T>& read) {
+  return read ? "read" : read.error().Message();
+}
+
+template <class T>
+Status Answer(const Expected<T>& read) {
+  return read ? Status() : Forward(read);
+}
+
+const char* const kMot =
+    "Coordinates\nversion=1\nnRows=2\nnColumns=3\ninDegrees=yes\n\nendheader\ntime\tknee\tpelvis_tx\n"
+    "  0.0\t 10.5\t0.1\n  0.1\t 11.5\t0.2\n";
+
+TEST(OpenSim, HeaderLabelsAndRows) {
+  const auto table = ParseOpenSimTable(kMot, "ik.mot");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->title, "Coordinates");
+  EXPECT_EQ(table->in_degrees, true);
+  EXPECT_THAT(table->labels, ElementsAre("knee", "pelvis_tx"));
+  EXPECT_THAT(table->time_s, ElementsAre(0.0, 0.1));
+  EXPECT_EQ(table->value(1, 0), 11.5);
+}
+
+TEST(OpenSim, CellsOfSeveralNumbersAndHeadersWithoutCounts) {
+  const auto table = ParseOpenSimTable(
+      "DataRate=100.0\nDataType=Quaternion\nversion=3\nOpenSimVersion=4.1\nendheader\ntime\tpelvis\ttibia_r\n"
+      "0\t1,0,0,0\t0.5,0.5,0.5,0.5\n",
+      "imu.sto");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->components, 4);
+  EXPECT_FALSE(table->in_degrees);
+  EXPECT_EQ(table->value(0, 1, 3), 0.5);
+  EXPECT_EQ(table->header.at("OpenSimVersion"), "4.1");
+  EXPECT_EQ(ParseOpenSimTable("DataType=SpatialVec\nendheader\ntime a\n0 1\n", "a.sto").error().code,
+            ErrorCode::kUnsupported);
+}
+
+TEST(OpenSim, AHeaderThatContradictsTheDataIsRefused) {
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, "nRows=2", "nRows=3"), "ik.mot")),
+              HasSubstr("ik.mot:3: nRows announces 3, the file holds 2 (the file is cut off"));
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, "nColumns=3", "nColumns=2"), "ik.mot")),
+              HasSubstr("ik.mot:4: nColumns announces 2, the file holds 3"));
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, " 11.5", ""), "ik.mot")),
+              HasSubstr("ik.mot:10: row has 2 numbers, not 3"));
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, " 11.5", "x"), "ik.mot")), HasSubstr("column 2, 'knee'"));
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, "  0.1", "  0"), "ik.mot")),
+              HasSubstr("ik.mot:10: time 0 in row 1 does not come after 0"));
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, "knee", "pelvis_tx"), "ik.mot")), HasSubstr("stands twice"));
+  EXPECT_THAT(Message(ParseOpenSimTable(Replaced(kMot, "endheader\n", ""), "ik.mot")), HasSubstr("'endheader'"));
+  EXPECT_THAT(Message(ParseOpenSimTable("", "ik.mot")), HasSubstr("the file is empty"));
+}
+
+TEST(OpenSim, EveryDamagedFieldIsNamedWithItsLine) {
+  ExpectEveryDamagedWordIsNamed(
+      kMot, [](const std::string& text) { return Answer(ParseOpenSimTable(text, "file")); },
+      [](std::string_view line, std::string_view word) {
+        const bool name = line == "Coordinates" || word == "knee" || word == "pelvis_tx";
+        const bool key = word == "version" || word == "nRows" || word == "nColumns" || word == "inDegrees";
+        return name || key || word == "endheader";  // keys that nobody knows are allowed; endheader is tried above
+      },
+      " \t\n=");
+}
+
+TEST(OpenSim, TheRecordedInverseKinematicsIsRead) {
+  const auto path = RecordedData("pose2sim/opensim_ik_body25b.mot");
+  if (path.empty()) GTEST_SKIP() << "Pose2Sim is not there";
+  const auto table = ParseOpenSimTable(Bytes(path), "ik.mot");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->rows(), 100);
+  EXPECT_EQ(table->labels.size(), 62u);
+  EXPECT_NEAR(table->time_s[1] - table->time_s[0], 1.0 / 60.0, 1e-6);
+  EXPECT_NEAR(table->value(0, 4), 0.96918196, 1e-12) << "pelvis_ty, metres";
+}
+
+TEST(Expmap, ColumnsAreARootAndRotationVectors) {
+  const auto table = ParseExpmapTable("1,2,3,0,0,0.5,0.1,0.2,0.3\n4,5,6,0,0,1,0,0,0\n", "a.txt");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->joints, 2);
+  EXPECT_THAT(table->root, ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_EQ(table->rotation_rad[2], 0.5);
+  const auto again = ParseExpmapTable(WriteExpmapTable(*table), "again");
+  EXPECT_EQ(again->rotation_rad, table->rotation_rad);
+  EXPECT_EQ(again->root, table->root);
+  EXPECT_THAT(Message(ParseExpmapTable("1,2,3,4\n", "a.txt")), HasSubstr("a.txt:1: 4 columns are not a root position"));
+  EXPECT_THAT(Message(ParseExpmapTable("1,2,3,4,5,6\n1,2,3,4,x,6\n", "a.txt")),
+              HasSubstr("a.txt:2: 'x' is not a number (column 5, 'rotation of joint 0, y')"));
+  EXPECT_FALSE(ParseExpmapTable("", "a.txt"));
+}
+
+TEST(Expmap, ARowOfWrongLengthKeepsItsPlaceAndIsReported) {
+  const auto table = ParseExpmapTable("1,2,3,0,0,1\n4,5,6,0,0\n7,8,9,0,0,3\n", "a.txt", 0, DamagedRows::kReport);
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->frames, 3);
+  EXPECT_TRUE(std::isnan(table->root[3]));
+  EXPECT_EQ(table->root[6], 7.0);
+  ASSERT_EQ(table->findings.size(), 1u);
+  EXPECT_EQ(table->findings[0].frame_begin, 1);
+}
+
+TEST(Expmap, EveryDamagedFieldIsNamedWithItsLine) {
+  ExpectEveryDamagedWordIsNamed(
+      "1,2,3,0,0,1\n4,5,6,0,0,2\n", [](const std::string& text) { return Answer(ParseExpmapTable(text, "file")); },
+      nullptr);
+}
+
+TEST(Expmap, TheRecordedTablesHave38Joints) {
+  const auto folder = RecordedData("cmu/expmap");
+  if (folder.empty()) GTEST_SKIP() << "CMU is not there";
+  int files = 0;
+  for (const auto& path : FilesEndingIn(folder, ".txt")) {
+    const auto table = ParseExpmapTable(Bytes(path), path.filename().string());
+    ASSERT_TRUE(table) << table.error().Message();
+    EXPECT_EQ(table->joints, 38);
+    EXPECT_EQ(ParseExpmapTable(WriteExpmapTable(*table), "again")->rotation_rad, table->rotation_rad);
+    ++files;
+  }
+  EXPECT_EQ(files, 5);
+}
+
+TEST(Bandai, ALabelIsTwoIndices) {
+  const auto label = ParseBandaiLabel(R"({"content": 6, "style": 11})", "a.json");
+  ASSERT_TRUE(label);
+  EXPECT_EQ(label->content, 6);
+  EXPECT_EQ(label->style, 11);
+  for (const auto& [text, message] :
+       {std::pair{R"({"content": -1, "style": 1})", "a.json:/content: a whole number from 0 on is expected, not -1"},
+        {R"({"content": 1.5, "style": 1})", "a.json:/content"},
+        {R"({"content": 1, "style": "x"})", "a.json:/style"},
+        {R"({"content": 1})", "the key 'style' is missing"},
+        {R"({"content": 1, "stile": 2})", "unknown key 'stile'"},
+        {"{\"content\": 6,\n \"style\": }", "a.json:2:"},
+        {"[]", "no JSON object"},
+        {"", "no JSON"},
+        {R"({"content": 99999999999999999999, "style": 1})", "a.json:/content"},
+        {R"({"content": 1e999, "style": 1})", "a.json"}}) {
+    EXPECT_THAT(Message(ParseBandaiLabel(text, "a.json")), HasSubstr(message)) << text;
+  }
+}
+
+TEST(Bandai, ALineOfTheListIsALabelWithoutTheSetsPrefix) {
+  const auto labels = ParseBandaiLabelList("dataset-1_walk-back\r\n_wave\nrun", "content_label.txt");
+  ASSERT_TRUE(labels) << labels.error().Message();
+  EXPECT_THAT(*labels, ElementsAre("walk-back", "wave", "run"));
+  EXPECT_THAT(Message(ParseBandaiLabelList("a_b\n\na_c\n", "l.txt")),
+              HasSubstr("l.txt:3: an empty line stands before"));
+  EXPECT_THAT(Message(ParseBandaiLabelList("a_b\nb\n", "l.txt")), HasSubstr("l.txt:2: label 'b' stands twice"));
+  EXPECT_THAT(Message(ParseBandaiLabelList("a_\n", "l.txt")), HasSubstr("names no label"));
+}
+
+TEST(Bandai, RecordedLabelsAgreeWithTheNamesOfTheirFiles) {
+  const auto folder = RecordedData("bvh");
+  if (folder.empty()) GTEST_SKIP() << "Bandai is not there";
+  int files = 0;
+  for (const char* set : {"bandai1", "bandai2"}) {
+    const auto contents = ParseBandaiLabelList(Bytes(folder / set / "content_label.txt"), "content_label.txt").value();
+    const auto styles = ParseBandaiLabelList(Bytes(folder / set / "style_label.txt"), "style_label.txt").value();
+    for (const auto& path : FilesEndingIn(folder / set, ".json")) {
+      const auto label = ParseBandaiLabel(Bytes(path), path.string());
+      ASSERT_TRUE(label) << label.error().Message();
+      const auto parts = SplitText(path.filename().string(), '_');
+      const std::string name = path.filename().string();
+      ASSERT_LT(static_cast<std::size_t>(label->content), contents.size());
+      ASSERT_LT(static_cast<std::size_t>(label->style), styles.size());
+      const std::string wanted = "_" + contents[static_cast<std::size_t>(label->content)] + "_" +
+                                 styles[static_cast<std::size_t>(label->style)] + "_";
+      EXPECT_NE(name.find(wanted), std::string::npos) << name << " is " << wanted;
+      ++files;
+    }
+  }
+  EXPECT_EQ(files, 194);
+}
+
+TEST(Uestc, ANameSaysActionViewSubjectAndSide) {
+  const auto video = ParseUestcName("a12_d4_p007_c2_color.avi", "names.txt:1");
+  ASSERT_TRUE(video) << video.error().Message();
+  EXPECT_EQ(video->action, 12);
+  EXPECT_EQ(video->view, 4);
+  EXPECT_EQ(video->subject, 7);
+  EXPECT_EQ(video->side, 2);
+  EXPECT_EQ(video->Name(), "a12_d4_p007_c2_color.avi");
+  EXPECT_TRUE(*ParseUestcName("a12_d4_p007_c2_skeleton.mat", "x") == *video);
+  for (const auto& [text, field] : {std::pair{"a40_d4_p007_c2_color.avi", "action"},
+                                    {"a1_d9_p007_c2_color.avi", "view"},
+                                    {"a1_d0_p000_c2_color.avi", "subject"},
+                                    {"a1_d0_p119_c2_color.avi", "subject"},
+                                    {"a1_d0_p001_c3_color.avi", "side"},
+                                    {"a_d0_p001_c1_color.avi", "action"},
+                                    {"a1_d+1_p001_c1_color.avi", "view"},
+                                    {"a1_d1", "subject"},
+                                    {"", "action"}}) {
+    EXPECT_THAT(Message(ParseUestcName(text, "names.txt:1")), HasSubstr(std::string("is no ") + field)) << text;
+  }
+}
+
+TEST(Uestc, ListsAreCountedByLines) {
+  const std::string names = "a0_d0_p001_c1_color.avi\na0_d0_p001_c2_color.avi\n";
+  const auto videos = ParseUestcNames(names, "names.txt");
+  ASSERT_TRUE(videos) << videos.error().Message();
+  EXPECT_EQ(WriteUestcNames(*videos), names);
+  EXPECT_THAT(Message(ParseUestcNames("a0_d0_p001_c1_color.avi\n\na0_d0_p001_c2_color.avi\n", "names.txt")),
+              HasSubstr("names.txt:3: an empty line"));
+  EXPECT_THAT(Message(ParseUestcNames(names + names, "names.txt")), HasSubstr("names.txt:3: "));
+  EXPECT_THAT(Message(ParseUestcNames("a0_d0_p001_c1_depth.avi\n", "names.txt")),
+              HasSubstr("does not end in _color.avi"));
+  const auto frames = ParseUestcFrameCounts("300\n0\n", "num_frames_min.txt", videos->size());
+  ASSERT_TRUE(frames) << frames.error().Message();
+  EXPECT_THAT(*frames, ElementsAre(300, 0));
+  EXPECT_EQ(WriteUestcFrameCounts(*frames), "300\n0\n");
+  EXPECT_THAT(Message(ParseUestcFrameCounts("300\n", "n.txt", 2)), HasSubstr("1 frame counts stand beside 2 names"));
+  EXPECT_THAT(Message(ParseUestcFrameCounts("300\n-1\n", "n.txt")), HasSubstr("n.txt:2: '-1' is no count of frames"));
+  std::string actions;
+  for (int i = 0; i < 40; ++i) actions += "action " + std::to_string(i) + "\n";
+  EXPECT_EQ(ParseUestcActions(actions, "action_classes.txt")->at(39), "action 39");
+  EXPECT_THAT(Message(ParseUestcActions("punching\n", "a.txt")), HasSubstr("1 action classes, the set has 40"));
+}
+
+PhspdPose Pose(std::vector<int> frames) {
+  PhspdPose pose;
+  pose.frame = std::move(frames);
+  for (std::size_t i = 0; i < pose.frame.size() * kPhspdJoints * 3; ++i) {
+    pose.position_m.push_back(0.1 * static_cast<double>(i) - 1.0 / 3.0);
+  }
+  return pose;
+}
+
+TEST(Phspd, FramesHaveGapsAndNumbersKeepAllDigits) {
+  const auto pose = ParsePhspdPose(WritePhspdPose(Pose({0, 1, 5})), "pose.txt");
+  ASSERT_TRUE(pose) << pose.error().Message();
+  EXPECT_THAT(pose->frame, ElementsAre(0, 1, 5));
+  EXPECT_EQ(pose->position_m, Pose({0, 1, 5}).position_m);
+  PhspdShape shape;
+  shape.frame = {3};
+  shape.translation_m = {1, 2, 3};
+  shape.betas.assign(10, 0.25);
+  shape.pose_rad.assign(72, 1.0 / 7.0);
+  const std::string text = WritePhspdShape(shape);
+  EXPECT_EQ(SplitText(text, ' ').size(), 86u);
+  const auto again = ParsePhspdShape(text, "shape_smpl.txt");
+  ASSERT_TRUE(again) << again.error().Message();
+  EXPECT_EQ(again->translation_m, shape.translation_m);
+  EXPECT_EQ(again->betas, shape.betas);
+  EXPECT_EQ(again->pose_rad, shape.pose_rad);
+}
+
+TEST(Phspd, BadInputIsRefusedWithPlaceAndField) {
+  const std::string text = WritePhspdPose(Pose({4, 5}));
+  ExpectEveryDamagedWordIsNamed(
+      text, [](const std::string& damaged) { return Answer(ParsePhspdPose(damaged, "file")); }, nullptr);
+  EXPECT_THAT(Message(ParsePhspdPose(WritePhspdPose(Pose({4, 4})), "pose.txt")),
+              HasSubstr("pose.txt:2: frame 4 does not come after frame 4"));
+  EXPECT_THAT(Message(ParsePhspdPose("1.5" + text.substr(1), "pose.txt")), HasSubstr("frame 1.5 is no index"));
+  EXPECT_THAT(Message(ParsePhspdShape(text, "s.txt")), HasSubstr("s.txt:1: row has 73 numbers, not 86"));
+  EXPECT_THAT(Message(ParsePhspdPose("4 x" + text.substr(3), "pose.txt")), HasSubstr("'position of joint 0, x'"));
+}
+
+TEST(Phspd, AFolderNamesItsRecording) {
+  const auto recording = ParsePhspdRecording("subject03_group2_time4");
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(recording->subject, 3);
+  EXPECT_EQ(recording->time, 4);
+  EXPECT_EQ(recording->Name(), "subject03_group2_time4");
+  for (const char* wrong :
+       {"", "subject03_group2", "subject03_group2_time", "subject_group2_time1", "subject-3_group2_time1"}) {
+    EXPECT_FALSE(ParsePhspdRecording(wrong)) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

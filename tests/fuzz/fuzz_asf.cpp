@@ -1,0 +1,16 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_asf.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/asf.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  const auto asf = mocurate::ParseAsf(bytes, "fuzz");
+  if (!asf) return 0;
+  const std::string text = mocurate::WriteAsf(*asf);
+  const auto again = mocurate::ParseAsf(text, "again");
+  if (!again || mocurate::WriteAsf(*again) != text) __builtin_trap();
+  return 0;
+}

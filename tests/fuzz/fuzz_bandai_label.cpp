@@ -1,0 +1,13 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_bandai_label.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/bandai_label.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  (void)mocurate::ParseBandaiLabel(bytes, "fuzz");
+  (void)mocurate::ParseBandaiLabelList(bytes, "fuzz");
+  return 0;
+}

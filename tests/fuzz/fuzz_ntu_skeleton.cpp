@@ -1,0 +1,17 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_ntu_skeleton.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/ntu_skeleton.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  (void)mocurate::ParseNtuName(bytes);
+  (void)mocurate::ParseNtuSkeleton(bytes, "fuzz", mocurate::DamagedRows::kReport);
+  const auto skeleton = mocurate::ParseNtuSkeleton(bytes, "fuzz");
+  if (!skeleton) return 0;
+  const auto again = mocurate::ParseNtuSkeleton(mocurate::WriteNtuSkeleton(*skeleton), "again");
+  if (!again || !(*again == *skeleton)) __builtin_trap();
+  return 0;
+}

@@ -1,0 +1,11 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_opensim_table.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/opensim_table.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  (void)mocurate::ParseOpenSimTable({reinterpret_cast<const char*>(data), size}, "fuzz");
+  return 0;
+}
