@@ -1,0 +1,14 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_amass.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,file,path_text,text}.cpp -I/usr/include/eigen3 -lzip
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/amass.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto amass = mocurate::ParseAmass({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!amass) return 0;
+  const auto bytes = mocurate::EncodeAmass(*amass, "fuzz");
+  if (!bytes || !mocurate::ParseAmass(*bytes, "again")) __builtin_trap();
+  return 0;
+}

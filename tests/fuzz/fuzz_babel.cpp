@@ -1,0 +1,14 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_babel.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,file,path_text,text}.cpp -I/usr/include/eigen3 -lzip
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/babel.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto babel = mocurate::ParseBabel({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!babel) return 0;
+  for (const mocurate::BabelSequence& sequence : *babel) (void)mocurate::FindBabelProblems(sequence);
+  if (!mocurate::ParseBabel(mocurate::EncodeBabel(*babel), "again")) __builtin_trap();
+  return 0;
+}

@@ -1,0 +1,18 @@
+// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_npz.cpp
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,file,path_text,text}.cpp -I/usr/include/eigen3 -lzip
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/npz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto npz = mocurate::ParseNpz({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!npz) return 0;
+  mocurate::Npz plain;
+  for (const mocurate::NpzMember& member : npz->members) {
+    if (member.skipped.empty()) plain.members.push_back(member);
+  }
+  const auto bytes = mocurate::EncodeNpz(plain, "fuzz");
+  if (!bytes || !mocurate::ParseNpz(*bytes, "again")) __builtin_trap();
+  return 0;
+}
