@@ -68,7 +68,7 @@ class Reader {
     if (Status s = Take("J_regressor", {j, v}, true, model_.joint_regressor); !s) return Forward(s);
     if (Status s = RowsSumToOne("J_regressor", model_.joint_regressor, v, -10.0); !s) return Forward(s);
     if (Status s = Take("weights", {v, j}, true, model_.weights); !s) return Forward(s);
-    if (Status s = RowsSumToOne("weights", model_.weights, j, -1e-6); !s) return Forward(s);
+    if (Status s = RowsSumToOne("weights", model_.weights, j, -1e-2); !s) return Forward(s);
     if (Status s = Take("shapedirs", {v, 3, kAnyExtent}, true, model_.shapedirs, &model_.shapes); !s) return Forward(s);
     if (Status s = Take("posedirs", {v, 3, 9 * (j - 1)}, false, model_.posedirs, &model_.pose_columns); !s) {
       return Forward(s);
