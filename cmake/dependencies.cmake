@@ -11,6 +11,12 @@ add_library(mocurate_hdf5 INTERFACE)
 target_include_directories(mocurate_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
 target_link_libraries(mocurate_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
 
+find_path(MOCURATE_ZIP_INCLUDE zip.h REQUIRED)
+find_library(MOCURATE_ZIP_LIBRARY zip REQUIRED)
+add_library(mocurate_zip INTERFACE)
+target_include_directories(mocurate_zip SYSTEM INTERFACE ${MOCURATE_ZIP_INCLUDE})
+target_link_libraries(mocurate_zip INTERFACE ${MOCURATE_ZIP_LIBRARY})
+
 find_package(yaml-cpp REQUIRED)
 if(NOT MOCURATE_SLICE STREQUAL "learn")
   find_package(CLI11 REQUIRED)

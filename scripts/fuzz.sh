@@ -16,12 +16,14 @@ mkdir -p "$work/findings"
 "$work/bin/fuzz_seeds" "$work/seeds"
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-  for folder in "$work"/seeds/*; do targets+=("${folder##*/}"); done
+  for program in "$work"/bin/fuzz_*; do targets+=("${program##*/fuzz_}"); done
+  targets=("${targets[@]/#seeds/}")
 fi
 
 status=0
 for target in "${targets[@]}"; do
-  mkdir -p "$work/corpus/$target"
+  [ -n "$target" ] || continue
+  mkdir -p "$work/corpus/$target" "$work/seeds/$target"
   echo "fuzz.sh: $target for $seconds s"
   log="$work/findings/$target.log"
   if "$work/bin/fuzz_$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=512 -max_len=65536 \

@@ -1,10 +1,11 @@
 #include "core/formats/npy.h"
 
-#include <cstdint>
-#include <cstring>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/array_elements.h"
 
 namespace mocurate {
 namespace {
@@ -106,41 +107,13 @@ class HeaderReader {
   std::string_view last_word_;
 };
 
-template <class T>
-double Element(const char* bytes, bool swap) {
-  char raw[sizeof(T)];
-  for (std::size_t i = 0; i < sizeof(T); ++i) raw[i] = bytes[swap ? sizeof(T) - 1 - i : i];
-  T value;
-  std::memcpy(&value, raw, sizeof(T));
-  return static_cast<double>(value);
-}
+/// The header, and the bytes behind it.
+struct Parts {
+  Header header;
+  std::string_view data;
+};
 
-using Reader = double (*)(const char*, bool);
-
-Reader ReaderOf(std::string_view type) {
-  if (type == "f4") return Element<float>;
-  if (type == "f8") return Element<double>;
-  if (type == "i4") return Element<std::int32_t>;
-  if (type == "i8") return Element<std::int64_t>;
-  return nullptr;
-}
-
-/// Position in C order of the element that stands at `position` in Fortran order.
-std::size_t FromFortran(std::size_t position, const std::vector<std::size_t>& shape) {
-  std::size_t stride = 1;
-  for (const std::size_t extent : shape) stride *= extent;
-  std::size_t target = 0;
-  for (const std::size_t extent : shape) {
-    stride /= extent;
-    target += (position % extent) * stride;
-    position /= extent;
-  }
-  return target;
-}
-
-}  // namespace
-
-Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
+Expected<Parts> Split(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
   if (bytes.size() < 10 || bytes.substr(0, kMagic.size()) != kMagic) {
     return Fail(ErrorCode::kMalformed, "the file does not begin as a numpy array", name, "it is no .npy file");
@@ -157,49 +130,79 @@ Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
   }
   const std::size_t begin = 8 + length_bytes;
   if (length > bytes.size() - begin) return Fail(ErrorCode::kMalformed, "the header is cut off", name);
-  const Expected<Header> header = HeaderReader(bytes.substr(begin, length), name).Read();
+  Expected<Header> header = HeaderReader(bytes.substr(begin, length), name).Read();
   if (!header) return Forward(header);
+  return Parts{std::move(*header), bytes.substr(begin + length)};
+}
 
-  const std::string_view data = bytes.substr(begin + length);
-  const std::string& dtype = header->dtype;
-  const Reader reader = dtype.size() == 3 ? ReaderOf(std::string_view(dtype).substr(1)) : nullptr;
-  if (reader == nullptr || (dtype[0] != '<' && dtype[0] != '>' && dtype[0] != '=')) {
-    return Fail(ErrorCode::kUnsupported, "arrays of type '" + dtype + "' are not read", name,
-                "save it as float32, float64, int32 or int64");
-  }
-  const std::size_t width = dtype[2] == '4' ? 4 : 8;
-  std::size_t count = 1;
-  for (const std::size_t extent : header->shape) {
-    if (extent != 0 && count > data.size() / extent) {
-      return Fail(ErrorCode::kMalformed, "the shape announces more numbers than the file holds", name,
-                  "the file is cut off: copy it again");
-    }
-    count *= extent;
-  }
-  if (count > data.size() / width || count * width != data.size()) {
-    return Fail(ErrorCode::kMalformed,
-                "the shape announces " + std::to_string(count) + " numbers of " + std::to_string(width) +
-                    " bytes, the file holds " + std::to_string(data.size()) + " bytes of them",
-                name, "the file is cut off: copy it again");
-  }
+/// Brings elements from Fortran to C order.
+template <class T>
+void Reorder(const std::vector<std::size_t>& shape, std::vector<T>& elements) {
+  const std::vector<std::size_t> positions = FortranPositions(shape, elements.size());
+  std::vector<T> ordered;
+  ordered.reserve(elements.size());
+  for (const std::size_t position : positions) ordered.push_back(std::move(elements[position]));
+  elements = std::move(ordered);
+}
+
+}  // namespace
+
+Expected<NpyArray> ParseNpyHeader(std::string_view bytes, const std::string& name) {
+  Expected<Parts> parts = Split(bytes, name);
+  if (!parts) return Forward(parts);
   NpyArray array;
-  array.shape = header->shape;
-  array.dtype = dtype;
-  array.values.resize(count);
-  const bool swap = dtype[0] == '>';
-  for (std::size_t i = 0; i < count; ++i) {
-    array.values[header->fortran ? FromFortran(i, array.shape) : i] = reader(data.data() + i * width, swap);
-  }
+  array.shape = std::move(parts->header.shape);
+  array.dtype = std::move(parts->header.dtype);
   return array;
 }
 
-std::string WriteNpy(const NpyArray& array) {
-  const bool single = array.dtype == "<f4";
-  std::string shape = "(";
-  for (const std::size_t extent : array.shape) shape += std::to_string(extent) + ", ";
-  if (array.shape.size() > 1) shape.resize(shape.size() - 2);
+Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
+  const Expected<Parts> parts = Split(bytes, name);
+  if (!parts) return Forward(parts);
+  const Header& header = parts->header;
+  const std::optional<ElementType> type = ParseElementType(header.dtype);
+  if (!type || type->kind == ElementKind::kObject) {
+    return Fail(ErrorCode::kUnsupported, "arrays of type '" + header.dtype + "' are not read", name,
+                "save it as numbers (bool, int, uint, float16 to float64) or texts");
+  }
+  const std::string_view data = parts->data;
+  const std::optional<std::size_t> count = ElementCount(header.shape, type->bytes, data.size());
+  if (!count) {
+    return Fail(ErrorCode::kMalformed,
+                "the shape " + ShapeText(header.shape) + " of elements of " + std::to_string(type->bytes) +
+                    " bytes contradicts the file, which holds " + std::to_string(data.size()) + " bytes of them",
+                name, "the file is cut off: copy it again");
+  }
+  NpyArray array;
+  array.shape = header.shape;
+  array.dtype = header.dtype;
+  if (type->is_number()) {
+    DecodeNumbers(*type, data, array.values);
+    if (header.fortran) Reorder(array.shape, array.values);
+    return array;
+  }
+  std::optional<std::vector<std::string>> texts = DecodeTexts(*type, data);
+  if (!texts) return Fail(ErrorCode::kMalformed, "a text holds a character that is none of Unicode", name);
+  array.texts = std::move(*texts);
+  if (type->bytes == 0) array.texts.resize(*count);
+  if (header.fortran) Reorder(array.shape, array.texts);
+  return array;
+}
+
+Expected<std::string> EncodeNpy(const NpyArray& array, const std::string& name) {
+  const std::optional<ElementType> type = ParseElementType(array.dtype);
+  if (!type || type->kind == ElementKind::kObject) {
+    return Fail(ErrorCode::kUnsupported, "arrays of type '" + array.dtype + "' are not written", name);
+  }
+  std::size_t count = 1;
+  for (const std::size_t extent : array.shape) count *= extent;
+  if (count != (type->is_number() ? array.values.size() : array.texts.size())) {
+    return Fail(ErrorCode::kInconsistent,
+                "the shape " + ShapeText(array.shape) + " does not fit " + std::to_string(array.size()) + " elements",
+                name);
+  }
   std::string header =
-      std::string("{'descr': '") + (single ? "<f4" : "<f8") + "', 'fortran_order': False, 'shape': " + shape + "), }";
+      "{'descr': '" + array.dtype + "', 'fortran_order': False, 'shape': " + ShapeText(array.shape) + ", }";
   while ((10 + header.size() + 1) % 64 != 0) header += ' ';
   header += '\n';
   std::string bytes(kMagic);
@@ -208,17 +211,18 @@ std::string WriteNpy(const NpyArray& array) {
   bytes += static_cast<char>(header.size() & 0xFF);
   bytes += static_cast<char>(header.size() >> 8);
   bytes += header;
-  for (const double value : array.values) {
-    char raw[sizeof(double)];
-    if (single) {
-      const float narrow = static_cast<float>(value);
-      std::memcpy(raw, &narrow, sizeof(narrow));
-    } else {
-      std::memcpy(raw, &value, sizeof(value));
-    }
-    bytes.append(raw, single ? sizeof(float) : sizeof(double));
-  }
+  const Status encoded = type->is_number() ? EncodeNumbers(*type, array.values, name, bytes)
+                                           : EncodeTexts(*type, array.texts, name, bytes);
+  if (!encoded) return Forward(encoded);
   return bytes;
+}
+
+std::string WriteNpy(const NpyArray& array) {
+  NpyArray plain = array;
+  if (plain.dtype != "<f4") plain.dtype = "<f8";
+  Expected<std::string> bytes = EncodeNpy(plain, "array");
+  if (!bytes) throw std::logic_error(bytes.error().Message());
+  return std::move(*bytes);
 }
 
 }  // namespace mocurate

@@ -9,21 +9,30 @@
 
 namespace mocurate {
 
-/// One numpy array. `values` are in C order whatever the file's order; integers beyond 2^53 lose their last digits.
+/// One numpy array, of numbers or of texts, in C order whatever the file's order. Integers beyond 2^53 lose their last
+/// digits. Numbers are passed on as they stand, NaN and infinity too.
 struct NpyArray {
   std::vector<std::size_t> shape;  ///< empty for a single number
-  std::string dtype;               ///< as in the file: "<f4", ">i8", ...
+  std::string dtype;               ///< as in the file: "<f4", ">i8", "|b1", "<U6", "|S7", ...
   std::vector<double> values;
+  std::vector<std::string> texts;  ///< of "<U" (as UTF-8) and "|S" arrays, which have no values
 
-  std::size_t size() const { return values.size(); }
+  std::size_t size() const { return values.size() + texts.size(); }
 };
 
-/// Format versions 1 to 3; f4, f8, i4, i8 in both byte orders, C and Fortran order. Error kMalformed for anything that
-/// contradicts itself or is cut off, kUnsupported for other types; arrays of Python objects are never executed. What is
-/// allocated is bounded by the size of `bytes`.
+/// Format versions 1 to 3; bool, i1 to i8, u1 to u8, f2, f4, f8, <U and |S in both byte orders, C and Fortran order.
+/// Error kMalformed for anything that contradicts itself or is cut off, kUnsupported for other types (complex numbers,
+/// dates, records); arrays of Python objects are never executed. What is allocated is bounded by the size of `bytes`.
 Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name);
 
-/// Version 1.0, little-endian "<f8" or "<f4", C order.
+/// Type and shape alone; "|O" for an array of Python objects.
+Expected<NpyArray> ParseNpyHeader(std::string_view bytes, const std::string& name);
+
+/// Version 1.0 in C order, of the type that `array.dtype` says. Errors kUnsupported (no such type), kInconsistent
+/// (shape and number of values), kMalformed (a value that the type cannot hold).
+Expected<std::string> EncodeNpy(const NpyArray& array, const std::string& name);
+
+/// The same for "<f4" and "<f8", which hold any value; every other type is written as "<f8".
 std::string WriteNpy(const NpyArray& array);
 
 }  // namespace mocurate

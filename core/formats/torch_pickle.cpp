@@ -1,128 +1,144 @@
 #include "core/formats/torch_pickle.h"
 
-#include <cstring>
+#include <algorithm>
+#include <deque>
+#include <utility>
 
 #include "core/base/file.h"
-#include "core/formats/torch_pickle_reader.h"
+#include "core/formats/pickle_machine.h"
+#include "core/formats/zip_archive.h"
 
 namespace mocurate {
-namespace torch_pickle {
 namespace {
 
-template <class T>
-double Decode(const char* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return static_cast<double>(value);
+const char* ElementName(std::string_view dtype) {
+  static constexpr std::pair<const char*, const char*> kNames[] = {
+      {"f2", "float16"}, {"f4", "float32"}, {"f8", "float64"}, {"i8", "int64"},  {"i4", "int32"},  {"i2", "int16"},
+      {"i1", "int8"},    {"u1", "uint8"},   {"u2", "uint16"},  {"u4", "uint32"}, {"u8", "uint64"}, {"b1", "bool"}};
+  for (const auto& [letters, name] : kNames) {
+    if (dtype.substr(1) == letters) return name;
+  }
+  return "";
 }
 
-double DecodeElement(const Element& element, const char* bytes) {
-  const std::string_view name = element.name;
-  if (name == "float32") return Decode<float>(bytes);
-  if (name == "float64") return Decode<double>(bytes);
-  if (name == "int64") return Decode<std::int64_t>(bytes);
-  if (name == "int32") return Decode<std::int32_t>(bytes);
-  if (name == "int16") return Decode<std::int16_t>(bytes);
-  if (name == "int8") return Decode<std::int8_t>(bytes);
-  return Decode<std::uint8_t>(bytes);
-}
+/// What becomes of the values that the stack machine read.
+class Reader {
+ public:
+  Reader(std::string_view bytes, const std::string& name, const TorchLimits& limits)
+      : bytes_(bytes), name_(name), limits_(limits) {}
 
-}  // namespace
+  Expected<TorchTable> ReadLegacy();
+  Expected<TorchTable> ReadZip();
 
-Status Reader::ReadStorages(int keys) {
-  if (objects_[keys].kind != Kind::kList) return Bad("the list of storages is no list");
-  for (const int key : objects_[keys].children) {
-    const auto found = storage_of_key_.find(objects_[key].text);
-    if (objects_[key].kind != Kind::kText || found == storage_of_key_.end()) {
-      return Bad("storage '" + objects_[key].text + "' belongs to no tensor");
-    }
-    const Object& storage = objects_[found->second];
-    const Expected<std::uint64_t> count = TakeUnsigned(8);
+ private:
+  PickleMachine Machine(std::string_view bytes, const std::string& name) const {
+    PickleLimits limits;
+    limits.objects = limits_.objects;
+    limits.depth = limits_.depth;
+    return PickleMachine(bytes, name, limits, true);
+  }
+  Status ReadStorages(PickleMachine& machine, int keys);
+  Status Collect(PickleMachine& machine, int value, const std::string& path, int depth, TorchTable& table);
+  Status CollectArray(PickleMachine& machine, const PickleValue& value, const std::string& path, TorchTable& table);
+
+  std::string_view bytes_;
+  const std::string& name_;
+  TorchLimits limits_;
+  std::int64_t elements_ = 0;
+  std::int64_t visited_ = 0;
+  std::int64_t characters_ = 0;  // of all names and texts of the table
+};
+
+Status Reader::ReadStorages(PickleMachine& machine, int keys) {
+  if (machine.At(keys).kind != PickleKind::kList) return machine.Bad("the list of storages is no list");
+  for (const int key : machine.At(keys).children) {
+    const PickleValue& text = machine.At(key);
+    const int position = text.kind == PickleKind::kText ? machine.FindStorage(text.text) : -1;
+    if (position < 0) return machine.Bad("storage '" + DisplayPath(std::string(text.text)) + "' belongs to no tensor");
+    PickleStorage& storage = machine.storages()[static_cast<std::size_t>(position)];
+    const Expected<std::uint64_t> count = machine.TakeUnsigned(8);
     if (!count) return Forward(count);
-    const std::uint64_t bytes_left = bytes_.size() - position_;
-    if (*count != static_cast<std::uint64_t>(storage.offset) || *count > bytes_left / storage.element->bytes) {
-      return Bad("storage '" + storage.text + "' announces " + std::to_string(*count) + " numbers, " +
-                 std::to_string(storage.offset) + " are expected and " + std::to_string(bytes_left) + " bytes left");
+    const std::size_t each = ParseElementType(storage.dtype)->bytes;
+    if (*count != storage.count || *count > machine.left() / each) {
+      return machine.Bad("storage '" + storage.key + "' announces " + std::to_string(*count) + " numbers, " +
+                         std::to_string(storage.count) + " are expected and " + std::to_string(machine.left()) +
+                         " bytes left");
     }
-    const std::size_t size = static_cast<std::size_t>(*count) * storage.element->bytes;
-    storage_bytes_[storage.text] = bytes_.substr(position_, size);
-    position_ += size;
+    machine.Take(static_cast<std::size_t>(*count) * each, &storage.data);
+    storage.has_data = true;
   }
   return {};
 }
 
-Status Reader::CollectTensor(const Object& tensor, const std::string& path, TorchTable& table) {
-  const Object& storage = objects_[tensor.storage];
-  const auto bytes = storage_bytes_.find(storage.text);
-  if (bytes == storage_bytes_.end()) return Bad("tensor '" + path + "' has no stored numbers");
-  std::int64_t count = 1;
-  std::int64_t last = tensor.offset;
-  for (std::size_t i = 0; i < tensor.shape.size(); ++i) {
-    if (tensor.shape[i] == 0) count = 0;
-    if (count == 0) break;
-    if (count > limits_.elements / tensor.shape[i]) return Bad("tensor '" + path + "' is larger than allowed");
-    count *= tensor.shape[i];
-    if (tensor.shape[i] > 1 && tensor.stride[i] > (storage.offset + 1) / (tensor.shape[i] - 1))
-      last = storage.offset;
-    else
-      last += (tensor.shape[i] - 1) * tensor.stride[i];
-    if (last < 0 || last >= storage.offset) return Bad("tensor '" + path + "' reaches outside its storage");
+Status Reader::CollectArray(PickleMachine& machine, const PickleValue& value, const std::string& path,
+                            TorchTable& table) {
+  PickleArray array = machine.pickle().arrays[static_cast<std::size_t>(value.array)];
+  if (array.storage >= 0) {
+    const PickleStorage& storage = machine.storages()[static_cast<std::size_t>(array.storage)];
+    if (!storage.has_data) return machine.Bad("tensor '" + path + "' has no stored numbers");
+    array.data = storage.data;
   }
-  if (tensor.offset < 0 || (count > 0 && last >= storage.offset)) {
-    return Bad("tensor '" + path + "' reaches outside its storage");
+  const std::optional<ElementType> type = ParseElementType(array.dtype);
+  if (!type || !type->is_number()) return machine.Bad("array '" + path + "' holds no numbers", ErrorCode::kUnsupported);
+  const bool empty = std::find(array.shape.begin(), array.shape.end(), std::size_t{0}) != array.shape.end();
+  std::int64_t count = empty ? 0 : 1;
+  for (std::size_t axis = 0; axis < array.shape.size() && !empty; ++axis) {
+    const auto extent = static_cast<std::int64_t>(array.shape[axis]);
+    if (count > limits_.elements / extent) return machine.Bad("tensor '" + path + "' is larger than allowed");
+    count *= extent;
   }
   elements_ += count;
-  if (elements_ > limits_.elements) return Bad("more numbers than allowed", ErrorCode::kUnsupported);
-  TorchTensor result{path, storage.element->name, tensor.shape, {}};
-  result.values.reserve(static_cast<std::size_t>(count));
-  std::vector<std::int64_t> index(tensor.shape.size(), 0);
-  std::int64_t at = tensor.offset;
-  for (std::int64_t k = 0; k < count; ++k) {
-    result.values.push_back(DecodeElement(*storage.element, bytes->second.data() + at * storage.element->bytes));
-    for (int axis = static_cast<int>(index.size()) - 1; axis >= 0; --axis) {
-      at += tensor.stride[axis];
-      if (++index[axis] < tensor.shape[axis]) break;
-      at -= tensor.stride[axis] * tensor.shape[axis];
-      index[axis] = 0;
-    }
+  if (elements_ > limits_.elements) return machine.Bad("more numbers than allowed", ErrorCode::kUnsupported);
+  // A tensor without axes has no strides, but may stand anywhere in its storage.
+  if (array.storage >= 0 && array.strides.empty()) {
+    const std::size_t stored = array.data.size() / type->bytes;
+    if (array.offset >= stored) return machine.Bad("tensor '" + path + "' reaches outside its storage");
+    array.data = array.data.substr(array.offset * type->bytes, type->bytes);
   }
+  const Expected<std::string> gathered = GatherElements(array, name_ + ": " + path);
+  if (!gathered) return Forward(gathered);
+  TorchTensor result{path, ElementName(array.dtype), {array.shape.begin(), array.shape.end()}, {}};
+  DecodeNumbers(*type, *gathered, result.values);
   table.tensors.push_back(std::move(result));
   return {};
 }
 
-Status Reader::Collect(int id, const std::string& path, int depth, TorchTable& table) {
-  if (depth > limits_.depth) return Bad("containers nested deeper than " + std::to_string(limits_.depth));
+Status Reader::Collect(PickleMachine& machine, int position, const std::string& path, int depth, TorchTable& table) {
+  if (depth > limits_.depth) return machine.Bad("containers nested deeper than " + std::to_string(limits_.depth));
   characters_ += static_cast<std::int64_t>(path.size());
-  if (++visited_ > limits_.objects || characters_ > limits_.characters)
-    return Bad("more objects than allowed", ErrorCode::kUnsupported);
-  const Object& object = objects_[id];
+  if (++visited_ > limits_.objects || characters_ > limits_.characters) {
+    return machine.Bad("more objects than allowed", ErrorCode::kUnsupported);
+  }
+  const PickleValue& value = machine.At(position);
   const std::string prefix = path.empty() ? "" : path + "/";
-  switch (object.kind) {
-    case Kind::kTensor:
-      return CollectTensor(object, path, table);
-    case Kind::kBool:
-    case Kind::kInteger:
-      table.numbers[path] = static_cast<double>(object.integer);
+  switch (value.kind) {
+    case PickleKind::kArray:
+      return CollectArray(machine, value, path, table);
+    case PickleKind::kBool:
+    case PickleKind::kInteger:
+      table.numbers[path] = static_cast<double>(value.integer);
       return {};
-    case Kind::kFloat:
-      table.numbers[path] = object.number;
+    case PickleKind::kFloat:
+      table.numbers[path] = value.number;
       return {};
-    case Kind::kText:
-      characters_ += static_cast<std::int64_t>(object.text.size());
-      table.texts[path] = object.text;
+    case PickleKind::kText:
+      characters_ += static_cast<std::int64_t>(value.text.size());
+      table.texts[path] = std::string(value.text);
       return {};
-    case Kind::kTuple:
-    case Kind::kList:
-      for (std::size_t i = 0; i < object.children.size(); ++i) {
-        if (Status s = Collect(object.children[i], prefix + std::to_string(i), depth + 1, table); !s) return s;
+    case PickleKind::kTuple:
+    case PickleKind::kList:
+      for (std::size_t i = 0; i < value.children.size(); ++i) {
+        if (Status s = Collect(machine, value.children[i], prefix + std::to_string(i), depth + 1, table); !s) return s;
       }
       return {};
-    case Kind::kDict:
-      for (std::size_t i = 0; i + 1 < object.children.size(); i += 2) {
-        const Object& key = objects_[object.children[i]];
-        if (key.kind != Kind::kText && key.kind != Kind::kInteger) return Bad("a key that is no text and no integer");
-        const std::string name = key.kind == Kind::kText ? key.text : std::to_string(key.integer);
-        if (Status s = Collect(object.children[i + 1], prefix + name, depth + 1, table); !s) return s;
+    case PickleKind::kDict:
+      for (std::size_t i = 0; i + 1 < value.children.size(); i += 2) {
+        const PickleValue& key = machine.At(value.children[i]);
+        if (key.kind != PickleKind::kText && key.kind != PickleKind::kInteger) {
+          return machine.Bad("a key that is no text and no integer");
+        }
+        const std::string name = key.kind == PickleKind::kText ? std::string(key.text) : std::to_string(key.integer);
+        if (Status s = Collect(machine, value.children[i + 1], prefix + name, depth + 1, table); !s) return s;
       }
       return {};
     default:
@@ -130,34 +146,87 @@ Status Reader::Collect(int id, const std::string& path, int depth, TorchTable& t
   }
 }
 
-Expected<TorchTable> Reader::Read() {
+Expected<TorchTable> Reader::ReadLegacy() {
   static constexpr char kMagic[] = "\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e";
   constexpr std::size_t kMagicSize = sizeof(kMagic) - 1;
-  if (bytes_.substr(0, 2) == "PK") {
-    return Fail(ErrorCode::kUnsupported, "a zip file of torch.save; only the older form is read", name_,
-                "write it with torch.save(..., _use_new_zipfile_serialization=False)");
-  }
-  if (bytes_.substr(0, kMagicSize) != std::string_view(kMagic, kMagicSize)) return Bad("no file of torch.save");
-  position_ = kMagicSize;
-  const Expected<int> version = ReadPickle();
+  PickleMachine machine = Machine(bytes_, name_);
+  if (bytes_.substr(0, kMagicSize) != std::string_view(kMagic, kMagicSize)) return machine.Bad("no file of torch.save");
+  machine.SkipTo(kMagicSize);
+  const Expected<int> version = machine.Read();
   if (!version) return Forward(version);
-  if (objects_[*version].integer != 1001) return Bad("protocol is not 1001", ErrorCode::kUnsupported);
-  const Expected<int> system = ReadPickle();
+  if (machine.At(*version).integer != 1001) return machine.Bad("protocol is not 1001", ErrorCode::kUnsupported);
+  const Expected<int> system = machine.Read();
   if (!system) return Forward(system);
   TorchTable facts;
-  if (Status s = Collect(*system, "", 0, facts); !s) return Forward(s);
-  if (facts.numbers["little_endian"] != 1.0) return Bad("numbers are not little-endian", ErrorCode::kUnsupported);
-  const Expected<int> top = ReadPickle();
+  if (Status s = Collect(machine, *system, "", 0, facts); !s) return Forward(s);
+  if (facts.numbers["little_endian"] != 1.0)
+    return machine.Bad("numbers are not little-endian", ErrorCode::kUnsupported);
+  const Expected<int> top = machine.Read();
   if (!top) return Forward(top);
-  const Expected<int> keys = ReadPickle();
+  const Expected<int> keys = machine.Read();
   if (!keys) return Forward(keys);
-  if (Status s = ReadStorages(*keys); !s) return Forward(s);
+  if (Status s = ReadStorages(machine, *keys); !s) return Forward(s);
   TorchTable table;
-  if (Status s = Collect(*top, "", 0, table); !s) return Forward(s);
+  if (Status s = Collect(machine, *top, "", 0, table); !s) return Forward(s);
   return table;
 }
 
-}  // namespace torch_pickle
+Expected<TorchTable> Reader::ReadZip() {
+  static constexpr std::string_view kTop = "data.pkl";
+  ZipLimits limits;
+  limits.bytes = static_cast<std::size_t>(limits_.elements) * 8;
+  Expected<ZipArchive> archive = ZipArchive::Open(bytes_, name_, limits);
+  if (!archive) return Forward(archive);
+  const std::vector<std::string>& members = archive->members();
+  const auto find = [&](const std::string& member) {
+    return static_cast<std::size_t>(std::find(members.begin(), members.end(), member) - members.begin());
+  };
+  const auto top = std::find_if(members.begin(), members.end(), [](const std::string& member) {
+    return member == kTop ||
+           (member.size() > kTop.size() && member.substr(member.size() - kTop.size() - 1) == "/" + std::string(kTop));
+  });
+  if (top == members.end()) {
+    return Fail(ErrorCode::kMalformed, "the archive holds no data.pkl", name_, "it is no file of torch.save");
+  }
+  const std::string folder = top->substr(0, top->size() - kTop.size());
+  if (const std::size_t order = find(folder + "byteorder"); order < members.size()) {
+    const Expected<std::string> text = archive->Read(order);
+    if (!text) return Forward(text);
+    if (*text != "little") {
+      return Fail(ErrorCode::kUnsupported, "numbers are not little-endian", name_ + ":" + folder + "byteorder");
+    }
+  }
+  const Expected<std::string> pickle = archive->Read(static_cast<std::size_t>(top - members.begin()));
+  if (!pickle) return Forward(pickle);
+  PickleMachine machine = Machine(*pickle, name_ + ":" + *top);
+  const Expected<int> root = machine.Read();
+  if (!root) return Forward(root);
+  std::deque<std::string> contents;
+  for (PickleStorage& storage : machine.storages()) {
+    const std::string member = folder + "data/" + storage.key;
+    const std::size_t index = find(member);
+    if (index == members.size()) {
+      return Fail(ErrorCode::kMalformed, "the archive lacks the numbers '" + member + "'", name_);
+    }
+    Expected<std::string> content = archive->Read(index);
+    if (!content) return Forward(content);
+    const std::size_t each = ParseElementType(storage.dtype)->bytes;
+    if (content->size() / each < storage.count || content->size() % each != 0) {
+      return Fail(ErrorCode::kMalformed,
+                  std::to_string(storage.count) + " numbers of " + std::to_string(each) + " bytes are expected, not " +
+                      std::to_string(content->size()) + " bytes",
+                  name_ + ":" + member);
+    }
+    contents.push_back(std::move(*content));
+    storage.data = std::string_view(contents.back()).substr(0, storage.count * each);
+    storage.has_data = true;
+  }
+  TorchTable table;
+  if (Status s = Collect(machine, *root, "", 0, table); !s) return Forward(s);
+  return table;
+}
+
+}  // namespace
 
 const TorchTensor* TorchTable::Find(std::string_view name) const {
   for (const TorchTensor& tensor : tensors) {
@@ -167,7 +236,8 @@ const TorchTensor* TorchTable::Find(std::string_view name) const {
 }
 
 Expected<TorchTable> ParseTorchPickle(std::string_view bytes, const std::string& name, const TorchLimits& limits) {
-  return torch_pickle::Reader(bytes, name, limits).Read();
+  Reader reader(bytes, name, limits);
+  return bytes.substr(0, 2) == "PK" ? reader.ReadZip() : reader.ReadLegacy();
 }
 
 Expected<TorchTable> ReadTorchPickle(const std::filesystem::path& path, const TorchLimits& limits) {

@@ -37,9 +37,9 @@ struct TorchLimits {
   int depth = 64;                                   ///< of nested containers
 };
 
-/// Reads a legacy (non-zip) file of torch.save: a stack machine over data. No code of the file runs: a fixed list of
-/// class names stands for dictionaries, tensors and storages, every other name or opcode is an error that names it.
-/// `name` is shown in messages. Errors kMalformed, kUnsupported (zip files; names and opcodes outside the list).
+/// Reads a file of torch.save, the zip form and the legacy one, with the stack machine of `pickle`: no code of the file
+/// runs, every name or opcode outside its list is an error that names it. `name` is shown in messages. Errors
+/// kMalformed, kUnsupported.
 Expected<TorchTable> ParseTorchPickle(std::string_view bytes, const std::string& name, const TorchLimits& limits = {});
 Expected<TorchTable> ReadTorchPickle(const std::filesystem::path& path, const TorchLimits& limits = {});
 

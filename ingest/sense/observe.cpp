@@ -198,7 +198,8 @@ Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std
     sizes.back() *= 3;
   }
   const bool batch = sizes.size() == 3;
-  const bool motion = (sizes.size() == 2 || batch) && sizes.back() % 3 == 0 && sizes.back() >= 9 && array->size() > 0;
+  const bool motion =
+      (sizes.size() == 2 || batch) && sizes.back() % 3 == 0 && sizes.back() >= 9 && !array->values.empty();
   if (!motion) {
     return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");

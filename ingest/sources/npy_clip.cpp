@@ -50,6 +50,9 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
   const std::size_t wide = source.joints.empty() ? (*skeleton)->joints.size() : source.joints.size();
   const bool cube = array->shape.size() == 3 && array->shape[1] == wide && array->shape[2] == 3;
   const bool flat = array->shape.size() == 2 && array->shape[1] == wide * 3;
+  if (!array->texts.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the array holds texts, joint positions are needed", file.name);
+  }
   if ((!cube && !flat) || array->shape[0] == 0) {
     return Fail(ErrorCode::kInconsistent,
                 "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",

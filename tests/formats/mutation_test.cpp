@@ -8,16 +8,23 @@
 
 #include "core/base/random.h"
 #include "core/formats/amc.h"
+#include "core/formats/array_fields.h"
 #include "core/formats/bandai_label.h"
 #include "core/formats/bvh.h"
 #include "core/formats/depth_sequence.h"
 #include "core/formats/expmap_table.h"
+#include "core/formats/humanact12_pickle.h"
 #include "core/formats/joint_layout.h"
+#include "core/formats/joint_table.h"
 #include "core/formats/npy.h"
+#include "core/formats/npz.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/opensim_table.h"
 #include "core/formats/phspd_text.h"
+#include "core/formats/pickle.h"
 #include "core/formats/uestc_info.h"
+#include "core/formats/vibe_pickle.h"
+#include "pickle_samples.h"
 
 namespace mocurate {
 namespace {
@@ -123,6 +130,49 @@ TEST(DamagedFiles, Npy) {
     if (!read) return;
     ASSERT_LE(read->values.size() * 4, bytes.size());
   });
+}
+
+TEST(DamagedFiles, Npz) {
+  Npz npz;
+  npz.members.push_back({"a", MakeArray({4, 2}, {1, 2, 3, 4, 5, 6, 7, 8}, "<f4"), ""});
+  npz.members.push_back({"t", MakeTextArray("male"), ""});
+  Survives(EncodeNpz(npz, "seed").value(), 5000, [](const std::string& bytes) { (void)ParseNpz(bytes, "damaged"); });
+}
+
+/// Reads whatever hangs from a value, as its user would.
+void Visit(const PickleRef& value) {
+  (void)value.Array();
+  (void)value.Sparse();
+  (void)value.Text();
+  (void)value.Number();
+  const bool pairs = value.kind() == PickleKind::kDict;
+  for (std::size_t i = 0; i < value.size(); ++i) Visit(pairs ? value.ValueAt(i) : value.Item(i));
+}
+
+TEST(DamagedFiles, Pickle) {
+  int read = 0;
+  for (const char* digits : {kPickleP0, kPickleP2, kPickleP4, kPickleP5, kPickleJoblib, kPickleCsc, kPickleCh0}) {
+    Survives(FromHex(digits), 5000, [&](const std::string& bytes) {
+      const auto pickle = ParsePickle(bytes, "damaged");
+      if (!pickle) return;
+      ++read;
+      Visit(pickle->top());
+    });
+  }
+  EXPECT_GT(read, 100);
+}
+
+TEST(DamagedFiles, ResultsOfBodyEstimators) {
+  VibeTrack track;
+  track.frames = 2;
+  track.joints = 2;
+  track.pose.assign(144, 0.5);
+  track.joints3d.assign(12, 0.5);
+  Survives(EncodeVibeTracks({track}, "seed").value(), 5000,
+           [](const std::string& bytes) { (void)ParseVibeTracks(bytes, "damaged"); });
+  HumanAct12Clip clip{1, std::vector<double>(72, 0.5), std::vector<double>(72, 0.5), 3};
+  Survives(EncodeHumanAct12Pickle({clip}, "seed").value(), 5000,
+           [](const std::string& bytes) { (void)ParseHumanAct12Pickle(bytes, "damaged"); });
 }
 
 TEST(DamagedFiles, DepthSequence) {

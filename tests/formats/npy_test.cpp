@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 namespace mocurate {
 namespace {
@@ -69,11 +72,93 @@ TEST(Npy, WrittenAndReadAgainIsTheSame) {
   EXPECT_EQ(again->shape, array.shape);
 }
 
+TEST(Npy, EveryNumericTypeIsReadAndWrittenAgainInBothByteOrders) {
+  const std::vector<std::pair<std::string, std::vector<double>>> types = {
+      {"|b1", {0, 1, 1, 0}},
+      {"|i1", {-128, 127, 0, 5}},
+      {"|u1", {0, 255, 1, 2}},
+      {"<i2", {-32768, 32767, 0, 5}},
+      {"<u2", {0, 65535, 1, 2}},
+      {"<i4", {-2147483648.0, 2147483647, 0, 5}},
+      {"<u4", {0, 4294967295.0, 1, 2}},
+      {"<i8", {-9007199254740992.0, 1, 2, 3}},
+      {"<u8", {9007199254740992.0, 1, 2, 3}},
+      {"<f2", {-0.5, 65504, 6.103515625e-05, 5.9604644775390625e-08}},
+      {"<f4", {-0.5, 1e30f, 3, 0.1f}},
+      {"<f8", {-0.5, 1e300, 3, 0.1}}};
+  for (const auto& [name, values] : types) {
+    for (const char order : {'<', '>'}) {
+      NpyArray array;
+      array.dtype = name[0] == '|' ? name : order + name.substr(1);
+      array.shape = {2, 2};
+      array.values = values;
+      const auto bytes = EncodeNpy(array, "p.npy");
+      ASSERT_TRUE(bytes) << bytes.error().Message();
+      const auto again = ParseNpy(*bytes, "p.npy");
+      ASSERT_TRUE(again) << again.error().Message();
+      EXPECT_EQ(again->dtype, array.dtype);
+      EXPECT_EQ(again->shape, array.shape);
+      EXPECT_EQ(again->values, values) << array.dtype;
+    }
+  }
+}
+
+TEST(Npy, HalfPrecisionIsRoundedToTheNearestEvenDigit) {
+  NpyArray array;
+  array.dtype = "<f2";
+  array.shape = {5};
+  array.values = {0.1, 2049, 2051, 1e6, 2.9e-8};
+  const auto again = ParseNpy(EncodeNpy(array, "p").value(), "p");
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->values[0], 0.0999755859375);
+  EXPECT_EQ(again->values[1], 2048);
+  EXPECT_EQ(again->values[2], 2052);
+  EXPECT_TRUE(std::isinf(again->values[3]));
+  EXPECT_EQ(again->values[4], 0.0);
+}
+
+TEST(Npy, TextsAreReadInUnicodeAndBytes) {
+  const auto unicode =
+      ParseNpy(File("<U3", "(2,)", std::string("a\0\0\0\xe9\0\0\0\0\0\0\0x\0\0\0y\0\0\0\xac\x20\0\0", 24)), "p");
+  ASSERT_TRUE(unicode) << unicode.error().Message();
+  EXPECT_THAT(unicode->texts, ElementsAre("a\xc3\xa9", "xy\xe2\x82\xac"));
+  EXPECT_TRUE(unicode->values.empty());
+  const auto big = ParseNpy(File(">U1", "()", std::string("\0\0\0a", 4)), "p");
+  ASSERT_TRUE(big) << big.error().Message();
+  EXPECT_THAT(big->texts, ElementsAre("a"));
+  const auto bytes = ParseNpy(File("|S4", "(2,)", std::string("maleC7\0\0", 8)), "p");
+  ASSERT_TRUE(bytes) << bytes.error().Message();
+  EXPECT_THAT(bytes->texts, ElementsAre("male", "C7"));
+  for (const auto& array : {*unicode, *big, *bytes}) {
+    const auto again = ParseNpy(EncodeNpy(array, "p").value(), "p");
+    ASSERT_TRUE(again) << again.error().Message();
+    EXPECT_EQ(again->texts, array.texts);
+    EXPECT_EQ(again->dtype, array.dtype);
+  }
+  EXPECT_THAT(Fails(File("<U1", "(1,)", std::string("\0\0\x11\0", 4))),
+              HasSubstr("a character that is none of Unicode"));
+}
+
+TEST(Npy, AValueThatItsTypeCannotHoldIsNotWritten) {
+  const auto write = [](const std::string& dtype, double value) {
+    NpyArray array;
+    array.dtype = dtype;
+    array.values = {value};
+    const auto bytes = EncodeNpy(array, "p.npy");
+    return bytes ? std::string("written") : bytes.error().Message();
+  };
+  EXPECT_THAT(write("|u1", 256), HasSubstr("value 0, 256, does not fit"));
+  EXPECT_THAT(write("<i4", 0.5), HasSubstr("does not fit"));
+  EXPECT_THAT(write("|b1", 2), HasSubstr("does not fit"));
+  EXPECT_THAT(write("<c16", 2), HasSubstr("'<c16' are not written"));
+  EXPECT_EQ(write("<u8", 18446744073709549568.0), "written");
+}
+
 TEST(Npy, BadInputIsRefusedWithReason) {
   EXPECT_EQ(Fails(""), "p.npy: the file is empty");
   EXPECT_THAT(Fails("PK\x03\x04 zipped arrays"), HasSubstr("does not begin as a numpy array"));
   EXPECT_THAT(Fails(File("<f4", "(2, 2)", Bytes<float>({1, 2, 3}))), HasSubstr("the file is cut off"));
-  EXPECT_THAT(Fails(File("<f4", "(4611686018427387904, 4)", Bytes<float>({1}))), HasSubstr("more numbers than"));
+  EXPECT_THAT(Fails(File("<f4", "(4611686018427387904, 4)", Bytes<float>({1}))), HasSubstr("contradicts the file"));
   EXPECT_THAT(Fails(File("|O", "(1,)", "\x80\x03")), HasSubstr("arrays of type '|O' are not read"));
   EXPECT_THAT(Fails(File("<c8", "(1,)", "12345678")), HasSubstr("'<c8' are not read"));
   EXPECT_THAT(Fails(File("<f4", "(1,", "1234")), HasSubstr("the npy header lacks the shape"));

@@ -8,6 +8,7 @@
 
 #include "core/base/file.h"
 #include "core/base/random.h"
+#include "core/formats/zip_archive.h"
 
 namespace mocurate {
 namespace {
@@ -81,11 +82,9 @@ TEST(TorchPickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
 }
 
 TEST(TorchPickle, AnUnknownOpcodeIsNamed) {
-  const Expected<TorchTable> table = ParseTorchPickle(File("\x8c\x01"
-                                                           "a"),
-                                                      "t.tar");
+  const Expected<TorchTable> table = ParseTorchPickle(File("\x82\x01"), "t.tar");
   ASSERT_FALSE(table);
-  EXPECT_NE(table.error().what.find("0x8c"), std::string::npos) << table.error().what;
+  EXPECT_NE(table.error().what.find("0x82 (EXT1)"), std::string::npos) << table.error().what;
 }
 
 TEST(TorchPickle, ScalarsAreListedByTheirPath) {
@@ -120,11 +119,31 @@ TEST(TorchPickle, ContainersThatHoldThemselvesOrExplodeEnd) {
   EXPECT_FALSE(ParseTorchPickle(File(deep), "deep.tar"));
 }
 
-TEST(TorchPickle, AZipFileIsToldApart) {
-  const Expected<TorchTable> table = ParseTorchPickle("PK\x03\x04zip", "t.pt");
-  ASSERT_FALSE(table);
-  EXPECT_EQ(table.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(table.error().hint.find("_use_new_zipfile_serialization"), std::string::npos);
+std::string ZipFile(const std::string& object, const std::vector<float>& values) {
+  const std::string numbers(reinterpret_cast<const char*>(values.data()), 4 * values.size());
+  return WriteStoredZip({{"archive/data.pkl", Pickle(object)}, {"archive/data/7", numbers}}, "t.pt").value();
+}
+
+TEST(TorchPickle, TheZipFormHoldsTheSameTensors) {
+  const Expected<TorchTable> table =
+      ParseTorchPickle(ZipFile(TensorObject(6, 0, 2, 3, 1, 2), {0, 1, 2, 3, 4, 5}), "t.pt");
+  ASSERT_TRUE(table) << table.error().Message();
+  ASSERT_NE(table->Find("w"), nullptr);
+  EXPECT_EQ(table->Find("w")->element, "float32");
+  EXPECT_EQ(table->Find("w")->values, (std::vector<double>{0, 2, 4, 1, 3, 5}));
+}
+
+TEST(TorchPickle, ADamagedZipFormIsRefusedByItsMember) {
+  const auto fails = [](const std::string& bytes) {
+    const Expected<TorchTable> table = ParseTorchPickle(bytes, "t.pt");
+    return table ? std::string("read") : table.error().Message();
+  };
+  EXPECT_NE(fails("PK\x03\x04zip").find("no zip archive"), std::string::npos);
+  EXPECT_NE(fails(ZipFile(TensorObject(6, 0, 2, 3, 1, 2), {0, 1, 2})).find("archive/data/7"), std::string::npos);
+  EXPECT_NE(fails(WriteStoredZip({{"archive/data.pkl", Pickle(TensorObject(6, 0, 2, 3, 1, 2))}}, "t").value())
+                .find("lacks the numbers 'archive/data/7'"),
+            std::string::npos);
+  EXPECT_NE(fails(WriteStoredZip({{"a.npy", ""}}, "t").value()).find("no data.pkl"), std::string::npos);
 }
 
 TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {

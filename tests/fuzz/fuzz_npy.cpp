@@ -1,4 +1,5 @@
-/// Any bytes are an .npy file: an answer holds no more than the bytes do, or is an error.
+/// Any bytes are an .npy file: an answer holds no more than the bytes do and can be written and read again, or it is an
+/// error.
 
 #include <cstddef>
 #include <cstdint>
@@ -7,6 +8,9 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto array = mocurate::ParseNpy({reinterpret_cast<const char*>(data), size}, "fuzz");
-  if (array && array->values.size() > size) __builtin_trap();
+  if (!array) return 0;
+  if (array->values.size() > size) __builtin_trap();
+  const auto bytes = mocurate::EncodeNpy(*array, "fuzz");
+  if (!bytes || !mocurate::ParseNpy(*bytes, "again")) __builtin_trap();
   return 0;
 }

@@ -1,5 +1,3 @@
-// libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_opensim_table.cpp
-// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
 #include <cstddef>
 #include <cstdint>
 

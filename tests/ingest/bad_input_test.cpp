@@ -179,6 +179,12 @@ TEST(NpySource, HumanAct12NamesBecomeJointsOnlyMotion) {
   array.values.resize(2 * 23 * 3);
   Put(options.path / "P01G02R03F0004T0005A0607.npy", WriteNpy(array));
   EXPECT_THAT(RefusalOf(options, "npy"), HasSubstr("the array has shape (2, 23, 3), (frames, 24, 3) is needed"));
+  array.shape = {2, 24, 3};
+  array.dtype = "<U1";
+  array.values.clear();
+  array.texts.assign(2 * 24 * 3, "x");
+  Put(options.path / "P01G02R03F0004T0005A0607.npy", EncodeNpy(array, "texts").value());
+  EXPECT_THAT(RefusalOf(options, "npy"), HasSubstr("the array holds texts"));
 }
 
 }  // namespace

@@ -63,6 +63,7 @@ const std::map<std::string, std::set<std::string>> kHeavy = {
     {"opencv2/", {"ingest/", "fitting/", "report/"}},
     {"yaml-cpp/", {"core/base/"}},
     {"hdf5", {"core/store/", "train/", "tests/"}},
+    {"zip.h", {"core/formats/"}},
     {"CLI/", {"app/"}},
 };
 

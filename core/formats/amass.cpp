@@ -1,0 +1,257 @@
+#include "core/formats/amass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/formats/array_fields.h"
+#include "core/formats/npz.h"
+
+namespace mocurate {
+namespace {
+
+struct Part {
+  const char* key;
+  std::size_t columns;
+};
+
+constexpr Part kBodyAndHands[] = {{"root_orient", 3}, {"pose_body", 63}, {"pose_hand", 90}};
+constexpr Part kWhole[] = {{"root_orient", 3}, {"pose_body", 63}, {"pose_jaw", 3}, {"pose_eye", 6}, {"pose_hand", 90}};
+
+std::vector<Part> PartsOf(std::size_t columns) {
+  if (columns == 165) return {std::begin(kWhole), std::end(kWhole)};
+  std::vector<Part> parts(std::begin(kBodyAndHands), std::end(kBodyAndHands));
+  if (columns == 66) parts.pop_back();
+  return parts;
+}
+
+class Reader {
+ public:
+  Reader(const Npz& npz, const std::string& name) : npz_(npz), name_(name) {}
+
+  Expected<Amass> Read() {
+    if (Status s = Poses(); !s) return Forward(s);
+    const std::size_t n = amass_.frames;
+    if (Status s = Take("trans", {n, 3}, true, amass_.translation_m); !s) return Forward(s);
+    if (Status s = Take("betas", {kAnyExtent}, true, amass_.betas); !s) return Forward(s);
+    if (Status s = Rate(); !s) return Forward(s);
+    if (Status s = TakeText("gender", amass_.gender); !s) return Forward(s);
+    if (Status s = TakeText("surface_model_type", amass_.surface_model); !s) return Forward(s);
+    if (Status s = Take("dmpls", {n, kAnyExtent}, false, amass_.dmpls); !s) return Forward(s);
+    if (const NpyArray* dmpls = npz_.Find("dmpls")) amass_.dmpl_columns = dmpls->shape[1];
+    if (Status s = Markers(); !s) return Forward(s);
+    return std::move(amass_);
+  }
+
+ private:
+  std::string Where(const std::string& key) const { return name_ + ":" + key; }
+  tl::unexpected<Error> Bad(const std::string& key, const std::string& what,
+                            ErrorCode code = ErrorCode::kMalformed) const {
+    return Fail(code, what, Where(key));
+  }
+
+  Status Take(const char* key, const std::vector<std::size_t>& shape, bool needed, std::vector<double>& values) {
+    const NpyArray* array = npz_.Find(key);
+    if (array == nullptr) return needed ? Status(Bad(key, "the array is missing")) : Status{};
+    if (Status s = CheckField(*array, shape, Where(key)); !s) return s;
+    values = array->values;
+    return {};
+  }
+
+  Status TakeText(const char* key, std::string& text) {
+    const NpyArray* array = npz_.Find(key);
+    if (array == nullptr) return {};
+    if (array->texts.size() != 1) return Bad(key, "one text is expected");
+    std::string_view trimmed = Trim(array->texts[0]);
+    // Some files hold the way Python prints bytes.
+    if (trimmed.size() > 3 && trimmed.substr(0, 2) == "b'" && trimmed.back() == '\'') {
+      trimmed = trimmed.substr(2, trimmed.size() - 3);
+    }
+    for (const char c : trimmed) {
+      if (c < ' ' || c > '~') return Bad(key, "the text is none of letters");
+    }
+    text = std::string(trimmed);
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (std::string_view(key) == "gender" && text != "male" && text != "female" && text != "neutral") {
+      return Bad(key, "'" + text + "' is none of male, female, neutral");
+    }
+    return {};
+  }
+
+  Status Rate() {
+    const NpyArray* rate = nullptr;
+    for (const char* key : {"mocap_framerate", "mocap_frame_rate"}) {
+      const NpyArray* array = npz_.Find(key);
+      if (array == nullptr) continue;
+      if (array->values.size() != 1) return Bad(key, "one number is expected");
+      const double hz = array->values[0];
+      if (!(hz > 0.0 && hz <= 10000.0)) return Bad(key, FormatDouble(hz) + " is no rate in frames per second");
+      if (rate != nullptr && rate->values != array->values) {
+        return Bad(key, "the rate differs from that of 'mocap_framerate'", ErrorCode::kInconsistent);
+      }
+      rate = array;
+      amass_.rate_hz = hz;
+    }
+    if (rate == nullptr) return Bad("mocap_framerate", "the rate is missing, under this key and 'mocap_frame_rate'");
+    const NpyArray* length = npz_.Find("mocap_time_length");
+    if (length == nullptr) return {};
+    if (length->values.size() != 1 || !std::isfinite(length->values[0])) {
+      return Bad("mocap_time_length", "one number is expected");
+    }
+    const double seconds = static_cast<double>(amass_.frames) / amass_.rate_hz;
+    if (std::abs(length->values[0] - seconds) > 0.1 + 0.02 * seconds) {
+      return Bad("mocap_time_length",
+                 FormatDouble(length->values[0]) + " s, but " + std::to_string(amass_.frames) + " frames at " +
+                     FormatDouble(amass_.rate_hz) + " Hz last " + FormatDouble(seconds) + " s",
+                 ErrorCode::kInconsistent);
+    }
+    return {};
+  }
+
+  Status Poses() {
+    const NpyArray* whole = npz_.Find("poses");
+    const NpyArray* root = npz_.Find("root_orient");
+    if (whole == nullptr && root == nullptr) {
+      return Fail(ErrorCode::kUnsupported, "the file holds no motion: neither 'poses' nor 'root_orient'", name_,
+                  "shape.npz and *_stagei.npz stand beside the motions and hold none");
+    }
+    if (whole != nullptr) {
+      if (Status s = CheckField(*whole, {kAnyExtent, kAnyExtent}, Where("poses")); !s) return s;
+      const std::size_t columns = whole->shape[1];
+      if (columns != 66 && columns != 72 && columns != 156 && columns != 165) {
+        return Bad("poses", std::to_string(columns) + " columns; known are 66, 72, 156 (SMPL+H) and 165 (SMPL-X)");
+      }
+      amass_.frames = whole->shape[0];
+      amass_.pose_columns = columns;
+      amass_.poses = whole->values;
+    } else {
+      amass_.frames = root->shape.empty() ? 0 : root->shape[0];
+      amass_.pose_columns = npz_.Find("pose_jaw") != nullptr ? 165 : npz_.Find("pose_hand") != nullptr ? 156 : 66;
+    }
+    if (amass_.frames == 0) return Bad(whole != nullptr ? "poses" : "root_orient", "the motion has no frames");
+    if (root == nullptr) return {};
+    amass_.layout = Amass::Layout::kSplit;
+    return Split(whole != nullptr);
+  }
+
+  /// Columns from the split keys; when `poses` is there as well, both must say the same.
+  Status Split(bool has_whole) {
+    const std::size_t n = amass_.frames, wide = amass_.pose_columns;
+    if (!has_whole) amass_.poses.assign(n * wide, 0.0);
+    std::size_t first = 0;
+    for (const Part& part : PartsOf(wide)) {
+      const NpyArray* array = npz_.Find(part.key);
+      if (array == nullptr) {
+        if (!has_whole) return Bad(part.key, "the array is missing");
+        first += part.columns;
+        continue;
+      }
+      if (Status s = CheckField(*array, {n, part.columns}, Where(part.key)); !s) return s;
+      for (std::size_t f = 0; f < n; ++f) {
+        for (std::size_t c = 0; c < part.columns; ++c) {
+          double& pose = amass_.poses[f * wide + first + c];
+          const double value = array->values[f * part.columns + c];
+          if (has_whole && std::abs(pose - value) > 1e-5) {
+            return Bad(part.key, "frame " + std::to_string(f) + " differs from 'poses'", ErrorCode::kInconsistent);
+          }
+          if (!has_whole) pose = value;
+        }
+      }
+      first += part.columns;
+    }
+    return {};
+  }
+
+  Status Markers() {
+    const NpyArray* data = npz_.Find("marker_data");
+    const NpyArray* labels = npz_.Find("marker_labels");
+    if (data == nullptr) return {};
+    if (data->shape.size() != 3 || data->shape[0] != amass_.frames || data->shape[2] != 3 || !data->texts.empty()) {
+      return Bad("marker_data", "numbers of shape (" + std::to_string(amass_.frames) + ", markers, 3) are expected");
+    }
+    amass_.markers = data->shape[1];
+    if (labels != nullptr) {
+      if (labels->texts.size() != amass_.markers || labels->shape.size() != 1) {
+        return Bad("marker_labels",
+                   std::to_string(labels->texts.size()) + " labels for " + std::to_string(amass_.markers) + " markers",
+                   ErrorCode::kInconsistent);
+      }
+      amass_.marker_labels = labels->texts;
+    }
+    amass_.marker_data_m = data->values;
+    amass_.marker_seen.assign(amass_.frames * amass_.markers, 1);
+    for (std::size_t i = 0; i < amass_.marker_seen.size(); ++i) {
+      double* xyz = amass_.marker_data_m.data() + 3 * i;
+      if (std::isfinite(xyz[0]) && std::isfinite(xyz[1]) && std::isfinite(xyz[2])) continue;
+      xyz[0] = xyz[1] = xyz[2] = 0.0;
+      amass_.marker_seen[i] = 0;
+    }
+    return {};
+  }
+
+  const Npz& npz_;
+  const std::string& name_;
+  Amass amass_;
+};
+
+}  // namespace
+
+Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name) {
+  const Expected<Npz> npz = ParseNpz(bytes, name);
+  if (!npz) return Forward(npz);
+  return Reader(*npz, name).Read();
+}
+
+Expected<std::string> EncodeAmass(const Amass& amass, const std::string& name) {
+  Npz npz;
+  const auto add = [&](const char* key, NpyArray array) { npz.members.push_back({key, std::move(array), ""}); };
+  const bool split = amass.layout == Amass::Layout::kSplit;
+  const std::size_t n = amass.frames, wide = amass.pose_columns;
+  if (amass.poses.size() != n * wide) {
+    return Fail(ErrorCode::kInconsistent, "the poses are not frames x columns", name);
+  }
+  add("poses", MakeArray({n, wide}, amass.poses));
+  std::size_t first = 0;
+  for (const Part& part : split ? PartsOf(wide) : std::vector<Part>()) {
+    std::vector<double> values;
+    for (std::size_t f = 0; f < n; ++f) {
+      const auto row = amass.poses.begin() + static_cast<std::ptrdiff_t>(f * wide + first);
+      values.insert(values.end(), row, row + static_cast<std::ptrdiff_t>(part.columns));
+    }
+    add(part.key, MakeArray({n, part.columns}, std::move(values)));
+    first += part.columns;
+  }
+  add("trans", MakeArray({n, 3}, amass.translation_m));
+  add("betas", MakeArray({amass.betas.size()}, amass.betas));
+  add(split ? "mocap_frame_rate" : "mocap_framerate", MakeArray({}, {amass.rate_hz}));
+  if (!amass.gender.empty()) add("gender", MakeTextArray(amass.gender));
+  if (!amass.surface_model.empty()) add("surface_model_type", MakeTextArray(amass.surface_model));
+  if (amass.dmpl_columns > 0) add("dmpls", MakeArray({n, amass.dmpl_columns}, amass.dmpls));
+  if (amass.markers > 0) {
+    std::vector<double> data = amass.marker_data_m;
+    if (data.size() != n * amass.markers * 3 || amass.marker_seen.size() != n * amass.markers) {
+      return Fail(ErrorCode::kInconsistent, "the markers are not frames x markers x 3", name);
+    }
+    for (std::size_t i = 0; i < amass.marker_seen.size(); ++i) {
+      for (std::size_t k = 0; k < 3 && amass.marker_seen[i] == 0; ++k) {
+        data[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+    add("marker_data", MakeArray({n, amass.markers, 3}, std::move(data)));
+    if (!amass.marker_labels.empty()) {
+      NpyArray labels;
+      std::size_t longest = 1;
+      for (const std::string& label : amass.marker_labels) longest = std::max(longest, label.size());
+      labels.dtype = "|S" + std::to_string(longest);
+      labels.shape = {amass.marker_labels.size()};
+      labels.texts = amass.marker_labels;
+      add("marker_labels", std::move(labels));
+    }
+  }
+  return EncodeNpz(npz, name);
+}
+
+}  // namespace mocurate

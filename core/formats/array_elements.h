@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// What stands in one element of a numpy array.
+enum class ElementKind { kBool, kSigned, kUnsigned, kReal, kText, kBytes, kObject };
+
+/// A numpy type as text ("<f4", "|b1", ">i8", "<U6", "|S7", "|O").
+struct ElementType {
+  ElementKind kind = ElementKind::kReal;
+  std::size_t bytes = 8;  ///< of one element; 4 per character of a <U text; 8 of an object
+  bool big_endian = false;
+
+  bool is_number() const { return kind <= ElementKind::kReal; }
+};
+
+/// Empty for any other type (complex numbers, dates, long doubles, records).
+std::optional<ElementType> ParseElementType(std::string_view dtype);
+
+/// Number of elements of `shape` when they fit into `stored` bytes exactly; empty otherwise. Never overflows; more than
+/// 32 axes are none.
+std::optional<std::size_t> ElementCount(const std::vector<std::size_t>& shape, std::size_t bytes_each,
+                                        std::size_t stored);
+
+/// Numbers of `data`, which holds whole elements of a numeric type, appended to `values` in the order of `data`.
+/// Integers beyond 2^53 lose their last digits.
+void DecodeNumbers(const ElementType& type, std::string_view data, std::vector<double>& values);
+
+/// Texts of a <U or |S type, padding zeros cut off; a <U text comes as UTF-8. Empty when a character is none.
+std::optional<std::vector<std::string>> DecodeTexts(const ElementType& type, std::string_view data);
+
+/// Inverse of DecodeNumbers. Error kMalformed with the position of the first value that the type cannot hold.
+Status EncodeNumbers(const ElementType& type, const std::vector<double>& values, const std::string& name,
+                     std::string& bytes);
+
+/// Inverse of DecodeTexts. Error kMalformed with the position of the first text that is too long or no UTF-8.
+Status EncodeTexts(const ElementType& type, const std::vector<std::string>& texts, const std::string& name,
+                   std::string& bytes);
+
+/// For each element in C order its position in Fortran order.
+std::vector<std::size_t> FortranPositions(const std::vector<std::size_t>& shape, std::size_t count);
+
+/// "(2, 3)", as Python writes it: "(2,)" for one axis.
+std::string ShapeText(const std::vector<std::size_t>& shape);
+
+/// UTF-8 of one code point; empty for surrogates and what lies beyond U+10FFFF.
+std::string Utf8Of(std::uint32_t code_point);
+/// Code points of valid UTF-8; empty when it is not.
+std::optional<std::vector<std::uint32_t>> CodePoints(std::string_view utf8);
+
+}  // namespace mocurate

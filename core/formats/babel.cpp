@@ -1,0 +1,226 @@
+#include "core/formats/babel.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A JSON value with the path that leads to it, for messages.
+struct Place {
+  const ordered_json* value = nullptr;
+  std::string path;
+  const std::string* file = nullptr;
+
+  tl::unexpected<Error> Bad(const std::string& rule) const {
+    return Fail(ErrorCode::kMalformed, rule, *file + ":" + DisplayPath(path));
+  }
+  /// Null stands for a key that is absent.
+  Place Find(const char* key) const {
+    static const ordered_json kNull;
+    const auto found = value->find(key);
+    return {found == value->end() ? &kNull : &*found, path + "/" + key, file};
+  }
+  Place Item(std::size_t i) const { return {&(*value)[i], path + "/" + std::to_string(i), file}; }
+
+  Status Text(std::string& text) const {
+    if (!value->is_string()) return Bad("a text is expected");
+    text = value->get<std::string>();
+    return {};
+  }
+  Status Text(std::optional<std::string>& text) const {
+    if (value->is_null()) return {};
+    text.emplace();
+    return Text(*text);
+  }
+  Status Number(double& number) const {
+    if (!value->is_number()) return Bad("a number is expected");
+    number = value->get<double>();
+    return std::isfinite(number) ? Status{} : Status(Bad("a finite number is expected"));
+  }
+  Status Number(std::optional<double>& number) const {
+    if (value->is_null()) return {};
+    number.emplace();
+    return Number(*number);
+  }
+};
+
+Expected<BabelLabel> Label(const Place& place, bool timed) {
+  if (!place.value->is_object()) return place.Bad("a label is expected");
+  BabelLabel label;
+  if (Status s = place.Find("raw_label").Text(label.raw_label); !s) return Forward(s);
+  if (Status s = place.Find("proc_label").Text(label.proc_label); !s) return Forward(s);
+  if (Status s = place.Find("seg_id").Text(label.seg_id); !s) return Forward(s);
+  if (timed) {
+    if (Status s = place.Find("start_t").Number(label.start_t); !s) return Forward(s);
+    if (Status s = place.Find("end_t").Number(label.end_t); !s) return Forward(s);
+  }
+  const Place categories = place.Find("act_cat");
+  if (categories.value->is_null()) return label;
+  if (!categories.value->is_array()) return categories.Bad("a list of categories is expected");
+  label.act_cat.emplace();
+  for (std::size_t i = 0; i < categories.value->size(); ++i) {
+    std::string category;
+    if (Status s = categories.Item(i).Text(category); !s) return Forward(s);
+    label.act_cat->push_back(std::move(category));
+  }
+  return label;
+}
+
+Expected<BabelAnnotation> Annotation(const Place& place, bool timed) {
+  if (!place.value->is_object()) return place.Bad("an annotation is expected");
+  BabelAnnotation annotation;
+  if (Status s = place.Find("babel_lid").Text(annotation.babel_lid); !s) return Forward(s);
+  if (Status s = place.Find("anntr_id").Text(annotation.anntr_id); !s) return Forward(s);
+  const Place several = place.Find("mul_act");
+  if (several.value->is_boolean()) {
+    annotation.mul_act = several.value->get<bool>();
+  } else if (!several.value->is_null()) {
+    return several.Bad("true or false is expected");
+  }
+  const Place labels = place.Find("labels");
+  if (!labels.value->is_array()) return labels.Bad("a list of labels is expected");
+  for (std::size_t i = 0; i < labels.value->size(); ++i) {
+    Expected<BabelLabel> label = Label(labels.Item(i), timed);
+    if (!label) return Forward(label);
+    annotation.labels.push_back(std::move(*label));
+  }
+  return annotation;
+}
+
+/// One annotation or none under `one`, several under `many`.
+Status Annotations(const Place& sequence, const char* one, const char* many, bool timed,
+                   std::vector<BabelAnnotation>& annotations) {
+  const Place single = sequence.Find(one), several = sequence.Find(many);
+  if (!single.value->is_null()) {
+    Expected<BabelAnnotation> annotation = Annotation(single, timed);
+    if (!annotation) return Forward(annotation);
+    annotations.push_back(std::move(*annotation));
+  }
+  if (several.value->is_null()) return {};
+  if (!several.value->is_array()) return several.Bad("a list of annotations is expected");
+  for (std::size_t i = 0; i < several.value->size(); ++i) {
+    Expected<BabelAnnotation> annotation = Annotation(several.Item(i), timed);
+    if (!annotation) return Forward(annotation);
+    annotations.push_back(std::move(*annotation));
+  }
+  return {};
+}
+
+Expected<BabelSequence> Sequence(const Place& place, const std::string& key) {
+  if (!place.value->is_object()) return place.Bad("a sequence is expected");
+  BabelSequence sequence;
+  sequence.key = key;
+  const Place sid = place.Find("babel_sid");
+  if (!sid.value->is_number_integer()) return sid.Bad("an integer is expected");
+  sequence.babel_sid = sid.value->get<std::int64_t>();
+  if (std::to_string(sequence.babel_sid) != key) {
+    return sid.Bad(std::to_string(sequence.babel_sid) + " stands under the key '" + key + "'");
+  }
+  if (Status s = place.Find("url").Text(sequence.url); !s) return Forward(s);
+  if (Status s = place.Find("feat_p").Text(sequence.feat_p); !s) return Forward(s);
+  if (Status s = place.Find("dur").Number(sequence.dur); !s) return Forward(s);
+  if (sequence.dur <= 0.0) return place.Find("dur").Bad(FormatDouble(sequence.dur) + " s is no duration");
+  const bool dense = place.value->contains("seq_ann") || place.value->contains("frame_ann");
+  sequence.extra = place.value->contains("seq_anns") || place.value->contains("frame_anns");
+  if (dense == sequence.extra) {
+    return place.Bad("either seq_ann and frame_ann (dense) or seq_anns and frame_anns (extra) are expected");
+  }
+  if (Status s = Annotations(place, "seq_ann", "seq_anns", false, sequence.seq_anns); !s) return Forward(s);
+  if (Status s = Annotations(place, "frame_ann", "frame_anns", true, sequence.frame_anns); !s) return Forward(s);
+  return sequence;
+}
+
+template <class T>
+ordered_json OrNull(const std::optional<T>& value) {
+  return value ? ordered_json(*value) : ordered_json();
+}
+
+ordered_json ToJson(const BabelAnnotation& annotation, bool timed) {
+  ordered_json labels = ordered_json::array();
+  for (const BabelLabel& label : annotation.labels) {
+    ordered_json entry = {{"raw_label", OrNull(label.raw_label)},
+                          {"proc_label", OrNull(label.proc_label)},
+                          {"seg_id", label.seg_id},
+                          {"act_cat", OrNull(label.act_cat)}};
+    if (timed) {
+      entry["start_t"] = OrNull(label.start_t);
+      entry["end_t"] = OrNull(label.end_t);
+    }
+    labels.push_back(std::move(entry));
+  }
+  return {{"babel_lid", annotation.babel_lid},
+          {"anntr_id", annotation.anntr_id},
+          {"mul_act", OrNull(annotation.mul_act)},
+          {"labels", std::move(labels)}};
+}
+
+ordered_json ToJson(const std::vector<BabelAnnotation>& annotations, bool timed, bool extra) {
+  if (!extra) return annotations.empty() ? ordered_json() : ToJson(annotations.front(), timed);
+  ordered_json several = ordered_json::array();
+  for (const BabelAnnotation& annotation : annotations) several.push_back(ToJson(annotation, timed));
+  return several;
+}
+
+}  // namespace
+
+Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name) {
+  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  ordered_json root;
+  try {
+    root = ordered_json::parse(bytes);
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, std::string("no JSON: ") + error.what(), name);
+  }
+  if (!root.is_object()) return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name);
+  std::vector<BabelSequence> sequences;
+  for (const auto& [key, value] : root.items()) {
+    Expected<BabelSequence> sequence = Sequence(Place{&value, "/" + key, &name}, key);
+    if (!sequence) return Forward(sequence);
+    sequences.push_back(std::move(*sequence));
+  }
+  return sequences;
+}
+
+std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence) {
+  std::vector<BabelProblem> problems;
+  for (std::size_t a = 0; a < sequence.frame_anns.size(); ++a) {
+    const std::string path =
+        sequence.key + (sequence.extra ? "/frame_anns/" + std::to_string(a) : std::string("/frame_ann")) + "/labels/";
+    const std::vector<BabelLabel>& labels = sequence.frame_anns[a].labels;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const BabelLabel& label = labels[i];
+      std::string what;
+      if (!label.start_t || !label.end_t) {
+        what = "the label has no " + std::string(label.start_t ? "end_t" : "start_t");
+      } else if (*label.start_t < 0.0) {
+        what = "the label starts at " + FormatDouble(*label.start_t) + " s";
+      } else if (*label.end_t <= *label.start_t) {
+        what = "the label ends at " + FormatDouble(*label.end_t) + " s, not after its start at " +
+               FormatDouble(*label.start_t) + " s";
+      }
+      if (!what.empty()) problems.push_back({path + std::to_string(i), what});
+    }
+  }
+  return problems;
+}
+
+std::string EncodeBabel(const std::vector<BabelSequence>& sequences) {
+  ordered_json root = ordered_json::object();
+  for (const BabelSequence& sequence : sequences) {
+    ordered_json entry = {
+        {"babel_sid", sequence.babel_sid}, {"url", sequence.url}, {"feat_p", sequence.feat_p}, {"dur", sequence.dur}};
+    entry[sequence.extra ? "seq_anns" : "seq_ann"] = ToJson(sequence.seq_anns, false, sequence.extra);
+    entry[sequence.extra ? "frame_anns" : "frame_ann"] = ToJson(sequence.frame_anns, true, sequence.extra);
+    root[sequence.key] = std::move(entry);
+  }
+  return root.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace mocurate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// One clip of `humanact12poses.pkl`.
+struct HumanAct12Clip {
+  std::size_t frames = 0;
+  std::vector<double> poses;   ///< frames x 72: SMPL axis-angle, radians, in the axes of the joints
+  std::vector<double> joints;  ///< frames x 24 x 3, metres, camera axes (y down)
+  int label = 0;               ///< 0 to 11
+};
+
+/// `humanact12poses.pkl`: lists `poses`, `joints3D`, `y` with one entry per clip; `oldposes` is not data. Errors
+/// kMalformed name list and clip.
+Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name);
+
+/// Protocol 2. Error kInconsistent: sizes that do not fit.
+Expected<std::string> EncodeHumanAct12Pickle(const std::vector<HumanAct12Clip>& clips, const std::string& name);
+
+}  // namespace mocurate

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/formats/npy.h"
+#include "core/formats/zip_archive.h"
+
+namespace mocurate {
+
+/// One array of an archive.
+struct NpzMember {
+  std::string name;     ///< without ".npy"
+  NpyArray array;       ///< empty when skipped
+  std::string skipped;  ///< why the member was not read (Python objects, records, complex numbers); empty when it was
+};
+
+struct Npz {
+  std::vector<NpzMember> members;  ///< in the order of the archive
+
+  /// Null when there is none of that name, or when it was skipped.
+  const NpyArray* Find(std::string_view name) const;
+};
+
+struct NpzLimits {
+  ZipLimits zip;
+  std::size_t numbers = std::size_t{1} << 27;  ///< over all members
+};
+
+/// numpy.savez, packed or not. Members of types that are no numbers and no texts are listed and skipped, never
+/// executed; members that are no .npy files are ignored. Errors kMalformed (with the member), kUnsupported (limits),
+/// kInconsistent (two members of one name).
+Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const NpzLimits& limits = {});
+
+/// Not packed, fixed dates: same arrays, same bytes. Errors as of EncodeNpy; skipped members are none to write.
+Expected<std::string> EncodeNpz(const Npz& npz, const std::string& name);
+
+}  // namespace mocurate

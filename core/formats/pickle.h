@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/formats/npy.h"
+
+namespace mocurate {
+
+enum class PickleKind {
+  kNone,
+  kBool,
+  kInteger,
+  kFloat,
+  kText,   ///< UTF-8; a Python 2 string when it is ASCII
+  kBytes,  ///< bytes, bytearray, other Python 2 strings
+  kList,
+  kTuple,
+  kDict,
+  kSet,
+  kArray,    ///< numpy.ndarray, chumpy.ch.Ch, a tensor
+  kSparse,   ///< scipy.sparse csc, csr, coo
+  kClass,    ///< a known class itself, not an object of it
+  kDtype,    ///< numpy.dtype
+  kStorage,  ///< of a tensor
+  kObject,   ///< an object whose state did not come
+};
+
+/// One value. Values stand in one list and refer to each other by position, so shared and deep ones cost nothing.
+struct PickleValue {
+  PickleKind kind = PickleKind::kNone;
+  std::int64_t integer = 0;   ///< of kBool, kInteger
+  double number = 0.0;        ///< of kFloat; may be NaN
+  std::string_view text;      ///< of kText, kBytes; "csc", "csr" or "coo" of kSparse
+  std::vector<int> children;  ///< items; key, value, key, value, ... of kDict; the list of items of an object array
+  int array = -1;             ///< of kArray, and for the shape of kSparse
+};
+
+/// Elements of an array where they stand in the file.
+struct PickleArray {
+  std::string dtype;                 ///< "<f4", "|b1", "|O", ...; empty while its state has not come
+  std::vector<std::size_t> shape;    ///< of kSparse: rows, columns
+  std::vector<std::size_t> strides;  ///< in elements; empty for C order
+  std::size_t offset = 0;            ///< of the first element, in elements
+  std::string_view data;             ///< elements
+  int storage = -1;                  ///< of a tensor: position of its storage
+};
+
+/// Entries of a sparse matrix, in the file's order.
+struct SparseMatrix {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<std::size_t> row, column;
+  std::vector<double> value;
+};
+
+class PickleRef;
+
+/// What a pickle holds, as data: values point into the bytes that were read, which must outlive it.
+class Pickle {
+ public:
+  Pickle() = default;
+  Pickle(Pickle&&) = default;
+  Pickle& operator=(Pickle&&) = default;
+
+  PickleRef top() const;
+
+  std::string name;
+  std::deque<PickleValue> values;
+  std::deque<PickleArray> arrays;
+  std::deque<std::string> owned;  ///< texts and bytes that stand in the file in another form
+  int root = -1;
+};
+
+/// A value with the path that leads to it, for messages.
+class PickleRef {
+ public:
+  PickleRef(const Pickle& pickle, int position, std::string path)
+      : pickle_(&pickle), position_(position), path_(std::move(path)) {}
+
+  const PickleValue& value() const { return pickle_->values[static_cast<std::size_t>(position_)]; }
+  PickleKind kind() const { return value().kind; }
+  const std::string& path() const { return path_; }
+  /// Items of a list, tuple or set; pairs of a dictionary; else 0.
+  std::size_t size() const;
+  PickleRef Item(std::size_t i) const;
+  PickleRef KeyAt(std::size_t i) const;
+  PickleRef ValueAt(std::size_t i) const;
+  /// The last value under a text key; empty when there is none or this is no dictionary.
+  std::optional<PickleRef> Find(std::string_view key) const;
+  /// The same; error kMalformed that names the key.
+  Expected<PickleRef> Key(std::string_view key) const;
+
+  /// Finite number of a bool, integer, float or array of one element. Error kMalformed.
+  Expected<double> Number() const;
+  Expected<std::int64_t> Integer() const;
+  /// Of a text, bytes, or array of one text; bytes must be UTF-8. Error kMalformed.
+  Expected<std::string> Text() const;
+  /// Of an array of numbers or texts, in C order; of a number an array without axes. NaN is passed on. Error
+  /// kMalformed.
+  Expected<NpyArray> Array() const;
+  Expected<SparseMatrix> Sparse() const;
+  /// Type and shape without the elements; null when this is no array.
+  const PickleArray* Layout() const;
+
+  tl::unexpected<Error> Bad(const std::string& rule) const;
+
+ private:
+  const Pickle* pickle_;
+  int position_;
+  std::string path_;
+};
+
+/// "a text", "a dictionary", ... for messages.
+const char* KindName(PickleKind kind);
+
+/// Bounds on what a file may ask for, whatever it says of itself. Beside them, what is made from a file of n bytes
+/// stays below 4 n + 1 MiB of texts, and shared values that are written out below 32 n + 64 MiB.
+struct PickleLimits {
+  std::int64_t objects = std::int64_t{1} << 22;
+  int depth = 64;  ///< of nested containers
+};
+
+/// Protocols 0 to 5, joblib files that are not packed. A stack machine over data: nothing of the file runs. A fixed
+/// list of class names stands for dictionaries, sets, bytes, numpy arrays and scalars, scipy's sparse matrices, chumpy
+/// arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors kMalformed, kUnsupported.
+Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits = {});
+
+}  // namespace mocurate

@@ -1,0 +1,328 @@
+#include "core/formats/pickle_machine.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace mocurate {
+
+PickleMachine::PickleMachine(std::string_view bytes, const std::string& name, const PickleLimits& limits,
+                             bool persistent)
+    : bytes_(bytes), limits_(limits), persistent_(persistent) {
+  pickle_.name = name;
+}
+
+Status PickleMachine::Push(PickleValue value) {
+  if (static_cast<std::int64_t>(pickle_.values.size()) >= limits_.objects) {
+    return Bad("more than " + std::to_string(limits_.objects) + " objects", ErrorCode::kUnsupported);
+  }
+  stack_.push_back(static_cast<int>(pickle_.values.size()));
+  pickle_.values.push_back(std::move(value));
+  return {};
+}
+
+Status PickleMachine::Charge(std::size_t steps) {
+  charged_ += static_cast<std::int64_t>(steps);
+  if (charged_ > limits_.objects) return Bad("more work than a file of data needs", ErrorCode::kUnsupported);
+  return {};
+}
+
+Expected<std::vector<int>> PickleMachine::PopToMark() {
+  if (marks_.empty()) return Bad("a container ends that never began");
+  const std::size_t begin = marks_.back();
+  marks_.pop_back();
+  std::vector<int> items(stack_.begin() + static_cast<std::ptrdiff_t>(begin), stack_.end());
+  stack_.resize(begin);
+  return items;
+}
+
+Status PickleMachine::Remember(std::uint64_t slot) {
+  if (!Has(1)) return Bad("nothing to remember");
+  if (slot >= bytes_.size()) return Bad("memo number " + std::to_string(slot) + " in a file that is shorter");
+  if (slot >= memo_.size()) memo_.resize(static_cast<std::size_t>(slot) + 1, -1);
+  if (memo_[slot] < 0) ++remembered_;
+  memo_[slot] = stack_.back();
+  return {};
+}
+
+Status PickleMachine::Recall(std::uint64_t slot) {
+  if (slot >= memo_.size() || memo_[slot] < 0) {
+    return Bad("object " + std::to_string(slot) + " is used before it is defined");
+  }
+  stack_.push_back(memo_[slot]);
+  return {};
+}
+
+Status PickleMachine::StepMemo(unsigned char opcode) {
+  if (opcode == 0x94) return Remember(remembered_);  // MEMOIZE
+  const bool put = opcode == 'p' || opcode == 'q' || opcode == 'r';
+  if (opcode == 'p' || opcode == 'g') {  // PUT, GET
+    const Expected<std::string_view> line = TakeLine("a memo number");
+    if (!line) return Forward(line);
+    std::uint64_t slot = 0;
+    if (line->empty() || line->size() > 10) return Bad("a memo number that is none");
+    for (const char digit : *line) {
+      if (digit < '0' || digit > '9') return Bad("a memo number that is none");
+      slot = slot * 10 + static_cast<std::uint64_t>(digit - '0');
+    }
+    return put ? Remember(slot) : Recall(slot);
+  }
+  const Expected<std::uint64_t> slot = TakeUnsigned(opcode == 'q' || opcode == 'h' ? 1 : 4);
+  if (!slot) return Forward(slot);
+  return put ? Remember(*slot) : Recall(*slot);
+}
+
+Status PickleMachine::StepContainer(unsigned char opcode) {
+  PickleValue value;
+  value.kind = PickleKind::kTuple;
+  if (opcode == ')') return Push(std::move(value));
+  if (opcode >= 0x85 && opcode <= 0x87) {  // TUPLE1 to TUPLE3
+    const std::size_t count = opcode - 0x84u;
+    if (!Has(count)) return Bad("a tuple of objects that are not there");
+    value.children.assign(stack_.end() - static_cast<std::ptrdiff_t>(count), stack_.end());
+    stack_.resize(stack_.size() - count);
+    return Push(std::move(value));
+  }
+  std::vector<int> items;
+  if (opcode == 'a' || opcode == 's') {  // APPEND, SETITEM
+    const std::size_t count = opcode == 'a' ? 1 : 2;
+    if (!Has(count + 1)) return Bad("an item for a container that is not there");
+    items.assign(stack_.end() - static_cast<std::ptrdiff_t>(count), stack_.end());
+    stack_.resize(stack_.size() - count);
+  } else {
+    Expected<std::vector<int>> popped = PopToMark();
+    if (!popped) return Forward(popped);
+    items = std::move(*popped);
+  }
+  if (opcode == 't' || opcode == 'l' || opcode == 'd' || opcode == 0x91) {  // TUPLE, LIST, DICT, FROZENSET
+    value.kind = opcode == 't'   ? PickleKind::kTuple
+                 : opcode == 'l' ? PickleKind::kList
+                 : opcode == 'd' ? PickleKind::kDict
+                                 : PickleKind::kSet;
+    if (opcode == 'd' && items.size() % 2 != 0) return Bad("a dictionary with a key that has no value");
+    value.children = std::move(items);
+    return Push(std::move(value));
+  }
+  const PickleKind wanted = opcode == 's' || opcode == 'u'   ? PickleKind::kDict
+                            : opcode == 'a' || opcode == 'e' ? PickleKind::kList
+                                                             : PickleKind::kSet;
+  if (!Has(1) || At(stack_.back()).kind != wanted || (wanted == PickleKind::kDict && items.size() % 2 != 0)) {
+    return Bad("items for something that is no container of them");
+  }
+  std::vector<int>& children = At(stack_.back()).children;
+  children.insert(children.end(), items.begin(), items.end());
+  return {};
+}
+
+Status PickleMachine::StepStack(unsigned char opcode) {
+  switch (opcode) {
+    case '(':
+      marks_.push_back(stack_.size());
+      return {};
+    case '0':  // POP: a value, or the mark itself
+      if (!marks_.empty() && marks_.back() == stack_.size()) {
+        marks_.pop_back();
+        return {};
+      }
+      if (!Has(1)) return Bad("nothing to drop");
+      stack_.pop_back();
+      return {};
+    case '1': {
+      const Expected<std::vector<int>> dropped = PopToMark();
+      return dropped ? Status{} : Status(Forward(dropped));
+    }
+    case '2':
+      if (!Has(1)) return Bad("nothing to double");
+      stack_.push_back(stack_.back());
+      return {};
+    case 0x80: {
+      const Expected<std::uint64_t> protocol = TakeUnsigned(1);
+      if (!protocol) return Forward(protocol);
+      if (*protocol <= 5) return {};
+      return Bad("pickle protocol " + std::to_string(*protocol) + "; known are 0 to 5", ErrorCode::kUnsupported);
+    }
+    default: {  // FRAME
+      const Expected<std::uint64_t> size = TakeUnsigned(8);
+      if (!size) return Forward(size);
+      if (*size > left()) {
+        return Bad("a frame announces " + std::to_string(*size) + " bytes, " + std::to_string(left()) + " are left");
+      }
+      return {};
+    }
+  }
+}
+
+Status PickleMachine::Step(unsigned char opcode) {
+  PickleValue value;
+  switch (opcode) {
+    case '(':
+    case '0':
+    case '1':
+    case '2':
+    case 0x80:
+    case 0x95:
+      return StepStack(opcode);
+    case 'I':
+    case 'L':
+    case 'F':
+    case 'J':
+    case 'K':
+    case 'M':
+    case 'G':
+    case 0x8a:
+    case 0x8b:
+      return StepNumber(opcode);
+    case 'S':
+    case 'T':
+    case 'U':
+    case 'V':
+    case 'X':
+    case 'B':
+    case 'C':
+    case 0x8c:
+    case 0x8d:
+    case 0x8e:
+    case 0x96:
+      return StepText(opcode);
+    case ')':
+    case 't':
+    case 'l':
+    case 'd':
+    case 'a':
+    case 'e':
+    case 's':
+    case 'u':
+    case 0x85:
+    case 0x86:
+    case 0x87:
+    case 0x90:
+    case 0x91:
+      return StepContainer(opcode);
+    case 'p':
+    case 'q':
+    case 'r':
+    case 'g':
+    case 'h':
+    case 'j':
+    case 0x94:
+      return StepMemo(opcode);
+    case 'c':
+    case 'R':
+    case 'b':
+    case 'Q':
+    case 0x81:
+    case 0x92:
+    case 0x93:
+      return StepClass(opcode);
+    case 'N':
+      return Push(std::move(value));
+    case 0x88:
+    case 0x89:
+      value.kind = PickleKind::kBool;
+      value.integer = opcode == 0x88;
+      return Push(std::move(value));
+    case '}':
+      value.kind = PickleKind::kDict;
+      return Push(std::move(value));
+    case ']':
+      value.kind = PickleKind::kList;
+      return Push(std::move(value));
+    case 0x8f:
+      value.kind = PickleKind::kSet;
+      return Push(std::move(value));
+    default:
+      return Unknown(opcode);
+  }
+}
+
+Status PickleMachine::Unknown(unsigned char opcode) {
+  struct Named {
+    unsigned char opcode;
+    const char* name;
+  };
+  static constexpr Named kNames[] = {{'i', "INST"},  {'o', "OBJ"},   {'P', "PERSID"},       {0x82, "EXT1"},
+                                     {0x83, "EXT2"}, {0x84, "EXT4"}, {0x97, "NEXT_BUFFER"}, {0x98, "READONLY_BUFFER"}};
+  char text[8];
+  std::snprintf(text, sizeof(text), "0x%02x", opcode);
+  std::string what = std::string("opcode ") + text;
+  for (const Named& named : kNames) {
+    if (named.opcode == opcode) what += std::string(" (") + named.name + ")";
+  }
+  --position_;
+  return Bad(what + " is not among those of plain data", ErrorCode::kUnsupported);
+}
+
+Expected<int> PickleMachine::Read() {
+  stack_.clear();
+  marks_.clear();
+  memo_.clear();
+  remembered_ = 0;
+  std::string_view opcode;
+  while (true) {
+    if (!Take(1, &opcode)) return Bad("the file ends before its pickle");
+    if (opcode[0] == '.') break;
+    if (Status step = Step(static_cast<unsigned char>(opcode[0])); !step) return Forward(step);
+  }
+  if (!marks_.empty()) return Bad("a container is never ended");
+  if (stack_.empty()) return Bad("a pickle without a result");
+  return stack_.back();
+}
+
+Expected<int> PickleMachine::ReadInner() {
+  if (inside_) return Bad("an array of objects within another one in a joblib file", ErrorCode::kUnsupported);
+  std::vector<int> stack, memo;
+  std::vector<std::size_t> marks;
+  stack.swap(stack_), marks.swap(marks_), memo.swap(memo_);
+  const std::size_t remembered = remembered_;
+  inside_ = true;
+  const Expected<int> result = Read();
+  inside_ = false;
+  stack.swap(stack_), marks.swap(marks_), memo.swap(memo_);
+  remembered_ = remembered;
+  return result;
+}
+
+Status PickleMachine::Check(int root) const {
+  constexpr std::uint64_t kTooLarge = std::uint64_t{1} << 60;
+  const std::uint64_t most = 32 * static_cast<std::uint64_t>(bytes_.size()) + (std::uint64_t{64} << 20);
+  struct Seen {
+    std::uint64_t size = 0;  // bytes when everything that is shared is written out
+    int depth = 0;           // 0: not seen, -1: being visited
+  };
+  std::vector<Seen> seen(pickle_.values.size());
+  std::vector<std::pair<int, std::size_t>> path{{root, 0}};
+  while (!path.empty()) {
+    const auto [position, next] = path.back();
+    const PickleValue& value = pickle_.values[static_cast<std::size_t>(position)];
+    Seen& mine = seen[static_cast<std::size_t>(position)];
+    if (next == 0) mine.depth = -1;
+    if (next < value.children.size()) {
+      ++path.back().second;
+      const int child = value.children[next];
+      const Seen& other = seen[static_cast<std::size_t>(child)];
+      if (other.depth < 0) return Bad("a container that holds itself", ErrorCode::kUnsupported);
+      if (other.depth == 0) path.emplace_back(child, 0);
+      continue;
+    }
+    if (value.kind == PickleKind::kObject) return Bad("an object without its state");
+    mine.size = 64 + value.text.size();
+    if (value.kind == PickleKind::kArray) {
+      const PickleArray& array = pickle_.arrays[static_cast<std::size_t>(value.array)];
+      if (array.dtype.empty()) return Bad("an array without its state");
+      mine.size += 8 * array.data.size();
+    }
+    mine.depth = 1;
+    for (const int child : value.children) {
+      const Seen& other = seen[static_cast<std::size_t>(child)];
+      mine.size = std::min(mine.size + other.size, kTooLarge);
+      mine.depth = std::max(mine.depth, other.depth + 1);
+    }
+    if (mine.depth > limits_.depth) {
+      return Bad("containers nested deeper than " + std::to_string(limits_.depth), ErrorCode::kUnsupported);
+    }
+    if (mine.size > most) return Bad("the same values are repeated too often", ErrorCode::kUnsupported);
+    path.pop_back();
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,197 @@
+#include "core/formats/amass.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "core/base/file.h"
+#include "core/formats/array_fields.h"
+#include "core/formats/npz.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Amass Small(Amass::Layout layout, std::size_t columns) {
+  Amass amass;
+  amass.layout = layout;
+  amass.rate_hz = 120.00004577636719;
+  amass.gender = "female";
+  amass.frames = 2;
+  amass.pose_columns = columns;
+  for (std::size_t i = 0; i < 2 * columns; ++i) amass.poses.push_back(0.001 * static_cast<double>(i));
+  amass.translation_m = {0, 0.1, 0.9, 0, 0.2, 0.95};
+  amass.betas = {0.5, -1};
+  if (layout == Amass::Layout::kLegacy) {
+    amass.dmpl_columns = 8;
+    amass.dmpls.assign(16, 0.25);
+    amass.markers = 2;
+    amass.marker_labels = {"C7", "LSHO"};
+    amass.marker_data_m = {1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0};
+    amass.marker_seen = {1, 1, 1, 0};
+  } else {
+    amass.surface_model = "smplx";
+  }
+  return amass;
+}
+
+Npz Members(const Amass& amass) { return ParseNpz(EncodeAmass(amass, "m.npz").value(), "m.npz").value(); }
+
+NpyArray& At(Npz& npz, const std::string& name) {
+  for (NpzMember& member : npz.members) {
+    if (member.name == name) return member.array;
+  }
+  throw std::logic_error("no member " + name);
+}
+
+std::string Fails(const Npz& npz) {
+  const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+  return amass ? "parsed" : amass.error().Message();
+}
+
+TEST(Amass, BothLayoutsAreWrittenAndReadAgain) {
+  for (const auto& [layout, columns] : {std::pair{Amass::Layout::kLegacy, 156}, std::pair{Amass::Layout::kSplit, 156},
+                                        std::pair{Amass::Layout::kSplit, 165}}) {
+    const Amass amass = Small(layout, static_cast<std::size_t>(columns));
+    const auto again = ParseAmass(EncodeAmass(amass, "m.npz").value(), "m.npz");
+    ASSERT_TRUE(again) << again.error().Message();
+    EXPECT_EQ(again->layout, amass.layout);
+    EXPECT_EQ(again->rate_hz, amass.rate_hz);
+    EXPECT_EQ(again->gender, amass.gender);
+    EXPECT_EQ(again->surface_model, amass.surface_model);
+    EXPECT_EQ(again->frames, 2u);
+    EXPECT_EQ(again->poses, amass.poses);
+    EXPECT_EQ(again->translation_m, amass.translation_m);
+    EXPECT_EQ(again->betas, amass.betas);
+    EXPECT_EQ(again->dmpls, amass.dmpls);
+    EXPECT_EQ(again->marker_labels, amass.marker_labels);
+    EXPECT_EQ(again->marker_data_m, amass.marker_data_m);
+    EXPECT_EQ(again->marker_seen, amass.marker_seen) << "NaN in the file";
+  }
+}
+
+TEST(Amass, TheSplitKeysAloneGiveTheSamePoses) {
+  const Amass amass = Small(Amass::Layout::kSplit, 165);
+  Npz npz = Members(amass);
+  npz.members.erase(npz.members.begin());  // poses
+  const auto again = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+  ASSERT_TRUE(again) << again.error().Message();
+  EXPECT_EQ(again->poses, amass.poses);
+}
+
+TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
+  for (const auto& [dtype, text] :
+       {std::pair{"|S6", "male"}, std::pair{"<U4", "male"}, std::pair{"<U7", "b'male'"}, std::pair{"<U4", "Male"}}) {
+    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    At(npz, "gender").dtype = dtype;
+    At(npz, "gender").texts = {text};
+    const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+    ASSERT_TRUE(amass) << amass.error().Message();
+    EXPECT_EQ(amass->gender, "male");
+  }
+}
+
+TEST(Amass, AnyCorruptedFieldIsNamed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    const char* key;
+    std::function<void(NpyArray&)> corrupt;
+  };
+  const auto cut = [](NpyArray& array) {
+    array.values.resize(array.values.size() / array.shape[0]);
+    array.shape[0] = 1;
+  };
+  const Case legacy[] = {{"poses", [&](NpyArray& a) { a.values[157] = nan; }},
+                         {"poses",
+                          [&](NpyArray& a) {
+                            a = MakeArray({2, 100}, std::vector<double>(200, 0.0));
+                          }},
+                         {"trans", cut},
+                         {"trans", [&](NpyArray& a) { a.values[4] = nan; }},
+                         {"betas", [&](NpyArray& a) { a.values[1] = nan; }},
+                         {"betas",
+                          [&](NpyArray& a) {
+                            a.shape = {2, 1};
+                          }},
+                         {"mocap_framerate", [](NpyArray& a) { a.values[0] = 0; }},
+                         {"mocap_framerate", [&](NpyArray& a) { a.values[0] = nan; }},
+                         {"mocap_framerate",
+                          [](NpyArray& a) {
+                            a = MakeArray({2}, {120, 120});
+                          }},
+                         {"gender", [](NpyArray& a) { a = MakeTextArray("mole"); }},
+                         {"gender", [](NpyArray& a) { a = MakeArray({}, {1}); }},
+                         {"dmpls", cut},
+                         {"marker_data", cut},
+                         {"marker_labels", [](NpyArray& a) { a.texts.pop_back(), a.shape = {1}; }}};
+  for (const Case& c : legacy) {
+    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    c.corrupt(At(npz, c.key));
+    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
+  }
+  const Case split[] = {{"root_orient", cut},
+                        {"pose_body", [](NpyArray& a) { a.values[7] += 0.1; }},
+                        {"pose_jaw", [&](NpyArray& a) { a.values[1] = nan; }},
+                        {"pose_eye", cut},
+                        {"pose_hand", cut},
+                        {"mocap_frame_rate", [](NpyArray& a) { a.values[0] = -30; }}};
+  for (const Case& c : split) {
+    Npz npz = Members(Small(Amass::Layout::kSplit, 165));
+    c.corrupt(At(npz, c.key));
+    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
+  }
+  for (const char* key : {"trans", "betas", "mocap_framerate"}) {
+    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    for (NpzMember& member : npz.members) member.name = member.name == key ? "other" : member.name;
+    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + key + ": ")) << key;
+  }
+}
+
+TEST(Amass, RatesThatContradictEachOtherOrTheLengthAreRefused) {
+  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  npz.members.push_back({"mocap_frame_rate", MakeArray({}, {60}), ""});
+  EXPECT_THAT(Fails(npz), HasSubstr("the rate differs"));
+  npz = Members(Small(Amass::Layout::kSplit, 165));
+  npz.members.push_back({"mocap_time_length", MakeArray({}, {10}), ""});
+  EXPECT_THAT(Fails(npz), HasSubstr("m.npz:mocap_time_length: 10 s, but 2 frames"));
+}
+
+TEST(Amass, AShapeFileHoldsNoMotion) {
+  Npz npz;
+  npz.members.push_back({"betas", MakeArray({2}, {1, 2}), ""});
+  npz.members.push_back({"gender", MakeTextArray("male"), ""});
+  EXPECT_THAT(Fails(npz), HasSubstr("the file holds no motion"));
+}
+
+TEST(Amass, ThePublishedSampleIsReadWhole) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const auto bytes = ReadFile(std::filesystem::path(data) / "amass_babel/amass_sample.npz");
+  ASSERT_TRUE(bytes) << bytes.error().Message();
+  const auto amass = ParseAmass(*bytes, "amass_sample.npz");
+  ASSERT_TRUE(amass) << amass.error().Message();
+  EXPECT_EQ(amass->frames, 601u);
+  EXPECT_EQ(amass->pose_columns, 156u);
+  EXPECT_EQ(amass->rate_hz, 120.0);
+  EXPECT_EQ(amass->gender, "male");
+  EXPECT_EQ(amass->betas.size(), 16u);
+  EXPECT_EQ(amass->dmpl_columns, 8u);
+  EXPECT_EQ(amass->markers, 85u);
+  std::size_t unseen = 0;
+  for (const std::uint8_t seen : amass->marker_seen) unseen += seen == 0 ? 1 : 0;
+  EXPECT_EQ(unseen, 1u);
+  const auto again = ParseAmass(EncodeAmass(*amass, "again.npz").value(), "again.npz");
+  ASSERT_TRUE(again) << again.error().Message();
+  EXPECT_EQ(again->poses, amass->poses);
+  EXPECT_EQ(again->marker_data_m, amass->marker_data_m);
+}
+
+}  // namespace
+}  // namespace mocurate
