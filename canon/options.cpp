@@ -56,8 +56,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 3, "mocurate-annotate"}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 1, "mocurate-annotate"}; }
-StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate"}; }
+StageDeclaration CanonDeclaration() { return {"canon", 4, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 1, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

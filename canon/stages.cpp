@@ -117,9 +117,10 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   auto kept = Canonicalise(*options, std::move(*clip), outcome.findings);
   if (!kept) return Forward(kept);
   if (kept->empty()) {
-    outcome.kind = OutcomeKind::kRefused;
+    // FindSpans says of every span that it leaves out which rule did so.
+    outcome.kind = OutcomeKind::kLeftOut;
     const std::string reason = outcome.findings.empty() ? "nothing left" : outcome.findings.back().message;
-    outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "see canon.trim"};
+    outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "canon.trim holds the rule"};
     return outcome;
   }
   dataset.clips = std::move(*kept);
