@@ -1,12 +1,10 @@
-#include <sys/utsname.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/config_loading.h"
+#include "app/machine_facts.h"
 #include "app/main_job.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
@@ -18,17 +16,11 @@ namespace {
 
 /// run.json: what was run, with what, where. Times and hardware live here and nowhere else.
 Status WriteRunFile(const LoadedJob& job, const RunArguments& arguments, const std::filesystem::path& folder) {
-  struct utsname host {};
-  uname(&host);
   const nlohmann::json run = {{"created_by", CreatedBy()},
                               {"options", OptionsToJson(job.options)},
                               {"config", ShowOptions(job.options, job.node, true)},
                               {"budget", arguments.budget},
-                              {"machine",
-                               {{"system", host.sysname},
-                                {"release", host.release},
-                                {"architecture", host.machine},
-                                {"cores", std::thread::hardware_concurrency()}}}};
+                              {"machine", MachineFacts()}};
   return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
