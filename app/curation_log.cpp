@@ -7,15 +7,21 @@
 namespace mocurate {
 namespace {
 
+const char* Decision(const ClipRecord& clip) {
+  if (clip.kept()) return "kept";
+  if (clip.failed()) return "dropped";
+  return clip.left_out() ? "left_out" : "undecided";  // the run ended before
+}
+
 nlohmann::json LineOf(const ClipRecord& clip) {
-  nlohmann::json line = {{"clip", clip.item}, {"decision", clip.kept() ? "kept" : "dropped"}};
+  nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
   if (!clip.evidence.sha256.empty()) line["evidence_sha256"] = clip.evidence.sha256;
   if (!clip.motion.sha256.empty()) line["motion_sha256"] = clip.motion.sha256;
   if (!clip.canonical.sha256.empty()) line["canonical_sha256"] = clip.canonical.sha256;
-  if (const Error* error = clip.failure()) {
-    line["stage"] = clip.failed_stage();
-    line["rule"] = Name(error->code);
-    line["reason"] = error->Message();
+  if (const ItemResult* stage = clip.ended()) {
+    line["stage"] = clip.ended_at();
+    line["rule"] = clip.reason();
+    line["reason"] = stage->outcome.error.Message();
   }
   nlohmann::json findings = nlohmann::json::array();
   for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical}) {

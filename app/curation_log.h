@@ -7,7 +7,8 @@
 
 namespace mocurate {
 
-/// One JSON line per source clip, sorted: kept or dropped, by which stage and rule, with value and hashes.
+/// One JSON line per source clip, sorted: kept, left out (by a rule of the configuration), dropped (it failed) or
+/// undecided (the run ended before), by which stage and rule, with findings and hashes.
 Status WriteCurationLog(const std::vector<ClipRecord>& clips, const std::filesystem::path& path);
 
 }  // namespace mocurate

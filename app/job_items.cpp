@@ -18,14 +18,13 @@ namespace {
 
 bool HasArtifact(const ItemResult& item) { return !item.artifact.empty(); }
 
-bool Failed(const ItemResult& item) {
-  return !HasArtifact(item) &&
-         (item.outcome.kind == OutcomeKind::kRefused || item.outcome.kind == OutcomeKind::kCrashed);
-}
+/// A stage looked at it and gave nothing on.
+bool Ended(const ItemResult& item) { return !HasArtifact(item) && !HasArtifact(item.outcome.kind); }
 
 nlohmann::json StageSummary(const StageReport& stage) {
   return {{"stage", stage.stage},       {"items", stage.items.size()}, {"done", stage.done},
-          {"doubtful", stage.doubtful}, {"refused", stage.refused},    {"crashed", stage.crashed}};
+          {"doubtful", stage.doubtful}, {"left_out", stage.left_out},  {"refused", stage.refused},
+          {"crashed", stage.crashed}};
 }
 
 nlohmann::json ClipSummary(const ClipRecord& clip) {
@@ -39,25 +38,46 @@ nlohmann::json ClipSummary(const ClipRecord& clip) {
     if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
     for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
   }
-  if (const Error* error = clip.failure()) {
-    summary["failure"] = {{"stage", clip.failed_stage()}, {"code", Name(error->code)}, {"message", error->Message()}};
+  if (const ItemResult* stage = clip.ended()) {
+    summary[clip.failed() ? "failure" : "left_out"] = {
+        {"stage", clip.ended_at()}, {"code", clip.reason()}, {"message", stage->outcome.error.Message()}};
   }
   return summary;
 }
 
 }  // namespace
 
-const Error* ClipRecord::failure() const {
+const ItemResult* ClipRecord::ended() const {
   for (const ItemResult* stage : {&evidence, &motion, &canonical}) {
-    if (Failed(*stage)) return &stage->outcome.error;
+    if (Ended(*stage)) return stage;
   }
   return nullptr;
 }
 
-std::string ClipRecord::failed_stage() const {
-  if (Failed(evidence)) return "ingest";
-  if (Failed(motion)) return "fitting";
-  return Failed(canonical) ? "canon" : "";
+std::string ClipRecord::ended_at() const {
+  const ItemResult* stage = ended();
+  if (stage == nullptr) return "";
+  return stage == &evidence ? "ingest" : stage == &motion ? "fitting" : "canon";
+}
+
+std::string ClipRecord::reason() const {
+  const ItemResult* stage = ended();
+  if (stage == nullptr) return "";
+  const bool ruled = stage->outcome.kind == OutcomeKind::kLeftOut && !stage->outcome.findings.empty();
+  return ruled ? stage->outcome.findings.back().code : std::string(Name(stage->outcome.error.code));
+}
+
+Error FirstReason(const std::vector<ClipRecord>& clips) {
+  const ItemResult* first = nullptr;
+  for (const ClipRecord& clip : clips) {
+    const ItemResult* stage = clip.ended();
+    if (stage != nullptr && (first == nullptr || (clip.failed() && !IsFailure(first->outcome.kind)))) first = stage;
+  }
+  if (first == nullptr) return {ErrorCode::kInconsistent, "none came this far", "", ""};
+  Error reason = first->outcome.error;
+  reason.what =
+      (IsFailure(first->outcome.kind) ? "the first failed: " : "the first was left out by a rule: ") + reason.what;
+  return reason;
 }
 
 StageInput InputFrom(const char* role, const ItemResult& item) { return {role, item.item, item.artifact, item.sha256}; }

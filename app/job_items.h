@@ -25,11 +25,18 @@ struct ClipRecord {
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
   bool kept() const { return !canonical.artifact.empty(); }
-  /// The error of the stage that ended it; null when none did.
-  const Error* failure() const;
+  /// What the stage said that ended it: it failed there, or a rule left it out. Null when none did.
+  const ItemResult* ended() const;
   /// Name of that stage, or empty.
-  std::string failed_stage() const;
+  std::string ended_at() const;
+  bool failed() const { return ended() != nullptr && IsFailure(ended()->outcome.kind); }
+  bool left_out() const { return ended() != nullptr && !failed(); }
+  /// The reason in one word: the rule (code of its finding) or the error's code. Empty when nothing ended it.
+  std::string reason() const;
 };
+
+/// Why the first clip failed; if none did, which rule left the first one out.
+Error FirstReason(const std::vector<ClipRecord>& clips);
 
 /// An artifact as the input of a later stage.
 StageInput InputFrom(const char* role, const ItemResult& item);

@@ -2,6 +2,17 @@
 
 namespace mocurate {
 
+void PipelineOptions::Declare(OptionVisitor& v) {
+  v.OptionalNumber(
+      "item_timeout", item_timeout_s, Unit::kSecond, {0.001, {}},
+      "an item that runs longer is ended and counts as crashed; null: 1 h where one clip is looked at, 1 d "
+      "in fitting, training and what works on the whole set (times --budget)");
+  v.OptionalNumber(
+      "item_memory", item_memory_bytes, Unit::kByte, {1.0, {}},
+      "a worker that holds more memory is ended with its item; null: 8 GiB where one clip is looked at, 16 "
+      "GiB in fitting, no limit where the whole set is held");
+}
+
 void JobOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the job and of its run folder");
   v.Text("description", description, "what the job is, for the report");
@@ -18,6 +29,7 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Group("train", train, "networks");
   v.Group("evaluate", evaluate, "metrics and the table");
   v.Group("report", report, "the page of the run");
+  v.Group("pipeline", pipeline, "what an item of work may take");
 }
 
 void ResolveDefaults(JobOptions& options) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,14 @@
 #include "train/items.h"
 
 namespace mocurate {
+
+/// How the stages are run; nothing here changes a result.
+struct PipelineOptions {
+  std::optional<double> item_timeout_s;     ///< absent: each stage's own (core/pipeline/stage.h)
+  std::optional<double> item_memory_bytes;  ///< absent: each stage's own
+
+  void Declare(OptionVisitor& v);
+};
 
 /// A whole job, as a config file says it: one group per stage, in order.
 struct JobOptions {
@@ -30,6 +39,7 @@ struct JobOptions {
   TrainOptions train;
   EvaluateOptions evaluate;
   ReportOptions report;
+  PipelineOptions pipeline;
 
   void Declare(OptionVisitor& v);
 };

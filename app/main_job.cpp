@@ -56,7 +56,8 @@ class MainJob {
     for (const ClipRecord& clip : clips_) {
       ++result_.clips;
       result_.kept += clip.kept() ? 1 : 0;
-      result_.failed += clip.failure() != nullptr ? 1 : 0;
+      result_.left_out += clip.left_out() ? 1 : 0;
+      result_.failed += clip.failed() ? 1 : 0;
     }
     return result_;
   }
@@ -114,8 +115,7 @@ class MainJob {
     if (options_.ingest.synthetic.enabled && options_.ingest.path.empty()) return {};
     auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
-    left_out_ = discovery->findings;
-    for (const Finding& finding : left_out_) LogWarning(finding.clip + ": " + finding.message);
+    for (const ItemResult& file : discovery->left_out) LogWarning(file.item + ": " + file.outcome.error.Message());
     AddInput(SkeletonInput(options_.ingest.source.skeleton), discovery->items);
     const std::vector<ItemSpec> specs = discovery->items;
     const auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
@@ -129,14 +129,10 @@ class MainJob {
       }
       clips_.push_back(std::move(clip));
     }
-    for (const Finding& finding : left_out_) {
-      if (finding.severity != Severity::kError) continue;
+    for (ItemResult& file : discovery->left_out) {
       ClipRecord clip;
-      clip.item = finding.clip;
-      clip.evidence.item = finding.clip;
-      clip.evidence.outcome.kind = OutcomeKind::kRefused;
-      clip.evidence.outcome.findings = {finding};
-      clip.evidence.outcome.error = Error{ErrorCode::kInconsistent, finding.message, finding.clip, finding.action};
+      clip.item = file.item;
+      clip.evidence = std::move(file);
       clips_.push_back(std::move(clip));
     }
     if (!discovery->truth.empty()) {
@@ -212,14 +208,9 @@ class MainJob {
     }
     if (item.inputs.empty()) {
       if (runner_.options().dry_run) return ItemResult();
-      const Error* first = nullptr;
-      for (const ClipRecord& clip : clips_) {
-        if (first == nullptr) first = clip.failure();
-      }
-      return Fail(
-          first != nullptr ? first->code : ErrorCode::kInconsistent,
-          "no clip is left for the dataset" + (first != nullptr ? "; the first failed with: " + first->Message() : ""),
-          DisplayPath(options_.ingest.path), "curation_log.jsonl in the run folder says why each was dropped");
+      const Error first = FirstReason(clips_);
+      return Fail(first.code, "no clip is left for the dataset; " + first.Message(), DisplayPath(options_.ingest.path),
+                  "curation_log.jsonl in the run folder says why each was dropped");
     }
     return RunOne(AssembleDeclaration(), std::move(item));
   }
@@ -342,7 +333,6 @@ class MainJob {
   JobResult result_;
   std::vector<ClipRecord> clips_;
   std::optional<std::set<std::string>> captured_;  ///< files of the synthetic capture: others are not ours
-  std::vector<Finding> left_out_;
   std::map<std::string, ItemResult> persons_;
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;

@@ -26,6 +26,7 @@ struct JobResult {
   std::string table;         ///< Markdown
   int clips = 0;             ///< source clips
   int kept = 0;              ///< source clips with at least one clip in the dataset
+  int left_out = 0;          ///< left out by a rule of the configuration: no failure
   int failed = 0;            ///< refused or crashed anywhere before the dataset
   nlohmann::json fit_error;  ///< error against the truth, null without truth
   nlohmann::json audit;

@@ -1,12 +1,10 @@
-#include <sys/utsname.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/config_loading.h"
+#include "app/machine_facts.h"
 #include "app/main_job.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
@@ -16,21 +14,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kDay_s = 86400.0;  // no item takes longer at the budget of its config; training saves as it goes
-
 /// run.json: what was run, with what, where. Times and hardware live here and nowhere else.
 Status WriteRunFile(const LoadedJob& job, const RunArguments& arguments, const std::filesystem::path& folder) {
-  struct utsname host {};
-  uname(&host);
   const nlohmann::json run = {{"created_by", CreatedBy()},
                               {"options", OptionsToJson(job.options)},
                               {"config", ShowOptions(job.options, job.node, true)},
                               {"budget", arguments.budget},
-                              {"machine",
-                               {{"system", host.sysname},
-                                {"release", host.release},
-                                {"architecture", host.machine},
-                                {"cores", std::thread::hardware_concurrency()}}}};
+                              {"machine", MachineFacts()}};
   return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
@@ -41,6 +31,7 @@ nlohmann::json StagesJson(const JobResult& result) {
                       {"items", stage.items.size()},
                       {"done", stage.done},
                       {"doubtful", stage.doubtful},
+                      {"left_out", stage.left_out},
                       {"refused", stage.refused},
                       {"crashed", stage.crashed},
                       {"from_cache", stage.from_cache},
@@ -78,6 +69,7 @@ nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& 
           {"report", DisplayPath(result.report)},
           {"clips", result.clips},
           {"kept", result.kept},
+          {"left_out", result.left_out},
           {"failed", result.failed},
           {"fit_error", result.fit_error},
           {"audit", result.audit},
@@ -115,11 +107,13 @@ void PrintFigures(const JobResult& result) {
 
 void PrintResult(const JobResult& result, double seconds) {
   for (const StageReport& stage : result.stages) {
-    std::printf("%-20s %5zu items  %5d done  %4d doubtful  %4d refused  %4d crashed  %5d from cache  %7.1f s\n",
-                stage.stage.c_str(), stage.items.size(), stage.done, stage.doubtful, stage.refused, stage.crashed,
-                stage.from_cache, stage.seconds);
+    std::printf(
+        "%-20s %5zu items  %5d done  %4d doubtful  %4d left out  %4d refused  %4d crashed  %5d from cache  %7.1f s\n",
+        stage.stage.c_str(), stage.items.size(), stage.done, stage.doubtful, stage.left_out, stage.refused,
+        stage.crashed, stage.from_cache, stage.seconds);
   }
-  std::printf("%d clips, %d kept, %d failed, %.1f s\n", result.clips, result.kept, result.failed, seconds);
+  std::printf("%d clips, %d kept, left out by rule: %d, %d failed, %.1f s\n", result.clips, result.kept,
+              result.left_out, result.failed, seconds);
   PrintFigures(result);
   if (!result.table.empty()) std::printf("\n%s\n", result.table.c_str());
   if (!result.dataset.empty()) std::printf("dataset  %s\n", DisplayPath(result.dataset).c_str());
@@ -138,12 +132,15 @@ Status CheckNetworks(const JobResult& result) {
               error.where, error.hint.empty() ? "the page of the run lists them" : error.hint);
 }
 
+/// Of the clips that were to be kept, those that failed.
 Status CheckFailures(const JobOptions& options, const JobResult& result) {
-  if (result.clips == 0 || result.failed <= options.tolerated_failures * result.clips) return {};
+  const int wanted = result.clips - result.left_out;
+  const double tolerated = options.tolerated_failures * wanted;
+  if (wanted == 0 || result.failed <= tolerated) return {};
   return Fail(ErrorCode::kTooManyFailures,
-              std::to_string(result.failed) + " of " + std::to_string(result.clips) +
-                  " clips failed, tolerated_failures is " +
-                  std::to_string(static_cast<int>(std::floor(options.tolerated_failures * result.clips))) + " clips",
+              std::to_string(result.failed) + " of " + std::to_string(wanted) +
+                  " clips failed, tolerated_failures is " + std::to_string(static_cast<int>(std::floor(tolerated))) +
+                  " clips",
               "run", "curation_log.jsonl says why each failed; the others are in the dataset");
 }
 
@@ -162,7 +159,11 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   options.jobs = arguments.jobs;
   options.dry_run = arguments.dry_run;
   options.progress = !common.quiet;
-  options.item_timeout_s = kDay_s * std::max(1.0, arguments.budget);
+  options.time_factor = std::max(1.0, arguments.budget);
+  options.item_timeout_s = job->options.pipeline.item_timeout_s;
+  if (const auto bytes = job->options.pipeline.item_memory_bytes) {
+    options.item_memory_bytes = static_cast<std::uint64_t>(*bytes);
+  }
   if (!job->options.takes.empty()) LogInfo(job->options.name + " takes " + job->options.takes);
   if (!arguments.dry_run) {
     if (Status made = MakeFolder(options.run_folder); !made) return made;

@@ -42,7 +42,7 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
       findings = dataset->findings;
       return dataset->clips.front();
     }
-    auto given = ReadEvidence(fitted->path);
+    auto given = ReadEvidence(fitted->path, &findings);
     if (!given) return Forward(dataset);
     if (!given->motion) {
       return Fail(ErrorCode::kInconsistent, "the clip has no motion, only evidence", fitted->name,
@@ -52,7 +52,7 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
   }
   const StageInput* tracked = FindInput(request, "tracks");
   if (tracked == nullptr) return Fail(ErrorCode::kInternal, "canon got neither 'motion' nor 'tracks'", request.item);
-  auto clip = ReadEvidence(tracked->path);
+  auto clip = ReadEvidence(tracked->path, &findings);
   if (!clip) return Forward(clip);
   const auto skeleton = LoadSkeleton(options.skeleton);
   if (!skeleton) return Forward(skeleton);
@@ -117,9 +117,10 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   auto kept = Canonicalise(*options, std::move(*clip), outcome.findings);
   if (!kept) return Forward(kept);
   if (kept->empty()) {
-    outcome.kind = OutcomeKind::kRefused;
+    // FindSpans says of every span that it leaves out which rule did so.
+    outcome.kind = OutcomeKind::kLeftOut;
     const std::string reason = outcome.findings.empty() ? "nothing left" : outcome.findings.back().message;
-    outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "see canon.trim"};
+    outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "canon.trim holds the rule"};
     return outcome;
   }
   dataset.clips = std::move(*kept);

@@ -6,7 +6,8 @@ namespace mocurate {
 
 /// One clip -> Dataset file with zero or more canonical clips. Input role "motion" (a one-clip Dataset from fitting, or
 /// an evidence file whose clip has a given motion) or role "tracks" (an evidence file; its tracks become a joints-only
-/// motion on options.skeleton: the baseline without fitting). Dropped clips: kRefused with a reason.
+/// motion on options.skeleton: the baseline without fitting). A clip of which canon.trim leaves nothing:
+/// kLeftOut with the rule as its last finding.
 Expected<StageOutcome> CanonStage(const StageRequest& request);
 
 /// All canonical clips (inputs role "clip") -> the Dataset file of the run with labels, splits and leak check.

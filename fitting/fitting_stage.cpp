@@ -45,18 +45,18 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
     if (input.role == "evidence") evidence = &input;
   }
   if (evidence == nullptr) return Fail(ErrorCode::kInternal, "fitting got no evidence", request.item);
-  Expected<Clip> clip = ReadEvidence(evidence->path);
+  Dataset dataset;
+  Expected<Clip> clip = ReadEvidence(evidence->path, &dataset.findings);
   if (!clip) return Forward(clip);
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) return Forward(fit);
 
   StageOutcome outcome = OutcomeOfFit(*clip, *fit, *options);
-  Dataset dataset;
   dataset.created_by = CreatedBy();
   dataset.skeleton = fit->motion.skeleton;
   dataset.joints_only = fit->motion.joints_only();
-  dataset.findings = outcome.findings;
+  dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   clip->fit_rms = fit->residual_rms;
   clip->motion = std::move(fit->motion);
   clip->evidence = Evidence{};

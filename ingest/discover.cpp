@@ -60,7 +60,7 @@ void AddDepthFiles(const std::vector<FolderFile>& files, const NamePattern& patt
 }
 
 /// `matches`: the name is as declared, but its label is not.
-Finding LeftOut(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
+ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
   const bool failed =
       source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore);
   Finding finding;
@@ -69,7 +69,12 @@ Finding LeftOut(const std::string& name, const SourceOptions& source, bool match
   finding.severity = failed ? Severity::kError : Severity::kWarning;
   finding.message = why.what + (why.hint.empty() ? "" : " (" + why.hint + ")");
   finding.action = "left out";
-  return finding;
+  ItemResult file;
+  file.item = name;
+  file.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
+  file.outcome.error = Error{ErrorCode::kInconsistent, why.what, name, why.hint};
+  file.outcome.findings.push_back(std::move(finding));
+  return file;
 }
 
 }  // namespace
@@ -100,7 +105,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     const Expected<NamedFile> named = ReadName(source, file.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
-      discovery.findings.push_back(LeftOut(file.name, source, matches, named.error()));
+      discovery.left_out.push_back(LeftOut(file.name, source, matches, named.error()));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
@@ -112,8 +117,8 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   }
   if (discovery.items.empty()) {
     return Fail(ErrorCode::kNotFound, "no file matches the pattern '" + source.files + "'", DisplayPath(options.path),
-                discovery.findings.empty() ? "is it the right folder?"
-                                           : "e.g. '" + discovery.findings.front().clip +
+                discovery.left_out.empty() ? "is it the right folder?"
+                                           : "e.g. '" + discovery.left_out.front().item +
                                                  "' does not match; mend ingest.source.files or ingest.path");
   }
   const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };

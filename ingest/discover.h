@@ -11,11 +11,12 @@
 
 namespace mocurate {
 
-/// What a source folder holds: one item per clip for the stage `ingest` (item = clip id, input role "source"), and a
-/// finding for every file that was left out and why (name does not match the pattern, ...).
+/// What a source folder holds: one item per clip for the stage `ingest` (item = clip id, input role "source"), and what
+/// became of every file that is no such item: kLeftOut when ingest.source.other_files says that such files are passed
+/// over, kRefused when it asks for an error or the name declares a label that there is not. One finding each.
 struct Discovery {
   std::vector<ItemSpec> items;  ///< sorted by item
-  std::vector<Finding> findings;
+  std::vector<ItemResult> left_out;
   std::vector<ItemSpec> truth;  ///< items for the stage `truth`, when the source knows its truth
 };
 

@@ -133,7 +133,8 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     return Fail(ErrorCode::kInconsistent, finding.message, input->name,
                 "set ingest.source.on_contradiction: flag to keep such clips");
   }
-  if (Status written = WriteEvidence(ingested->clip, request.output); !written) return Forward(written);
+  if (Status written = WriteEvidence(ingested->clip, request.output, outcome.findings); !written)
+    return Forward(written);
   return outcome;
 }
 

@@ -188,8 +188,8 @@ Status CheckSource(const SourceOptions& s) {
   return {};
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 2, "mocurate-annotate"}; }
-StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate"}; }
-StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate"}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 3, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -14,8 +14,8 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 4, "mocurate-annotate"}; }
+StageDeclaration ReportDeclaration() { return {"report", 5, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration PictureDeclaration() { return {"picture", 2, "mocurate-annotate"}; }
+StageDeclaration PictureDeclaration() { return {"picture", 2, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

@@ -103,16 +103,20 @@ struct Group {
 std::string ReasonsTable(const nlohmann::json& run) {
   std::map<std::pair<std::string, std::string>, Group> groups;
   for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
-    const nlohmann::json& failure = Field(clip, "failure");
-    if (!failure.is_object()) continue;
-    Group& group = groups[{TextOf(failure, "stage"), TextOf(failure, "code")}];
-    if (group.clips.empty()) group.message = TextOf(failure, "message");
-    group.clips.push_back(TextOf(clip, "item"));
+    for (const char* how : {"failure", "left_out"}) {
+      const nlohmann::json& reason = Field(clip, how);
+      if (!reason.is_object()) continue;
+      Group& group = groups[{TextOf(reason, "stage"), TextOf(reason, "code")}];
+      if (group.clips.empty()) group.message = TextOf(reason, "message");
+      group.severity = how == std::string("failure") ? "yes" : "no, a rule of the configuration";
+      group.clips.push_back(TextOf(clip, "item"));
+    }
   }
   if (groups.empty()) return Paragraph("No clip was left out.");
-  HtmlTable table{"Why clips were left out", {"Stage", "Reason", "Clips", "First message", "Which"}, {}, false};
+  HtmlTable table{
+      "Why clips were left out", {"Stage", "Reason", "Failure", "Clips", "First message", "Which"}, {}, false};
   for (const auto& [key, group] : groups) {
-    table.rows.push_back({EscapeHtml(key.first), EscapeHtml(key.second),
+    table.rows.push_back({EscapeHtml(key.first), EscapeHtml(key.second), group.severity,
                           CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.message),
                           ClipList(group.clips)});
   }
@@ -132,31 +136,35 @@ std::string HeadHtml(const ReportInput& input) {
 
 std::string FunnelHtml(const ReportInput& input) {
   BarChart chart;
-  chart.title = "Clips that went into each stage: done, doubtful, left out";
+  chart.title = "Clips that went into each stage: done, doubtful, left out by rule, failed";
   const long long listed = static_cast<long long>(Elements(Field(input.run, "clips")).size());
-  HtmlTable table{"", {"Stage", "Items", "Done", "Doubtful", "Refused", "Crashed"}, {}, true};
+  HtmlTable table{"", {"Stage", "Items", "Done", "Doubtful", "Left out by rule", "Refused", "Crashed"}, {}, true};
   std::map<std::string, int> seen;
   for (const nlohmann::json& stage : Elements(Field(input.run, "stages"))) {
     const std::string name = TextOf(stage, "stage");
     const auto count = [&stage](const char* key) { return CountOf(stage, key); };
     table.rows.push_back({EscapeHtml(name), CountText(count("items")), CountText(count("done")),
-                          CountText(count("doubtful")), CountText(count("refused")), CountText(count("crashed"))});
+                          CountText(count("doubtful")), CountText(count("left_out")), CountText(count("refused")),
+                          CountText(count("crashed"))});
     const bool per_clip = name == "ingest" || name == "fitting" || name == "canon";
     if (!per_clip || seen[name]++ > 0 || count("items") == 0) continue;
+    const long long ruled = count("left_out");
     const long long lost = count("refused") + count("crashed");
     chart.rows.push_back({name,
                           {{static_cast<double>(count("done")), "good", "done"},
                            {static_cast<double>(count("doubtful")), "doubt", "doubtful"},
-                           {static_cast<double>(lost), "bad", "left out"}},
-                          std::to_string(count("items") - lost) + " of " + std::to_string(count("items"))});
+                           {static_cast<double>(ruled), "before", "left out by rule"},
+                           {static_cast<double>(lost), "bad", "failed"}},
+                          std::to_string(count("items") - ruled - lost) + " of " + std::to_string(count("items"))});
   }
   chart.rows.push_back({"kept",
                         {{static_cast<double>(KeptClips(input.run)), "after", "kept"}},
                         std::to_string(KeptClips(input.run)) + " of " + std::to_string(listed)});
   std::string html = Paragraph("What became of " + Plural(listed, "clip") + " on the way to the dataset.");
   html += Paragraph(
-      "<span class=\"k-good\"></span>done<span class=\"k-doubt\"></span>doubtful, but kept<span class=\"k-bad\"></span>"
-      "left out<span class=\"k-after\"></span>in the dataset",
+      "<span class=\"k-good\"></span>done<span class=\"k-doubt\"></span>doubtful, but kept<span class=\"k-before\" "
+      "style=\"margin-left:12px\"></span>"
+      "left out by a rule<span class=\"k-bad\"></span>failed<span class=\"k-after\"></span>in the dataset",
       "key soft");
   html += chart.Svg() + ReasonsTable(input.run);
   return html + "<details><summary>All stages</summary>" + table.Html() + "</details>\n";

@@ -79,6 +79,6 @@ void GeneratorOptions::Declare(OptionVisitor& v) {
   v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 1, "mocurate-learn"}; }
+StageDeclaration TrainDeclaration() { return {"train", 1, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

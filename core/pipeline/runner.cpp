@@ -55,8 +55,10 @@ Expected<FileLock> LockRunFolder(const fs::path& folder) {
 std::string Summary(const StageReport& report) {
   std::string text =
       report.stage + ": " + std::to_string(report.items.size()) + " items, " + std::to_string(report.done) + " done";
-  const std::pair<int, const char*> parts[] = {
-      {report.doubtful, " doubtful"}, {report.refused, " refused"}, {report.crashed, " crashed"}};
+  const std::pair<int, const char*> parts[] = {{report.doubtful, " doubtful"},
+                                               {report.left_out, " left out by rule"},
+                                               {report.refused, " refused"},
+                                               {report.crashed, " crashed"}};
   for (const auto& [count, name] : parts) {
     if (count > 0) text += ", " + std::to_string(count) + name;
   }

@@ -16,9 +16,10 @@ struct RunnerOptions {
   std::filesystem::path worker_folder;  ///< where worker programs lie; empty: relative to this program
   int jobs = 0;                         ///< worker processes; 0: one per core
   bool dry_run = false;
-  bool progress = true;  ///< only ever shown on a terminal
-  double item_timeout_s = 3600.0;
-  std::optional<std::uint64_t> item_memory_bytes;
+  bool progress = true;                            ///< only ever shown on a terminal
+  std::optional<double> item_timeout_s;            ///< instead of the stages' own limits
+  std::optional<std::uint64_t> item_memory_bytes;  ///< instead of the stages' own limits
+  double time_factor = 1.0;                        ///< the stages' own time limits are this many times as long
 };
 
 struct ItemSpec {
@@ -27,7 +28,7 @@ struct ItemSpec {
   std::vector<StageInput> inputs;  ///< sha256 may be empty for source files: the runner hashes them
 };
 
-/// Item after its stage: with the artifact unless refused or crashed.
+/// Item after its stage.
 struct ItemResult {
   std::string item;
   StageOutcome outcome;
@@ -39,7 +40,7 @@ struct ItemResult {
 struct StageReport {
   std::string stage;
   std::vector<ItemResult> items;  ///< in the order of the specs
-  int done = 0, doubtful = 0, refused = 0, crashed = 0, from_cache = 0;
+  int done = 0, doubtful = 0, left_out = 0, refused = 0, crashed = 0, from_cache = 0;
   double seconds = 0.0;
 };
 

@@ -8,6 +8,8 @@ std::string_view Name(OutcomeKind kind) {
       return "done";
     case OutcomeKind::kDoubtful:
       return "doubtful";
+    case OutcomeKind::kLeftOut:
+      return "left_out";
     case OutcomeKind::kRefused:
       return "refused";
     case OutcomeKind::kCrashed:

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,27 +32,49 @@ struct StageRequest {
   std::filesystem::path scratch;  ///< folder of this item that survives kills (partial checkpoints)
 };
 
-enum class OutcomeKind { kDone, kDoubtful, kRefused, kCrashed };
+/// kDone, kDoubtful: there is an artifact. kLeftOut: none, because a rule of the configuration says so; the input is as
+/// good as any, so this is no failure. kRefused: none, because the input cannot be used. kCrashed: none, because the
+/// worker was killed, or ran out of time or memory.
+enum class OutcomeKind { kDone, kDoubtful, kLeftOut, kRefused, kCrashed };
 std::string_view Name(OutcomeKind kind);
 
-/// What became of an item. kDone and kDoubtful have an artifact. kRefused has none and is cached with its reason;
-/// kCrashed (killed, out of time or memory) is never cached.
+/// Whether an item that ended so has an artifact.
+inline bool HasArtifact(OutcomeKind kind) { return kind == OutcomeKind::kDone || kind == OutcomeKind::kDoubtful; }
+/// Whether it counts as a failure.
+inline bool IsFailure(OutcomeKind kind) { return kind == OutcomeKind::kRefused || kind == OutcomeKind::kCrashed; }
+
+/// What became of an item. All but kCrashed are cached, with their reason.
 struct StageOutcome {
   OutcomeKind kind = OutcomeKind::kDone;
   std::vector<Finding> findings;
   nlohmann::json summary = nlohmann::json::object();  ///< figures for report and log; must not hold times
-  Error error;                                        ///< why, when refused or crashed
+  Error error;  ///< why there is no artifact; with kLeftOut the last finding names the rule
 };
 
 /// The work itself: a pure function of the request. An Error return is kRefused with that error, except kCannotWrite,
 /// kMissingOnHost, kInterrupted and kInternal, which are not the item's fault and end the run.
 using StageFunction = std::function<Expected<StageOutcome>(const StageRequest&)>;
 
+/// What one item may take before it is ended: a guard against what hangs or swallows the machine, far above what sound
+/// input needs.
+struct ItemLimits {
+  double time_s = 3600.0;
+  std::optional<std::uint64_t> memory_bytes;  ///< resident memory of the worker; absent: unlimited
+};
+
+/// Of stages that look at one clip.
+inline ItemLimits ClipLimits() { return {3600.0, std::uint64_t{8} << 30}; }
+/// Of stages that solve for one clip, or for a person's few.
+inline ItemLimits SolverLimits() { return {86400.0, std::uint64_t{16} << 30}; }
+/// Of stages that hold a whole set in memory, or work as long as the configuration tells them to.
+inline ItemLimits WholeSetLimits() { return {86400.0, std::nullopt}; }
+
 /// What the runner must know of a stage. Raise `version` whenever the same inputs give other bytes.
 struct StageDeclaration {
   std::string name;
   int version = 1;
   std::string worker;  ///< program that does it: "mocurate-annotate", "mocurate-learn"
+  ItemLimits limits{};
 };
 
 }  // namespace mocurate

@@ -21,13 +21,10 @@ bool MayBeCached(const StageOutcome& outcome) {
           outcome.error.code != ErrorCode::kConfig);
 }
 
-bool HasArtifact(const StageOutcome& outcome) {
-  return outcome.kind == OutcomeKind::kDone || outcome.kind == OutcomeKind::kDoubtful;
-}
-
 void Count(StageReport& report, const ItemResult& result) {
   report.done += result.outcome.kind == OutcomeKind::kDone ? 1 : 0;
   report.doubtful += result.outcome.kind == OutcomeKind::kDoubtful ? 1 : 0;
+  report.left_out += result.outcome.kind == OutcomeKind::kLeftOut ? 1 : 0;
   report.refused += result.outcome.kind == OutcomeKind::kRefused ? 1 : 0;
   report.crashed += result.outcome.kind == OutcomeKind::kCrashed ? 1 : 0;
   report.from_cache += result.from_cache ? 1 : 0;
@@ -157,7 +154,7 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   seat.task.reset();
   const double seconds = std::chrono::duration<double>(Clock::now() - task.start).count();
   std::error_code ignored;
-  if (HasArtifact(outcome) && !fs::exists(task.folder / "artifact", ignored)) {
+  if (HasArtifact(outcome.kind) && !fs::exists(task.folder / "artifact", ignored)) {
     outcome.kind = OutcomeKind::kCrashed;
     outcome.error = {ErrorCode::kInternal, "stage " + stage_.name + " wrote no artifact", items_[task.index].item, {}};
   }
@@ -176,12 +173,12 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
 }
 
 Expected<Cache::Entry> StageRun::Keep(const Task& task, const StageOutcome& outcome) {
-  return state_.cache.Put(task.key, HasArtifact(outcome) ? task.folder / "artifact" : fs::path(), outcome);
+  return state_.cache.Put(task.key, HasArtifact(outcome.kind) ? task.folder / "artifact" : fs::path(), outcome);
 }
 
 void StageRun::Record(std::size_t index, const std::string& key, ItemResult result, double seconds) {
   const StageOutcome& outcome = result.outcome;
-  const bool failed = !HasArtifact(outcome);
+  const bool failed = IsFailure(outcome.kind);
   progress_.Count(!result.from_cache, failed);
   if (!state_.options.dry_run) {
     json entry = {{"stage", stage_.name},
@@ -190,7 +187,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
                   {"outcome", Name(outcome.kind)},
                   {"from_cache", result.from_cache},
                   {"seconds", seconds}};
-    if (failed) entry["reason"] = outcome.error.Message();
+    if (!HasArtifact(outcome.kind)) entry["reason"] = outcome.error.Message();
     if (Status added = state_.journal.Add(std::move(entry)); !added) GiveUp(added.error());
     if (failed && !result.from_cache) {
       progress_.Clear();
@@ -210,8 +207,8 @@ void StageRun::GiveUp(const Error& error) {
 Error StageRun::Interrupted() const {
   return {ErrorCode::kInterrupted,
           std::string("stopped by ") + Interruption::SignalName() + " in stage " + stage_.name + " after " +
-              std::to_string(report_.done + report_.doubtful + report_.refused + report_.crashed) + " of " +
-              std::to_string(items_.size()) + " items",
+              std::to_string(report_.done + report_.doubtful + report_.left_out + report_.refused + report_.crashed) +
+              " of " + std::to_string(items_.size()) + " items",
           {},
           "run the same command again to go on"};
 }

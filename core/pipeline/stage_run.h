@@ -61,6 +61,7 @@ class StageRun {
     std::optional<Task> task;
     Clock::time_point start;
     std::string verdict;  ///< why we killed it; empty when we did not
+    std::string way_out;
   };
 
   // Items
@@ -80,6 +81,7 @@ class StageRun {
   void Answer(Seat& seat, const nlohmann::json& message);
   void Greet(Seat& seat, const nlohmann::json& stages);
   void Lost(Seat& seat);
+  ItemLimits Limits() const;
   void CheckLimits(Seat& seat);
   void HeedSignals();
   void Forward(WorkerProcess& worker);

@@ -167,10 +167,8 @@ void StageRun::Lost(Seat& seat) {
   if (seat.task) {
     StageOutcome crashed;
     crashed.kind = OutcomeKind::kCrashed;
-    crashed.error = {seat.verdict.empty() ? ErrorCode::kInternal : ErrorCode::kUnsupported,
-                     "worker " + why,
-                     "stage " + stage_.name,
-                     {}};
+    crashed.error = {seat.verdict.empty() ? ErrorCode::kInternal : ErrorCode::kUnsupported, "worker " + why,
+                     "stage " + stage_.name, seat.way_out};
     Finish(seat, std::move(crashed));
   } else if (!seat.greeted && !fatal_ && (status == kCannotExecute || ++failed_starts_ >= kStartsTried)) {
     GiveUp({ErrorCode::kMissingOnHost, "worker program '" + stage_.worker + "' does not start: " + why,
@@ -179,16 +177,27 @@ void StageRun::Lost(Seat& seat) {
   seat.worker.reset();
 }
 
+/// Those that the run was told, else the stage's own.
+ItemLimits StageRun::Limits() const {
+  const RunnerOptions& options = state_.options;
+  ItemLimits limits = stage_.limits;
+  limits.time_s = options.item_timeout_s.value_or(limits.time_s * options.time_factor);
+  if (options.item_memory_bytes) limits.memory_bytes = options.item_memory_bytes;
+  return limits;
+}
+
 void StageRun::CheckLimits(Seat& seat) {
   if (!seat.verdict.empty()) return;
   const Clock::time_point now = Clock::now();
-  const RunnerOptions& options = state_.options;
+  const ItemLimits limits = Limits();
   if (!seat.greeted && now - seat.start > kLongestStart) seat.verdict = "did not start within two minutes";
-  if (seat.task && now - seat.task->start > std::chrono::duration<double>(options.item_timeout_s)) {
-    seat.verdict = "ran past the time limit of " + FormatDouble(options.item_timeout_s) + " s";
+  if (seat.task && now - seat.task->start > std::chrono::duration<double>(limits.time_s)) {
+    seat.verdict = "ran past the time limit of " + FormatDouble(limits.time_s) + " s";
+    seat.way_out = "pipeline.item_timeout sets it";
   }
-  if (seat.task && options.item_memory_bytes && seat.worker->MemoryBytes() > *options.item_memory_bytes) {
-    seat.verdict = "ran past the memory limit of " + std::to_string(*options.item_memory_bytes) + " bytes";
+  if (seat.task && limits.memory_bytes && seat.worker->MemoryBytes() > *limits.memory_bytes) {
+    seat.verdict = "ran past the memory limit of " + std::to_string(*limits.memory_bytes) + " bytes";
+    seat.way_out = "pipeline.item_memory sets it";
   }
   if (!seat.verdict.empty()) seat.worker->Signal(SIGKILL);
 }

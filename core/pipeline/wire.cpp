@@ -91,7 +91,8 @@ auto Guarded(const char* thing, const Read& read) -> Expected<decltype(read())> 
 }
 
 OutcomeKind KindFromName(const std::string& name) {
-  for (const OutcomeKind kind : {OutcomeKind::kDone, OutcomeKind::kDoubtful, OutcomeKind::kRefused}) {
+  for (const OutcomeKind kind :
+       {OutcomeKind::kDone, OutcomeKind::kDoubtful, OutcomeKind::kLeftOut, OutcomeKind::kRefused}) {
     if (Name(kind) == name) return kind;
   }
   return OutcomeKind::kCrashed;
@@ -118,9 +119,7 @@ json ToJson(const Error& error) {
 
 json ToJson(const StageOutcome& outcome) {
   json value = {{"kind", Name(outcome.kind)}, {"findings", outcome.findings}, {"summary", outcome.summary}};
-  if (outcome.kind == OutcomeKind::kRefused || outcome.kind == OutcomeKind::kCrashed) {
-    value["error"] = ToJson(outcome.error);
-  }
+  if (!HasArtifact(outcome.kind)) value["error"] = ToJson(outcome.error);
   return value;
 }
 

@@ -208,8 +208,9 @@ Expected<Dataset> ReadDataset(const std::filesystem::path& path) {
   return dataset;
 }
 
-Status WriteEvidence(const Clip& clip, const std::filesystem::path& path) {
+Status WriteEvidence(const Clip& clip, const std::filesystem::path& path, const std::vector<Finding>& findings) {
   Content content;
+  if (!findings.empty()) PackFindings(findings, content);
   store::PackClips({&clip}, content);
   if (Status packed = InFile(store::PackEvidence(clip.evidence, content), path); !packed) return packed;
   content.PutText("/@kinematics", clip.motion ? Kinematics(clip.motion->joints_only()) : "none");
@@ -226,11 +227,12 @@ Status WriteEvidence(const Clip& clip, const std::filesystem::path& path) {
   return store::WriteContent(store::EvidenceSchema(), std::move(content), path);
 }
 
-Expected<Clip> ReadEvidence(const std::filesystem::path& path) {
+Expected<Clip> ReadEvidence(const std::filesystem::path& path, std::vector<Finding>* findings) {
   auto content = store::ReadContent(store::EvidenceSchema(), path);
   if (!content) return Forward(content);
   Clip clip = std::move(store::UnpackClips(*content)[0]);
   clip.evidence = store::UnpackEvidence(*content);
+  if (findings != nullptr) *findings = UnpackFindings(*content);
   if (content->Text("/@kinematics") == "none") return clip;
   auto skeleton = CheckedSkeleton(*content, "", path);
   if (!skeleton) return Forward(skeleton);

@@ -55,9 +55,11 @@ Status WriteDataset(const Dataset& dataset, const std::filesystem::path& path);
 /// Checks the whole file against the table of fields and content_sha256. Error kMalformed names file and dataset path.
 Expected<Dataset> ReadDataset(const std::filesystem::path& path);
 
-/// An evidence artifact, schema "mocurate-evidence/1": one clip with evidence and possibly a given motion.
-Status WriteEvidence(const Clip& clip, const std::filesystem::path& path);
-Expected<Clip> ReadEvidence(const std::filesystem::path& path);
+/// An evidence artifact, schema "mocurate-evidence/1": one clip with evidence and possibly a given motion, and what was
+/// found wrong or doubtful while it was read from its source.
+Status WriteEvidence(const Clip& clip, const std::filesystem::path& path, const std::vector<Finding>& findings = {});
+/// `findings`, when given, gets those of the file.
+Expected<Clip> ReadEvidence(const std::filesystem::path& path, std::vector<Finding>* findings = nullptr);
 
 /// Truth, schema "mocurate-truth/1". No stage before `evaluate` opens it.
 Status WriteTruth(const Truth& truth, const std::filesystem::path& path);

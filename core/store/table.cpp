@@ -150,6 +150,9 @@ void AddDatasetParts(std::vector<Field>& fields) {
       .Add("test", kI4, {"*"}, "", SplitRows(), "clip rows")
       .Add("rule", kText, {}, "", Anything(), "how the split was made")
       .Add("leak_check", kText, {}, "", Anything(), "what the leak check found");
+}
+
+void AddFindings(std::vector<Field>& fields) {
   Group(fields, "/findings", Presence::kGroup)
       .Add("clip", kText, {"N"}, "", Anything(), "clip id; may be of a clip that was dropped")
       .Add("frame_begin", kI4, {"N"}, "frames", Anything(), "[begin, end) of the clip; 0, 0 is the whole clip")
@@ -191,6 +194,7 @@ Schema MakeDatasetSchema() {
   AddSpans(schema.fields, "", "C", kAlways);
   AddFrames(schema.fields, "", kAlways);
   AddDatasetParts(schema.fields);
+  AddFindings(schema.fields);
   return schema;
 }
 
@@ -199,6 +203,7 @@ Schema MakeEvidenceSchema() {
   AddRoot(schema.fields, schema.name, {"none", "tree", "joints"}, kMotion);
   AddClips(schema.fields, "1");
   AddEvidence(schema.fields);
+  AddFindings(schema.fields);
   AddSkeleton(schema.fields, "", kMotion);
   AddSpans(schema.fields, "", "1", kMotion);
   AddFrames(schema.fields, "", kMotion);

@@ -96,6 +96,22 @@ TEST_F(FittingStages, MakeAMotionWithOneSetOfBonesOutOfTracks) {
   EXPECT_EQ(dataset->clips[0].id(), clip_.id());
 }
 
+TEST_F(FittingStages, HandOnWhatIngestFoundBesideTheirOwnFindings) {
+  Finding finding;
+  finding.clip = clip_.id();
+  finding.code = "handedness_contradiction";
+  finding.message = "knees bend backwards";
+  ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5", {finding}));
+  StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
+  const auto fitted = FittingStage(request);
+  ASSERT_TRUE(fitted.has_value()) << fitted.error().Message();
+  const auto dataset = ReadDataset(request.output);
+  ASSERT_TRUE(dataset.has_value()) << dataset.error().Message();
+  ASSERT_EQ(dataset->findings.size(), 1u + fitted->findings.size());
+  EXPECT_EQ(dataset->findings[0], finding);
+  for (const Finding& own : fitted->findings) EXPECT_NE(own.code, finding.code);
+}
+
 TEST_F(FittingStages, WriteTheSameBytesAgain) {
   StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
   ASSERT_TRUE(FittingStage(request).has_value());

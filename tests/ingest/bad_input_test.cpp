@@ -102,15 +102,19 @@ TEST(BadInput, ANameThatDoesNotMatchIsAFindingOrAFailureAndTheOthersStay) {
   auto discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 1u);
-  ASSERT_EQ(discovery->findings.size(), 1u);
-  EXPECT_EQ(discovery->findings[0].clip, "notes.txt");
-  EXPECT_EQ(discovery->findings[0].code, "name_mismatch");
-  EXPECT_EQ(discovery->findings[0].severity, Severity::kWarning);
-  EXPECT_THAT(discovery->findings[0].message, HasSubstr("does not match the pattern 'a{action}_s{person}.txt'"));
+  ASSERT_EQ(discovery->left_out.size(), 1u);
+  EXPECT_EQ(discovery->left_out[0].item, "notes.txt");
+  const StageOutcome passed_over = discovery->left_out[0].outcome;
+  EXPECT_EQ(passed_over.kind, OutcomeKind::kLeftOut);
+  ASSERT_EQ(passed_over.findings.size(), 1u);
+  EXPECT_EQ(passed_over.findings[0].clip, "notes.txt");
+  EXPECT_EQ(passed_over.findings[0].code, "name_mismatch");
+  EXPECT_EQ(passed_over.findings[0].severity, Severity::kWarning);
+  EXPECT_THAT(passed_over.findings[0].message, HasSubstr("does not match the pattern 'a{action}_s{person}.txt'"));
   options.source.other_files = OtherFiles::kError;
-  EXPECT_EQ(Discover(options)->findings[0].severity, Severity::kError);
+  EXPECT_EQ(Discover(options)->left_out[0].outcome.kind, OutcomeKind::kRefused);
   options.source.other_files = OtherFiles::kIgnore;
-  EXPECT_TRUE(Discover(options)->findings.empty());
+  EXPECT_TRUE(Discover(options)->left_out.empty());
 }
 
 TEST(BadInput, ALabelThatIsNotListed) {
@@ -120,8 +124,9 @@ TEST(BadInput, ALabelThatIsNotListed) {
   const auto discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 1u);
-  EXPECT_EQ(discovery->findings[0].code, "label_unknown");
-  EXPECT_EQ(discovery->findings[0].severity, Severity::kError);
+  EXPECT_EQ(discovery->left_out[0].outcome.kind, OutcomeKind::kRefused);
+  EXPECT_EQ(discovery->left_out[0].outcome.findings[0].code, "label_unknown");
+  EXPECT_EQ(discovery->left_out[0].outcome.findings[0].severity, Severity::kError);
 }
 
 TEST(BadInput, AFolderThatIsNotThereOrHoldsNothing) {

@@ -21,7 +21,7 @@ TEST_F(Kard, IsFourHundredThirtyTwoClipsOfEightPeople) {
   const auto discovery = Discover(Declared("kard"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 432u);
-  EXPECT_TRUE(discovery->findings.empty());
+  EXPECT_TRUE(discovery->left_out.empty());
   EXPECT_EQ(discovery->items[0].item, "kard/s01/a01_s01_e01");
   EXPECT_EQ(discovery->items[0].inputs[0].name, "a01_s01_e01_realworld.txt");
   EXPECT_EQ(discovery->items[0].options.dump().find(TestData()), std::string::npos) << "options name the folder";

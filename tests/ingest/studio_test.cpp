@@ -54,7 +54,7 @@ class Studio : public ::testing::Test {
     ingest.source = StudioSource();
     const auto discovery = Discover(ingest);
     EXPECT_TRUE(discovery) << discovery.error().Message();
-    EXPECT_TRUE(discovery->findings.empty());
+    EXPECT_TRUE(discovery->left_out.empty());
     for (const ItemSpec& item : discovery->items) {
       const StageRequest request{"ingest", item.item, item.options, item.inputs, folder_ / "clip.h5", folder_};
       const auto outcome = IngestStage(request);

@@ -68,6 +68,43 @@ TEST_F(Faults, AnItemThatTakesTooMuchMemoryIsEnded) {
   EXPECT_EQ(report->items[0].outcome.error.what, "worker ran past the memory limit of 104857600 bytes");
 }
 
+TEST_F(Faults, AStageHasLimitsOfItsOwnWhichARunMayReplace) {
+  StageDeclaration hang = Stage("hang");
+  hang.limits.time_s = 0.5;
+  const auto own = Run(hang, OneBad());
+  ASSERT_TRUE(own);
+  EXPECT_EQ(own->items[1].outcome.error.what, "worker ran past the time limit of 0.5 s");
+  EXPECT_EQ(own->items[1].outcome.error.hint, "pipeline.item_timeout sets it");
+  options.time_factor = 2.0;  // more work was asked for
+  EXPECT_EQ(Run(hang, OneBad())->items[1].outcome.error.what, "worker ran past the time limit of 1 s");
+  options.item_timeout_s = 0.25;  // what a run states holds as it stands
+  EXPECT_EQ(Run(hang, OneBad())->items[1].outcome.error.what, "worker ran past the time limit of 0.25 s");
+  StageDeclaration hog = Stage("hog");
+  hog.limits.memory_bytes = std::uint64_t{100} << 20;
+  options.item_timeout_s.reset();
+  EXPECT_EQ(Run(hog, {Item("x")})->items[0].outcome.error.hint, "pipeline.item_memory sets it");
+  options.item_memory_bytes = std::uint64_t{50} << 20;
+  EXPECT_EQ(Run(hog, {Item("x")})->items[0].outcome.error.what, "worker ran past the memory limit of 52428800 bytes");
+}
+
+TEST_F(Faults, AnItemLeftOutByARuleIsNoFailureAndIsServedFromTheCacheWithItsRule) {
+  for (const int from_cache : {0, 1}) {
+    const auto report = Run(Stage("leave_out"), {Item("clip")});
+    ASSERT_TRUE(report);
+    EXPECT_EQ(report->left_out, 1);
+    EXPECT_EQ(report->refused + report->crashed + report->done, 0);
+    EXPECT_EQ(report->from_cache, from_cache);
+    const StageOutcome& outcome = report->items[0].outcome;
+    EXPECT_EQ(outcome.kind, OutcomeKind::kLeftOut);
+    EXPECT_FALSE(IsFailure(outcome.kind));
+    EXPECT_EQ(outcome.findings.at(0).code, "too_short");
+    EXPECT_EQ(outcome.error.what, "0.1 s, the least is 0.5 s");
+    EXPECT_TRUE(report->items[0].artifact.empty());
+  }
+  EXPECT_EQ(Journal().at(0).at("outcome"), "left_out");
+  EXPECT_EQ(Journal().at(0).at("reason"), "clip: 0.1 s, the least is 0.5 s");
+}
+
 TEST_F(Faults, AnExceptionOfAStageCostsItsItem) {
   const auto report = Run(Stage("throw"), {Item("x"), Item("y")});
   ASSERT_TRUE(report);
@@ -204,7 +241,9 @@ TEST_F(Faults, OutputsOfKilledRunsAreClearedAway) {
   ASSERT_TRUE(Eventually([&] {
     std::error_code missing;
     for (const auto& entry : fs::directory_iterator(tmp, missing)) {
-      if (fs::exists(entry.path() / "0")) return true;
+      if (!fs::exists(entry.path() / "0")) continue;
+      const fs::directory_iterator scratch(options.cache_folder / "scratch", missing);
+      return scratch != fs::directory_iterator();
     }
     return false;
   }));

@@ -33,7 +33,7 @@ const std::vector<Kind>& Kinds() {
       {"dataset", &store::DatasetSchema(), [](const auto& path) { return WriteDataset(test::MakeDataset(), path); },
        [](const auto& path) { return StatusOf(ReadDataset(path)); }},
       {"evidence", &store::EvidenceSchema(),
-       [](const auto& path) { return WriteEvidence(test::MakeEvidenceClip(true), path); },
+       [](const auto& path) { return WriteEvidence(test::MakeEvidenceClip(true), path, test::MakeDataset().findings); },
        [](const auto& path) { return StatusOf(ReadEvidence(path)); }},
       {"truth", &store::TruthSchema(), [](const auto& path) { return WriteTruth(test::MakeTruth(), path); },
        [](const auto& path) { return StatusOf(ReadTruth(path)); }}};

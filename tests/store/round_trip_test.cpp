@@ -176,6 +176,21 @@ TEST(Store, evidence_comes_back_exactly_with_paths_that_are_not_utf8) {
   }
 }
 
+TEST(Store, evidence_keeps_what_was_found_about_it) {
+  const Folder folder;
+  Finding finding;
+  finding.clip = "KARD/p1/a#0-3";
+  finding.code = "bone_slides";
+  finding.value = 0.25;
+  ASSERT_TRUE(WriteEvidence(MakeEvidenceClip(false), folder / "evidence.h5", {finding, finding}));
+  std::vector<Finding> findings;
+  ASSERT_TRUE(ReadEvidence(folder / "evidence.h5", &findings));
+  EXPECT_EQ(findings, (std::vector<Finding>{finding, finding}));
+  ASSERT_TRUE(WriteEvidence(MakeEvidenceClip(false), folder / "evidence.h5"));
+  ASSERT_TRUE(ReadEvidence(folder / "evidence.h5", &findings));
+  EXPECT_TRUE(findings.empty());
+}
+
 TEST(Store, the_value_of_a_missing_observation_is_never_kept_as_not_a_number) {
   const Folder folder;
   Clip clip = MakeEvidenceClip(false);

@@ -82,6 +82,19 @@ Expected<StageOutcome> Refuse(const StageRequest& request) {
   return Fail(ErrorCode::kMalformed, "not a motion", request.item + ":3", "look at line 3");
 }
 
+/// Like canon with a clip that a rule of its options does not want.
+Expected<StageOutcome> LeaveOut(const StageRequest& request) {
+  StageOutcome outcome;
+  outcome.kind = OutcomeKind::kLeftOut;
+  Finding finding;
+  finding.clip = request.item;
+  finding.code = "too_short";
+  finding.message = "0.1 s, the least is 0.5 s";
+  outcome.findings = {finding};
+  outcome.error = {ErrorCode::kInconsistent, finding.message, request.item, {}};
+  return outcome;
+}
+
 Expected<StageOutcome> Missing(const StageRequest&) { return Fail(ErrorCode::kNotFound, "no such cloud"); }
 
 Expected<StageOutcome> Abort(const StageRequest& request) {
@@ -154,6 +167,7 @@ int main() {
                     {"sleep", SleepStage},
                     {"patient", Patient},
                     {"refuse", Refuse},
+                    {"leave_out", LeaveOut},
                     {"missing", Missing},
                     {"abort", Abort},
                     {"hang", Hang},

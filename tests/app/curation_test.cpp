@@ -1,0 +1,132 @@
+// What becomes of clips that are not kept: those that a rule of the config leaves out are told, but fail nothing.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "core/base/text.h"
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::WriteText;
+using ::testing::HasSubstr;
+
+constexpr int kRowsPerFrame = 20;
+
+/// A folder of captures with one clip of three frames, one empty file and one file that is no capture.
+class Curated : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(RunProgram(folder_, SmallJob(folder_, "first")).exit_code, 0);
+    capture_ = folder_ / "capture";
+    fs::copy(folder_ / "first/capture", capture_);
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(capture_)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    count_ = static_cast<int>(files.size());
+    ASSERT_GT(count_, 5);
+    brief_ = files[2].stem();
+    empty_ = files[4].stem();
+    const std::string text = ReadText(files[2]);
+    std::size_t end = 0;
+    for (int row = 0; row < 3 * kRowsPerFrame; ++row) end = text.find('\n', end) + 1;
+    WriteText(files[2], text.substr(0, end));
+    WriteText(files[4], "");
+    WriteText(capture_ / "notes.doc", "no capture");
+  }
+
+  Result Run(const std::vector<std::string>& assignments, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = SmallJob(folder_, "r");
+    arguments.insert(arguments.end(),
+                     {"--set", "ingest.synthetic.enabled=false", "--set", "ingest.path=" + capture_.string()});
+    for (const std::string& assignment : assignments) arguments.insert(arguments.end(), {"--set", assignment});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(folder_, arguments);
+  }
+
+  /// The line of the curation log whose clip holds `name`.
+  nlohmann::json LogOf(const std::string& name) const {
+    const std::string log = ReadText(folder_ / "r/curation_log.jsonl");
+    for (const std::string_view line : SplitText(log, '\n')) {
+      if (line.empty()) continue;
+      nlohmann::json json = nlohmann::json::parse(line);
+      if (json["clip"].get<std::string>().find(name) != std::string::npos) return json;
+    }
+    ADD_FAILURE() << name << " is not in the log";
+    return {};
+  }
+
+  Folder folder_;
+  fs::path capture_;
+  std::string brief_, empty_;
+  int count_ = 0;
+};
+
+TEST_F(Curated, OnlyBadInputCountsAsFailure) {
+  const Result strict = Run({}, {"--json"});
+  EXPECT_EQ(strict.exit_code, 1) << strict.err;
+  EXPECT_THAT(strict.err, HasSubstr("1 of " + std::to_string(count_ - 1) + " clips failed"));
+  const nlohmann::json document = strict.Json();
+  EXPECT_EQ(document["clips"], count_ + 1);
+  EXPECT_EQ(document["kept"], count_ - 2);
+  EXPECT_EQ(document["left_out"], 2);
+  EXPECT_EQ(document["failed"], 1);
+
+  fs::remove(capture_ / (empty_ + ".txt"));
+  const Result sound = Run({});
+  EXPECT_EQ(sound.exit_code, 0) << sound.err;
+  EXPECT_THAT(sound.out, HasSubstr("left out by rule: 2, 0 failed"));
+}
+
+TEST_F(Curated, TheLogNamesTheRuleOrTheFailure) {
+  Run({});
+  EXPECT_EQ(LogOf(brief_)["decision"], "left_out");
+  EXPECT_EQ(LogOf(brief_)["stage"], "canon");
+  EXPECT_THAT(LogOf(brief_)["rule"], ::testing::AnyOf("too_short", "never_moves"));
+  EXPECT_EQ(LogOf("notes.doc")["decision"], "left_out");
+  EXPECT_EQ(LogOf("notes.doc")["rule"], "name_mismatch");
+  EXPECT_EQ(LogOf(empty_)["decision"], "dropped");
+}
+
+TEST_F(Curated, AFileNameMayBeDeclaredAFailure) {
+  fs::remove(capture_ / (empty_ + ".txt"));
+  const Result result = Run({"ingest.source.other_files=error"});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_EQ(LogOf("notes.doc")["decision"], "dropped");
+}
+
+TEST(Capture, FilesOfOthersInTheFolderOfARunStayAndAreNotRead) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm")).exit_code, 0);
+  WriteText(folder / "r/capture/wave_p01_r9.txt", "mine");
+  const Result result = RunProgram(folder, SmallJob(folder, "r"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(ReadText(folder / "r/capture/wave_p01_r9.txt"), "mine");
+  EXPECT_EQ(ReadText(folder / "r/dataset.h5"), ReadText(folder / "calm/dataset.h5"));
+}
+
+TEST(Limits, AreOptionsOfTheConfig) {
+  const Folder folder;
+  const Result shown = RunProgram(
+      folder, {"config", "show", "--set", "pipeline.item_timeout=2 min", "--set", "pipeline.item_memory=3 GiB"});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("item_timeout: 120"));
+  std::vector<std::string> arguments = SmallJob(folder, "r");
+  arguments.insert(arguments.end(), {"--set", "pipeline.item_memory=1 B"});
+  const Result tight = RunProgram(folder, arguments);
+  EXPECT_EQ(tight.exit_code, 3) << tight.err;
+  EXPECT_THAT(tight.err, HasSubstr("ran past the memory limit of 1 bytes (pipeline.item_memory sets it)"));
+  EXPECT_EQ(RunProgram(folder, {"run", "--set", "pipeline.item_memory=3 min"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace mocurate

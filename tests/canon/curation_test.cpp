@@ -1,0 +1,111 @@
+// What a rule leaves out is no failure, and what was found about a clip on its way stands in the dataset, once.
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+
+#include "canon/options.h"
+#include "canon/stages.h"
+#include "core/motion/kinematics.h"
+#include "core/store/store.h"
+
+namespace mocurate {
+namespace {
+
+class Curation : public testing::Test {
+ protected:
+  Curation() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_curation_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+    canon_.skeleton = "openni15";
+    canon_.facing.rule = FacingRule::kNone;
+    canon_.trim.rule = TrimRule::kMotionEnergy;
+  }
+  ~Curation() override { std::filesystem::remove_all(folder_); }
+
+  /// Evidence of a figure that travels at `speed`, with tracks and a given motion, and one finding of ingest.
+  StageInput Evidence(const std::string& recording, double speed, int frames) const {
+    const SkeletonPtr skeleton = *LoadSkeleton("openni15");
+    JointTracks tracks;
+    tracks.positions = JointPositions(frames, skeleton->joint_count());
+    tracks.confidence.assign(static_cast<std::size_t>(frames) * skeleton->joint_count(), 1.0);
+    for (int j = 0; j < skeleton->joint_count(); ++j) tracks.names.push_back(skeleton->joints[j].name);
+    for (int f = 0; f < frames; ++f) {
+      tracks.time_s.push_back(f / 30.0);
+      for (int j = 0; j < skeleton->joint_count(); ++j) {
+        const int parent = skeleton->joints[j].parent;
+        Vector3d place = skeleton->joints[j].rest_offset;
+        if (parent >= 0) place += tracks.positions.at(f, parent);
+        tracks.positions.at(f, j) = place;
+      }
+      for (int j = 0; j < skeleton->joint_count(); ++j) tracks.positions.at(f, j).z() += speed * f / 30.0;
+    }
+    Clip clip;
+    clip.identity.source = "test";
+    clip.identity.person = "p1";
+    clip.identity.recording = recording;
+    clip.identity.end_frame = frames;
+    clip.label = "walk";
+    clip.rate = FrameRate{30, 1};
+    clip.motion = MakeJointsOnly(skeleton, clip.rate, tracks.positions);
+    clip.evidence.tracks = std::move(tracks);
+    Finding finding;
+    finding.clip = clip.id();
+    finding.code = "handedness_contradiction";
+    finding.message = "knees bend backwards";
+    const auto path = folder_ / (recording + ".h5");
+    const Status written = WriteEvidence(clip, path, {finding});
+    EXPECT_TRUE(written) << written.error().Message();
+    return {"motion", recording, path, "0"};
+  }
+
+  Expected<StageOutcome> Canon(StageInput evidence, const std::string& role) const {
+    evidence.role = role;
+    return CanonStage(
+        {"canon", evidence.name, OptionsToJson(canon_), {evidence}, folder_ / (role + evidence.name), {}});
+  }
+
+  std::filesystem::path folder_;
+  CanonOptions canon_;
+};
+
+TEST_F(Curation, AClipThatNeverMovesOrIsTooShortIsLeftOutByRuleWithTheRulesName) {
+  const auto still = Canon(Evidence("still", 0.0, 60), "motion");
+  ASSERT_TRUE(still) << still.error().Message();
+  EXPECT_EQ(still->kind, OutcomeKind::kLeftOut);
+  EXPECT_EQ(still->findings.back().code, "never_moves");
+  const auto brief = Canon(Evidence("brief", 1.0, 4), "motion");
+  ASSERT_TRUE(brief) << brief.error().Message();
+  EXPECT_EQ(brief->kind, OutcomeKind::kLeftOut);
+  EXPECT_EQ(brief->findings.back().code, "too_short");
+}
+
+TEST_F(Curation, AClipThatCannotBeUsedIsRefusedNotLeftOut) {
+  StageInput evidence = Evidence("walk", 1.0, 60);
+  canon_.skeleton = "nobody";
+  EXPECT_FALSE(Canon(evidence, "tracks"));
+}
+
+TEST_F(Curation, WhatIngestFoundStandsInTheDatasetOnceWhicheverWayTheClipCame) {
+  for (const std::string role : {"motion", "tracks"}) {
+    StageRequest assemble{"assemble", "dataset", OptionsToJson(AssembleOptions()), {}, folder_ / ("set_" + role), {}};
+    for (const char* recording : {"a", "b"}) {
+      const auto outcome = Canon(Evidence(recording, 1.0, 60), role);
+      ASSERT_TRUE(outcome) << outcome.error().Message();
+      ASSERT_EQ(outcome->kind, OutcomeKind::kDone);
+      EXPECT_TRUE(outcome->findings.empty()) << "ingest has told it already";
+      assemble.inputs.push_back({"clip", recording, folder_ / (role + recording), "0"});
+    }
+    ASSERT_TRUE(AssembleStage(assemble));
+    const auto dataset = ReadDataset(assemble.output);
+    ASSERT_TRUE(dataset) << dataset.error().Message();
+    ASSERT_EQ(dataset->findings.size(), 2u);
+    EXPECT_EQ(dataset->findings[0].clip, "test/p1/a#0-60");
+    EXPECT_EQ(dataset->findings[1].clip, "test/p1/b#0-60");
+    EXPECT_EQ(dataset->findings[0].code, "handedness_contradiction");
+  }
+}
+
+}  // namespace
+}  // namespace mocurate
