@@ -1,5 +1,5 @@
 // libFuzzer entry: clang++ -g -O1 -std=c++17 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/fuzz_npy.cpp
-// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text}.cpp -I/usr/include/eigen3
+// core/formats/*.cpp core/geometry/*.cpp core/base/{error,text,path_text}.cpp -I/usr/include/eigen3
 #include <cstddef>
 #include <cstdint>
 
