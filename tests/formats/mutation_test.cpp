@@ -11,6 +11,7 @@
 #include "core/formats/array_fields.h"
 #include "core/formats/bandai_label.h"
 #include "core/formats/bvh.h"
+#include "core/formats/camera_files.h"
 #include "core/formats/depth_sequence.h"
 #include "core/formats/expmap_table.h"
 #include "core/formats/humanact12_pickle.h"
@@ -19,9 +20,13 @@
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
 #include "core/formats/ntu_skeleton.h"
+#include "core/formats/obj.h"
+#include "core/formats/openpose.h"
 #include "core/formats/opensim_table.h"
+#include "core/formats/pcd.h"
 #include "core/formats/phspd_text.h"
 #include "core/formats/pickle.h"
+#include "core/formats/ply.h"
 #include "core/formats/uestc_info.h"
 #include "core/formats/vibe_pickle.h"
 #include "pickle_samples.h"
@@ -173,6 +178,67 @@ TEST(DamagedFiles, ResultsOfBodyEstimators) {
   HumanAct12Clip clip{1, std::vector<double>(72, 0.5), std::vector<double>(72, 0.5), 3};
   Survives(EncodeHumanAct12Pickle({clip}, "seed").value(), 5000,
            [](const std::string& bytes) { (void)ParseHumanAct12Pickle(bytes, "damaged"); });
+}
+
+TEST(DamagedFiles, CloudsAndMeshes) {
+  const std::string header = "element vertex 2\nproperty float x\nproperty list uchar short n\nend_header\n";
+  for (const std::string& seed : {"ply\nformat ascii 1.0\n" + header + "1.5 2 7 8\n2.5 0\n",
+                                  "ply\nformat binary_big_endian 1.0\n" + header + std::string("abcd\1efghij\0", 12)}) {
+    Survives(seed, 20000, [](const std::string& bytes) {
+      const auto ply = ParsePly(bytes, "damaged");
+      if (!ply) return;
+      (void)PlyTriangles(*ply, "damaged");
+      const auto again = ParsePly(WritePly(*ply), "again");
+      ASSERT_TRUE(again && *again == *ply) << bytes;
+    });
+  }
+  Pcd pcd;
+  pcd.width = 2;
+  pcd.missing = {0, 1};
+  pcd.fields = {{"x", NumberType::kFloat32, 1, {1, 0}}, {"rgb", NumberType::kFloat32, 1, {7, 8}}};
+  for (const Pcd::Encoding encoding :
+       {Pcd::Encoding::kAscii, Pcd::Encoding::kBinary, Pcd::Encoding::kBinaryCompressed}) {
+    pcd.encoding = encoding;
+    Survives(WritePcd(pcd), 20000, [](const std::string& bytes) {
+      const auto read = ParsePcd(bytes, "damaged");
+      if (!read) return;
+      const auto again = ParsePcd(WritePcd(*read), "again");
+      ASSERT_TRUE(again && *again == *read) << bytes;
+    });
+  }
+  Survives("v 0 0 0\nv 1 2 3\nvt 0 1\nvn 0 0 1\nf 1/1/1 2//1 -1\n", 20000, [](const std::string& bytes) {
+    const auto obj = ParseObj(bytes, "damaged");
+    if (!obj) return;
+    const auto again = ParseObj(WriteObj(*obj), "again");
+    ASSERT_TRUE(again && *again == *obj) << bytes;
+  });
+}
+
+TEST(DamagedFiles, PeopleAndCameras) {
+  Survives(R"({"version":1.3,"people":[{"person_id":[-1],"pose_keypoints_2d":[1,2,0.5,0,0,0]}]})", 20000,
+           [](const std::string& bytes) {
+             const auto frame = ParseOpenPose(bytes, "damaged");
+             if (!frame) return;
+             const auto again = ParseOpenPose(WriteOpenPose(*frame), "again");
+             ASSERT_TRUE(again && *again == *frame) << bytes;
+           });
+  const std::string pose = R"("R":[[1,0,0],[0,1,0],[0,0,1]],"T":[[1],[2],[3]],"fx":4,"fy":4,"cx":1,"cy":1,)";
+  for (const std::string& seed :
+       {"{\"0\":{" + pose + R"("k":[0,0,0],"p":[0,0]}})",
+        std::string(
+            "[c]\nname = \"c\"\nsize = [ 10.0, 20.0,]\nmatrix = [ [ 5.0, 0.0, 1.0,], [ 0.0, 5.0, 2.0,], [ 0, 0, "
+            "1,],]\ndistortions = [ 0.1, 0.2, 0.3, 0.4,]\nrotation = [1.0, 0, 0]\ntranslation = [0, 0, 4]\n"),
+        std::string("<?xml version='1.0'?><calibration><cameras><camera serial='a'><fov_video left='0' top='0'/>"
+                    "</camera></cameras></calibration>")}) {
+    Survives(seed, 10000, [](const std::string& bytes) {
+      const auto calibration = ParseCalibration(bytes, "damaged");
+      if (!calibration) return;
+      for (const CalibratedView& view : calibration->views) {
+        const Camera camera = CameraOf(view, PoseReading::kCentre, 0.001);
+        ASSERT_TRUE(camera.Centre().allFinite() || !view.translation.allFinite()) << bytes;
+      }
+    });
+  }
 }
 
 TEST(DamagedFiles, DepthSequence) {

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/geometry/rotation.h"
+
+namespace mocurate {
+
+/// A body at rest: skin and joints, metres, y up, facing +z, T-pose.
+struct RestBody {
+  std::vector<Vector3d> vertices;  ///< (V)
+  std::vector<Vector3d> joints;    ///< (J)
+};
+
+/// A rigged body mesh with shape directions: v = v_template + sum of b_k * direction_k, joints likewise.
+struct BodyTemplate {
+  std::vector<std::string> joint_names;           ///< (J)
+  std::vector<int> parents;                       ///< (J); -1 for joint 0, parents precede children
+  std::vector<std::array<int, 3>> faces;          ///< counter-clockwise seen from outside
+  RestBody rest;                                  ///< the template itself
+  std::vector<std::array<int, 4>> weight_joints;  ///< (V) joints that move a vertex
+  std::vector<std::array<double, 4>> weights;     ///< (V) sum to 1
+  std::vector<std::string> shape_names;           ///< (S)
+  std::vector<RestBody> shape_directions;         ///< (S)
+  std::map<std::string, RestBody> variants;       ///< "male", "female", "child": whole bodies, feet at y = 0
+
+  int joint_count() const { return static_cast<int>(parents.size()); }
+
+  /// Every rule above. Error kInconsistent that names the field.
+  Status Check() const;
+};
+
+/// The body of shape coefficients (S, or fewer: the others are 0).
+RestBody Shaped(const BodyTemplate& body, const std::vector<double>& coefficients);
+
+/// Linear blend skinning: G_j = G_parent [R_j | J_j - J_parent], v' = sum of w_j (G_j,rot (v - J_j) + G_j,trans), then
+/// `translation`. Rotations are local, one per joint. Vertices and joints in the world, metres.
+RestBody Posed(const BodyTemplate& body, const RestBody& rest, const std::vector<Quaterniond>& rotations,
+               const Vector3d& translation);
+
+}  // namespace mocurate

@@ -1,0 +1,274 @@
+#include "core/formats/camera_files.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/formats/json_place.h"
+#include "core/formats/qualisys.h"
+#include "core/formats/toml.h"
+
+namespace mocurate {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMaxSide = 100'000;
+constexpr double kFarthest = 1e9;
+
+Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& view) {
+  const Expected<JsonPlace> size = place.Key(key);
+  if (!size) return Forward(size);
+  const Expected<std::vector<double>> sides = size->Numbers(2);
+  if (!sides) return Forward(sides);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Expected<int> side = size->Item(i).Integer(1, kMaxSide);
+    if (!side) return Forward(side);
+    (i == 0 ? view.width : view.height) = *side;
+  }
+  return {};
+}
+
+Status SetMatrix(const JsonPlace& place, const std::string& key, CalibratedView& view) {
+  const Expected<std::vector<double>> matrix = TableAt(place, key, 3, 3);
+  if (!matrix) return Forward(matrix);
+  const std::string fault = SetIntrinsics(*matrix, view);
+  return fault.empty() ? Status() : place.Key(key)->Bad(fault);
+}
+
+/// k1 k2 p1 p2 and, if there, k3.
+Status SetDistortion(const JsonPlace& place, const std::string& key, CalibratedView& view) {
+  const Expected<JsonPlace> list = place.Key(key);
+  if (!list) return Forward(list);
+  if (!list->value->is_array() || list->value->size() < 4 || list->value->size() > 5) {
+    return list->Bad("4 or 5 numbers are expected (k1 k2 p1 p2 k3)");
+  }
+  const Expected<std::vector<double>> k = list->Numbers(list->value->size());
+  if (!k) return Forward(k);
+  view.distortion = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], k->size() > 4 ? (*k)[4] : 0.0};
+  return {};
+}
+
+Status CheckPlace(const JsonPlace& place, const std::string& key, const CalibratedView& view) {
+  if (view.translation.cwiseAbs().maxCoeff() <= kFarthest) return {};
+  return place.Key(key)->Bad("a camera that far away is none (at most 1e9 units)");
+}
+
+/// R as a matrix and a translation of 3 numbers, or 3 rows of one.
+Status SetPose(const JsonPlace& place, const std::string& rotation, const std::string& translation,
+               CalibratedView& view) {
+  const Expected<JsonPlace> r = place.Key(rotation);
+  if (!r) return Forward(r);
+  const Expected<Matrix3d> matrix = r->Rotation();
+  if (!matrix) return Forward(matrix);
+  const Expected<std::vector<double>> t = TableAt(place, translation, 3, 1);
+  if (!t) return Forward(t);
+  view.rotation = *matrix;
+  view.translation = Vector3d((*t)[0], (*t)[1], (*t)[2]);
+  return CheckPlace(place, translation, view);
+}
+
+Status SetName(const JsonPlace& place, CalibratedView& view) {
+  const Expected<JsonPlace> at = place.Key("name");
+  if (!at) return Forward(at);
+  Expected<std::string> text = at->Text();
+  if (!text) return Forward(text);
+  view.name = std::move(*text);
+  return {};
+}
+
+Status TomlCamera(const JsonPlace& place, CalibratedView& view) {
+  if (Status status = SetName(place, view); !status) return status;
+  if (Status status = SetSize(place, "size", view); !status) return status;
+  if (Status status = SetMatrix(place, "matrix", view); !status) return status;
+  if (Status status = SetDistortion(place, "distortions", view); !status) return status;
+  const Expected<Vector3d> rotation = VectorAt(place, "rotation");
+  if (!rotation) return Forward(rotation);
+  view.rotation = ExpMatrix(*rotation);
+  const Expected<Vector3d> translation = VectorAt(place, "translation");
+  if (!translation) return Forward(translation);
+  view.translation = *translation;
+  if (Status status = CheckPlace(place, "translation", view); !status) return status;
+  if (!place.Has("fisheye")) return {};
+  const JsonPlace fisheye = *place.Key("fisheye");
+  if (!fisheye.value->is_boolean()) return fisheye.Bad("true or false is expected");
+  if (!fisheye.value->get<bool>()) return {};
+  return Fail(ErrorCode::kUnsupported, "fisheye lenses are not supported", fisheye.Where());
+}
+
+Status PlainCamera(const JsonPlace& place, CalibratedView& view) {
+  if (Status status = SetName(place, view); !status) return status;
+  if (Status status = SetSize(place, "size", view); !status) return status;
+  if (Status status = SetMatrix(place, "K", view); !status) return status;
+  if (Status status = SetDistortion(place, "dist_k1k2p1p2k3", view); !status) return status;
+  return SetPose(place, "R", "t", view);
+}
+
+Status CampusCamera(const JsonPlace& place, CalibratedView& view) {
+  for (const auto& [key, target] : {std::pair{"fx", &view.fx}, {"fy", &view.fy}, {"cx", &view.cx}, {"cy", &view.cy}}) {
+    const Expected<double> number = NumberAt(place, key);
+    if (!number) return Forward(number);
+    *target = *number;
+  }
+  if (!(view.fx > 0.0)) return place.Key("fx")->Bad("the focal lengths must be positive");
+  if (!(view.fy > 0.0)) return place.Key("fy")->Bad("the focal lengths must be positive");
+  const Expected<std::vector<double>> k = TableAt(place, "k", 3, 1);
+  if (!k) return Forward(k);
+  const Expected<std::vector<double>> p = TableAt(place, "p", 2, 1);
+  if (!p) return Forward(p);
+  view.distortion = {(*k)[0], (*k)[1], (*p)[0], (*p)[1], (*k)[2]};
+  return SetPose(place, "R", "T", view);
+}
+
+Status PanopticCamera(const JsonPlace& place, CalibratedView& view) {
+  if (Status status = SetName(place, view); !status) return status;
+  const Expected<JsonPlace> kind = place.Key("type");
+  if (!kind) return Forward(kind);
+  Expected<std::string> text = kind->Text();
+  if (!text) return Forward(text);
+  view.kind = std::move(*text);
+  if (Status status = SetSize(place, "resolution", view); !status) return status;
+  if (Status status = SetMatrix(place, "K", view); !status) return status;
+  if (Status status = SetDistortion(place, "distCoef", view); !status) return status;
+  return SetPose(place, "R", "t", view);
+}
+
+/// Reads each place with `read`, the name being the last key; `keyed`: by key instead of by number.
+template <class Read>
+Status AddViews(const JsonPlace& list, bool keyed, Read read, Calibration& calibration) {
+  const bool right = keyed ? list.value->is_object() : list.value->is_array();
+  if (!right || list.value->empty()) return list.Bad("at least one camera is expected");
+  for (const auto& item : list.value->items()) {
+    const JsonPlace place{&item.value(), list.path + "/" + item.key(), list.file};
+    if (keyed && (item.key() == "metadata" || item.key() == "capture")) continue;
+    if (!place.value->is_object()) return place.Bad("a camera is expected");
+    CalibratedView view;
+    if (keyed) view.name = item.key();
+    if (Status status = read(place, view); !status) return status;
+    calibration.views.push_back(std::move(view));
+  }
+  return calibration.views.empty() ? list.Bad("at least one camera is expected") : Status();
+}
+
+Expected<Calibration> FromJson(std::string_view bytes, const std::string& name,
+                               Status (*read)(const JsonPlace& root, Calibration& calibration)) {
+  const Expected<json> document = ParseJson(bytes, name);
+  if (!document) return Forward(document);
+  Calibration calibration;
+  if (Status status = read(JsonPlace{&*document, "", &name}, calibration); !status) return Forward(status);
+  return calibration;
+}
+
+Status Human36mView(const JsonPlace& root, const std::string& subject, const JsonPlace& extrinsic,
+                    const std::string& id, Calibration& calibration) {
+  // mmpose, tools/dataset/preprocess_h36m.py
+  constexpr std::array<std::pair<std::string_view, int>, 4> kHeights = {
+      {{"54138969", 1002}, {"55011271", 1000}, {"58860488", 1000}, {"60457274", 1002}}};
+  CalibratedView view;
+  view.name = id;
+  view.world = subject;
+  for (const auto& [known, height] : kHeights) {
+    if (known == id) view.width = 1000, view.height = height;
+  }
+  const Expected<JsonPlace> intrinsics = root.Key("intrinsics");
+  if (!intrinsics) return Forward(intrinsics);
+  const Expected<JsonPlace> own = intrinsics->Key(id);
+  if (!own) return Forward(own);
+  if (Status status = SetMatrix(*own, "calibration_matrix", view); !status) return status;
+  if (Status status = SetDistortion(*own, "distortion", view); !status) return status;
+  if (Status status = SetPose(extrinsic, "R", "t", view); !status) return status;
+  calibration.views.push_back(std::move(view));
+  return {};
+}
+
+}  // namespace
+
+Expected<Calibration> ParsePose2SimToml(std::string_view bytes, const std::string& name) {
+  const Expected<json> document = ParseToml(bytes, name);
+  if (!document) return Forward(document);
+  Calibration calibration;
+  calibration.dialect = "pose2sim_toml";
+  calibration.reading = PoseReading::kWorldToCamera;
+  calibration.metres_per_unit = 1.0;
+  const JsonPlace root{&*document, "", &name};
+  if (Status status = AddViews(root, true, TomlCamera, calibration); !status) return Forward(status);
+  return calibration;
+}
+
+Expected<Calibration> ParsePlainCameras(std::string_view bytes, const std::string& name) {
+  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+    calibration.dialect = "plain_json";
+    for (const char* key : {"units", "convention", "cameras"}) {
+      if (const Expected<JsonPlace> at = root.Key(key); !at) return Forward(at);
+    }
+    const Expected<std::string> units = root.Key("units")->Text();
+    if (!units) return Forward(units);
+    const Expected<std::string> convention = root.Key("convention")->Text();
+    if (!convention) return Forward(convention);
+    if (*units == "metre" || *units == "m") calibration.metres_per_unit = 1.0;
+    if (*units == "centimetre" || *units == "cm") calibration.metres_per_unit = 0.01;
+    if (*units == "millimetre" || *units == "mm") calibration.metres_per_unit = 0.001;
+    if (calibration.metres_per_unit == 0.0)
+      return root.Key("units")->Bad("metre, centimetre or millimetre is expected");
+    if (convention->rfind("x_cam = R X_world + t", 0) != 0) {
+      return root.Key("convention")->Bad("'x_cam = R X_world + t' is expected");
+    }
+    calibration.reading = PoseReading::kWorldToCamera;
+    return AddViews(*root.Key("cameras"), false, PlainCamera, calibration);
+  });
+}
+
+Expected<Calibration> ParseHuman36m(std::string_view bytes, const std::string& name) {
+  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+    calibration.dialect = "human36m";
+    const Expected<JsonPlace> subjects = root.Key("extrinsics");
+    if (!subjects) return Forward(subjects);
+    if (!subjects->value->is_object() || subjects->value->empty()) return subjects->Bad("a subject is expected");
+    for (const auto& subject : subjects->value->items()) {
+      const JsonPlace cameras{&subject.value(), subjects->path + "/" + subject.key(), root.file};
+      if (!cameras.value->is_object() || cameras.value->empty()) return cameras.Bad("at least one camera is expected");
+      for (const auto& camera : cameras.value->items()) {
+        const JsonPlace place{&camera.value(), cameras.path + "/" + camera.key(), root.file};
+        Status status = Human36mView(root, subject.key(), place, camera.key(), calibration);
+        if (!status) return status;
+      }
+    }
+    return {};
+  });
+}
+
+Expected<Calibration> ParseCampusShelf(std::string_view bytes, const std::string& name) {
+  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+    calibration.dialect = "campus_shelf";
+    return AddViews(root, true, CampusCamera, calibration);
+  });
+}
+
+Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::string& name) {
+  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+    calibration.dialect = "panoptic";
+    const Expected<JsonPlace> cameras = root.Key("cameras");
+    if (!cameras) return Forward(cameras);
+    return AddViews(*cameras, false, PanopticCamera, calibration);
+  });
+}
+
+Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string& name) {
+  const std::string_view content = Trim(bytes);
+  if (!content.empty() && content[0] == '<') return ParseQualisys(bytes, name);
+  if (!content.empty() && content[0] != '{') return ParsePose2SimToml(bytes, name);
+  const Expected<json> document = ParseJson(bytes, name);
+  if (!document) return Forward(document);
+  const JsonPlace root{&*document, "", &name};
+  if (root.Has("rig")) return ParsePhspdRigs(bytes, name);
+  if (root.Has("extrinsics")) return ParseHuman36m(bytes, name);
+  if (root.Has("convention")) return ParsePlainCameras(bytes, name);
+  if (root.Has("cameras")) return ParsePanopticCameras(bytes, name);
+  const bool campus = !document->empty() && JsonPlace{&document->begin().value(), "", &name}.Has("fx");
+  if (campus) return ParseCampusShelf(bytes, name);
+  return Fail(ErrorCode::kUnsupported, "the file is no calibration of a known kind", name,
+              "known are Qualisys, Pose2Sim, Human3.6M, Campus/Shelf, Panoptic, PHSPD and plain cameras");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/error.h"
+#include "core/formats/calibration.h"
+
+namespace mocurate {
+
+/// Calibrations as JSON and TOML, each a dialect of its own. Where a file does not say what R and t mean or its unit,
+/// the Calibration leaves it unknown (ingest/sense/calibration_sense.h decides by evidence). Errors kMalformed and
+/// kInconsistent with the path of the field ("calib.json:/cameras/3/K").
+
+/// Pose2Sim and Anipose: [cam] name, size, matrix, distortions (4 or 5), rotation (rotation vector), translation. The
+/// format says world-to-camera and metres; fisheye = true is kUnsupported.
+Expected<Calibration> ParsePose2SimToml(std::string_view bytes, const std::string& name);
+
+/// {"units": "metre", "convention": "x_cam = R X_world + t...", "cameras": [{name, size, K, dist_k1k2p1p2k3, R, t}]}.
+Expected<Calibration> ParsePlainCameras(std::string_view bytes, const std::string& name);
+
+/// Human3.6M (karfly): "intrinsics" per camera, "extrinsics" per subject and camera, R and t. A view per subject and
+/// camera, world = the subject. The image size is known by the camera's number.
+Expected<Calibration> ParseHuman36m(std::string_view bytes, const std::string& name);
+
+/// Campus and Shelf (VoxelPose): an object of cameras by number: R, T, fx, fy, cx, cy, k (3), p (2). No image size.
+Expected<Calibration> ParseCampusShelf(std::string_view bytes, const std::string& name);
+
+/// CMU Panoptic: "cameras" with name, type, resolution, K, distCoef (k1 k2 p1 p2 k3), R, t.
+Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::string& name);
+
+/// PHSPD rigs: per rig the polarisation camera "p" (the world), Kinect v2 depth "d1".. and colour "c1".. cameras; poses
+/// as qw qx qy qz tx ty tz, normalised here. The lens numbers k1 k2 k3 are left out as the source's own code does. The
+/// boards p1w.. are the subject points; the image sizes are those of the sensors (Kinect v2, 1224 x 1024).
+Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name);
+
+/// Any of them by what the file holds; Qualisys too. Error kUnsupported when it is none.
+Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string& name);
+
+}  // namespace mocurate

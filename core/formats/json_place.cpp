@@ -1,0 +1,148 @@
+#include "core/formats/json_place.h"
+
+#include <cmath>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+
+using nlohmann::json;
+
+tl::unexpected<Error> JsonPlace::Bad(const std::string& rule) const {
+  return Fail(ErrorCode::kMalformed, rule, Where());
+}
+
+Expected<JsonPlace> JsonPlace::Key(const std::string& key) const {
+  if (!Has(key)) return Bad("the key '" + key + "' is missing");
+  return JsonPlace{&(*value)[key], path + "/" + key, file};
+}
+
+Expected<std::vector<JsonPlace>> JsonPlace::Items() const {
+  if (!value->is_array() || value->empty()) return Bad("a list that is not empty is expected");
+  std::vector<JsonPlace> items;
+  for (std::size_t i = 0; i < value->size(); ++i) items.push_back(Item(i));
+  return items;
+}
+
+Expected<double> JsonPlace::Number() const {
+  if (!value->is_number()) return Bad("a number is expected");
+  const double number = value->get<double>();
+  if (!std::isfinite(number)) return Bad("a finite number is expected");
+  return number;
+}
+
+Expected<int> JsonPlace::Integer(int min, int max) const {
+  const Expected<double> number = Number();
+  if (!number) return Forward(number);
+  if (*number < min || *number > max || *number != std::floor(*number)) {
+    return Bad("a whole number from " + std::to_string(min) + " to " + std::to_string(max) + " is expected, not " +
+               FormatDouble(*number));
+  }
+  return static_cast<int>(*number);
+}
+
+Expected<std::string> JsonPlace::Text() const {
+  if (!value->is_string()) return Bad("a text is expected");
+  return value->get<std::string>();
+}
+
+Expected<std::vector<double>> JsonPlace::Numbers(std::size_t count) const {
+  if (!value->is_array() || value->size() != count) return Bad(std::to_string(count) + " numbers are expected");
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Expected<double> number = Item(i).Number();
+    if (!number) return Forward(number);
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+Expected<std::vector<double>> JsonPlace::Table(std::size_t rows, std::size_t columns) const {
+  if (!value->is_array() || value->size() != rows) {
+    return Bad(std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers are expected");
+  }
+  std::vector<double> table;
+  for (std::size_t r = 0; r < rows; ++r) {
+    const JsonPlace row = Item(r);
+    if (columns == 1 && row.value->is_number()) {
+      const Expected<double> number = row.Number();
+      if (!number) return Forward(number);
+      table.push_back(*number);
+      continue;
+    }
+    const Expected<std::vector<double>> numbers = row.Numbers(columns);
+    if (!numbers) return Forward(numbers);
+    table.insert(table.end(), numbers->begin(), numbers->end());
+  }
+  return table;
+}
+
+Expected<Vector3d> JsonPlace::Vector() const {
+  const Expected<std::vector<double>> numbers = Numbers(3);
+  if (!numbers) return Forward(numbers);
+  return Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+}
+
+Expected<Matrix3d> JsonPlace::Matrix() const {
+  const Expected<std::vector<double>> numbers = Table(3, 3);
+  if (!numbers) return Forward(numbers);
+  return Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data()));
+}
+
+Expected<Matrix3d> JsonPlace::Rotation(double tolerance) const {
+  const Expected<Matrix3d> matrix = Matrix();
+  if (!matrix) return Forward(matrix);
+  const std::string fault = RotationFault(*matrix, tolerance);
+  if (!fault.empty()) return Fail(ErrorCode::kInconsistent, fault, Where());
+  return *matrix;
+}
+
+std::string RotationFault(const Matrix3d& matrix, double tolerance) {
+  const double deviation = (matrix * matrix.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  const double determinant = matrix.determinant();
+  if (deviation < tolerance && determinant > 0.0) return {};
+  return "the matrix is no rotation (deviation " + FormatDouble(deviation) + ", determinant " +
+         FormatDouble(determinant) + ")";
+}
+
+Expected<json> ParseJson(std::string_view bytes, const std::string& name) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
+  if (Trim(bytes).empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  json value = json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  if (value.is_discarded()) return Fail(ErrorCode::kMalformed, "the file is not valid JSON", name);
+  return value;
+}
+
+Expected<std::vector<double>> NumbersAt(const JsonPlace& place, const std::string& key, std::size_t count) {
+  const Expected<JsonPlace> at = place.Key(key);
+  if (!at) return Forward(at);
+  return at->Numbers(count);
+}
+
+Expected<std::vector<double>> TableAt(const JsonPlace& place, const std::string& key, std::size_t rows,
+                                      std::size_t columns) {
+  const Expected<JsonPlace> at = place.Key(key);
+  if (!at) return Forward(at);
+  return at->Table(rows, columns);
+}
+
+Expected<int> IntegerAt(const JsonPlace& place, const std::string& key, int min, int max) {
+  const Expected<JsonPlace> at = place.Key(key);
+  if (!at) return Forward(at);
+  return at->Integer(min, max);
+}
+
+Expected<double> NumberAt(const JsonPlace& place, const std::string& key) {
+  const Expected<JsonPlace> at = place.Key(key);
+  if (!at) return Forward(at);
+  return at->Number();
+}
+
+Expected<Vector3d> VectorAt(const JsonPlace& place, const std::string& key) {
+  const Expected<JsonPlace> at = place.Key(key);
+  if (!at) return Forward(at);
+  return at->Vector();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,190 @@
+#include "core/formats/obj.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/text.h"
+#include "core/formats/binary_numbers.h"
+
+namespace mocurate {
+namespace {
+
+/// Keywords of the format that carry no polygon.
+bool IsPassedOver(std::string_view keyword) {
+  static constexpr std::string_view kKeywords[] = {
+      "o",   "g",    "s",    "l",     "p",        "vp",       "usemtl", "mtllib",     "maplib",    "usemap", "cstype",
+      "deg", "bmat", "step", "curv",  "curv2",    "surf",     "parm",   "trim",       "hole",      "scrv",   "sp",
+      "end", "con",  "mg",   "bevel", "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj", "ctech",  "stech"};
+  return std::find(std::begin(kKeywords), std::end(kKeywords), keyword) != std::end(kKeywords);
+}
+
+class ObjParser {
+ public:
+  ObjParser(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  Expected<Obj> Parse() {
+    std::string joined;
+    for (std::string_view line; NextLine(line);) {
+      // A backslash at the end continues the line.
+      line = Trim(line);
+      if (!line.empty() && line.back() == '\\') {
+        line.remove_suffix(1);
+        joined.append(line).append(" ");
+        continue;
+      }
+      joined.append(line);
+      Status read = Line(joined);
+      if (!read) return Forward(read);
+      joined.clear();
+    }
+    if (!joined.empty()) return Bad("the last line is to be continued, but the file ends");
+    if (obj_.vertices.empty()) return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_);
+    return std::move(obj_);
+  }
+
+ private:
+  tl::unexpected<Error> Bad(const std::string& rule) const {
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+  }
+
+  bool NextLine(std::string_view& line) {
+    if (at_ >= bytes_.size()) return false;
+    std::size_t end = bytes_.find('\n', at_);
+    if (end == std::string_view::npos) end = bytes_.size();
+    line = bytes_.substr(at_, end - at_);
+    at_ = end + 1;
+    ++line_;
+    return true;
+  }
+
+  Status Line(std::string_view line) {
+    line = Trim(line.substr(0, line.find('#')));
+    if (line.empty()) return {};
+    const std::vector<std::string_view> words = SplitBlanks(line);
+    if (words[0] == "v") return Vertex(words);
+    if (words[0] == "vn") return Normal(words);
+    if (words[0] == "vt") return Texture(words);
+    if (words[0] == "f") return Face(words);
+    if (IsPassedOver(words[0])) return {};
+    return Bad("'" + ShownText(words[0]) + "' is no keyword of the format");
+  }
+
+  Expected<std::vector<double>> Numbers(const std::vector<std::string_view>& words) const {
+    std::vector<double> numbers;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const std::optional<double> number = ParseDouble(words[i]);
+      if (!number || !std::isfinite(*number)) return Bad("'" + ShownText(words[i]) + "' is not a finite number");
+      numbers.push_back(*number);
+    }
+    return numbers;
+  }
+
+  Status Vertex(const std::vector<std::string_view>& words) {
+    const Expected<std::vector<double>> numbers = Numbers(words);
+    if (!numbers) return Forward(numbers);
+    const std::size_t n = numbers->size();
+    if (n != 3 && n != 4 && n != 6 && n != 7) return Bad("a vertex has 3 numbers, not " + std::to_string(n));
+    obj_.vertices.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    return {};
+  }
+
+  Status Normal(const std::vector<std::string_view>& words) {
+    const Expected<std::vector<double>> numbers = Numbers(words);
+    if (!numbers) return Forward(numbers);
+    if (numbers->size() != 3) return Bad("a normal has 3 numbers, not " + std::to_string(numbers->size()));
+    obj_.normals.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    return {};
+  }
+
+  Status Texture(const std::vector<std::string_view>& words) {
+    const Expected<std::vector<double>> numbers = Numbers(words);
+    if (!numbers) return Forward(numbers);
+    if (numbers->empty() || numbers->size() > 3) return Bad("a texture point has 1 to 3 numbers");
+    obj_.textures.emplace_back((*numbers)[0], numbers->size() > 1 ? (*numbers)[1] : 0.0);
+    return {};
+  }
+
+  Status Face(const std::vector<std::string_view>& words) {
+    if (words.size() < 4) return Bad("a face has at least 3 corners, not " + std::to_string(words.size() - 1));
+    std::vector<ObjCorner> face;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const std::vector<std::string_view> parts = SplitText(words[i], '/');
+      if (parts.size() > 3) return Bad("'" + ShownText(words[i]) + "' is no corner v, v/vt, v//vn or v/vt/vn");
+      ObjCorner corner;
+      Status read = Index(parts[0], obj_.vertices.size(), "vertex", corner.vertex);
+      if (read && parts.size() > 1 && !(parts[1].empty() && parts.size() == 3)) {
+        read = Index(parts[1], obj_.textures.size(), "texture point", corner.texture);
+      }
+      if (read && parts.size() > 2) read = Index(parts[2], obj_.normals.size(), "normal", corner.normal);
+      if (!read) return read;
+      face.push_back(corner);
+    }
+    obj_.faces.push_back(std::move(face));
+    return {};
+  }
+
+  Status Index(std::string_view text, std::size_t count, const std::string& what, int& index) const {
+    const std::optional<long long> number = ParseInteger(text);
+    const auto size = static_cast<long long>(count);
+    if (!number) return Bad("'" + ShownText(text) + "' is no index of a " + what);
+    if (*number == 0 || *number > size || *number < -size) {
+      return Bad("there is no " + what + " " + std::to_string(*number) + " (" + std::to_string(size) + " so far)");
+    }
+    index = static_cast<int>(*number > 0 ? *number - 1 : size + *number);
+    return {};
+  }
+
+  std::string_view bytes_;
+  const std::string& name_;
+  std::size_t at_ = 0;
+  int line_ = 0;
+  Obj obj_;
+};
+
+}  // namespace
+
+bool operator==(const ObjCorner& a, const ObjCorner& b) {
+  return a.vertex == b.vertex && a.texture == b.texture && a.normal == b.normal;
+}
+
+bool operator==(const Obj& a, const Obj& b) {
+  return a.vertices == b.vertices && a.textures == b.textures && a.normals == b.normals && a.faces == b.faces;
+}
+
+Expected<Obj> ParseObj(std::string_view bytes, const std::string& name) { return ObjParser(bytes, name).Parse(); }
+
+std::string WriteObj(const Obj& obj) {
+  std::string text;
+  const auto line = [&](const char* keyword, const double* numbers, int count) {
+    text += keyword;
+    for (int i = 0; i < count; ++i) text += " " + FormatDouble(numbers[i]);
+    text += '\n';
+  };
+  for (const Vector3d& vertex : obj.vertices) line("v", vertex.data(), 3);
+  for (const Vector2d& texture : obj.textures) line("vt", texture.data(), 2);
+  for (const Vector3d& normal : obj.normals) line("vn", normal.data(), 3);
+  for (const std::vector<ObjCorner>& face : obj.faces) {
+    text += 'f';
+    for (const ObjCorner& corner : face) {
+      text += " " + std::to_string(corner.vertex + 1);
+      if (corner.texture >= 0 || corner.normal >= 0) text += '/';
+      if (corner.texture >= 0) text += std::to_string(corner.texture + 1);
+      if (corner.normal >= 0) text += "/" + std::to_string(corner.normal + 1);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::vector<std::array<int, 3>> ObjTriangles(const Obj& obj) {
+  std::vector<std::array<int, 3>> triangles;
+  for (const std::vector<ObjCorner>& face : obj.faces) {
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) {
+      triangles.push_back({face[0].vertex, face[k].vertex, face[k + 1].vertex});
+    }
+  }
+  return triangles;
+}
+
+}  // namespace mocurate

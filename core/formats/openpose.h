@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// A point in an image as a detector gives it. Not detected: 0, 0, 0.
+struct DetectedKeypoint {
+  double u_px = 0;
+  double v_px = 0;
+  double confidence = 0;
+
+  bool detected() const { return confidence > 0; }
+};
+
+struct OpenPosePerson {
+  int person_id = -1;                  ///< -1: not tracked
+  std::vector<DetectedKeypoint> pose;  ///< empty: a person entry without keypoints, as the artificial ones may have
+  std::vector<DetectedKeypoint> face;
+  std::vector<DetectedKeypoint> hand_left;
+  std::vector<DetectedKeypoint> hand_right;
+};
+
+/// One image of one camera. The file does not say which layout the points follow.
+struct OpenPoseFrame {
+  double version = 1.3;
+  std::vector<OpenPosePerson> people;
+};
+
+bool operator==(const DetectedKeypoint& a, const DetectedKeypoint& b);
+bool operator==(const OpenPosePerson& a, const OpenPosePerson& b);
+bool operator==(const OpenPoseFrame& a, const OpenPoseFrame& b);
+
+/// Older files without person_id and without face or hands are read; 3D keypoints are passed over. Error kMalformed
+/// with "name:/people/0/pose_keypoints_2d" for a count that is no multiple of 3, a number that is not finite, a
+/// confidence below 0, or a point with coordinates but without confidence.
+Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string& name);
+std::string WriteOpenPose(const OpenPoseFrame& frame);
+
+/// An order in which detectors list body keypoints.
+struct KeypointLayout {
+  std::string name;                 ///< "BODY_25", "BODY_25B", "COCO_17", "COCO_18"
+  std::vector<std::string> points;  ///< "nose", "left_shoulder", "mid_hip", ...
+
+  /// -1 when the layout has no such point.
+  int Find(std::string_view point) const;
+};
+
+const std::vector<KeypointLayout>& KeypointLayouts();
+
+}  // namespace mocurate

@@ -1,0 +1,380 @@
+#include "core/formats/pcd.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "core/base/text.h"
+#include "core/formats/lzf.h"
+#include "core/formats/number_scanner.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::uint32_t kColourMask = 0xFFFFFFU;
+
+float ColourAsFloat(double colour) {
+  const auto bits = static_cast<std::uint32_t>(colour);
+  float value = 0.0F;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+double ColourFromFloat(float value) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits & kColourMask;
+}
+
+bool IsAxis(const PcdField& field) { return field.name == "x" || field.name == "y" || field.name == "z"; }
+
+class PcdParser {
+ public:
+  PcdParser(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  Expected<Pcd> Parse() {
+    if (bytes_.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_);
+    if (Status header = Header(); !header) return Forward(header);
+    Status body = pcd_.encoding == Pcd::Encoding::kAscii ? Ascii() : Binary();
+    if (!body) return Forward(body);
+    // Where one coordinate is nan, none is read.
+    for (PcdField& field : pcd_.fields) {
+      if (!IsAxis(field)) continue;
+      for (std::size_t i = 0; i < field.values.size(); ++i) {
+        if (pcd_.missing[i / static_cast<std::size_t>(field.count)] != 0) field.values[i] = 0.0;
+      }
+    }
+    return std::move(pcd_);
+  }
+
+ private:
+  tl::unexpected<Error> BadLine(const std::string& rule) const {
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+  }
+
+  Status Header() {
+    constexpr std::string_view kOrder[] = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+                                           "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+    std::size_t next = 0;
+    while (at_ < bytes_.size()) {
+      const std::size_t end = bytes_.find('\n', at_);
+      if (end == std::string_view::npos) break;
+      std::string_view line = Trim(bytes_.substr(at_, end - at_));
+      at_ = end + 1;
+      ++line_;
+      if (line.empty() || line[0] == '#') continue;
+      const std::vector<std::string_view> words = SplitBlanks(line);
+      // COUNT and VIEWPOINT may be left out.
+      if (words[0] != kOrder[next] && (kOrder[next] == "COUNT" || kOrder[next] == "VIEWPOINT")) ++next;
+      if (words[0] != kOrder[next]) {
+        return BadLine("'" + std::string(kOrder[next]) + "' is expected, not '" + ShownText(words[0]) + "'");
+      }
+      if (Status read = HeaderLine(words); !read) return read;
+      if (++next == std::size(kOrder)) return {};
+    }
+    return Fail(ErrorCode::kMalformed, "the header has no line '" + std::string(kOrder[next]) + "'", name_,
+                "is this a PCD file, and is it whole?");
+  }
+
+  Status HeaderLine(const std::vector<std::string_view>& words) {
+    const std::string_view key = words[0];
+    if (key == "VERSION") {
+      const bool known = words.size() == 2 && (words[1] == "0.7" || words[1] == ".7" || words[1] == "0.6");
+      return known ? Status() : BadLine("only versions 0.7 and 0.6 are known");
+    }
+    if (key == "FIELDS") {
+      for (std::size_t i = 1; i < words.size(); ++i) {
+        PcdField field;
+        field.name = std::string(words[i]);
+        if (field.name != "_" && pcd_.Find(field.name) != nullptr) {
+          return BadLine("the field '" + ShownText(field.name) + "' comes twice");
+        }
+        pcd_.fields.push_back(std::move(field));
+      }
+      return pcd_.fields.empty() ? BadLine("the file has no fields") : Status();
+    }
+    if (key == "SIZE" || key == "TYPE" || key == "COUNT") return PerField(words);
+    if (key == "VIEWPOINT") {
+      if (words.size() != 8) return BadLine("VIEWPOINT has 7 numbers");
+      for (std::size_t i = 0; i < 7; ++i) {
+        const std::optional<double> value = ParseDouble(words[i + 1]);
+        if (!value || !std::isfinite(*value)) return BadLine("'" + ShownText(words[i + 1]) + "' is not a number");
+        pcd_.viewpoint[i] = *value;
+      }
+      return {};
+    }
+    if (words.size() != 2) return BadLine(std::string(key) + " has one value");
+    if (key == "DATA") {
+      constexpr std::string_view kEncodings[] = {"ascii", "binary", "binary_compressed"};
+      const auto found = std::find(std::begin(kEncodings), std::end(kEncodings), words[1]);
+      if (found == std::end(kEncodings)) return BadLine("DATA is ascii, binary or binary_compressed");
+      pcd_.encoding = static_cast<Pcd::Encoding>(found - std::begin(kEncodings));
+      return {};
+    }
+    const std::optional<long long> value = ParseInteger(words[1]);
+    const long long min = key == "HEIGHT" ? 1 : 0;
+    if (!value || *value < min || *value > std::numeric_limits<int>::max()) {
+      return BadLine("'" + ShownText(words[1]) + "' is no count");
+    }
+    if (key == "WIDTH") pcd_.width = static_cast<int>(*value);
+    if (key == "HEIGHT") pcd_.height = static_cast<int>(*value);
+    if (key == "POINTS" && *value != static_cast<long long>(pcd_.width) * pcd_.height) {
+      return Fail(ErrorCode::kInconsistent, "POINTS is not WIDTH times HEIGHT", name_ + ":" + std::to_string(line_));
+    }
+    return {};
+  }
+
+  Status PerField(const std::vector<std::string_view>& words) {
+    if (words.size() != pcd_.fields.size() + 1) {
+      return BadLine(std::string(words[0]) + " needs one value for each of the " + std::to_string(pcd_.fields.size()) +
+                     " fields");
+    }
+    if (words[0] == "SIZE") sizes_.clear();
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      PcdField& field = pcd_.fields[i - 1];
+      const std::optional<long long> number = ParseInteger(words[i]);
+      if (words[0] == "SIZE") {
+        if (!number || (*number != 1 && *number != 2 && *number != 4 && *number != 8)) {
+          return BadLine("the size '" + ShownText(words[i]) + "' is not 1, 2, 4 or 8");
+        }
+        sizes_.push_back(*number);
+      } else if (words[0] == "COUNT") {
+        if (!number || *number < 1 || *number > 100'000) return BadLine("'" + ShownText(words[i]) + "' is no count");
+        field.count = static_cast<int>(*number);
+      } else if (Status type = TypeOf(words[i], sizes_[i - 1], field); !type) {
+        return type;
+      }
+    }
+    return {};
+  }
+
+  Status TypeOf(std::string_view type, long long size, PcdField& field) const {
+    if (type == "F" && (size == 4 || size == 8)) {
+      field.type = size == 4 ? NumberType::kFloat32 : NumberType::kFloat64;
+    } else if ((type == "I" || type == "U") && size == 8) {
+      return Fail(ErrorCode::kUnsupported, "the field '" + field.name + "' has whole numbers of 8 bytes", name_);
+    } else if (type == "I") {
+      field.type = size == 1 ? NumberType::kInt8 : size == 2 ? NumberType::kInt16 : NumberType::kInt32;
+    } else if (type == "U") {
+      field.type = size == 1 ? NumberType::kUint8 : size == 2 ? NumberType::kUint16 : NumberType::kUint32;
+    } else {
+      return BadLine("the type '" + ShownText(type) + "' of " + std::to_string(size) +
+                     " bytes is not F (4, 8), I or U (1, 2, 4)");
+    }
+    return {};
+  }
+
+  std::size_t points() const { return static_cast<std::size_t>(pcd_.width) * static_cast<std::size_t>(pcd_.height); }
+  std::size_t BytesPerPoint() const {
+    std::size_t bytes = 0;
+    for (const PcdField& field : pcd_.fields) bytes += SizeOf(field.type) * static_cast<std::size_t>(field.count);
+    return bytes;
+  }
+
+  /// Takes a number over; empty: it is nan. Infinite ones are refused.
+  Status Put(std::size_t point, PcdField& field, std::optional<double> value) {
+    const auto where = [&] {
+      const std::string line = pcd_.encoding == Pcd::Encoding::kAscii ? std::to_string(line_) + ":" : "";
+      return name_ + ":" + line + "point " + std::to_string(point) + "/" + field.name;
+    };
+    if (!value) {
+      if (IsInteger(field.type)) return Fail(ErrorCode::kMalformed, "a whole number is nan", where());
+      if (IsAxis(field)) pcd_.missing[point] = 1;
+      field.values.push_back(0.0);
+      return {};
+    }
+    if (const std::string fault = NumberFault(*value, field.type); !fault.empty()) {
+      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " " + fault, where());
+    }
+    field.values.push_back(field.PackedColour() ? ColourFromFloat(static_cast<float>(*value))
+                                                : RoundedTo(field.type, *value));
+    return {};
+  }
+
+  Status Ascii() {
+    std::size_t columns = 0;
+    for (const PcdField& field : pcd_.fields) columns += static_cast<std::size_t>(field.count);
+    if (points() > (bytes_.size() - at_) / (2 * columns) + 1) return TooShort();
+    pcd_.missing.assign(points(), 0);
+    NumberScanner scanner(bytes_.substr(at_), false, line_ + 1);
+    using Token = NumberScanner::Token;
+    Token token = scanner.Next();
+    for (std::size_t i = 0; i < points(); ++i) {
+      while (token == Token::kLineEnd) token = scanner.Next();
+      line_ = scanner.line();
+      for (PcdField& field : pcd_.fields) {
+        for (int k = 0; k < field.count; ++k, token = scanner.Next()) {
+          if (token == Token::kEnd) return TooShort();
+          if (token == Token::kLineEnd) return BadLine("the line has too few numbers, '" + field.name + "' is missing");
+          const bool nan = token == Token::kNotFinite && scanner.text().find_first_of("nN") < 2 &&
+                           scanner.text().find_first_of("fF") == std::string_view::npos;
+          if (token != Token::kNumber && !nan) {
+            return BadLine("'" + ShownText(scanner.text()) + "' is no value for '" + field.name + "'");
+          }
+          if (Status put = Put(i, field, nan ? std::nullopt : std::optional(scanner.value())); !put) return put;
+        }
+      }
+      if (token != Token::kEnd && token != Token::kLineEnd) {
+        return BadLine("'" + ShownText(scanner.text()) + "' is left over on the line");
+      }
+    }
+    while (token == Token::kLineEnd) token = scanner.Next();
+    line_ = scanner.line();
+    return token == Token::kEnd ? Status() : BadLine("the file holds more points than POINTS announces");
+  }
+
+  tl::unexpected<Error> TooShort() const {
+    return Fail(ErrorCode::kInconsistent,
+                "the file holds fewer points than the " + std::to_string(points()) + " announced", name_,
+                "is the file cut off?");
+  }
+
+  Status Binary() {
+    const std::size_t stride = BytesPerPoint();
+    std::string_view data = bytes_.substr(at_);
+    std::string unpacked;
+    const bool by_field = pcd_.encoding == Pcd::Encoding::kBinaryCompressed;
+    if (by_field) {
+      if (data.size() < 8) return TooShort();
+      const auto packed = static_cast<std::size_t>(LoadNumber(data.data(), NumberType::kUint32, ByteOrder::kLittle));
+      const auto size = static_cast<std::size_t>(LoadNumber(data.data() + 4, NumberType::kUint32, ByteOrder::kLittle));
+      data.remove_prefix(8);
+      if (packed != data.size() || size / stride != points() || size % stride != 0) {
+        return Fail(ErrorCode::kInconsistent, "the sizes of the compressed block do not fit the header", name_,
+                    "is the file cut off?");
+      }
+      std::optional<std::string> block = UnpackLzf(data, size);
+      if (!block) return Fail(ErrorCode::kMalformed, "the compressed block is damaged", name_);
+      unpacked = std::move(*block);
+      data = unpacked;
+    }
+    if (data.size() / stride < points()) return TooShort();
+    if (data.size() != points() * stride) {
+      return Fail(ErrorCode::kInconsistent,
+                  std::to_string(data.size() - points() * stride) + " bytes are left over after the last point", name_);
+    }
+    pcd_.missing.assign(points(), 0);
+    std::size_t begin = 0;  // of the field, in the point or in the file
+    for (PcdField& field : pcd_.fields) {
+      const std::size_t size = SizeOf(field.type);
+      const std::size_t own = size * static_cast<std::size_t>(field.count);
+      for (std::size_t i = 0; i < points(); ++i) {
+        for (int k = 0; k < field.count; ++k) {
+          const std::size_t at = begin + i * (by_field ? own : stride) + static_cast<std::size_t>(k) * size;
+          if (Status put = PutBinary(i, field, data.data() + at); !put) return put;
+        }
+      }
+      begin += by_field ? own * points() : own;
+    }
+    return {};
+  }
+
+  Status PutBinary(std::size_t point, PcdField& field, const char* bytes) {
+    if (field.PackedColour()) {
+      // The bits are the colour; as a float they may be nan.
+      const double bits = LoadNumber(bytes, NumberType::kUint32, ByteOrder::kLittle);
+      field.values.push_back(static_cast<std::uint32_t>(bits) & kColourMask);
+      return {};
+    }
+    const double value = LoadNumber(bytes, field.type, ByteOrder::kLittle);
+    return Put(point, field, std::isnan(value) ? std::nullopt : std::optional(value));
+  }
+
+  std::string_view bytes_;
+  const std::string& name_;
+  std::size_t at_ = 0;
+  int line_ = 0;
+  std::vector<long long> sizes_;
+  Pcd pcd_;
+};
+
+/// The value as the file holds it.
+double StoredValue(const Pcd& pcd, const PcdField& field, std::size_t i) {
+  const std::size_t point = i / static_cast<std::size_t>(field.count);
+  if (IsAxis(field) && pcd.missing[point] != 0) return std::numeric_limits<double>::quiet_NaN();
+  return field.PackedColour() ? static_cast<double>(ColourAsFloat(field.values[i])) : field.values[i];
+}
+
+void AppendPoint(const Pcd& pcd, const PcdField& field, std::size_t point, std::string& bytes) {
+  for (int k = 0; k < field.count; ++k) {
+    const std::size_t i = point * static_cast<std::size_t>(field.count) + static_cast<std::size_t>(k);
+    const double value = StoredValue(pcd, field, i);
+    if (pcd.encoding != Pcd::Encoding::kAscii) {
+      AppendNumber(bytes, value, field.type, ByteOrder::kLittle);
+    } else {
+      if (bytes.back() != '\n') bytes += ' ';
+      bytes += std::isnan(value) ? "nan" : FormatNumber(value, field.type);
+    }
+  }
+}
+
+}  // namespace
+
+const PcdField* Pcd::Find(std::string_view field) const {
+  const auto found =
+      std::find_if(fields.begin(), fields.end(), [&](const PcdField& candidate) { return candidate.name == field; });
+  return found == fields.end() ? nullptr : &*found;
+}
+
+bool operator==(const PcdField& a, const PcdField& b) {
+  return a.name == b.name && a.type == b.type && a.count == b.count && a.values == b.values;
+}
+
+bool operator==(const Pcd& a, const Pcd& b) {
+  return a.encoding == b.encoding && a.width == b.width && a.height == b.height && a.viewpoint == b.viewpoint &&
+         a.fields == b.fields && a.missing == b.missing;
+}
+
+Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name) { return PcdParser(bytes, name).Parse(); }
+
+std::string WritePcd(const Pcd& pcd) {
+  std::string names = "FIELDS", sizes = "SIZE", types = "TYPE", counts = "COUNT", viewpoint = "VIEWPOINT";
+  for (const PcdField& field : pcd.fields) {
+    const bool is_signed =
+        field.type == NumberType::kInt8 || field.type == NumberType::kInt16 || field.type == NumberType::kInt32;
+    names += " " + field.name;
+    sizes += " " + std::to_string(SizeOf(field.type));
+    types += !IsInteger(field.type) ? " F" : is_signed ? " I" : " U";
+    counts += " " + std::to_string(field.count);
+  }
+  for (const double value : pcd.viewpoint) viewpoint += " " + FormatDouble(value);
+  constexpr std::string_view kEncodings[] = {"ascii", "binary", "binary_compressed"};
+  std::string bytes = "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n" + names + "\n" + sizes + "\n" +
+                      types + "\n" + counts + "\nWIDTH " + std::to_string(pcd.width) + "\nHEIGHT " +
+                      std::to_string(pcd.height) + "\n" + viewpoint + "\nPOINTS " + std::to_string(pcd.point_count()) +
+                      "\nDATA " + std::string(kEncodings[static_cast<std::size_t>(pcd.encoding)]) + "\n";
+  if (pcd.encoding == Pcd::Encoding::kBinaryCompressed) {
+    std::string data;
+    for (const PcdField& field : pcd.fields) {
+      for (std::size_t i = 0; i < pcd.point_count(); ++i) AppendPoint(pcd, field, i, data);
+    }
+    const std::string block = PackLzf(data);
+    AppendNumber(bytes, static_cast<double>(block.size()), NumberType::kUint32, ByteOrder::kLittle);
+    AppendNumber(bytes, static_cast<double>(data.size()), NumberType::kUint32, ByteOrder::kLittle);
+    return bytes + block;
+  }
+  for (std::size_t i = 0; i < pcd.point_count(); ++i) {
+    for (const PcdField& field : pcd.fields) AppendPoint(pcd, field, i, bytes);
+    if (pcd.encoding == Pcd::Encoding::kAscii) bytes += '\n';
+  }
+  return bytes;
+}
+
+Expected<std::vector<Vector3d>> PcdPoints(const Pcd& pcd, const std::string& name) {
+  const PcdField* axes[] = {pcd.Find("x"), pcd.Find("y"), pcd.Find("z")};
+  for (const PcdField* axis : axes) {
+    if (axis == nullptr || axis->count != 1) {
+      return Fail(ErrorCode::kMalformed, "the cloud has no fields x, y and z of one number each", name);
+    }
+  }
+  std::vector<Vector3d> points;
+  for (std::size_t i = 0; i < pcd.point_count(); ++i) {
+    if (pcd.missing[i] != 0) continue;
+    points.emplace_back(axes[0]->values[i], axes[1]->values[i], axes[2]->values[i]);
+  }
+  return points;
+}
+
+}  // namespace mocurate

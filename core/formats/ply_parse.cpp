@@ -1,0 +1,277 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/formats/number_scanner.h"
+#include "core/formats/ply.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kMaxItems = 2'000'000'000;
+
+std::optional<NumberType> TypeFromName(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, NumberType>, 16> kTypes = {{
+      {"char", NumberType::kInt8},
+      {"int8", NumberType::kInt8},
+      {"uchar", NumberType::kUint8},
+      {"uint8", NumberType::kUint8},
+      {"short", NumberType::kInt16},
+      {"int16", NumberType::kInt16},
+      {"ushort", NumberType::kUint16},
+      {"uint16", NumberType::kUint16},
+      {"int", NumberType::kInt32},
+      {"int32", NumberType::kInt32},
+      {"uint", NumberType::kUint32},
+      {"uint32", NumberType::kUint32},
+      {"float", NumberType::kFloat32},
+      {"float32", NumberType::kFloat32},
+      {"double", NumberType::kFloat64},
+      {"float64", NumberType::kFloat64},
+  }};
+  for (const auto& [known, type] : kTypes) {
+    if (known == name) return type;
+  }
+  return std::nullopt;
+}
+
+/// The parser: header by lines, then items in order.
+class PlyParser {
+ public:
+  PlyParser(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+
+  Expected<Ply> Parse() {
+    if (bytes_.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_);
+    if (Status header = Header(); !header) return Forward(header);
+    if (Status sizes = CheckSizes(); !sizes) return Forward(sizes);
+    Status body = ply_.encoding == Ply::Encoding::kAscii ? Ascii() : Binary();
+    if (!body) return Forward(body);
+    return std::move(ply_);
+  }
+
+ private:
+  tl::unexpected<Error> BadLine(const std::string& rule) const {
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+  }
+  tl::unexpected<Error> BadItem(const PlyElement& element, std::size_t item, const PlyProperty& property,
+                                const std::string& rule) const {
+    std::string where = name_ + ":";
+    if (ply_.encoding == Ply::Encoding::kAscii) where += std::to_string(line_) + ":";
+    return Fail(ErrorCode::kMalformed, rule, where + element.name + " " + std::to_string(item) + "/" + property.name);
+  }
+
+  /// The next header line without its end; false at the end of the file.
+  bool NextLine(std::string_view& line) {
+    const std::size_t end = bytes_.find('\n', at_);
+    if (end == std::string_view::npos) return false;
+    line = bytes_.substr(at_, end - at_);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    at_ = end + 1;
+    ++line_;
+    return true;
+  }
+
+  Status Header() {
+    std::string_view line;
+    if (!NextLine(line) || line != "ply") return Fail(ErrorCode::kMalformed, "a PLY file begins with 'ply'", name_);
+    bool has_format = false;
+    while (NextLine(line)) {
+      const std::vector<std::string_view> words = SplitBlanks(line);
+      if (words.empty()) continue;
+      if (words[0] == "end_header") return has_format ? Status() : BadLine("the header has no line 'format'");
+      Status read;
+      if (words[0] == "comment") {
+        ply_.comments.emplace_back(line.size() > 8 ? line.substr(8) : std::string_view());
+      } else if (words[0] == "format") {
+        read = Format(words);
+        has_format = true;
+      } else if (words[0] == "element") {
+        read = Element(words);
+      } else if (words[0] == "property") {
+        read = Property(words);
+      } else if (words[0] != "obj_info") {
+        return BadLine("'" + ShownText(words[0]) + "' is no word of a PLY header");
+      }
+      if (!read) return read;
+    }
+    return Fail(ErrorCode::kMalformed, "the header has no end ('end_header')", name_, "is the file cut off?");
+  }
+
+  Status Format(const std::vector<std::string_view>& words) {
+    if (words.size() != 3 || words[2] != "1.0") return BadLine("'format ENCODING 1.0' is expected");
+    if (words[1] == "ascii") {
+      ply_.encoding = Ply::Encoding::kAscii;
+    } else if (words[1] == "binary_little_endian") {
+      ply_.encoding = Ply::Encoding::kBinaryLittleEndian;
+    } else if (words[1] == "binary_big_endian") {
+      ply_.encoding = Ply::Encoding::kBinaryBigEndian;
+    } else {
+      return BadLine("the format '" + ShownText(words[1]) +
+                     "' is not ascii, binary_little_endian or binary_big_endian");
+    }
+    return {};
+  }
+
+  Status Element(const std::vector<std::string_view>& words) {
+    if (words.size() != 3) return BadLine("'element NAME COUNT' is expected");
+    const std::optional<long long> count = ParseInteger(words[2]);
+    if (!count || *count < 0 || static_cast<std::size_t>(*count) > kMaxItems) {
+      return BadLine("'" + ShownText(words[2]) + "' is no count of elements");
+    }
+    if (ply_.Find(words[1]) != nullptr) return BadLine("the element '" + ShownText(words[1]) + "' comes twice");
+    PlyElement element;
+    element.name = std::string(words[1]);
+    element.count = static_cast<std::size_t>(*count);
+    ply_.elements.push_back(std::move(element));
+    return {};
+  }
+
+  Status Property(const std::vector<std::string_view>& words) {
+    const bool list = words.size() > 1 && words[1] == "list";
+    if (words.size() != (list ? 5U : 3U)) {
+      return BadLine("'property TYPE NAME' or 'property list TYPE TYPE NAME' is expected");
+    }
+    if (ply_.elements.empty()) return BadLine("a property comes before any element");
+    PlyProperty property;
+    property.name = std::string(words.back());
+    if (ply_.elements.back().Find(property.name) != nullptr) {
+      return BadLine("the property '" + ShownText(property.name) + "' comes twice");
+    }
+    for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
+      const std::optional<NumberType> type = TypeFromName(words[i]);
+      if (!type) return BadLine("'" + ShownText(words[i]) + "' is no type of a property");
+      if (list && i == 2) {
+        if (!IsInteger(*type)) return BadLine("the count of a list must be a whole number");
+        property.list_count = type;
+      } else {
+        property.type = *type;
+      }
+    }
+    ply_.elements.back().properties.push_back(std::move(property));
+    return {};
+  }
+
+  /// Nothing is reserved that the bytes left could not hold.
+  Status CheckSizes() {
+    std::size_t left = bytes_.size() - at_;
+    for (PlyElement& element : ply_.elements) {
+      std::size_t smallest = 0;
+      for (const PlyProperty& property : element.properties) {
+        const std::size_t binary = SizeOf(property.list_count.value_or(property.type));
+        smallest += ply_.encoding == Ply::Encoding::kAscii ? 1 : binary;
+      }
+      if (smallest > 0 && element.count > left / smallest + (ply_.encoding == Ply::Encoding::kAscii ? 1 : 0)) {
+        return Fail(ErrorCode::kInconsistent,
+                    "the header announces " + std::to_string(element.count) + " items, the bytes left hold fewer",
+                    name_ + ":element " + element.name, "is the file cut off?");
+      }
+      left -= std::min(left, smallest * element.count);
+      for (PlyProperty& property : element.properties) {
+        property.values.reserve(element.count);
+        if (property.list_count) property.first.assign(1, 0);
+      }
+    }
+    return {};
+  }
+
+  Status Put(const PlyElement& element, std::size_t item, PlyProperty& property, double value) {
+    if (const std::string fault = NumberFault(value, property.type); !fault.empty()) {
+      return BadItem(element, item, property, FormatDouble(value) + " " + fault);
+    }
+    property.values.push_back(RoundedTo(property.type, value));
+    return {};
+  }
+
+  Status Binary() {
+    const ByteOrder order = ply_.encoding == Ply::Encoding::kBinaryBigEndian ? ByteOrder::kBig : ByteOrder::kLittle;
+    for (PlyElement& element : ply_.elements) {
+      for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
+        for (PlyProperty& property : element.properties) {
+          double count = 1.0;
+          if (property.list_count) {
+            if (!Load(*property.list_count, order, count)) return CutOff(element, i, property);
+            if (count < 0.0) return BadItem(element, i, property, "a list of " + FormatDouble(count) + " values");
+          }
+          for (double k = 0.0; k < count; ++k) {
+            double value = 0.0;
+            if (!Load(property.type, order, value)) return CutOff(element, i, property);
+            if (Status put = Put(element, i, property, value); !put) return put;
+          }
+          if (property.list_count) property.first.push_back(property.values.size());
+        }
+      }
+    }
+    if (at_ == bytes_.size()) return {};
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(bytes_.size() - at_) + " bytes are left over after the last element", name_,
+                "the counts or types of the header are wrong");
+  }
+
+  bool Load(NumberType type, ByteOrder order, double& value) {
+    if (bytes_.size() - at_ < SizeOf(type)) return false;
+    value = LoadNumber(bytes_.data() + at_, type, order);
+    at_ += SizeOf(type);
+    return true;
+  }
+
+  tl::unexpected<Error> CutOff(const PlyElement& element, std::size_t item, const PlyProperty& property) const {
+    return BadItem(element, item, property, "the file is cut off here");
+  }
+
+  /// One item per line; blank lines are skipped.
+  Status Ascii() {
+    NumberScanner scanner(bytes_.substr(at_), false, line_ + 1);
+    using Token = NumberScanner::Token;
+    Token token = scanner.Next();
+    const auto skip_blank_lines = [&] {
+      while (token == Token::kLineEnd) token = scanner.Next();
+      line_ = scanner.line();
+    };
+    for (PlyElement& element : ply_.elements) {
+      for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
+        skip_blank_lines();
+        for (PlyProperty& property : element.properties) {
+          double count = 1.0;
+          for (double k = property.list_count ? -1.0 : 0.0; k < count; ++k) {
+            if (token == Token::kEnd || token == Token::kLineEnd) {
+              return BadItem(element, i, property, "the line has too few numbers");
+            }
+            if (token != Token::kNumber) {
+              return BadItem(element, i, property, "'" + ShownText(scanner.text()) + "' is not a finite number");
+            }
+            if (k < 0.0) {
+              count = scanner.value();
+              const std::string fault = NumberFault(count, *property.list_count);
+              if (!fault.empty() || count < 0.0) {
+                return BadItem(element, i, property, "a list of " + FormatDouble(count) + " values");
+              }
+            } else if (Status put = Put(element, i, property, scanner.value()); !put) {
+              return put;
+            }
+            token = scanner.Next();
+          }
+          if (property.list_count) property.first.push_back(property.values.size());
+        }
+        if (token != Token::kEnd && token != Token::kLineEnd) {
+          return BadItem(element, i, element.properties.back(),
+                         "'" + ShownText(scanner.text()) + "' is left over on the line");
+        }
+      }
+    }
+    skip_blank_lines();
+    return token == Token::kEnd ? Status() : BadLine("the line belongs to no element of the header");
+  }
+
+  std::string_view bytes_;
+  const std::string& name_;
+  std::size_t at_ = 0;
+  int line_ = 0;
+  Ply ply_;
+};
+
+}  // namespace
+
+Expected<Ply> ParsePly(std::string_view bytes, const std::string& name) { return PlyParser(bytes, name).Parse(); }
+
+}  // namespace mocurate

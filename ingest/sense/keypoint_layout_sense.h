@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/formats/openpose.h"
+#include "ingest/sense/measure.h"
+
+namespace mocurate {
+
+/// How well one layout explains detected people.
+struct KeypointLayoutScore {
+  std::string layout;
+  /// Median over people of the mean distance of log bone lengths, over the common scale, from those of an adult; 0 is a
+  /// body flat in the image. Foreshortening gives 0.1 to 0.4, a wrong order 0.6 and more.
+  double mismatch = 0.0;
+  int people = 0;  ///< detections with enough bones to tell
+};
+
+/// All layouts with as many points as the people have, best first.
+std::vector<KeypointLayoutScore> ScoreKeypointLayouts(const std::vector<OpenPosePerson>& people);
+
+/// The layout of a detector's people: of many frames and views, as files do not say it. Value "BODY_25B"; empty where
+/// no layout of this many points fits, where two fit alike, or where nobody shows enough bones.
+Measured SenseKeypointLayout(const std::vector<OpenPosePerson>& people);
+
+}  // namespace mocurate

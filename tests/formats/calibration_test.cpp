@@ -1,0 +1,266 @@
+// Calibrations of every dialect, brought to one type.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/formats/camera_files.h"
+#include "core/formats/qualisys.h"
+#include "core/formats/toml.h"
+#include "core/formats/xml.h"
+#include "tests/formats/damage.h"
+
+namespace mocurate {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+std::vector<Camera> CamerasOf(const Calibration& calibration) {
+  std::vector<Camera> cameras;
+  for (const CalibratedView& view : calibration.views) {
+    cameras.push_back(CameraOf(view, calibration.reading, calibration.metres_per_unit));
+  }
+  return cameras;
+}
+
+test::MessageOf MessageOfCameras() {
+  return [](const std::string& bytes) {
+    const auto calibration = ParseCalibration(bytes, "c.json");
+    return calibration ? "parsed" : calibration.error().Message();
+  };
+}
+
+TEST(Calibration, Pose2SimXmlTomlAndJsonProjectAlike) {
+  MOCURATE_RECORDED(xml, "pose2sim/Calib.qca.txt");
+  const auto qualisys = ParseCalibration(xml, "Calib.qca.txt");
+  const auto toml = ParseCalibration(test::RecordedFile("pose2sim/Calib_converted.toml"), "Calib.toml");
+  const auto plain = ParseCalibration(test::RecordedFile("pose2sim/calib_converted.json"), "calib.json");
+  ASSERT_TRUE(qualisys && toml && plain)
+      << (qualisys ? toml ? plain.error() : toml.error() : qualisys.error()).Message();
+  EXPECT_EQ(qualisys->dialect, "qualisys");
+  EXPECT_EQ(toml->dialect, "pose2sim_toml");
+  EXPECT_EQ(plain->dialect, "plain_json");
+  const std::vector<Camera> cameras = CamerasOf(*qualisys);
+  ASSERT_EQ(cameras.size(), 4u);
+  EXPECT_LT((cameras[2].Centre() - Vector3d(-3.217, 2.231, 2.088)).norm(), 1e-3);
+  EXPECT_EQ(cameras[0].width, 1088);
+  EXPECT_EQ(cameras[0].height, 1920);
+  const std::vector<std::vector<Camera>> dialects = {CamerasOf(*toml), CamerasOf(*plain)};
+  for (const std::vector<Camera>& others : dialects) {
+    ASSERT_EQ(others.size(), 4u);
+    for (std::size_t c = 0; c < 4; ++c) {
+      for (const Vector3d& point : {Vector3d(0, 0, 0), Vector3d(-1, -1, 1.7), Vector3d(0.8, 0.4, 1)}) {
+        const auto a = cameras[c].ProjectWorld(point);
+        const auto b = others[c].ProjectWorld(point);
+        ASSERT_TRUE(a && b);
+        EXPECT_LT((*a - *b).norm(), 1e-3) << c;
+      }
+    }
+  }
+}
+
+TEST(Calibration, EveryAttributeOfAQualisysCameraIsNamedWhenDamaged) {
+  const std::string text =
+      R"(<?xml version="1.0"?><calibration><cameras><camera serial="a &amp; b"><fov_video left="0" top="0" right="99" bottom="49"/>
+<transform r11="1" r12="0" r13="0" r21="0" r22="1" r23="0" r31="0" r32="0" r33="1" x="1000" y="0" z="0"/>
+<intrinsic focalLengthU="6400" focalLengthV="6400" centerPointU="3200" centerPointV="1600" skew="0" radialDistortion1="0"
+radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDistortion2="0"/></camera></cameras></calibration>)";
+  const auto calibration = ParseQualisys(text, "q.txt");
+  ASSERT_TRUE(calibration) << calibration.error().Message();
+  EXPECT_EQ(calibration->views[0].name, "a & b");
+  EXPECT_EQ(CamerasOf(*calibration)[0].Centre(), Vector3d(1, 0, 0));
+  int attributes = 0;
+  for (std::size_t at = text.find("fov_video"); (at = text.find("=\"", at)) != std::string::npos; ++attributes) {
+    const std::size_t key = text.find_last_of(" \n", at) + 1;
+    const std::string name = text.substr(key, at - key);
+    at += 2;
+    std::string damaged = text;
+    damaged.replace(at, text.find('"', at) - at, "x");
+    const auto refused = ParseQualisys(damaged, "q.txt");
+    ASSERT_FALSE(refused) << name;
+    EXPECT_THAT(refused.error().Message(), HasSubstr(name));
+    damaged = text;
+    damaged.erase(key, text.find('"', at) + 1 - key);
+    ASSERT_FALSE(ParseQualisys(damaged, "q.txt")) << name;
+    EXPECT_THAT(ParseQualisys(damaged, "q.txt").error().Message(), HasSubstr(name));
+  }
+  EXPECT_EQ(attributes, 26);
+  std::string mirrored = text;
+  mirrored.replace(mirrored.find("r11=\"1\""), 7, "r11=\"-1\"");
+  EXPECT_THAT(ParseQualisys(mirrored, "q.txt").error().Message(),
+              HasSubstr("q.txt:2:transform/r11..r33: the matrix is no"));
+}
+
+TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
+  const json matrix = {{1000, 0, 500}, {0, 1000, 500}, {0, 0, 1}};
+  const json rotation = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const json column = {{1}, {2}, {3}};
+  const json lens = {0.1, 0, 0, 0, 0.2};
+  const json plain = {{"units", "mm"},
+                      {"convention", "x_cam = R X_world + t"},
+                      {"cameras",
+                       {{{"name", "a"},
+                         {"size", {100, 50}},
+                         {"K", matrix},
+                         {"dist_k1k2p1p2k3", {0.1, 0, 0, 0, 0}},
+                         {"R", rotation},
+                         {"t", {1, 2, 3}}}}}};
+  // A lens may have four numbers: taking one of five away is no damage.
+  const auto fifth = [](const std::string& path) { return path.find("dist") != std::string::npos; };
+  test::EachFieldIsRefusedWhenDamaged(plain, MessageOfCameras(), fifth);
+  const json human = {{"intrinsics", {{"54138969", {{"calibration_matrix", matrix}, {"distortion", lens}}}}},
+                      {"extrinsics", {{"S1", {{"54138969", {{"R", rotation}, {"t", column}}}}}}}};
+  test::EachFieldIsRefusedWhenDamaged(human, MessageOfCameras(), fifth);
+  const json campus = {{"0",
+                        {{"R", rotation},
+                         {"T", column},
+                         {"fx", 400},
+                         {"fy", 401},
+                         {"cx", 180},
+                         {"cy", 140},
+                         {"k", {{0}, {0}, {0}}},
+                         {"p", {{0}, {0}}}}}};
+  test::EachFieldIsRefusedWhenDamaged(campus, MessageOfCameras(),
+                                      [](const std::string& path) { return path == "/0/fx"; });
+  const json panoptic = {{"cameras",
+                          {{{"name", "00_01"},
+                            {"type", "hd"},
+                            {"resolution", {1920, 1080}},
+                            {"K", matrix},
+                            {"distCoef", lens},
+                            {"R", rotation},
+                            {"t", column}}}}};
+  test::EachFieldIsRefusedWhenDamaged(
+      panoptic, MessageOfCameras(), [](const std::string& path) { return path.find("distCoef") != std::string::npos; });
+  const json pose = {1, 0, 0, 0, 10, 20, 30};
+  const json params = {1000, 1000, 500, 500, 0, 0, 0};
+  const json phspd = {{"units", "mm"},
+                      {"rig",
+                       {{"A",
+                         {{"d1p", pose},
+                          {"cd1", pose},
+                          {"param_p", params},
+                          {"param_d1", params},
+                          {"param_c1", params},
+                          {"p1w", {pose}}}}}}};
+  test::EachFieldIsRefusedWhenDamaged(phspd, MessageOfCameras(),
+                                      [](const std::string& path) { return path == "/units"; });
+  json bad = phspd;
+  bad["rig"]["A"]["d1p"][0] = 1.1;
+  EXPECT_THAT(MessageOfCameras()(bad.dump()), HasSubstr("c.json:/rig/A/d1p: the quaternion has the norm 1.1"));
+  bad = plain;
+  bad["cameras"][0]["R"][2][2] = -1;
+  EXPECT_THAT(MessageOfCameras()(bad.dump()), HasSubstr("c.json:/cameras/0/R: the matrix is no rotation"));
+  bad = plain;
+  bad["cameras"][0]["K"][0][1] = 3;
+  EXPECT_THAT(MessageOfCameras()(bad.dump()), HasSubstr("/cameras/0/K: a skew of 3 px"));
+}
+
+TEST(Calibration, ThePhspdRigIsTheOneOfTheRenderings) {
+  MOCURATE_RECORDED(bytes, "cameras/phspd/phspd_rigs.json");
+  const auto rigs = ParseCalibration(bytes, "rigs.json");
+  ASSERT_TRUE(rigs) << rigs.error().Message();
+  ASSERT_EQ(rigs->views.size(), 14u);
+  const json rendering = json::parse(test::RecordedFile("clouds/rendered_body/male_tpose.json"));
+  for (const CalibratedView& view : rigs->views) {
+    if (view.world != "CamParams0906" || view.kind != "depth") continue;
+    const Camera camera = CameraOf(view, PoseReading::kWorldToCamera, 0.001);
+    const json& truth = rendering["views"][view.name];
+    EXPECT_NEAR(camera.camera_from_world.translation.z(), truth["t_m"][2].get<double>(), 1e-6);
+    EXPECT_NEAR(camera.camera_from_world.rotation.toRotationMatrix()(0, 2), truth["R_p_to_d"][0][2].get<double>(),
+                1e-6);
+    EXPECT_NEAR(camera.fx, truth["fx_fy_cx_cy"][0].get<double>(), 1e-9);
+  }
+  EXPECT_EQ(rigs->subject_points.size(), 34u + 30 + 26 + 35 + 26 + 28);
+}
+
+TEST(Calibration, EveryRecordedDialectIsRecognised) {
+  const std::pair<const char*, std::pair<const char*, std::size_t>> files[] = {
+      {"cameras/human36m/camera-parameters.json", {"human36m", 44}},
+      {"cameras/campus_shelf/calibration_campus.json", {"campus_shelf", 3}},
+      {"cameras/campus_shelf/calibration_shelf.json", {"campus_shelf", 5}},
+      {"cameras/panoptic/calibration_160906_band1.json", {"panoptic", 520}}};
+  for (const auto& [path, expected] : files) {
+    MOCURATE_RECORDED(bytes, path);
+    const auto calibration = ParseCalibration(bytes, path);
+    ASSERT_TRUE(calibration) << calibration.error().Message();
+    EXPECT_EQ(calibration->dialect, expected.first);
+    EXPECT_EQ(calibration->views.size(), expected.second);
+    EXPECT_EQ(calibration->reading, PoseReading::kUnknown);
+    EXPECT_EQ(calibration->metres_per_unit, 0.0);
+  }
+}
+
+TEST(Toml, ReadsTablesValuesAndComments) {
+  const auto toml = ParseToml(
+      "# head\na = 1 # tail\nb.c = -2.5e-3\n\"d e\" = 'x\\y'\n[t]\nf = [ 1, # one\n 2,\n]\ng = {h = true, i = "
+      "\"\\\"q\\\"\"}\n"
+      "[[l]]\nk = 1_000\n[[l]]\nk = 2\r\n[l.m]\nn = 3\n",
+      "c.toml");
+  ASSERT_TRUE(toml) << toml.error().Message();
+  EXPECT_EQ(*toml, json::parse(R"({"a":1,"b":{"c":-0.0025},"d e":"x\\y","t":{"f":[1,2],"g":{"h":true,"i":"\"q\""}},
+                                  "l":[{"k":1000},{"k":2,"m":{"n":3}}]})"));
+}
+
+TEST(Toml, RefusesWhatBreaksTheGrammarWithItsLine) {
+  const auto message = [](const std::string& text) {
+    const auto toml = ParseToml(text, "c.toml");
+    return toml ? "parsed" : toml.error().Message();
+  };
+  EXPECT_THAT(message("a = 1\na = 2\n"), HasSubstr("c.toml:2: the key 'a' comes twice"));
+  EXPECT_THAT(message("[a]\n[a]\n"), HasSubstr("c.toml:2: the table 'a' comes twice"));
+  EXPECT_THAT(message("a = [1, 2\n"), HasSubstr("',' or ']' is expected"));
+  EXPECT_THAT(message("a = nan\n"), HasSubstr("'nan' is no value"));
+  EXPECT_THAT(message("a = 1 2\n"), HasSubstr("'2?' is left over"));
+  EXPECT_THAT(message("a = \"x\n"), HasSubstr("a string has no end"));
+  EXPECT_THAT(message("a = 2020-01-01\n"), HasSubstr("dates are not supported"));
+  EXPECT_THAT(message("a\n"), HasSubstr("'=' is expected"));
+  EXPECT_THAT(message("a = " + std::string(100, '[')), HasSubstr("nested too deeply"));
+}
+
+TEST(Toml, EveryFieldOfAPose2SimCameraIsNamedWhenDamaged) {
+  const std::string text =
+      "[c]\nname = \"c\"\nsize = [ 10.0, 20.0,]\nmatrix = [ [ 5.0, 0.0, 1.0,], [ 0.0, 5.0, 2.0,], [ 0.0, 0.0, 1.0,],]\n"
+      "distortions = [ 0.1, 0.2, 0.3, 0.4,]\nrotation = [ 1.0, 0.0, 0.0,]\ntranslation = [ 0.0, 0.0, 4.0,]\nfisheye = "
+      "false\n";
+  const auto message = [](const std::string& bytes) {
+    const auto cameras = ParsePose2SimToml(bytes, "c.toml");
+    return cameras ? "parsed" : cameras.error().Message();
+  };
+  ASSERT_EQ(message(text), "parsed");
+  for (const char* key : {"name", "size", "matrix", "distortions", "rotation", "translation"}) {
+    std::string damaged = text;
+    damaged.replace(damaged.find(key), 1, "z");
+    EXPECT_THAT(message(damaged), HasSubstr(key));
+  }
+  for (std::size_t at = text.find("10.0"); (at = text.find(".0", at)) != std::string::npos; ++at) {
+    std::string damaged = text;
+    damaged.insert(at, "?");
+    EXPECT_THAT(message(damaged), HasSubstr("c.toml:"));
+  }
+  std::string fisheye = text;
+  fisheye.replace(fisheye.find("false"), 5, "true");
+  EXPECT_THAT(message(fisheye), HasSubstr("c.toml:/c/fisheye: fisheye lenses are not supported"));
+}
+
+TEST(Xml, RefusesWhatBreaksTheGrammarWithItsLine) {
+  const auto message = [](const std::string& text) {
+    const auto xml = ParseXml(text, "c.xml");
+    return xml ? "parsed" : xml.error().Message();
+  };
+  EXPECT_EQ(message("<!-- c --><a b='1'><c/>text<![CDATA[<d>]]></a>\n"), "parsed");
+  EXPECT_THAT(message("<a>\n</b>"), HasSubstr("c.xml:2: '</b>' ends no open element"));
+  EXPECT_THAT(message("<a>\n<b>"), HasSubstr("'b' has no end"));
+  EXPECT_THAT(message("<a b='1' b='2'/>"), HasSubstr("'b' comes twice"));
+  EXPECT_THAT(message("<a b='&x;'/>"), HasSubstr("'x' is no known entity"));
+  EXPECT_THAT(message("<!DOCTYPE a><a/>"), HasSubstr("document type"));
+  EXPECT_THAT(message("<a/><b/>"), HasSubstr("one root element"));
+  std::string deep;
+  for (int i = 0; i < 100; ++i) deep += "<a>";
+  EXPECT_THAT(message(deep), HasSubstr("nested too deeply"));
+}
+
+}  // namespace
+}  // namespace mocurate

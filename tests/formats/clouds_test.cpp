@@ -1,0 +1,269 @@
+// Clouds and meshes: PLY, PCD, OBJ.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/formats/lzf.h"
+#include "core/formats/obj.h"
+#include "core/formats/pcd.h"
+#include "core/formats/ply.h"
+#include "core/formats/pose_log.h"
+#include "tests/formats/damage.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+Ply SmallPly(Ply::Encoding encoding) {
+  Ply ply;
+  ply.encoding = encoding;
+  ply.comments = {"made by hand", ""};
+  PlyElement vertex{"vertex", 4, {}};
+  vertex.properties.push_back({"x", NumberType::kFloat64, {}, {0, 1, 0, 0.1}, {}});
+  vertex.properties.push_back({"y", NumberType::kFloat32, {}, {0, 0, 1, static_cast<double>(0.1F)}, {}});
+  vertex.properties.push_back({"z", NumberType::kInt16, {}, {-300, 0, 0, 32767}, {}});
+  vertex.properties.push_back({"red", NumberType::kUint8, {}, {0, 255, 1, 2}, {}});
+  PlyElement face{"face", 2, {}};
+  face.properties.push_back(
+      {"vertex_indices", NumberType::kInt32, NumberType::kUint8, {0, 1, 2, 3, 2, 1, 0}, {0, 3, 7}});
+  face.properties.push_back({"weights", NumberType::kFloat32, NumberType::kUint16, {1.5}, {0, 0, 1}});
+  ply.elements = {vertex, face, {"empty", 0, {{"q", NumberType::kInt8, {}, {}, {}}}}};
+  return ply;
+}
+
+std::string PlyMessage(const std::string& bytes) {
+  const auto ply = ParsePly(bytes, "c.ply");
+  if (!ply) return ply.error().Message();
+  const auto triangles = PlyTriangles(*ply, "c.ply");
+  return triangles ? "parsed" : triangles.error().Message();
+}
+
+TEST(Ply, ComesBackFromEveryEncoding) {
+  for (const Ply::Encoding encoding :
+       {Ply::Encoding::kAscii, Ply::Encoding::kBinaryLittleEndian, Ply::Encoding::kBinaryBigEndian}) {
+    const Ply ply = SmallPly(encoding);
+    const auto back = ParsePly(WritePly(ply), "c.ply");
+    ASSERT_TRUE(back) << back.error().Message();
+    EXPECT_TRUE(*back == ply);
+    const auto triangles = PlyTriangles(*back, "c.ply");
+    ASSERT_TRUE(triangles);
+    EXPECT_THAT(*triangles, ::testing::ElementsAre(std::array{0, 1, 2}, std::array{3, 2, 1}, std::array{3, 1, 0}));
+    EXPECT_EQ((*PlyPoints(*back, "c.ply"))[0], Vector3d(0, 0, -300));
+  }
+}
+
+TEST(Ply, EveryByteOfABinaryFileIsNeeded) {
+  const std::string bytes = WritePly(SmallPly(Ply::Encoding::kBinaryBigEndian));
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_NE(PlyMessage(bytes.substr(0, size)), "parsed") << size;
+  EXPECT_THAT(PlyMessage(bytes + "x"), HasSubstr("1 bytes are left over"));
+  EXPECT_THAT(PlyMessage(bytes.substr(0, bytes.size() - 1)), HasSubstr("c.ply:face 1/weights: the file is cut off"));
+}
+
+TEST(Ply, EveryWordOfATextFileIsNamedWhenDamaged) {
+  Ply ply = SmallPly(Ply::Encoding::kAscii);
+  ply.comments.clear();
+  std::string text = WritePly(ply);
+  // Names of elements and properties are free; these are asked for afterwards.
+  test::EachWordIsRefusedWhenDamaged(text, "c.ply", [&](const std::string& bytes) {
+    const auto parsed = ParsePly(bytes, "c.ply");
+    if (!parsed) return parsed.error().Message();
+    for (const PlyElement& element : ply.elements) {
+      const PlyElement* found = parsed->Find(element.name);
+      if (found == nullptr) return "c.ply has no " + element.name;
+      for (const PlyProperty& property : element.properties) {
+        if (found->Find(property.name) == nullptr) return "c.ply has no " + property.name;
+      }
+    }
+    return std::string("parsed");
+  });
+}
+
+TEST(Ply, RefusesWhatIsNoNumberOrNoVertex) {
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n";
+  EXPECT_THAT(PlyMessage(head + "end_header\n0 0\n0 nan\n"), HasSubstr("c.ply:8:vertex 1/y: 'nan' is not a finite"));
+  EXPECT_THAT(PlyMessage(head + "end_header\n0 0\n0 1e39\n"), HasSubstr("beyond the range of float"));
+  EXPECT_THAT(PlyMessage(head + "end_header\n0 0\n"), HasSubstr("vertex 1/x: the line has too few numbers"));
+  EXPECT_THAT(PlyMessage(head + "end_header\n0 0\n1 1\n2 2\n"), HasSubstr("belongs to no element"));
+  EXPECT_THAT(PlyMessage("ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\nend_header\n0\n"),
+              HasSubstr("announces 1000000000 items"));
+  const std::string face = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
+  EXPECT_THAT(PlyMessage(face + "3 0 1 2\n"), HasSubstr("c.ply:face 0/vertex_index: the file has no vertex 0"));
+  EXPECT_THAT(PlyMessage(face + "300 0 1 2\n"), HasSubstr("a list of 300 values"));
+}
+
+TEST(Ply, ReadsTheDoubleMeshOfTheHandheldScan) {
+  MOCURATE_RECORDED(bytes, "clouds/handheld_head/Mesh_DepthOnly__A_hat1__every_10th_14frames.ply");
+  const auto ply = ParsePly(bytes, "mesh.ply");
+  ASSERT_TRUE(ply) << ply.error().Message();
+  EXPECT_EQ(ply->Find("vertex")->count, 8611u);
+  EXPECT_EQ(ply->Find("vertex")->Find("nx")->type, NumberType::kFloat64);
+  EXPECT_EQ(PlyTriangles(*ply, "mesh.ply")->size(), 16672u);
+  const auto points = PlyPoints(*ply, "mesh.ply");
+  for (const Vector3d& point : *points) ASSERT_LT(point.norm(), 3.0);
+  EXPECT_EQ(WritePly(*ply), bytes);
+}
+
+Pcd SmallPcd(Pcd::Encoding encoding) {
+  Pcd pcd;
+  pcd.encoding = encoding;
+  pcd.width = 3;
+  pcd.viewpoint = {0.5, 0, 0, 1, 0, 0, 0};
+  pcd.fields = {{"x", NumberType::kFloat32, 1, {1, 0, 3}},
+                {"y", NumberType::kFloat32, 1, {1, 0, static_cast<double>(0.1F)}},
+                {"z", NumberType::kFloat64, 1, {0.1, 0, 5}},
+                {"rgb", NumberType::kFloat32, 1, {0xA05030, 0x000001, 0xFFFFFF}},
+                {"histogram", NumberType::kUint8, 2, {0, 1, 2, 3, 4, 255}}};
+  pcd.missing = {0, 1, 0};
+  return pcd;
+}
+
+std::string PcdMessage(const std::string& bytes) {
+  const auto pcd = ParsePcd(bytes, "c.pcd");
+  return pcd ? "parsed" : pcd.error().Message();
+}
+
+TEST(Pcd, ComesBackFromEveryEncodingWithMissingPointsAndPackedColours) {
+  for (const Pcd::Encoding encoding :
+       {Pcd::Encoding::kAscii, Pcd::Encoding::kBinary, Pcd::Encoding::kBinaryCompressed}) {
+    const Pcd pcd = SmallPcd(encoding);
+    const auto back = ParsePcd(WritePcd(pcd), "c.pcd");
+    ASSERT_TRUE(back) << back.error().Message();
+    EXPECT_TRUE(*back == pcd) << static_cast<int>(encoding);
+    EXPECT_EQ(PcdPoints(*back, "c.pcd")->size(), 2u);
+  }
+}
+
+TEST(Pcd, APointWithOneCoordinateMissingIsMissingWhole) {
+  const std::string head =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n";
+  const auto pcd = ParsePcd(head + "1 nan 3\n4 5 6\n", "c.pcd");
+  ASSERT_TRUE(pcd) << pcd.error().Message();
+  EXPECT_EQ(pcd->Find("z")->values, (std::vector<double>{0, 6}));
+  EXPECT_THAT(*PcdPoints(*pcd, "c.pcd"), ::testing::ElementsAre(Vector3d(4, 5, 6)));
+  EXPECT_TRUE(*ParsePcd(WritePcd(*pcd), "again") == *pcd);
+}
+
+TEST(Pcd, AColourWithAnAlphaIsNoMissingPoint) {
+  std::string bytes =
+      "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n";
+  for (const double value : {1.0, 2.0, 3.0}) AppendNumber(bytes, value, NumberType::kFloat32, ByteOrder::kLittle);
+  AppendNumber(bytes, 0xFFC0A050, NumberType::kUint32, ByteOrder::kLittle);
+  const auto pcd = ParsePcd(bytes, "c.pcd");
+  ASSERT_TRUE(pcd) << pcd.error().Message();
+  EXPECT_EQ(pcd->Find("rgb")->values[0], 0xC0A050);
+  EXPECT_EQ(PcdPoints(*pcd, "c.pcd")->size(), 1u);
+}
+
+TEST(Pcd, EveryWordOfATextFileIsNamedWhenDamaged) {
+  std::string text = WritePcd(SmallPcd(Pcd::Encoding::kAscii));
+  text.erase(0, text.find('\n') + 1);
+  test::EachWordIsRefusedWhenDamaged(text, "c.pcd", [&](const std::string& bytes) {
+    const auto parsed = ParsePcd(bytes, "c.pcd");
+    if (!parsed) return parsed.error().Message();
+    for (const char* field : {"x", "y", "z", "rgb", "histogram"}) {
+      if (parsed->Find(field) == nullptr) return std::string("c.pcd has no ") + field;
+    }
+    return std::string("parsed");
+  });
+}
+
+TEST(Pcd, EveryByteOfABinaryFileIsNeeded) {
+  for (const Pcd::Encoding encoding : {Pcd::Encoding::kBinary, Pcd::Encoding::kBinaryCompressed}) {
+    const std::string bytes = WritePcd(SmallPcd(encoding));
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_NE(PcdMessage(bytes.substr(0, size)), "parsed") << size;
+    }
+    EXPECT_NE(PcdMessage(bytes + "x"), "parsed");
+  }
+}
+
+TEST(Pcd, CopiesInCompressedBlocksAreUnpacked) {
+  // 'abc', then 9 bytes from 3 back (long copy), then 3 bytes from 1 back (short copy).
+  const std::string block = {'\x02', 'a', 'b', 'c', '\xE0', '\x00', '\x02', '\x20', '\x00'};
+  EXPECT_EQ(UnpackLzf(block, 15), "abcabcabcabcccc");
+  EXPECT_EQ(UnpackLzf(block, 14), std::nullopt);
+  EXPECT_EQ(UnpackLzf(block, 16), std::nullopt);
+  EXPECT_EQ(UnpackLzf(std::string("\x20\x05", 2), 3), std::nullopt);
+  std::string long_text;
+  for (int i = 0; i < 1000; ++i) long_text += static_cast<char>(i * 7);
+  EXPECT_EQ(UnpackLzf(PackLzf(long_text), 1000), long_text);
+}
+
+TEST(Pcd, ReadsTheDepthViewClouds) {
+  MOCURATE_RECORDED(bytes, "rgbd100/views/0000000050.pcd");
+  const auto pcd = ParsePcd(bytes, "50.pcd");
+  ASSERT_TRUE(pcd) << pcd.error().Message();
+  const auto points = PcdPoints(*pcd, "50.pcd");
+  const auto junk = std::count_if(points->begin(), points->end(), [](const Vector3d& p) { return p.z() > 3.0; });
+  const double share = static_cast<double>(junk) / static_cast<double>(points->size());
+  EXPECT_GT(share, 0.022);
+  EXPECT_LT(share, 0.0265);
+  const PcdField* colour = pcd->Find("rgb");
+  ASSERT_NE(colour, nullptr);
+  EXPECT_GT(*std::max_element(colour->values.begin(), colour->values.end()), 0x400000);
+  EXPECT_TRUE(*ParsePcd(WritePcd(*pcd), "again") == *pcd);
+}
+
+TEST(Obj, ReadsIndicesOfEveryWriting) {
+  const auto obj = ParseObj(
+      "# a square\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n"
+      "g body\nf 1 2 3 4\nf -4/-2/-1 -3//1 \\\n -2/2\r\nf 1//1 2//1 3//1\n",
+      "m.obj");
+  ASSERT_TRUE(obj) << obj.error().Message();
+  ASSERT_EQ(obj->faces.size(), 3u);
+  EXPECT_TRUE(obj->faces[1][0] == (ObjCorner{0, 0, 0}));
+  EXPECT_TRUE(obj->faces[1][1] == (ObjCorner{1, -1, 0}));
+  EXPECT_TRUE(obj->faces[1][2] == (ObjCorner{2, 1, -1}));
+  EXPECT_EQ(ObjTriangles(*obj).size(), 4u);
+  EXPECT_TRUE(*ParseObj(WriteObj(*obj), "again") == *obj);
+}
+
+TEST(Obj, EveryWordIsNamedWhenDamaged) {
+  test::EachWordIsRefusedWhenDamaged("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n",
+                                     "m.obj:", [](const std::string& bytes) {
+                                       const auto obj = ParseObj(bytes, "m.obj");
+                                       return obj ? "parsed" : obj.error().Message();
+                                     });
+  EXPECT_THAT(ParseObj("v 0 0 0\nf 1 1 2\n", "m.obj").error().Message(), HasSubstr("m.obj:2: there is no vertex 2"));
+  EXPECT_THAT(ParseObj("v 0 0 0\nf 1 1 0\n", "m.obj").error().Message(), HasSubstr("there is no vertex 0"));
+}
+
+TEST(Obj, ReadsTheBodyInTPose) {
+  MOCURATE_RECORDED(bytes, "body_cc0/male_tpose.obj");
+  const auto obj = ParseObj(bytes, "male.obj");
+  ASSERT_TRUE(obj) << obj.error().Message();
+  EXPECT_EQ(obj->vertices.size(), 13380u);
+  EXPECT_EQ(ObjTriangles(*obj).size(), 26756u);
+  double top = 0.0;
+  for (const Vector3d& vertex : obj->vertices) top = std::max(top, vertex.y());
+  EXPECT_NEAR(top, 1.737, 5e-4);
+}
+
+TEST(PoseLog, ComesBackAndNamesTheLineOfWhatIsDamaged) {
+  std::vector<LogPose> poses(2);
+  poses[1].frame = 1;
+  poses[1].rotation = ExpMatrix(Vector3d(0.1, -0.2, 0.3));
+  poses[1].translation = Vector3d(0.5, 1e-7, -3);
+  const std::string text = WritePoseLog(poses);
+  const auto back = ParsePoseLog(text, "p.log");
+  ASSERT_TRUE(back) << back.error().Message();
+  EXPECT_EQ((*back)[1].rotation, poses[1].rotation);
+  EXPECT_EQ((*back)[1].translation, poses[1].translation);
+  EXPECT_EQ((*back)[1].frame, 1);
+  test::EachWordIsRefusedWhenDamaged(text, "p.log:", [](const std::string& bytes) {
+    const auto parsed = ParsePoseLog(bytes, "p.log");
+    return parsed ? "parsed" : parsed.error().Message();
+  });
+  EXPECT_THAT(ParsePoseLog(text.substr(0, text.size() - 8), "p.log").error().Message(), HasSubstr("no 4 rows"));
+  std::string mirrored = text;
+  mirrored.replace(mirrored.find("1 0 0"), 1, "-1");
+  EXPECT_THAT(ParsePoseLog(mirrored, "p.log").error().Message(), HasSubstr("p.log:1: the matrix is no rotation"));
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,10 @@
+#include <cstddef>
+#include <cstdint>
+
+#include "core/formats/toml.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  (void)mocurate::ParseToml(bytes, "fuzz");
+  return 0;
+}

@@ -1,0 +1,184 @@
+// Calibrations and depth views of rigs: what R, t and the unit mean is found by evidence, and the pixels lie on the
+// body.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/formats/camera_files.h"
+#include "core/formats/panoptic_bodies.h"
+#include "core/geometry/point_grid.h"
+#include "core/geometry/triangulation.h"
+#include "ingest/sense/calibration_sense.h"
+#include "ingest/sources/depth_pixels.h"
+#include "ingest/sources/opencv_calibration.h"
+#include "tests/formats/damage.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+Calibration Recorded(const std::string& path) {
+  const auto calibration = ParseCalibration(test::RecordedFile(path), path);
+  EXPECT_TRUE(calibration) << calibration.error().Message();
+  return calibration.value_or(Calibration{});
+}
+
+void ExpectSense(const Calibration& calibration, const std::string& reading, const std::string& unit,
+                 const std::string& up, const CalibrationEvidence& evidence = {}) {
+  const CalibrationSense sense = SenseCalibration(calibration, evidence);
+  EXPECT_EQ(sense.reading.value, reading) << sense.reading.confidence << " " << sense.reading.evidence;
+  EXPECT_EQ(sense.unit.value, unit) << sense.unit.confidence << " " << sense.unit.evidence;
+  EXPECT_EQ(sense.up.value, up) << sense.up.evidence;
+  EXPECT_TRUE(sense.remarks.empty());
+  EXPECT_EQ(sense.cameras.size(), reading.empty() || unit.empty() ? 0u : calibration.views.size());
+}
+
+class RecordedRigs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+};
+
+TEST_F(RecordedRigs, SayWhatTheirNumbersMean) {
+  ExpectSense(Recorded("cameras/human36m/camera-parameters.json"), "world_to_camera", "mm", "+z");
+  ExpectSense(Recorded("cameras/campus_shelf/calibration_campus.json"), "centre", "mm", "+z");
+  ExpectSense(Recorded("cameras/campus_shelf/calibration_shelf.json"), "centre", "mm", "+z");
+  ExpectSense(Recorded("cameras/panoptic/calibration_160906_band1.json"), "world_to_camera", "cm", "-y");
+  ExpectSense(Recorded("pose2sim/Calib.qca.txt"), "centre", "mm", "+z");
+  ExpectSense(Recorded("pose2sim/Calib_converted.toml"), "world_to_camera", "m", "+z");
+  ExpectSense(Recorded("pose2sim/calib_converted.json"), "world_to_camera", "m", "+z");
+}
+
+TEST_F(RecordedRigs, OnePhspdRigIsToldByItsBoardsAndUnknownWithoutThem) {
+  Calibration rigs = Recorded("cameras/phspd/phspd_rigs.json");
+  ExpectSense(rigs, "world_to_camera", "mm", "-y");
+  rigs.subject_points.clear();
+  const CalibrationSense sense = SenseCalibration(rigs);
+  EXPECT_EQ(sense.reading.value, "") << sense.reading.confidence << " " << sense.reading.evidence;
+  EXPECT_TRUE(sense.cameras.empty());
+}
+
+TEST_F(RecordedRigs, OpenCvRigsAreReadAndTheOneOfPose2SimProjectsAlike) {
+  const auto folder = [](const std::string& name) {
+    return ReadOpenCvRig(test::RecordedFile("cameras/" + name + "/intri.yml"),
+                         test::RecordedFile("cameras/" + name + "/extri.yml"), "intri.yml", "extri.yml");
+  };
+  const auto easymocap = folder("easymocap");
+  ASSERT_TRUE(easymocap) << easymocap.error().Message();
+  EXPECT_EQ(easymocap->views.size(), 11u);
+  EXPECT_EQ(easymocap->views[9].name, "7");
+  ExpectSense(*easymocap, "world_to_camera", "m", "+z");
+  const auto own = folder("opencv_yml");
+  ASSERT_TRUE(own) << own.error().Message();
+  const CalibrationSense sense = SenseCalibration(*own);
+  const CalibrationSense truth = SenseCalibration(Recorded("pose2sim/Calib.qca.txt"));
+  ASSERT_EQ(sense.cameras.size(), 4u);
+  ASSERT_EQ(truth.cameras.size(), 4u);
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Vector3d point(0.3, -0.4, 1.2);
+    EXPECT_LT((*sense.cameras[c].ProjectWorld(point) - *truth.cameras[c].ProjectWorld(point)).norm(), 1e-3);
+  }
+}
+
+TEST_F(RecordedRigs, EveryNodeOfAnOpenCvFileIsNamedWhenDamaged) {
+  const std::string intrinsic = test::RecordedFile("cameras/opencv_yml/intri.yml");
+  const std::string extrinsic = test::RecordedFile("cameras/opencv_yml/extri.yml");
+  for (const std::string key : {"K_cam01", "dist_cam02", "R_cam03", "T_cam04", "names"}) {
+    std::string i = intrinsic;
+    std::string e = extrinsic;
+    std::string& damaged = key[0] == 'K' || key[0] == 'd' ? i : e;
+    damaged.replace(damaged.find(key + ":"), 1, "Z");
+    // Rot_ stands in for R_.
+    if (key[0] == 'R') e.replace(e.find("Rot_cam03"), 1, "Z");
+    const auto rig = ReadOpenCvRig(i, e, "intri.yml", "extri.yml");
+    ASSERT_FALSE(rig) << key;
+    EXPECT_THAT(rig.error().Message(), HasSubstr(key));
+  }
+  std::string turned = extrinsic;
+  const std::size_t data = turned.find("[", turned.find("R_cam01")) + 1;
+  turned.replace(data, turned.find(',', data) - data, " 0.5");
+  const auto rig = ReadOpenCvRig(intrinsic, turned, "intri.yml", "extri.yml");
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().Message(), HasSubstr("extri.yml: R_cam01 and Rot_cam01 are"));
+  for (std::size_t size = 0; size < extrinsic.size() - 40; size += 97) {
+    EXPECT_FALSE(ReadOpenCvRig(intrinsic, extrinsic.substr(0, size), "intri.yml", "extri.yml")) << size;
+  }
+}
+
+TEST_F(RecordedRigs, TheBandStandsInFrontOfAllPanopticCameras) {
+  const Calibration calibration = Recorded("cameras/panoptic/calibration_160906_band1.json");
+  const CalibrationSense sense = SenseCalibration(calibration);
+  ASSERT_EQ(sense.cameras.size(), 520u);
+  std::vector<Vector3d> joints;
+  for (int f = 168; f <= 187; ++f) {
+    const auto scene = ParsePanopticBodies(
+        test::RecordedFile("cameras/panoptic/160906_band1/body3DScene_00000" + std::to_string(f) + ".json"), "b");
+    ASSERT_TRUE(scene);
+    for (const PanopticBody& body : scene->bodies) {
+      for (std::size_t j = 0; j < body.confidence.size(); ++j) {
+        if (body.confidence[j] >= 0) joints.push_back(0.01 * body.position_cm[j]);
+      }
+    }
+  }
+  double inside = 0.0;
+  double least = 1.0;
+  int hd = 0;
+  for (std::size_t c = 0; c < sense.cameras.size(); ++c) {
+    if (calibration.views[c].kind != "hd") continue;
+    ++hd;
+    double own = 0.0;
+    for (const Vector3d& joint : joints) {
+      const auto pixel = sense.cameras[c].ProjectWorld(joint);
+      ASSERT_TRUE(pixel) << sense.cameras[c].name;
+      own += pixel->x() >= 0 && pixel->x() < 1920 && pixel->y() >= 0 && pixel->y() < 1080 ? 1.0 : 0.0;
+    }
+    own /= static_cast<double>(joints.size());
+    inside += own;
+    least = std::min(least, own);
+  }
+  EXPECT_EQ(hd, 31);
+  EXPECT_NEAR(inside / hd, 0.876, 0.002);
+  EXPECT_GT(least, 0.655);
+}
+
+TEST(CalibrationSense, IsUnknownWhereTheEvidenceIsBothWays) {
+  // Parallel cameras meet nowhere.
+  Calibration parallel;
+  parallel.views.resize(3);
+  for (int i = 0; i < 3; ++i) {
+    CalibratedView& view = parallel.views[i];
+    view.fx = view.fy = 1000, view.cx = 500, view.cy = 500;
+    view.translation = Vector3d(i, 0, 0);
+  }
+  CalibrationSense sense = SenseCalibration(parallel);
+  EXPECT_EQ(sense.reading.value, "");
+  EXPECT_NEAR(sense.reading.confidence, 1.0 / 3.0, 1e-9);
+  EXPECT_TRUE(sense.cameras.empty());
+  // A ring of 1000 units may be 10 m in centimetres or 1 m in millimetres.
+  Calibration ring;
+  for (int i = 0; i < 5; ++i) {
+    CalibratedView view = parallel.views[0];
+    view.rotation = ExpMatrix(Vector3d(0, 0.9 * i, 0));
+    view.translation = Vector3d(0, 0, 1000) - view.rotation * Vector3d(300, 200, 100);
+    ring.views.push_back(view);
+  }
+  sense = SenseCalibration(ring);
+  EXPECT_EQ(sense.reading.value, "world_to_camera") << sense.reading.evidence;
+  EXPECT_EQ(sense.unit.value, "") << sense.unit.evidence;
+  EXPECT_TRUE(sense.cameras.empty());
+  // What the format says stands, and that the numbers look otherwise is told.
+  ring.reading = PoseReading::kCameraToWorld;
+  ring.metres_per_unit = 1.0;
+  sense = SenseCalibration(ring);
+  EXPECT_EQ(sense.reading.value, "camera_to_world");
+  ASSERT_FALSE(sense.remarks.empty());
+  EXPECT_EQ(sense.remarks[0].code, "calibration_contradiction");
+}
+
+}  // namespace
+}  // namespace mocurate
