@@ -17,7 +17,7 @@
 #include "tests/versions/fixed_inputs.h"
 #include "tests/versions/stage_record.h"
 #include "tests/versions/stage_versions.h"
-#include "train/options.h"
+#include "train/items.h"
 
 namespace mocurate::versions {
 namespace {
@@ -210,10 +210,14 @@ GeneratorOptions SmallGenerator() {
 TEST_F(StageVersions, TrainingAndEvaluating) {
   Write(WriteDataset(SmallDataset(), Path("dataset.h5")));
   const StageInput dataset = Input("dataset", "dataset", "dataset.h5");
-  const ItemResult recogniser = Judge(TrainRecogniserDeclaration(), "train_recogniser",
-                                      {"recogniser/3", OptionsToJson(SmallRecogniser()), {dataset}}, kTrained);
-  const ItemResult generator = Judge(TrainGeneratorDeclaration(), "train_generator",
-                                     {"Action2Motion", OptionsToJson(SmallGenerator()), {dataset}}, kTrained);
+  const ItemResult recogniser = Judge(
+      TrainDeclaration(), "train_recogniser",
+      {"recogniser/3", OptionsToJson(NetworkOptions{NetworkKind::kRecogniser, SmallRecogniser(), {}}), {dataset}},
+      kTrained);
+  const ItemResult generator = Judge(
+      TrainDeclaration(), "train_generator",
+      {"Action2Motion", OptionsToJson(NetworkOptions{NetworkKind::kAction2Motion, {}, SmallGenerator()}), {dataset}},
+      kTrained);
   ASSERT_FALSE(recogniser.artifact.empty() || generator.artifact.empty());
   if (HasFailure()) GTEST_SKIP() << "evaluate is judged when its input, the networks, is as recorded";
   EvaluateOptions options;
@@ -227,7 +231,7 @@ TEST_F(StageVersions, TrainingAndEvaluating) {
          {dataset,
           {"recogniser", recogniser.item, recogniser.artifact, recogniser.sha256},
           {"generator", generator.item, generator.artifact, generator.sha256}}},
-        kTrained, {TrainRecogniserDeclaration(), TrainGeneratorDeclaration()});
+        kTrained, {TrainDeclaration()});
 }
 
 TEST_F(StageVersions, ReportAndPicture) {
