@@ -99,6 +99,7 @@ void StageRun::WaitForWorkers() {
 
 void StageRun::Serve(Seat& seat) {
   CheckLimits(seat);
+  if (!seat.verdict.empty()) return Lost(seat);  // an answer that came meanwhile does not save it: the worker is killed
   seat.worker->Pump();
   Forward(*seat.worker);
   while (true) {

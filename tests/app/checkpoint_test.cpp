@@ -33,13 +33,13 @@ std::vector<std::string> TinyTraining(const Folder& folder) {
   return arguments;
 }
 
-/// Where the cache keeps what stage `stage` made, as the journal of the run tells.
-fs::path RecordOf(const Folder& folder, const std::string& stage) {
+/// Where the cache keeps what item `item` of stage `train` made, as the journal of the run tells.
+fs::path RecordOf(const Folder& folder, const std::string& item) {
   std::ifstream journal(folder / "r/journal.jsonl");
   std::string line;
   while (std::getline(journal, line)) {
     const nlohmann::json entry = nlohmann::json::parse(line);
-    if (entry["stage"] != stage) continue;
+    if (entry["stage"] != "train" || entry["item"] != item) continue;
     const std::string key = entry["key"];
     return folder / ("cache/objects/" + key.substr(0, 2) + "/" + key.substr(2) + ".json");
   }
@@ -65,8 +65,8 @@ TEST(WrongCheckpoint, IsRefusedNamingBothKindsAndTheFile) {
   EXPECT_EQ(as_dataset.exit_code, 3);
   EXPECT_THAT(as_dataset.err, HasSubstr("Action2Motion.h5:/@schema: is 'mocurate-checkpoint/1'; known are mocurate/1"));
 
-  const fs::path generator = RecordOf(folder, "train_generator");
-  const fs::path recogniser = RecordOf(folder, "train_recogniser");
+  const fs::path generator = RecordOf(folder, "Action2Motion");
+  const fs::path recogniser = RecordOf(folder, "recogniser/1");
   const std::string right_generator = ReadText(generator);
 
   Exchange(generator, recogniser);

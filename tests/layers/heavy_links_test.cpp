@@ -27,7 +27,7 @@ const char* const kRooms[] = {"core", "ingest", "fitting", "canon", "train", "ev
 const std::map<std::string, std::set<std::string>> kHeavyLinks = {
     {"Ceres::", {"mocurate_fitting"}},
     {"Open3D::", {"mocurate_fitting_clouds"}},
-    {"opencv_", {"mocurate_ingest", "mocurate_fitting", "mocurate_fitting_clouds", "mocurate_report"}},
+    {"opencv_", {"mocurate_ingest_opencv", "mocurate_fitting", "mocurate_fitting_clouds", "mocurate_report"}},
     {"mocurate_torch", {"mocurate_recognisers", "mocurate_train", "mocurate_eval"}},
     {"${TORCH_LIBRARIES}", {"mocurate_torch"}},
     {"yaml-cpp", {"mocurate_config"}},
