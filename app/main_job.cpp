@@ -90,8 +90,10 @@ class MainJob {
     for (ItemSpec& item : items) item.inputs.push_back(input);
   }
 
+  /// A folder that is given takes the place of the capture.
   Status Capture() {
-    if (!options_.ingest.synthetic.enabled) return {};
+    synthetic_ = options_.ingest.synthetic.enabled && options_.ingest.path.empty();
+    if (!synthetic_) return {};
     const nlohmann::json options = OptionsToJson(options_.ingest.synthetic);
     const auto capture = RunOne(CaptureDeclaration(), {"capture", options, {}});
     if (!capture) return Forward(capture);
@@ -112,11 +114,13 @@ class MainJob {
   }
 
   Status Ingest() {
-    if (options_.ingest.synthetic.enabled && options_.ingest.path.empty()) return {};
+    if (synthetic_ && options_.ingest.path.empty()) return {};
     auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
     for (const ItemResult& file : discovery->left_out) LogWarning(file.item + ": " + file.outcome.error.Message());
-    AddInput(SkeletonInput(options_.ingest.source.skeleton), discovery->items);
+    const StageInput skeleton = SkeletonInput(options_.ingest.source.skeleton);
+    AddInput(skeleton, discovery->items);
+    AddInput(skeleton, discovery->truth);
     const std::vector<ItemSpec> specs = discovery->items;
     const auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
@@ -329,6 +333,7 @@ class MainJob {
 
   JobOptions options_;
   JobStage last_;
+  bool synthetic_ = false;
   Runner& runner_;
   JobResult result_;
   std::vector<ClipRecord> clips_;

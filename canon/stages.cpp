@@ -1,6 +1,7 @@
 #include "canon/stages.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -13,6 +14,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
 #include "core/store/store.h"
 
@@ -97,6 +99,85 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, Clip clip,
   return kept;
 }
 
+bool SameTree(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
+}
+
+/// The farthest that a joint of the clip moves when its rotations and bone lengths pose another skeleton of the same
+/// tree, metres.
+double ChangeOnSkeleton(const Motion& motion, const SkeletonPtr& skeleton) {
+  const std::vector<Joint>& own = motion.skeleton->joints;
+  const bool same_rest = std::equal(own.begin(), own.end(), skeleton->joints.begin(), skeleton->joints.end(),
+                                    [](const Joint& a, const Joint& b) { return a.rest_offset == b.rest_offset; });
+  if (same_rest || motion.joints_only()) return 0.0;
+  Motion moved = motion;
+  moved.skeleton = skeleton;
+  ComputeJoints(moved);
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < moved.joints.xyz.size(); ++i) {
+    farthest = std::max(farthest, std::abs(moved.joints.xyz[i] - motion.joints.xyz[i]));
+  }
+  return farthest;
+}
+
+/// One skeleton for all clips: the one that most of them have (of equally many, the first by clip id). A clip that it
+/// cannot pose is left out with a finding: a BVH file of another actor, whose rest pose differs.
+void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
+  constexpr double kSame = 5e-4;  // metres; the store holds joints to 1e-3
+  std::vector<std::pair<SkeletonPtr, int>> kinds;
+  for (const Clip& clip : dataset.clips) {
+    const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) {
+      return SameTree(*kind.first, *clip.motion->skeleton) && ChangeOnSkeleton(*clip.motion, kind.first) <= kSame;
+    });
+    if (known != kinds.end()) {
+      ++known->second;
+    } else {
+      kinds.emplace_back(clip.motion->skeleton, 1);
+    }
+  }
+  dataset.skeleton = std::max_element(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) {
+                       return a.second < b.second;
+                     })->first;
+  std::vector<Clip> kept;
+  for (Clip& clip : dataset.clips) {
+    const bool same = SameTree(*dataset.skeleton, *clip.motion->skeleton);
+    const double change = same ? ChangeOnSkeleton(*clip.motion, dataset.skeleton) : 0.0;
+    if (same && change <= kSame) {
+      clip.motion->skeleton = dataset.skeleton;
+      kept.push_back(std::move(clip));
+      continue;
+    }
+    Finding finding;
+    finding.clip = clip.id();
+    finding.code = "other_skeleton";
+    finding.severity = Severity::kError;
+    finding.value = change;
+    finding.message = same ? "its rest pose differs from that of most clips: on their skeleton a joint would move by " +
+                                 FormatDouble(std::round(change * 1e4) / 10.0) + " mm"
+                           : "its joints differ from those of most clips, skeleton '" + dataset.skeleton->name + "'";
+    finding.action = "left out of the dataset";
+    findings.push_back(finding);
+  }
+  dataset.clips = std::move(kept);
+}
+
+void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
+  std::map<double, int> rates;
+  for (const Clip& clip : dataset.clips) ++rates[clip.rate.hz()];
+  if (rates.size() < 2) return;
+  Finding finding;
+  finding.code = "mixed_rates";
+  finding.value = static_cast<double>(rates.size());
+  finding.message = "clips of";
+  for (const auto& [rate, count] : rates) {
+    finding.message += " " + FormatDouble(rate) + " Hz (" + std::to_string(count) + ")";
+  }
+  finding.message += " stand together: windows of equal frames last differently; canon.rate brings them to one";
+  finding.action = "flagged";
+  findings.push_back(finding);
+}
+
 nlohmann::json SplitSummary(const Split& split) {
   return {{"name", split.name},        {"train", split.train.size()}, {"validation", split.validation.size()},
           {"test", split.test.size()}, {"rule", split.rule},          {"leak_check", split.leak_check}};
@@ -141,19 +222,14 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   for (const StageInput& input : request.inputs) {
     auto part = ReadDataset(input.path);
     if (!part) return Forward(part);
-    if (!dataset.skeleton) {
-      dataset.skeleton = part->skeleton;
-      dataset.joints_only = part->joints_only;
-    }
-    if (part->skeleton->name != dataset.skeleton->name || part->joints_only != dataset.joints_only) {
+    if (dataset.clips.empty()) dataset.joints_only = part->joints_only;
+    if (part->joints_only != dataset.joints_only) {
       return Fail(ErrorCode::kInconsistent,
-                  "skeleton '" + part->skeleton->name + "' where the others have '" + dataset.skeleton->name + "'",
-                  input.name, "one dataset holds one skeleton, with rotations or joints only");
+                  part->joints_only ? "holds joints only where the others have rotations"
+                                    : "holds rotations where the others have joints only",
+                  input.name, "one dataset holds either");
     }
-    for (Clip& clip : part->clips) {
-      clip.motion->skeleton = dataset.skeleton;
-      dataset.clips.push_back(std::move(clip));
-    }
+    for (Clip& clip : part->clips) dataset.clips.push_back(std::move(clip));
     dataset.findings.insert(dataset.findings.end(), part->findings.begin(), part->findings.end());
   }
   if (dataset.clips.empty()) {
@@ -161,12 +237,14 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
                 "curation_log.jsonl says why each was dropped");
   }
   SortById(dataset.clips);
+  StageOutcome outcome;
+  UniteSkeletons(dataset, outcome.findings);
+  FindMixedRates(dataset, outcome.findings);
   std::set<std::string> names;
   for (const Clip& clip : dataset.clips) names.insert(clip.label);
   names.erase("");
   for (const std::string& name : names) dataset.labels.push_back({name, ""});
 
-  StageOutcome outcome;
   outcome.summary = {
       {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
   for (const SplitOptions& split_options : options->splits) {

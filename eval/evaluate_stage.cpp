@@ -72,7 +72,9 @@ Expected<StageOutcome> Evaluate(const OpenGenerator& open_generator, const Stage
   auto result = ScoreEveryKind(request, options->split);
   if (!result) return Forward(result);
   StageOutcome outcome;
-  for (const auto& [kind, scored] : result->items()) outcome.summary[kind] = scored["mean"];
+  for (const auto& [kind, scored] : result->items()) {
+    if (scored.contains("mean")) outcome.summary[kind] = scored["mean"];
+  }
 
   const auto recogniser = Recogniser::Load(recognisers.front()->path);
   if (!recogniser) return Forward(recogniser);

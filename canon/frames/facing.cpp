@@ -1,6 +1,7 @@
 #include "canon/frames/facing.h"
 
 #include <cmath>
+#include <optional>
 
 #include "core/motion/operations.h"
 
@@ -12,15 +13,16 @@ struct BodyAxes {
   Vector3d forward = Vector3d::UnitZ();
 };
 
-/// Rest-pose left axis in the root's frame: right to left hip, else canonical left.
-Vector3d RestLeft(const Skeleton& skeleton) {
+/// Rest-pose left axis in the root's frame, right to left hip; nothing when the hips do not hang from the root.
+std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
   const auto hips = skeleton.Hips();
-  if (!hips) return Vector3d::UnitX();
+  if (!hips) return std::nullopt;
   const Joint& left = skeleton.joints[(*hips)[0]];
   const Joint& right = skeleton.joints[(*hips)[1]];
-  if (left.parent != 0 || right.parent != 0) return Vector3d::UnitX();
+  if (left.parent != 0 || right.parent != 0) return std::nullopt;
   const Vector3d axis = left.rest_offset - right.rest_offset;
-  return axis.norm() > 1e-9 ? Vector3d(axis.normalized()) : Vector3d::UnitX();
+  if (axis.norm() < 1e-9) return std::nullopt;
+  return Vector3d(axis.normalized());
 }
 
 Expected<BodyAxes> AxesFromJoints(const Motion& motion, int frame) {
@@ -65,11 +67,10 @@ Heading HeadingOfAxes(const Vector3d& left, const Vector3d& forward, double min_
 }
 
 Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, double min_horizontal) {
-  if (!motion.joints_only()) {
+  const auto rest_left = motion.joints_only() ? std::nullopt : RestLeft(*motion.skeleton);
+  if (rest_left) {
     const Quaterniond& root = motion.rotation_at(frame, 0);
-    const Vector3d rest_left = RestLeft(*motion.skeleton);
-    const Vector3d rest_forward = rest_left.cross(Vector3d::UnitY());
-    return HeadingOfAxes(root * rest_left, root * rest_forward, min_horizontal);
+    return HeadingOfAxes(root * *rest_left, root * rest_left->cross(Vector3d::UnitY()), min_horizontal);
   }
   const auto axes = AxesFromJoints(motion, frame);
   if (!axes) return Forward(axes);

@@ -89,7 +89,7 @@ std::string LeakCheck(SplitBy by, const Dataset& dataset, const std::vector<Part
   std::map<std::string, std::set<Part>> contents;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
-    const std::string group = by == SplitBy::kRole ? clip.identity.recording : GroupOf(by, clip);
+    const std::string group = GroupOf(by == SplitBy::kRole ? SplitBy::kFraction : by, clip);
     groups[group].insert(parts[i]);
     contents[ContentHash(clip)].insert(parts[i]);
   }

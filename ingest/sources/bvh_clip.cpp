@@ -81,7 +81,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   NoteRate(source, *bvh, ingested.findings);
   const Matrix3d& world_from_file = axes->canonical_from_source;
   const Matrix3d metres_from_file = *scale * world_from_file;
-  const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide);
+  const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());
   if (Status ok = CheckSliding(offsets, *bvh, source.max_slide, file.name, ingested.findings); !ok) return Forward(ok);
   const Expected<BvhSkeleton> fit = MakeBvhSkeleton(*bvh, offsets, *declared, source.name, file.name);
   if (!fit) return Forward(fit);

@@ -119,7 +119,8 @@ std::vector<int> BvhOffsets::Path(const Bvh& bvh) const {
   return path;
 }
 
-BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide) {
+BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide,
+                          const Skeleton* declared) {
   BvhOffsets offsets;
   for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
     offsets.joints.push_back(MeasureJoint(bvh, static_cast<int>(j), metres_from_file));
@@ -128,7 +129,11 @@ BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, doub
   const std::vector<std::vector<int>> children = ChildrenOf(bvh);
   for (int j = 0; children[j].size() == 1;) {
     j = children[j][0];
-    if (offsets.joints[j].moves) offsets.carrier = j;
+    BvhOffsets::Joint& joint = offsets.joints[j];
+    const auto known = declared != nullptr ? declared->FindJoint(bvh.joints[j].name) : std::nullopt;
+    const bool on_parent = known && declared->joints[*known].rest_offset.norm() <= kSameOffset;
+    if (on_parent && joint.offset.norm() > max_slide) joint.moves = true;  // it carries the person, who stands still
+    if (joint.moves) offsets.carrier = j;
   }
   for (const int j : offsets.Path(bvh)) offsets.joints[j].above_carrier = true;
   return offsets;

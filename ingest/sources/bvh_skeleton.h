@@ -27,8 +27,9 @@ struct BvhOffsets {
   std::vector<int> Path(const Bvh& bvh) const;
 };
 
-/// `max_slide` in metres.
-BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide);
+/// `max_slide` in metres. A joint that by `declared` (may be null) lies on its parent, and in the file does not,
+/// carries the translation even when the person stands still.
+BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide, const Skeleton* declared);
 
 /// The tree that a file's motion is told on. Indices of `offset` and `target` are the file's.
 struct BvhSkeleton {

@@ -49,6 +49,31 @@ double Largest(const JointPositions& a, const JointPositions& b) {
   return largest;
 }
 
+TEST(FaceFront, ReadsHipsThatHangBelowARootThatNeverTurns) {
+  const auto skeleton = LoadSkeleton("bandai22");
+  ASSERT_TRUE(skeleton) << skeleton.error().Message();
+  const int joints = (*skeleton)->joint_count();
+  const auto hips = (*skeleton)->FindJoint("Hips");
+  ASSERT_TRUE(hips);
+  ASSERT_NE(*hips, 0);
+  for (const double turn : {0.5, 2.0, -3.0}) {
+    std::vector<Quaterniond> rotation(2 * static_cast<std::size_t>(joints), Quaterniond::Identity());
+    // Bones of this skeleton point along local x: stand it up, then turn it.
+    const Quaterniond up = ExpQuaternion(Vector3d(0, 0, 0.5 * 3.14159265358979));
+    for (int f = 0; f < 2; ++f) {
+      rotation[static_cast<std::size_t>(f * joints + *hips)] = ExpQuaternion(Vector3d(0, turn, 0)) * up;
+    }
+    Clip clip;
+    clip.motion = MakeMotion(*skeleton, FrameRate{30, 1}, std::vector<Vector3d>(2, Vector3d(1, 1, 1)), rotation,
+                             (*skeleton)->RestBoneLengths());
+    const auto heading = FaceFront({}, clip);
+    ASSERT_TRUE(heading) << heading.error().Message();
+    const auto pair = (*skeleton)->Hips();
+    const Vector3d left = clip.motion->joints.at(0, (*pair)[0]) - clip.motion->joints.at(0, (*pair)[1]);
+    EXPECT_GT(left.x(), 0.99 * left.norm()) << turn;
+  }
+}
+
 TEST(FaceFront, PutsTheAnchorAtTheOriginFacingZ) {
   Clip clip = TurningClip(1, 0.2);
   ASSERT_TRUE(FaceFront({}, clip));

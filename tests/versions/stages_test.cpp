@@ -210,10 +210,10 @@ GeneratorOptions SmallGenerator() {
 TEST_F(StageVersions, TrainingAndEvaluating) {
   Write(WriteDataset(SmallDataset(), Path("dataset.h5")));
   const StageInput dataset = Input("dataset", "dataset", "dataset.h5");
-  const ItemResult recogniser = Judge(
-      TrainDeclaration(), "train_recogniser",
-      {"recogniser/3", OptionsToJson(NetworkOptions{NetworkKind::kRecogniser, SmallRecogniser(), {}}), {dataset}},
-      kTrained);
+  const ItemResult recogniser =
+      Judge(TrainDeclaration(), "train_recogniser",
+            {"recogniser/3", OptionsToJson(NetworkOptions{NetworkKind::kRecogniser, SmallRecogniser(), {}}), {dataset}},
+            kTrained);
   const ItemResult generator = Judge(
       TrainDeclaration(), "train_generator",
       {"Action2Motion", OptionsToJson(NetworkOptions{NetworkKind::kAction2Motion, {}, SmallGenerator()}), {dataset}},
