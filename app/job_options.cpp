@@ -36,9 +36,15 @@ void ResolveDefaults(JobOptions& options) {
   for (std::string* skeleton : {&options.proportions.skeleton, &options.fitting.skeleton, &options.canon.skeleton}) {
     if (skeleton->empty()) *skeleton = options.skeleton;
   }
-  options.proportions.method = options.fitting.method;
-  options.proportions.point_clouds = options.fitting.point_clouds;
   if (options.evaluate.split.empty()) options.evaluate.split = options.train.recogniser.split;
+}
+
+ProportionsOptions ProportionsOf(const JobOptions& options) {
+  ProportionsOptions proportions;
+  static_cast<ProportionsSettings&>(proportions) = options.proportions;
+  proportions.method = options.fitting.method;
+  proportions.point_clouds = options.fitting.point_clouds;
+  return proportions;
 }
 
 }  // namespace mocurate

@@ -31,7 +31,7 @@ struct JobOptions {
   std::string skeleton = "smpl24";  ///< for stages that do not name their own
   double tolerated_failures = 0.0;  ///< share of clips that may fail before the exit code is 1
   IngestOptions ingest;
-  ProportionsOptions proportions;
+  ProportionsSettings proportions;
   FittingOptions fitting;
   CanonOptions canon;
   AssembleOptions assemble;
@@ -44,8 +44,11 @@ struct JobOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Fills what groups take from each other: the skeleton of stages that do not name their own, the method and clouds of
-/// `proportions` from `fitting`, the split of `evaluate` from the recogniser's.
+/// Fills what groups take from each other: the skeleton of stages that do not name their own, the split of `evaluate`
+/// from the recogniser's.
 void ResolveDefaults(JobOptions& options);
+
+/// Options of the stage `proportions`: its own group, with the method and clouds of `fitting`.
+ProportionsOptions ProportionsOf(const JobOptions& options);
 
 }  // namespace mocurate

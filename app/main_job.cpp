@@ -153,7 +153,7 @@ class MainJob {
 
   Status Proportions() {
     if (!Fits()) return {};
-    std::vector<ItemSpec> items = ProportionItems(clips_, OptionsToJson(options_.proportions));
+    std::vector<ItemSpec> items = ProportionItems(clips_, OptionsToJson(ProportionsOf(options_)));
     AddInput(SkeletonInput(options_.proportions.skeleton), items);
     const auto report = RunStage(ProportionsDeclaration(), std::move(items));
     if (!report) return Forward(report);

@@ -88,7 +88,7 @@ void PrintFigures(const JobResult& result) {
   for (const char* kind : {"recogniser", "baseline_recogniser", "crop_recogniser"}) {
     if (!result.metrics.is_object() || !result.metrics.contains(kind)) continue;
     const nlohmann::json& recogniser = result.metrics[kind];
-    if (!recogniser.contains("mean")) {
+    if (!recogniser.contains("mean") || !recogniser["mean"].is_number()) {
       std::printf("%-20s not scored: %s\n", kind, recogniser.value("scored", "").c_str());
       continue;
     }

@@ -60,14 +60,18 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
 }
 
-void ProportionsOptions::Declare(OptionVisitor& v) {
-  DeclareMethod(v, method);
+void ProportionsSettings::Declare(OptionVisitor& v) {
   v.Text("skeleton", skeleton, "skeleton whose bone lengths are wanted: a name or a YAML file");
   v.Bool("symmetric", symmetric, "left and right limbs share their lengths");
   v.Integer("refine_clips", refine_clips, {0, kMaxProportionClips},
             "clips on which bones are fitted together with the pose; 0 keeps the medians");
   v.Integer("refine_frames", refine_frames, {2, 10000}, "frames of each, from its middle");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
+}
+
+void ProportionsOptions::Declare(OptionVisitor& v) {
+  DeclareMethod(v, method);
+  ProportionsSettings::Declare(v);
   v.Group("point_clouds", point_clouds, "tracking of the clouds the lengths are read from");
 }
 

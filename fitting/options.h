@@ -67,13 +67,19 @@ struct FittingOptions {
   void Declare(OptionVisitor& v);
 };
 
-struct ProportionsOptions {
-  FitMethod method = FitMethod::kJointTracks;
+struct ProportionsSettings {
   std::string skeleton;
   bool symmetric = true;            ///< left and right limbs share their lengths
   std::int64_t refine_clips = 0;    ///< clips on which bones are fitted together with the pose; 0: medians only
   std::int64_t refine_frames = 60;  ///< frames of each, from its middle
   JointTrackOptions joint_tracks;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Options of the stage: what a job sets, and the method and tracking of its stage `fitting`.
+struct ProportionsOptions : ProportionsSettings {
+  FitMethod method = FitMethod::kJointTracks;
   PointCloudOptions point_clouds;  ///< tracking of the clouds the lengths are read from
 
   void Declare(OptionVisitor& v);

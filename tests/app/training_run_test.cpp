@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -46,6 +48,24 @@ int StagesNamed(const nlohmann::json& document, const std::string& name) {
   int count = 0;
   for (const auto& stage : document["stages"]) count += stage["stage"] == name ? 1 : 0;
   return count;
+}
+
+TEST(TrainingRun, OnePersonAloneIsLearntFromAndNothingIsScored) {
+  const Folder folder;
+  std::vector<std::string> arguments = TrainingJob(
+      folder, {"ingest.synthetic.subjects=1", "assemble.splits=[{name: s, by: person, test: [p09], validation: []}]"});
+  arguments.erase(std::find(arguments.begin(), arguments.end(), "--json"));
+  const Result result = RunProgram(folder, arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("not scored: no clip tests"));
+  EXPECT_THAT(result.err, HasSubstr("it trains and nothing tests"));
+}
+
+TEST(TrainingRun, AFolderThatIsGivenTakesThePlaceOfTheCapture) {
+  const Folder folder;
+  const Result result = RunProgram(folder, TrainingJob(folder, {"ingest.path=" + (folder / "nowhere").string()}));
+  EXPECT_EQ(result.exit_code, 3) << result.out;
+  EXPECT_THAT(result.err, HasSubstr("nowhere: the folder does not exist"));
 }
 
 TEST(TrainingRun, AllNetworksAreItemsOfOneStage) {
