@@ -67,6 +67,16 @@ std::string ClipRecord::reason() const {
   return ruled ? stage->outcome.findings.back().code : std::string(Name(stage->outcome.error.code));
 }
 
+std::set<std::string> FindingCodes(const ClipRecord& clip) {
+  std::set<std::string> codes;
+  for (const ItemResult* stage : {&clip.evidence, &clip.motion, &clip.canonical}) {
+    for (const Finding& finding : stage->outcome.findings) {
+      if (finding.severity != Severity::kInfo) codes.insert(finding.code);
+    }
+  }
+  return codes;
+}
+
 Error FirstReason(const std::vector<ClipRecord>& clips) {
   const ItemResult* first = nullptr;
   for (const ClipRecord& clip : clips) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct ClipRecord {
   /// The reason in one word: the rule (code of its finding) or the error's code. Empty when nothing ended it.
   std::string reason() const;
 };
+
+/// Codes of what the stages found about a clip, each once; those of severity info are left out.
+std::set<std::string> FindingCodes(const ClipRecord& clip);
 
 /// Why the first clip failed; if none did, which rule left the first one out.
 Error FirstReason(const std::vector<ClipRecord>& clips);

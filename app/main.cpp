@@ -54,7 +54,8 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   run->add_option("config", arguments->config, "YAML file; without one the embedded synthetic capture runs");
   run->add_option("-o,--output", arguments->output, "run folder (default runs/NAME)");
   run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")
-      ->type_name("KEY=VALUE");
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   run->add_option("--to", arguments->to,
                   "last stage: ingest proportions fitting canon assemble audit train evaluate report");
   run->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
@@ -86,7 +87,9 @@ void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   config->require_subcommand(1);
   CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
   show->add_option("config", arguments->config, "YAML file; without one the embedded default");
-  show->add_option("--set", arguments->assignments, "override an option")->type_name("KEY=VALUE");
+  show->add_option("--set", arguments->assignments, "override an option")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   show->add_flag("--origins", arguments->origins, "say where each value comes from");
   show->footer("Example:\n  mocurate config show configs/kard.yaml --origins");
   show->callback(

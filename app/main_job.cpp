@@ -58,6 +58,7 @@ class MainJob {
       result_.kept += clip.kept() ? 1 : 0;
       result_.left_out += clip.left_out() ? 1 : 0;
       result_.failed += clip.failed() ? 1 : 0;
+      for (const std::string& code : FindingCodes(clip)) ++result_.findings[code];
     }
     return result_;
   }

@@ -33,6 +33,8 @@ struct JobResult {
   nlohmann::json metrics;
   nlohmann::json training = nlohmann::json::object();  ///< summary of each trained network by its item
   std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
+  /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
+  std::map<std::string, int> findings;
   std::vector<StageReport> stages;
 };
 

@@ -63,20 +63,12 @@ std::string Foreseen(const JobResult& result, JobStage last) {
 }
 
 nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& folder, double seconds) {
-  return {{"run", DisplayPath(folder)},
-          {"executed", Executed(result)},
-          {"dataset", DisplayPath(result.dataset)},
-          {"report", DisplayPath(result.report)},
-          {"clips", result.clips},
-          {"kept", result.kept},
-          {"left_out", result.left_out},
-          {"failed", result.failed},
-          {"fit_error", result.fit_error},
-          {"audit", result.audit},
-          {"metrics", result.metrics},
-          {"untrained", UntrainedJson(result)},
-          {"stages", StagesJson(result)},
-          {"seconds", seconds}};
+  return {
+      {"run", DisplayPath(folder)},           {"executed", Executed(result)}, {"dataset", DisplayPath(result.dataset)},
+      {"report", DisplayPath(result.report)}, {"clips", result.clips},        {"kept", result.kept},
+      {"left_out", result.left_out},          {"failed", result.failed},      {"findings", result.findings},
+      {"fit_error", result.fit_error},        {"audit", result.audit},        {"metrics", result.metrics},
+      {"untrained", UntrainedJson(result)},   {"stages", StagesJson(result)}, {"seconds", seconds}};
 }
 
 void PrintFigures(const JobResult& result) {
@@ -114,6 +106,9 @@ void PrintResult(const JobResult& result, double seconds) {
   }
   std::printf("%d clips, %d kept, left out by rule: %d, %d failed, %.1f s\n", result.clips, result.kept,
               result.left_out, result.failed, seconds);
+  for (const auto& [code, count] : result.findings) {
+    std::printf("%-26s %d of %d clips (curation_log.jsonl says which)\n", code.c_str(), count, result.clips);
+  }
   PrintFigures(result);
   if (!result.table.empty()) std::printf("\n%s\n", result.table.c_str());
   if (!result.dataset.empty()) std::printf("dataset  %s\n", DisplayPath(result.dataset).c_str());

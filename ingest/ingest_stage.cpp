@@ -121,7 +121,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   Expected<IngestedClip> ingested = ReadClip(file);
   if (!ingested) return Forward(ingested);
   if (Status near = CheckExtent(ingested->clip, input->name); !near) return Forward(near);
-  CheckHandedness(*source, *ingested);
+  CheckBody(*source, *ingested);
   Complete(*source, *named, *bytes, *ingested);
 
   StageOutcome outcome;

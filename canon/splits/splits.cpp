@@ -78,7 +78,13 @@ std::string RuleText(const SplitOptions& options, bool drawn) {
   return text;
 }
 
+/// Of what the clip was made from, else of its joints: the same file under two persons' names is fitted with the bones
+/// of each, and differs afterwards.
 std::string ContentHash(const Clip& clip) {
+  if (!clip.evidence_sha256.empty()) {
+    return clip.evidence_sha256 + "#" + std::to_string(clip.identity.begin_frame) + "-" +
+           std::to_string(clip.identity.end_frame);
+  }
   const JointPositions& joints = clip.motion->joints;
   return Sha256().Add(joints.xyz.data(), joints.xyz.size() * sizeof(double)).Hex();
 }

@@ -90,35 +90,4 @@ Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
   return skeleton;
 }
 
-void CheckHandedness(const SourceOptions& source, IngestedClip& ingested) {
-  const Clip& clip = ingested.clip;
-  HandednessMeasure measure;
-  if (clip.evidence.tracks) {
-    const JointTracks& tracks = *clip.evidence.tracks;
-    const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-    const auto find = [&](std::string_view name) -> std::optional<int> {
-      const std::optional<int> joint = skeleton && *skeleton ? (*skeleton)->FindJoint(name) : std::nullopt;
-      for (std::size_t k = 0; k < tracks.names.size(); ++k) {
-        if (tracks.names[k] == name) return static_cast<int>(k);
-        if (joint && (*skeleton)->FindJoint(tracks.names[k]) == joint) return static_cast<int>(k);
-      }
-      return std::nullopt;
-    };
-    measure = MeasureHandedness(tracks.positions, FindHandednessPoints(find), &tracks.confidence);
-  } else if (clip.motion) {
-    const Skeleton& skeleton = *clip.motion->skeleton;
-    measure = MeasureHandedness(clip.motion->joints,
-                                FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); }));
-  }
-  if (measure.handedness != Handedness::kLeft) return;
-  Finding finding;
-  finding.code = "handedness_contradiction";
-  finding.severity = Severity::kError;
-  finding.value = measure.confidence;
-  finding.message = measure.evidence + ": with axes '" + source.axes +
-                    "' the motion is left-handed, or left and right are exchanged; mend ingest.source.axes";
-  finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
-  ingested.findings.push_back(finding);
-}
-
 }  // namespace mocurate

@@ -58,9 +58,10 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file);
 /// world, annotated segments.
 Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file);
 
-/// Compares the handedness that the motion shows with the frame it is supposed to be in (right-handed, after the
-/// declared axes). Appends a finding "handedness_contradiction" (error) or nothing. Reads tracks, else the motion.
-void CheckHandedness(const SourceOptions& source, IngestedClip& ingested);
+/// Compares what the body shows with the declaration, after it was brought to metres and canonical axes. Appends
+/// findings (error): "units_contradiction" (nobody is that tall), "up_contradiction" (the head is below the feet),
+/// "handedness_contradiction" (knees, feet or hands point backwards). Reads tracks, else the motion.
+void CheckBody(const SourceOptions& source, IngestedClip& ingested);
 
 /// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names the unknown joint.
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);
