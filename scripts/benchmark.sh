@@ -11,7 +11,7 @@ for source in tests/benchmarks/*"$name"*.cpp; do
   [ -e "$source" ] && benchmarks+=("bench_$(basename "$source" .cpp)")
 done
 if [ ${#benchmarks[@]} -eq 0 ]; then
-  echo "benchmark.sh: no benchmark is named '$name'; there are:" tests/benchmarks/*.cpp >&2
+  echo "benchmark.sh: no benchmark is named '$name'; there are: $(cd tests/benchmarks && basename -s .cpp *.cpp | xargs)" >&2
   exit 2
 fi
 if [ -d ../shared/data ] && [ -z "${MOCURATE_TEST_DATA:-}" ]; then
