@@ -46,6 +46,11 @@ nlohmann::json UntrainedJson(const JobResult& result) {
   return untrained;
 }
 
+nlohmann::json UnevaluatedJson(const JobResult& result) {
+  if (!result.unevaluated) return nullptr;
+  return {{"code", Name(result.unevaluated->code)}, {"message", result.unevaluated->Message()}};
+}
+
 int Executed(const JobResult& result) {
   int count = 0;
   for (const StageReport& stage : result.stages) count += static_cast<int>(stage.items.size()) - stage.from_cache;
@@ -75,6 +80,7 @@ nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& 
           {"audit", result.audit},
           {"metrics", result.metrics},
           {"untrained", UntrainedJson(result)},
+          {"unevaluated", UnevaluatedJson(result)},
           {"stages", StagesJson(result)},
           {"seconds", seconds}};
 }
@@ -119,6 +125,13 @@ void PrintResult(const JobResult& result, double seconds) {
   if (!result.dataset.empty()) std::printf("dataset  %s\n", DisplayPath(result.dataset).c_str());
   for (const auto& table : result.tables) std::printf("table    %s\n", DisplayPath(table).c_str());
   if (!result.report.empty()) std::printf("report   %s\n", DisplayPath(result.report).c_str());
+}
+
+/// The run came to its end without the table that it was to make.
+Status CheckEvaluation(const JobResult& result) {
+  if (!result.unevaluated) return {};
+  const Error& error = *result.unevaluated;
+  return Fail(error.code, "the evaluation failed, there is no table; " + error.what, error.where, error.hint);
 }
 
 /// A network that was asked for and is not there is a failure, whatever the others gave.
@@ -185,6 +198,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
     PrintResult(*result, seconds);
     if (arguments.dry_run) std::printf("dry run: %s\n", Foreseen(*result, *last).c_str());
   }
+  if (Status evaluation = CheckEvaluation(*result); !evaluation) return evaluation;
   if (Status networks = CheckNetworks(*result); !networks) return networks;
   return CheckFailures(job->options, *result);
 }
