@@ -17,6 +17,7 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
+  if (Status seeds = CheckSeeds(options->train); !seeds) return Forward(seeds);
   ResolveDefaults(*options);
   return LoadedJob{std::move(*node), std::move(*options)};
 }

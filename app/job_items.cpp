@@ -223,6 +223,7 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
                         {"metrics", result.metrics},
                         {"training", result.training},
                         {"untrained", nlohmann::json::object()},
+                        {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
                         {"table_markdown", result.table},
                         {"stages", nlohmann::json::array()},
@@ -230,6 +231,9 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
                         {"persons", nlohmann::json::object()}};
   for (const auto& [item, error] : result.untrained) {
     run["untrained"][item] = {{"code", Name(error.code)}, {"message", error.Message()}};
+  }
+  if (const auto& error = result.unevaluated) {
+    run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
   }
   for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
   for (const ClipRecord& clip : clips) run["clips"].push_back(ClipSummary(clip));

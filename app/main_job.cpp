@@ -7,6 +7,7 @@
 
 #include "app/curation_log.h"
 #include "app/job_items.h"
+#include "app/run_outputs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "eval/tables/run_table.h"
@@ -29,7 +30,8 @@ constexpr StageName kStages[] = {
 /// One run of the main job: holds what earlier stages gave to later ones.
 class MainJob {
  public:
-  MainJob(const JobOptions& options, JobStage last, Runner& runner) : options_(options), last_(last), runner_(runner) {}
+  MainJob(const JobOptions& options, JobStage last, Runner& runner)
+      : options_(options), last_(last), runner_(runner), outputs_(runner.options().run_folder) {}
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
@@ -44,14 +46,18 @@ class MainJob {
                                                {JobStage::kTrain, &MainJob::Train},
                                                {JobStage::kEvaluate, &MainJob::Evaluate},
                                                {JobStage::kReport, &MainJob::Report}};
+    if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
-      const Status done = (this->*step)();
-      const bool log_changed = stage <= JobStage::kCanon && !runner_.options().dry_run && !clips_.empty();
-      if (log_changed) {
-        if (Status logged = WriteCurationLog(clips_, folder() / "curation_log.jsonl"); !logged) return Forward(logged);
+      Status done = (this->*step)();
+      if (stage <= JobStage::kCanon && !DryRun() && !clips_.empty()) {
+        const Status logged = WriteCurationLog(clips_, outputs_.Place("curation_log.jsonl"));
+        if (!logged) return Forward(logged);
       }
-      if (!done) return Forward(done);
+      if (done) done = Clear(stage, stage);
+      if (done) continue;
+      if (!DryRun()) outputs_.WarnOfLeftovers();
+      return Forward(done);
     }
     for (const ClipRecord& clip : clips_) {
       ++result_.clips;
@@ -66,6 +72,13 @@ class MainJob {
  private:
   std::filesystem::path folder() const { return runner_.options().run_folder; }
   bool DryRun() const { return runner_.options().dry_run; }
+
+  static JobStage Next(JobStage stage) { return static_cast<JobStage>(static_cast<int>(stage) + 1); }
+
+  /// What an earlier run left and these stages, which are over or will not run, did not write.
+  Status Clear(JobStage first, JobStage last) const {
+    return DryRun() ? Status() : outputs_.RemoveLeftovers(first, last);
+  }
 
   Expected<StageReport> RunStage(const StageDeclaration& stage, std::vector<ItemSpec> items) {
     auto report = runner_.Run(stage, std::move(items));
@@ -231,7 +244,7 @@ class MainJob {
       baseline_ = *baseline;
     }
     if (dataset_.artifact.empty() || DryRun()) return {};
-    result_.dataset = folder() / "dataset.h5";
+    result_.dataset = outputs_.Place("dataset.h5");
     return CopyWhole(dataset_.artifact, result_.dataset);
   }
 
@@ -272,9 +285,10 @@ class MainJob {
     std::string name = item.item;
     std::replace(name.begin(), name.end(), '/', '_');
     if (Status made = MakeFolder(folder() / "checkpoints"); !made) return made;
-    return CopyWhole(item.artifact, folder() / "checkpoints" / (name + ".h5"));
+    return CopyWhole(item.artifact, outputs_.Place("checkpoints/" + name + ".h5"));
   }
 
+  /// An evaluation that fails costs the table, not the report.
   Status Evaluate() {
     const bool scored = std::any_of(networks_.begin(), networks_.end(),
                                     [](const StageInput& network) { return network.role == "recogniser"; });
@@ -282,10 +296,18 @@ class MainJob {
     ItemSpec item{"metrics", OptionsToJson(options_.evaluate), networks_};
     item.inputs.push_back(InputFrom("dataset", dataset_));
     if (!baseline_.artifact.empty()) item.inputs.push_back(InputFrom("baseline_dataset", baseline_));
-    const auto evaluated = RunOne(EvaluateDeclaration(), std::move(item));
-    if (!evaluated) return Forward(evaluated);
-    if (evaluated->artifact.empty() || DryRun()) return {};
-    const auto text = ReadFile(evaluated->artifact);
+    const auto report = RunStage(EvaluateDeclaration(), {std::move(item)});
+    if (!report) return Forward(report);
+    if (report->items.empty() || DryRun()) return {};
+    const ItemResult& evaluated = report->items.front();
+    if (!evaluated.artifact.empty()) return WriteMetrics(evaluated);
+    result_.unevaluated = evaluated.outcome.error;
+    if (result_.unevaluated->where.empty()) result_.unevaluated->where = "evaluate";
+    return {};
+  }
+
+  Status WriteMetrics(const ItemResult& evaluated) {
+    const auto text = ReadFile(evaluated.artifact);
     if (!text) return Forward(text);
     result_.metrics = nlohmann::json::parse(*text);
     result_.metrics["generator_training"] = result_.training.value("Action2Motion", nlohmann::json());
@@ -294,20 +316,24 @@ class MainJob {
       result_.metrics["notes"].push_back(network + " was not trained: " + error.Message());
     }
     result_.metrics["nearest_neighbour"] = result_.audit.value("nearest_neighbour", nlohmann::json());
-    if (Status written = WriteFile(folder() / "metrics.json", result_.metrics.dump(1) + "\n"); !written) return written;
+    if (Status written = WriteFile(outputs_.Place("metrics.json"), result_.metrics.dump(1) + "\n"); !written) {
+      return written;
+    }
     const auto tables = WriteTables(result_.metrics, options_.name, folder() / "tables");
     if (!tables) return Forward(tables);
     result_.table = tables->markdown;
     result_.tables = tables->files;
+    for (const auto& file : tables->files) outputs_.Place("tables/" + file.filename().native());
     return {};
   }
 
   Status Report() {
     if (dataset_.artifact.empty() || DryRun()) return {};
     const nlohmann::json run = RunSummary(options_, clips_, persons_, result_);
-    if (Status written = WriteFile(folder() / "report_input.json", run.dump(1) + "\n"); !written) return written;
+    const auto input = outputs_.Place("report_input.json");
+    if (Status written = WriteFile(input, run.dump(1) + "\n"); !written) return written;
     ItemSpec item{"report", OptionsToJson(options_.report), {}};
-    item.inputs.push_back({"run", "run.json", folder() / "report_input.json", ""});
+    item.inputs.push_back({"run", "run.json", input, ""});
     item.inputs.push_back(InputFrom("dataset", dataset_));
     for (const StageInput& network : networks_) item.inputs.push_back(network);
     for (const ClipRecord* clip : ClipsToDraw(clips_, static_cast<int>(options_.report.filmstrip_clips))) {
@@ -317,7 +343,7 @@ class MainJob {
     if (!page) return Forward(page);
     if (page->artifact.empty()) return {};
     if (Status made = MakeFolder(folder() / "report"); !made) return made;
-    result_.report = folder() / "report" / "index.html";
+    result_.report = outputs_.Place("report/index.html");
     if (Status copied = CopyWhole(page->artifact, result_.report); !copied) return copied;
     return Fits() ? Pictures() : Status();
   }
@@ -327,7 +353,9 @@ class MainJob {
     if (!report) return Forward(report);
     for (const ItemResult& item : report->items) {
       if (item.artifact.empty()) continue;
-      if (Status copied = CopyWhole(item.artifact, folder() / "report" / (item.item + ".png")); !copied) return copied;
+      if (Status copied = CopyWhole(item.artifact, outputs_.Place("report/" + item.item + ".png")); !copied) {
+        return copied;
+      }
     }
     return {};
   }
@@ -336,6 +364,7 @@ class MainJob {
   JobStage last_;
   bool synthetic_ = false;
   Runner& runner_;
+  RunOutputs outputs_;
   JobResult result_;
   std::vector<ClipRecord> clips_;
   std::optional<std::set<std::string>> captured_;  ///< files of the synthetic capture: others are not ours

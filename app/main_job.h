@@ -35,12 +35,14 @@ struct JobResult {
   std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;
+  std::optional<Error> unevaluated;        ///< why there is no table although networks were to be scored
   std::vector<StageReport> stages;
 };
 
 /// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the
 /// runner's workers. Writes dataset.h5, curation_log.jsonl, tables/, metrics.json, report/index.html into the run
-/// folder.
+/// folder, and removes from it what an earlier run wrote there and this one does not. A run that ends early says which
+/// files of an earlier one are left.
 Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner);
 
 }  // namespace mocurate

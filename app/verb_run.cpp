@@ -46,6 +46,11 @@ nlohmann::json UntrainedJson(const JobResult& result) {
   return untrained;
 }
 
+nlohmann::json UnevaluatedJson(const JobResult& result) {
+  if (!result.unevaluated) return nullptr;
+  return {{"code", Name(result.unevaluated->code)}, {"message", result.unevaluated->Message()}};
+}
+
 int Executed(const JobResult& result) {
   int count = 0;
   for (const StageReport& stage : result.stages) count += static_cast<int>(stage.items.size()) - stage.from_cache;
@@ -63,12 +68,22 @@ std::string Foreseen(const JobResult& result, JobStage last) {
 }
 
 nlohmann::json ResultJson(const JobResult& result, const std::filesystem::path& folder, double seconds) {
-  return {
-      {"run", DisplayPath(folder)},           {"executed", Executed(result)}, {"dataset", DisplayPath(result.dataset)},
-      {"report", DisplayPath(result.report)}, {"clips", result.clips},        {"kept", result.kept},
-      {"left_out", result.left_out},          {"failed", result.failed},      {"findings", result.findings},
-      {"fit_error", result.fit_error},        {"audit", result.audit},        {"metrics", result.metrics},
-      {"untrained", UntrainedJson(result)},   {"stages", StagesJson(result)}, {"seconds", seconds}};
+  return {{"run", DisplayPath(folder)},
+          {"executed", Executed(result)},
+          {"dataset", DisplayPath(result.dataset)},
+          {"report", DisplayPath(result.report)},
+          {"clips", result.clips},
+          {"kept", result.kept},
+          {"left_out", result.left_out},
+          {"failed", result.failed},
+          {"findings", result.findings},
+          {"fit_error", result.fit_error},
+          {"audit", result.audit},
+          {"metrics", result.metrics},
+          {"untrained", UntrainedJson(result)},
+          {"unevaluated", UnevaluatedJson(result)},
+          {"stages", StagesJson(result)},
+          {"seconds", seconds}};
 }
 
 void PrintFigures(const JobResult& result) {
@@ -114,6 +129,13 @@ void PrintResult(const JobResult& result, double seconds) {
   if (!result.dataset.empty()) std::printf("dataset  %s\n", DisplayPath(result.dataset).c_str());
   for (const auto& table : result.tables) std::printf("table    %s\n", DisplayPath(table).c_str());
   if (!result.report.empty()) std::printf("report   %s\n", DisplayPath(result.report).c_str());
+}
+
+/// The run came to its end without the table that it was to make.
+Status CheckEvaluation(const JobResult& result) {
+  if (!result.unevaluated) return {};
+  const Error& error = *result.unevaluated;
+  return Fail(error.code, "the evaluation failed, there is no table; " + error.what, error.where, error.hint);
 }
 
 /// A network that was asked for and is not there is a failure, whatever the others gave.
@@ -180,6 +202,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
     PrintResult(*result, seconds);
     if (arguments.dry_run) std::printf("dry run: %s\n", Foreseen(*result, *last).c_str());
   }
+  if (Status evaluation = CheckEvaluation(*result); !evaluation) return evaluation;
   if (Status networks = CheckNetworks(*result); !networks) return networks;
   return CheckFailures(job->options, *result);
 }

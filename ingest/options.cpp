@@ -188,7 +188,7 @@ Status CheckSource(const SourceOptions& s) {
   return {};
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 3, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 4, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -206,6 +206,10 @@ std::string TableHtml(const ReportInput& input) {
   if (!markdown.empty()) return MarkdownToHtml(markdown);
   const nlohmann::json& rows = Field(Field(input.run, "metrics"), "rows");
   if (rows.is_object() && !rows.empty()) return MeansTable(rows);
+  const nlohmann::json& failed = Field(input.run, "unevaluated");
+  if (failed.is_object()) {
+    return Paragraph("There is no table: the evaluation failed. " + EscapeHtml(TextOf(failed, "message")));
+  }
   return Paragraph("The run ended before the evaluation, or trained nothing to evaluate.");
 }
 
@@ -227,8 +231,9 @@ std::string RecognisersHtml(const ReportInput& input) {
   nlohmann::json nearest = Field(metrics, "nearest_neighbour");
   if (!nearest.is_object()) nearest = Field(Field(input.run, "audit"), "nearest_neighbour");
   if (const auto accuracy = NumberOf(nearest, "accuracy")) {
-    table.rows.push_back(
-        {"Nearest neighbour, nothing trained", FixedText(*accuracy, 3), "–", CountText(CountOf(nearest, "count"))});
+    const bool scored = NumberOf(nearest, "count").value_or(0.0) > 0.0;
+    table.rows.push_back({"Nearest neighbour, nothing trained", scored ? FixedText(*accuracy, 3) : "not scored", "–",
+                          CountText(CountOf(nearest, "count"))});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
   return table.Html() + "<h3>Confusion of the recogniser on the test clips</h3>\n" +

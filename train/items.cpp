@@ -60,6 +60,21 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
   return items;
 }
 
+Status CheckSeeds(const TrainOptions& options) {
+  const std::vector<double>& seeds = options.seeds;
+  for (auto seed = seeds.begin(); seed != seeds.end(); ++seed) {
+    if (std::floor(*seed) != *seed) {
+      return Fail(ErrorCode::kConfig, FormatDouble(*seed) + " is not a whole number", "train.seeds",
+                  "each seed is a whole number and stands once, as in [1, 2, 3]");
+    }
+    if (std::find(seeds.begin(), seed, *seed) != seed) {
+      return Fail(ErrorCode::kConfig, "seed " + FormatDouble(*seed) + " stands there twice", "train.seeds",
+                  "each seed is a whole number and stands once, as in [1, 2, 3]");
+    }
+  }
+  return {};
+}
+
 Status ScaleTraining(double budget, TrainOptions& options) {
   const double iterations = std::max(1.0, std::round(budget * static_cast<double>(options.generator.iterations)));
   if (!(iterations <= kMostIterations)) {

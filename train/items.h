@@ -48,6 +48,9 @@ struct TrainItem {
 /// recogniser per number of `seeds`, whatever `recogniser.seed` says.
 std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInputs& inputs);
 
+/// A recogniser is named after its seed: error kConfig for a seed that is not whole or stands twice in `seeds`.
+Status CheckSeeds(const TrainOptions& options);
+
 /// Multiplies the generator's iterations by `budget`. Error kUsage when the product is more than the option allows.
 Status ScaleTraining(double budget, TrainOptions& options);
 

@@ -36,6 +36,15 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
       findings.push_back(finding);
       continue;
     }
+    const auto same = std::find_if(spans.begin(), spans.end(), [&](const KeptSpan& span) {
+      return span.begin == begin && span.end == end;  // a clip is known by its frames
+    });
+    if (same != spans.end()) {
+      findings.push_back(Dropped(
+          clip, "same_frames", begin, end, segment.end_s - segment.begin_s,
+          "segment '" + segment.label + "' is over the same frames as segment '" + same->label + "', which was kept"));
+      continue;
+    }
     spans.push_back({begin, end, segment.label});
   }
   if (clip.segments.empty()) {

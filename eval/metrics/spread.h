@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,10 @@ using IndexPairs = std::vector<std::pair<int, int>>;
 /// Diversity's pairs: both ends uniform with replacement, i = j possible. [a2m_actor.md D.5]
 IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random);
 
-/// Multimodality's pairs: `quota` per class, both ends uniform within the class, with replacement. Error kInconsistent
-/// names a class without motions (the released loop would never end).
-Expected<IndexPairs> DrawMultimodalityPairs(const std::vector<int>& labels, int classes, int quota, Random& random);
+/// Multimodality's pairs: `quota` per class (names, by label), both ends uniform within the class, with replacement.
+/// Error kInconsistent names a class without motions (the released loop would never end).
+Expected<IndexPairs> DrawMultimodalityPairs(const std::vector<int>& labels, const std::vector<std::string>& classes,
+                                            int quota, Random& random);
 
 /// Mean Euclidean distance over the pairs; 0 without pairs.
 double MeanDistance(const Features& features, const IndexPairs& pairs);

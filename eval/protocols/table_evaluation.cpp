@@ -124,7 +124,8 @@ class TableEvaluation {
   }
 
   Status AddMetrics(const ScoredSet& set, const FeatureStatistics& reference, int repetition, nlohmann::json& row) {
-    const int classes = static_cast<int>(dataset_.labels.size());
+    std::vector<std::string> names;
+    for (const auto& label : dataset_.labels) names.push_back(label.name);
     const auto statistics = StatisticsOf(set.features);
     if (!statistics) return Forward(statistics);
     const auto distance = FrechetDistance(*statistics, reference);
@@ -132,11 +133,10 @@ class TableEvaluation {
     Random random(seed(), "pairs", std::to_string(repetition));
     const IndexPairs any =
         DrawDiversityPairs(static_cast<int>(set.labels.size()), static_cast<int>(options_.diversity_pairs), random);
-    const auto same =
-        DrawMultimodalityPairs(set.labels, classes, static_cast<int>(options_.multimodality_quota), random);
+    const auto same = DrawMultimodalityPairs(set.labels, names, static_cast<int>(options_.multimodality_quota), random);
     if (!same) return Forward(same);
     row["fid"].push_back(*distance);
-    row["accuracy"].push_back(Accuracy(ConfusionMatrix(set.labels, set.predicted, classes)));
+    row["accuracy"].push_back(Accuracy(ConfusionMatrix(set.labels, set.predicted, static_cast<int>(names.size()))));
     row["diversity"].push_back(MeanDistance(set.features, any));
     row["multimodality"].push_back(MeanDistance(set.features, *same));
     return {};

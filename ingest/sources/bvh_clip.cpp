@@ -24,14 +24,15 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
       return Fail(ErrorCode::kUnsupported,
                   "joint '" + bvh.joints[j].name + "' slides along its bone by " + Millimetres(slide) +
                       ", more than the " + Millimetres(max_slide) + " of max_slide",
-                  name, "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the mean offset");
+                  name,
+                  "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
     }
     Finding finding;
     finding.code = "bone_slides";
     finding.joint = bvh.joints[j].name;
     finding.value = slide;
     finding.message = "the bone changes its length by " + Millimetres(slide) + " over the clip";
-    finding.action = "mean offset used";
+    finding.action = "middle of its range used";
     findings.push_back(finding);
   }
   return {};

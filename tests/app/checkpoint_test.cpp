@@ -75,7 +75,7 @@ TEST(WrongCheckpoint, IsRefusedNamingBothKindsAndTheFile) {
   EXPECT_THAT(no_generator.err, HasSubstr("holds a network of kind 'gru_recogniser', 'action2motion' is needed"));
   EXPECT_THAT(no_generator.err, HasSubstr(generator.parent_path().native()));
   EXPECT_THAT(no_generator.err, HasSubstr("give the checkpoint of the other network"));
-  EXPECT_EQ(no_generator.Json()["error"]["code"], "inconsistent");
+  EXPECT_EQ(no_generator.Json()["unevaluated"]["code"], "inconsistent");
 
   WriteText(generator, right_generator);
   Exchange(recogniser, generator);

@@ -98,6 +98,62 @@ TEST(TrainingRun, AGeneratorThatFailsLeavesTheRecognisersAndTheReportSaysSo) {
   EXPECT_THAT(page, HasSubstr("nowhere"));
 }
 
+TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersStay) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, TrainingJob(folder, {})).exit_code, 0);
+  for (const char* name : {"metrics.json", "tables/table.md", "checkpoints/recogniser_2.h5", "report/index.html"}) {
+    ASSERT_TRUE(fs::exists(folder / ("r/" + std::string(name)))) << name;
+  }
+  const std::vector<std::string> mine = {"notes.txt", "tables/mine.md", "checkpoints/recogniser_best.h5"};
+  for (const std::string& name : mine) program::WriteText(folder / ("r/" + name), "mine");
+
+  std::vector<std::string> dry = TrainingJob(folder, {});
+  dry.insert(dry.end(), {"--dry-run", "--to", "canon"});
+  ASSERT_EQ(RunProgram(folder, dry).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / "r/metrics.json")) << "a dry run changes nothing";
+
+  const Result failed = RunProgram(folder, TrainingJob(folder, {"ingest.synthetic.enabled=false", "ingest.path=/nix"}));
+  EXPECT_NE(failed.exit_code, 0);
+  EXPECT_THAT(failed.err, HasSubstr("an earlier run's"));
+  EXPECT_THAT(failed.err, HasSubstr("metrics.json"));
+  EXPECT_TRUE(fs::exists(folder / "r/dataset.h5")) << "a mistyped path costs nothing";
+
+  ASSERT_EQ(RunProgram(folder, TrainingJob(folder, {"train.seeds=[1]", "train.generator_enabled=false"})).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / "r/checkpoints/recogniser_1.h5"));
+  EXPECT_FALSE(fs::exists(folder / "r/checkpoints/recogniser_2.h5"));
+  EXPECT_FALSE(fs::exists(folder / "r/checkpoints/Action2Motion.h5"));
+
+  std::vector<std::string> shorter = TrainingJob(folder, {});
+  shorter.insert(shorter.end(), {"--to", "assemble"});
+  ASSERT_EQ(RunProgram(folder, shorter).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
+  EXPECT_TRUE(fs::exists(folder / "r/curation_log.jsonl"));
+  for (const char* name : {"metrics.json", "tables/table.md", "tables/table.json", "checkpoints/recogniser_1.h5",
+                           "report_input.json", "report"}) {
+    EXPECT_FALSE(fs::exists(folder / ("r/" + std::string(name)))) << name;
+  }
+  for (const std::string& name : mine) EXPECT_EQ(ReadText(folder / ("r/" + name)), "mine") << name;
+}
+
+TEST(TrainingRun, AnEvaluationThatFailsLeavesTheReportWhichSaysWhyThereIsNoTable) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, TrainingJob(folder, {})).exit_code, 0);
+  // Fifteen draws of ten motions of five classes: some class is missing in one of them.
+  const Result result = RunProgram(
+      folder,
+      TrainingJob(folder, {"ingest.synthetic.actions=[clap, kick, squat, walk, wave]", "evaluate.repetitions=5"}));
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the evaluation failed, there is no table; class '"));
+  EXPECT_THAT(result.err, HasSubstr("raise evaluate.motions"));
+  EXPECT_THAT(result.Json()["unevaluated"]["message"].get<std::string>(),
+              HasSubstr("has none of the 10 motions drawn"));
+  EXPECT_FALSE(fs::exists(folder / "r/metrics.json")) << "the earlier run's";
+  EXPECT_FALSE(fs::exists(folder / "r/tables"));
+  const std::string page = ReadText(folder / "r/report/index.html");
+  EXPECT_THAT(page, HasSubstr("There is no table: the evaluation failed."));
+  EXPECT_THAT(page, HasSubstr("raise evaluate.motions"));
+}
+
 TEST(TrainingRun, RecognisersThatFailLeaveTheGenerator) {
   const Folder folder;
   const Result result = RunProgram(folder, TrainingJob(folder, {"train.recogniser.split=nowhere"}));

@@ -7,6 +7,7 @@
 
 #include "canon/options.h"
 #include "canon/stages.h"
+#include "canon/trim/trim.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 
@@ -85,6 +86,29 @@ TEST_F(Curation, AClipThatCannotBeUsedIsRefusedNotLeftOut) {
   StageInput evidence = Evidence("walk", 1.0, 60);
   canon_.skeleton = "nobody";
   EXPECT_FALSE(Canon(evidence, "tracks"));
+}
+
+TEST(Annotations, OfTwoSegmentsOverTheSameFramesTheFirstIsKeptAndTheSecondIsAFinding) {
+  Clip clip;
+  clip.identity.recording = "r";
+  clip.identity.end_frame = 60;
+  clip.rate = FrameRate{30, 1};
+  const SkeletonPtr skeleton = *LoadSkeleton("openni15");
+  clip.motion = MakeJointsOnly(skeleton, clip.rate, JointPositions(60, skeleton->joint_count()));
+  clip.segments = {{0.0, 1.0, "walk", "", ""}, {0.001, 1.0, "wave", "", ""}, {1.0, 2.0, "walk", "", ""}};
+  TrimOptions options;
+  options.rule = TrimRule::kAnnotated;
+  std::vector<Finding> findings;
+  const std::vector<KeptSpan> spans = FindSpans(options, clip, findings);
+  ASSERT_EQ(spans.size(), 2u);
+  EXPECT_EQ(spans[0].label, "walk");
+  EXPECT_EQ(spans[1].begin, 30);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "same_frames");
+  EXPECT_EQ(findings[0].severity, Severity::kWarning);
+  EXPECT_EQ(findings[0].frame_begin, 0);
+  EXPECT_EQ(findings[0].frame_end, 30);
+  EXPECT_EQ(findings[0].message, "segment 'wave' is over the same frames as segment 'walk', which was kept");
 }
 
 TEST_F(Curation, WhatIngestFoundStandsInTheDatasetOnceWhicheverWayTheClipCame) {

@@ -177,7 +177,7 @@ TEST(HeavyLinks, NoProgramReachesALibraryThatIsNotItsOwn) { EXPECT_THAT(Forbidde
 
 TEST(HeavyLinks, TheFrontEndAsBuiltLoadsNoHeavyLibrary) {
   const fs::path program = fs::path(MOCURATE_BINARY_FOLDER) / "mocurate";
-  if (!fs::exists(program)) return;  // the learn slice has no front end
+  if (!fs::exists(program)) GTEST_SKIP() << "the learn slice has no front end";
   FILE* pipe = ::popen(("LC_ALL=C readelf -d '" + program.string() + "'").c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::string dynamic;

@@ -99,7 +99,7 @@ TEST(Spread, EqualsTheReleasedCodeForItsOwnDraws) {
 TEST(Spread, MultimodalityPairsStayInTheirClassAndFillTheQuota) {
   Random random(3, "test");
   const std::vector<int> labels = {0, 1, 2, 2, 1, 0, 0};
-  const auto pairs = DrawMultimodalityPairs(labels, 3, 20, random);
+  const auto pairs = DrawMultimodalityPairs(labels, {"clap", "jump", "walk"}, 20, random);
   ASSERT_TRUE(pairs);
   std::vector<int> per_class(3, 0);
   for (const auto& [a, b] : *pairs) {
@@ -111,9 +111,10 @@ TEST(Spread, MultimodalityPairsStayInTheirClassAndFillTheQuota) {
 
 TEST(Spread, AClassWithoutMotionsIsAnErrorNotALoop) {
   Random random(3, "test");
-  const auto pairs = DrawMultimodalityPairs({0, 0, 2}, 3, 20, random);
+  const auto pairs = DrawMultimodalityPairs({0, 0, 2}, {"clap", "jump", "walk"}, 20, random);
   ASSERT_FALSE(pairs);
-  EXPECT_NE(pairs.error().what.find("class 1 has no motion"), std::string::npos);
+  EXPECT_EQ(pairs.error().what, "class 'jump' has none of the 3 motions drawn");
+  EXPECT_NE(pairs.error().hint.find("raise evaluate.motions"), std::string::npos);
 }
 
 TEST(Accuracy, EqualsTheReleasedConfusionAndTrace) {

@@ -120,6 +120,21 @@ TEST(ReportPage, ShowsNamesOfATableAsTheyAreWritten) {
   EXPECT_THAT(page, HasSubstr("n_1."));
 }
 
+TEST(ReportPage, WithoutTestClipsTheNearestNeighbourIsNotScored) {
+  SmallRun run;
+  EXPECT_THAT(PageOf(run), HasSubstr("nothing trained</th><td>0.800</td>"));
+  run.run["metrics"]["nearest_neighbour"] = {{"split", "s"}, {"accuracy", 0.0}, {"correct", 0}, {"count", 0}};
+  EXPECT_THAT(PageOf(run), HasSubstr("nothing trained</th><td>not scored</td>"));
+}
+
+TEST(ReportPage, AnEvaluationThatFailedSaysWhyInPlaceOfTheTable) {
+  SmallRun run;
+  run.run["metrics"] = nullptr;
+  run.run["table_markdown"] = "";
+  run.run["unevaluated"] = {{"code", "inconsistent"}, {"message", "class a<b is missing"}};
+  EXPECT_THAT(PageOf(run), HasSubstr("There is no table: the evaluation failed. class a&lt;b is missing"));
+}
+
 TEST(ReportPage, SaysThatNothingFailed) {
   SmallRun run;
   EXPECT_THAT(PageOf(run), HasSubstr("No clip was left out."));

@@ -51,6 +51,21 @@ TEST(TrainItems, ThereIsOneRecogniserOfEachKindPerSeedAndTheSeedIsInItsOptions) 
                                              "baseline_recogniser/9", "crop_recogniser/4", "crop_recogniser/9"}));
 }
 
+TEST(TrainItems, SeedsAreWholeAndDistinctOrTheConfigIsRefused) {
+  TrainOptions options;
+  EXPECT_TRUE(CheckSeeds(options));
+  options.seeds = {1, 1.5};
+  const Status broken = CheckSeeds(options);
+  ASSERT_FALSE(broken);
+  EXPECT_EQ(broken.error().code, ErrorCode::kConfig);
+  EXPECT_EQ(broken.error().where, "train.seeds");
+  EXPECT_EQ(broken.error().what, "1.5 is not a whole number");
+  options.seeds = {3, 1, 3};
+  const Status twice = CheckSeeds(options);
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().what, "seed 3 stands there twice");
+}
+
 TEST(TrainItems, AnOptionOfOneNetworkLeavesTheKeysOfTheOthersAlone) {
   const TrainOptions before = EveryKind();
   TrainOptions longer = before;

@@ -1,0 +1,95 @@
+#include "app/run_outputs.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One output, or with `*` in its name one per seed.
+struct Output {
+  JobStage stage;
+  const char* folder;
+  std::string_view name;
+};
+
+constexpr Output kOutputs[] = {{JobStage::kCanon, "", "curation_log.jsonl"},
+                               {JobStage::kAssemble, "", "dataset.h5"},
+                               {JobStage::kTrain, "checkpoints", "Action2Motion.h5"},
+                               {JobStage::kTrain, "checkpoints", "recogniser_*.h5"},
+                               {JobStage::kTrain, "checkpoints", "baseline_recogniser_*.h5"},
+                               {JobStage::kTrain, "checkpoints", "crop_recogniser_*.h5"},
+                               {JobStage::kEvaluate, "", "metrics.json"},
+                               {JobStage::kEvaluate, "tables", "table.md"},
+                               {JobStage::kEvaluate, "tables", "table.csv"},
+                               {JobStage::kEvaluate, "tables", "table.tex"},
+                               {JobStage::kEvaluate, "tables", "table.json"},
+                               {JobStage::kReport, "", "report_input.json"},
+                               {JobStage::kReport, "report", "index.html"},
+                               {JobStage::kReport, "report", "clip.png"},
+                               {JobStage::kReport, "report", "overlay.png"},
+                               {JobStage::kReport, "report", "cloud.png"}};
+
+/// `*` stands for the digits of a seed.
+bool Matches(std::string_view pattern, std::string_view name) {
+  const std::size_t star = pattern.find('*');
+  if (star == std::string_view::npos) return name == pattern;
+  const std::string_view head = pattern.substr(0, star);
+  const std::string_view tail = pattern.substr(star + 1);
+  if (name.size() <= head.size() + tail.size()) return false;
+  const std::string_view seed = name.substr(star, name.size() - head.size() - tail.size());
+  return name.substr(0, star) == head && name.substr(name.size() - tail.size()) == tail &&
+         std::all_of(seed.begin(), seed.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
+fs::path RunOutputs::Place(const std::string& name) {
+  placed_.insert(name);
+  return folder_ / name;
+}
+
+std::vector<std::string> RunOutputs::Leftovers(JobStage first, JobStage last) const {
+  std::set<std::string> found;
+  for (const Output& output : kOutputs) {
+    if (output.stage < first || output.stage > last) continue;
+    std::error_code missing;
+    for (fs::directory_iterator entry(folder_ / output.folder, missing), end; entry != end; entry.increment(missing)) {
+      std::error_code gone;
+      const fs::file_status status = entry->symlink_status(gone);
+      const std::string name = (fs::path(output.folder) / entry->path().filename()).native();
+      if (!Matches(output.name, entry->path().filename().native()) || placed_.count(name) != 0) continue;
+      if (fs::is_regular_file(status) || fs::is_symlink(status)) found.insert(name);
+    }
+  }
+  return {found.begin(), found.end()};
+}
+
+Status RunOutputs::RemoveLeftovers(JobStage first, JobStage last) const {
+  for (const std::string& name : Leftovers(first, last)) {
+    std::error_code problem;
+    fs::remove(folder_ / name, problem);
+    if (problem) {
+      return Fail(ErrorCode::kCannotWrite, "left by an earlier run, cannot be removed: " + problem.message(),
+                  DisplayPath(folder_ / name), "remove it or choose another -o");
+    }
+    std::error_code not_empty;
+    if (name.find('/') != std::string::npos) fs::remove((folder_ / name).parent_path(), not_empty);
+  }
+  return {};
+}
+
+void RunOutputs::WarnOfLeftovers() const {
+  std::string names;
+  for (const std::string& name : Leftovers(JobStage::kIngest, JobStage::kReport)) {
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  if (!names.empty()) LogWarning("in the run folder these files are an earlier run's, not this one's: " + names);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/main_job.h"
+
+namespace mocurate {
+
+/// The files that runs write into their folder, each known by its name and the stage that writes it. What an earlier
+/// run left there and this run does not write can be removed, so that no figure stands beside options that it was not
+/// made with. Files with other names are never touched; neither are the synthetic capture and the record of runs
+/// (run.json, journal.jsonl, lock).
+class RunOutputs {
+ public:
+  explicit RunOutputs(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// Where the output `name` (below the run folder) belongs; it counts as this run's from now on.
+  std::filesystem::path Place(const std::string& name);
+
+  /// Removes outputs of the stages `first` to `last` that are not this run's, and folders that are empty without them.
+  /// Error kCannotWrite.
+  Status RemoveLeftovers(JobStage first, JobStage last) const;
+
+  /// Names what is left in the folder that is not this run's: for a run that ends early. It removes nothing, so that a
+  /// mistyped option costs nothing.
+  void WarnOfLeftovers() const;
+
+ private:
+  /// In order of name.
+  std::vector<std::string> Leftovers(JobStage first, JobStage last) const;
+
+  std::filesystem::path folder_;
+  std::set<std::string> placed_;
+};
+
+}  // namespace mocurate
