@@ -77,6 +77,22 @@ ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool ma
   return file;
 }
 
+/// What the declaration excludes by the recording's name.
+ItemResult Excluded(const std::string& item, const std::string& file, const std::string& why) {
+  Finding finding;
+  finding.clip = item;
+  finding.code = "excluded";
+  finding.severity = Severity::kInfo;
+  finding.message = why;
+  finding.action = "left out";
+  ItemResult result;
+  result.item = item;
+  result.outcome.kind = OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, "ingest.source.exclude names it"};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
 }  // namespace
 
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only) {
@@ -106,6 +122,11 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
       discovery.left_out.push_back(LeftOut(file.name, source, matches, named.error()));
+      continue;
+    }
+    const auto excluded = source.exclude.find(named->identity.recording);
+    if (excluded != source.exclude.end()) {
+      discovery.left_out.push_back(Excluded(named->item(), file.name, excluded->second));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};

@@ -8,9 +8,12 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
+
+struct JointLayout;
 
 enum class SourceFormat { kNone, kJointTable, kBvh, kNpy, kDepthSequence };
 /// What to do with files of the folder that the pattern does not match.
@@ -34,8 +37,12 @@ struct SourceOptions {
   std::optional<double> rate_hz;
   std::string skeleton;
   std::vector<std::string> joints;                  ///< names in the order of the file
-  std::int64_t rows_per_frame = 0;                  ///< joint_table; 0: one row per joint
+  std::int64_t rows_per_frame = 0;                  ///< joint_table; see RowsPerFrame
   std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence skip
+  std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
+  std::string end_word;  ///< joint_table: line that closes the table, where there is one
+  double least_confidence = 0.0;  ///< joint_table: of a joint that has a position
+  DamagedRows damaged_rows = DamagedRows::kRefuse;
   MissingValue missing = MissingValue::kNone;
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
   std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"
@@ -48,8 +55,9 @@ struct SourceOptions {
   std::string session;
   std::string view;
   std::string style;
-  std::map<std::string, std::string> labels;  ///< label text -> name; other texts are refused
-  std::map<std::string, std::string> roles;   ///< person -> role
+  std::map<std::string, std::string> labels;   ///< label text -> name; other texts are refused
+  std::map<std::string, std::string> roles;    ///< person -> role
+  std::map<std::string, std::string> exclude;  ///< recording -> why its file is left out
   OnContradiction on_contradiction = OnContradiction::kFlag;
 
   void Declare(OptionVisitor& v);
@@ -81,6 +89,12 @@ struct IngestOptions {
 
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
 Status CheckSource(const SourceOptions& source);
+
+/// The numbers of a frame of a joint table: `layout`, or `columns` for each of the joints. Error kConfig.
+Expected<JointLayout> TableLayout(const SourceOptions& source);
+
+/// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
+int RowsPerFrame(const SourceOptions& source);
 
 /// Metres per unit of `units`. Error kConfig.
 Expected<double> MetresPerUnit(const std::string& units);

@@ -90,6 +90,28 @@ Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
   return skeleton;
 }
 
+void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings) {
+  const int frames = tracks.positions.frames;
+  const auto joints = static_cast<std::ptrdiff_t>(tracks.positions.joints);
+  const auto empty = [&](int f) {
+    const auto first = tracks.confidence.begin() + f * joints;
+    return std::all_of(first, first + joints, [](double c) { return c == 0.0; });
+  };
+  for (int f = 0; f < frames; ++f) {
+    if (!empty(f)) continue;
+    Finding finding;
+    finding.code = "no_joint_seen";
+    finding.frame_begin = f;
+    while (f < frames && empty(f)) ++f;
+    finding.frame_end = f;
+    finding.value = finding.frame_end - finding.frame_begin;
+    finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +
+                      std::to_string(frames) + " frames";
+    finding.action = "taken as missing";
+    findings.push_back(std::move(finding));
+  }
+}
+
 void CheckHandedness(const SourceOptions& source, IngestedClip& ingested) {
   const Clip& clip = ingested.clip;
   HandednessMeasure measure;

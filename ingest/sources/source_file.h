@@ -62,6 +62,9 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file);
 /// declared axes). Appends a finding "handedness_contradiction" (error) or nothing. Reads tracks, else the motion.
 void CheckHandedness(const SourceOptions& source, IngestedClip& ingested);
 
+/// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.
+void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings);
+
 /// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names the unknown joint.
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);
 
