@@ -9,7 +9,10 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"joint_table", SourceFormat::kJointTable},
             {"bvh", SourceFormat::kBvh},
             {"npy", SourceFormat::kNpy},
-            {"depth_sequence", SourceFormat::kDepthSequence}},
+            {"depth_sequence", SourceFormat::kDepthSequence},
+            {"ntu_skeleton", SourceFormat::kNtuSkeleton},
+            {"asf_amc", SourceFormat::kAsfAmc},
+            {"amass", SourceFormat::kAmass}},
            "what the files are");
   v.Text("files", files, "pattern of the file names with {fields}; {field:4} is four characters wide");
   v.Choice("other_files", other_files,
@@ -28,9 +31,19 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
          "confidence) 4*(x y z confidence)'");
   v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
-  v.Choice(
-      "damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
-      "joint_table: a row of a wrong length or without numbers refuses the file, or makes its frame a missing one");
+  v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
+           "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or makes "
+           "what it "
+           "holds missing");
+  v.TextMap(
+      "bodies", bodies,
+      "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
+  v.Number("inferred_confidence", inferred_confidence, Unit::kNone, {0.0, 1.0},
+           "ntu_skeleton: confidence of a joint that the sensor inferred; one that it tracked has 1, any other 0");
+  v.Text("skeleton_files", skeleton_files,
+         "asf_amc: name of the .asf of a motion, from the fields of the motion's name, e.g. '{person}.asf'");
+  v.Texts("annotations", annotations,
+          "amass: BABEL's .json files below the folder; where two speak of one motion, the first");
   v.Choice("missing", missing,
            {{"none", MissingValue::kNone}, {"zero", MissingValue::kZero}, {"nan", MissingValue::kNan}},
            "joint_table: what a joint that was not seen looks like");
@@ -42,7 +55,7 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("depth_files", depth_files, "depth_sequence: pattern of the depth images with {view} and {frame}");
   v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "depth_sequence: length of one step of a depth value");
   v.Text("truth_files", truth_files, "joint_table: pattern of BVH files that hold the truth of the same recording");
-  v.Text("person", person, "who performs, from the fields of the name");
+  v.Text("person", person, "who performs, from the fields of the name; {body} tells several people of a file apart");
   v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
   v.Text("label", label, "what is performed, from the fields of the name");
   v.Text("session", session, "recording session, from the fields of the name");

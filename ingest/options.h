@@ -15,7 +15,7 @@ namespace mocurate {
 
 struct JointLayout;
 
-enum class SourceFormat { kNone, kJointTable, kBvh, kNpy, kDepthSequence };
+enum class SourceFormat { kNone, kJointTable, kBvh, kNpy, kDepthSequence, kNtuSkeleton, kAsfAmc, kAmass };
 /// What to do with files of the folder that the pattern does not match.
 enum class OtherFiles { kIgnore, kFinding, kError };
 /// How a joint table says that a joint was not seen.
@@ -24,7 +24,8 @@ enum class MissingValue { kNone, kZero, kNan };
 enum class OnContradiction { kFlag, kRefuse };
 
 /// Declares one source of captures: everything its files do not say themselves. Texts with {fields} take the parts of
-/// the file name.
+/// the file name, {file} is the path without its ending with '/' as '.', {body} is empty or, where a file holds several
+/// people, a, b, ... of each.
 struct SourceOptions {
   std::string name;
   SourceFormat format = SourceFormat::kNone;
@@ -41,7 +42,11 @@ struct SourceOptions {
   std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence skip
   std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
   std::string end_word;  ///< joint_table: line that closes the table, where there is one
-  double least_confidence = 0.0;  ///< joint_table: of a joint that has a position
+  std::map<std::string, std::string> bodies;  ///< ntu_skeleton: label text -> people in the file, "2"; others have one
+  double inferred_confidence = 0.3;           ///< ntu_skeleton: of a joint that the sensor inferred; tracked is 1
+  std::string skeleton_files;                 ///< asf_amc: "{subject}.asf", filled from the fields of the motion's name
+  std::vector<std::string> annotations;       ///< amass: BABEL files below the folder
+  double least_confidence = 0.0;              ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kRefuse;
   MissingValue missing = MissingValue::kNone;
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
@@ -95,6 +100,9 @@ Expected<JointLayout> TableLayout(const SourceOptions& source);
 
 /// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
 int RowsPerFrame(const SourceOptions& source);
+
+/// People in a file whose label text, before renaming, is `label`; 1 where `bodies` says nothing.
+int BodiesOf(const SourceOptions& source, const std::string& label);
 
 /// Metres per unit of `units`. Error kConfig.
 Expected<double> MetresPerUnit(const std::string& units);

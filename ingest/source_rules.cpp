@@ -26,6 +26,12 @@ std::string FormatName(SourceFormat format) {
       return "npy";
     case SourceFormat::kDepthSequence:
       return "depth_sequence";
+    case SourceFormat::kNtuSkeleton:
+      return "ntu_skeleton";
+    case SourceFormat::kAsfAmc:
+      return "asf_amc";
+    case SourceFormat::kAmass:
+      return "amass";
     case SourceFormat::kNone:
       break;
   }
@@ -33,7 +39,12 @@ std::string FormatName(SourceFormat format) {
 }
 
 Status CheckUnits(const SourceOptions& s) {
-  if (s.units.empty() && s.format != SourceFormat::kDepthSequence) {
+  const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass;
+  if (by_definition && !s.units.empty() && s.units != "m") {
+    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
+                Place("units"), "take `units` out");
+  }
+  if (s.units.empty() && s.format != SourceFormat::kDepthSequence && !by_definition) {
     return Fail(
         ErrorCode::kConfig,
         "source '" + s.name + "' does not say its unit of length, and " + FormatName(s.format) + " files do not either",
@@ -95,6 +106,25 @@ Status CheckTable(const SourceOptions& s) {
   return {};
 }
 
+constexpr long long kMostBodies = 6;  // what a Kinect follows
+
+Status CheckBodies(const SourceOptions& s) {
+  for (const auto& [label, text] : s.bodies) {
+    const std::optional<long long> count = ParseInteger(text);
+    if (!count || *count < 1 || *count > kMostBodies) {
+      return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", Place("bodies"),
+                  "write a whole number from 1 to 6");
+    }
+  }
+  const bool told_apart =
+      s.person.find("{body}") != std::string::npos || s.recording.find("{body}") != std::string::npos;
+  if (!s.bodies.empty() && !told_apart) {
+    return Fail(ErrorCode::kConfig, "several people of one file would be one clip", Place("bodies"),
+                "write {body} into ingest.source.person, e.g. person: 'P{person}{body}'");
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<double> MetresPerUnit(const std::string& units) {
@@ -110,6 +140,12 @@ Expected<double> MetresPerUnit(const std::string& units) {
   const std::optional<std::string> near = Nearest(units, names);
   return Fail(ErrorCode::kConfig, "'" + units + "' is no unit of length", Place("units"),
               near ? "did you mean '" + *near + "'?" : "write m, cm, mm, inch, or a length such as '0.0564 m'");
+}
+
+int BodiesOf(const SourceOptions& s, const std::string& label) {
+  const auto bodies = s.bodies.find(label);
+  if (bodies == s.bodies.end()) return 1;
+  return static_cast<int>(std::clamp(ParseInteger(bodies->second).value_or(1), 1LL, kMostBodies));
 }
 
 int RowsPerFrame(const SourceOptions& s) {
@@ -141,7 +177,7 @@ Status CheckSource(const SourceOptions& s) {
   }
   if (s.format == SourceFormat::kNone) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
-                "joint_table, bvh, npy or depth_sequence");
+                "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc or amass");
   }
   if (s.files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", Place("files"),
@@ -152,7 +188,8 @@ Status CheckSource(const SourceOptions& s) {
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckUnits(s); !units) return units;
-  const bool rate_unknown = s.format == SourceFormat::kJointTable || s.format == SourceFormat::kNpy;
+  const bool rate_unknown = s.format == SourceFormat::kJointTable || s.format == SourceFormat::kNpy ||
+                            s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAsfAmc;
   if (rate_unknown && !s.rate_hz) {
     return Fail(
         ErrorCode::kConfig,
@@ -161,6 +198,13 @@ Status CheckSource(const SourceOptions& s) {
   }
   if (s.format == SourceFormat::kJointTable) {
     if (Status table = CheckTable(s); !table) return table;
+  }
+  if (s.format == SourceFormat::kNtuSkeleton) {
+    if (Status bodies = CheckBodies(s); !bodies) return bodies;
+  }
+  if (s.format == SourceFormat::kAsfAmc && s.skeleton_files.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which .asf belongs to an .amc",
+                Place("skeleton_files"), "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");
   }
   if (s.format == SourceFormat::kNpy && s.skeleton.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", Place("skeleton"),
