@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/file.h"
+#include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -77,6 +78,74 @@ ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool ma
   return file;
 }
 
+/// What the declaration excludes by the recording's name.
+ItemResult Excluded(const std::string& item, const std::string& file, const std::string& why) {
+  Finding finding;
+  finding.clip = item;
+  finding.code = "excluded";
+  finding.severity = Severity::kInfo;
+  finding.message = why;
+  finding.action = "left out";
+  ItemResult result;
+  result.item = item;
+  result.outcome.kind = OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, "ingest.source.exclude names it"};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+/// The .asf of a motion.
+Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& name, ItemSpec& item) {
+  for (const FolderFile& file : files) {
+    if (file.name != name) continue;
+    item.inputs.push_back({"skeleton_file", file.name, file.path, ""});
+    return {};
+  }
+  return Fail(ErrorCode::kNotFound, "its skeleton file '" + name + "' is not in the folder", item.inputs[0].name,
+              "put it there, or mend ingest.source.skeleton_files");
+}
+
+ItemResult Refused(const std::string& item, const Error& why) {
+  Finding finding;
+  finding.clip = item;
+  finding.code = "skeleton_file_missing";
+  finding.severity = Severity::kError;
+  finding.message = why.what;
+  finding.action = "left out";
+  ItemResult result;
+  result.item = item;
+  result.outcome.kind = OutcomeKind::kRefused;
+  result.outcome.error = why;
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+/// Annotations that speak of motions that are not there: one line for all.
+ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files) {
+  const std::vector<std::string> unused = babel.Unused();
+  Finding finding;
+  finding.clip = files.front();
+  finding.code = "motion_missing";
+  finding.value = static_cast<double>(unused.size());
+  finding.message = std::to_string(unused.size()) + " of " + std::to_string(babel.size()) +
+                    " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
+  finding.action = "left out";
+  ItemResult result;
+  result.item = files.front();
+  result.outcome.kind = OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kNotFound, finding.message, files.front(),
+                               "AMASS comes in parts; names are looked for as ingest/sources/babel_segments.h says"};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+/// The item of one of several people in a file.
+ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& name, int body) {
+  if (const Expected<NamedFile> named = ReadName(source, name, body)) item.item = named->item();
+  item.options["body"] = body;
+  return item;
+}
+
 }  // namespace
 
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only) {
@@ -90,9 +159,15 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!pattern) return Forward(pattern);
   const Expected<NamePattern> depth_pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
   if (!depth_pattern) return Forward(depth_pattern);
-  const Expected<std::vector<FolderFile>> files =
-      ListFiles(options.path, std::max(pattern->depth(), depth_pattern->depth()));
+  const Expected<NamePattern> skeleton_pattern =
+      NamePattern::Parse(source.skeleton_files, "ingest.source.skeleton_files");
+  if (!skeleton_pattern) return Forward(skeleton_pattern);
+  const int depth = std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth()});
+  const Expected<std::vector<FolderFile>> files = ListFiles(options.path, depth);
   if (!files) return Forward(files);
+
+  Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
+  if (!babel) return Forward(babel);
 
   Discovery discovery;
   const bool has_depth = source.format == SourceFormat::kDepthSequence;
@@ -100,6 +175,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   for (const FolderFile& file : *files) {
     if (only && only->count(file.name) == 0) continue;
     if (has_depth && depth_pattern->Match(file.name)) continue;
+    if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && (source.other_files == OtherFiles::kIgnore || DepthOf(file.name) != pattern->depth())) continue;
     const Expected<NamedFile> named = ReadName(source, file.name);
@@ -108,12 +184,26 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       discovery.left_out.push_back(LeftOut(file.name, source, matches, named.error()));
       continue;
     }
+    const auto excluded = source.exclude.find(named->identity.recording);
+    if (excluded != source.exclude.end()) {
+      discovery.left_out.push_back(Excluded(named->item(), file.name, excluded->second));
+      continue;
+    }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
+    if (!source.skeleton_files.empty()) {
+      if (Status added = AddSkeletonFile(*files, FillFields(source.skeleton_files, named->fields), item); !added) {
+        discovery.left_out.push_back(Refused(item.item, added.error()));
+        continue;
+      }
+    }
+    if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
     if (has_depth) {
       discovery.truth.push_back(item);
       AddDepthFiles(*files, *depth_pattern, *named, item);
     }
-    discovery.items.push_back(std::move(item));
+    for (int body = 1; body <= named->bodies; ++body) {
+      discovery.items.push_back(body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body));
+    }
   }
   if (discovery.items.empty()) {
     return Fail(ErrorCode::kNotFound, "no file matches the pattern '" + source.files + "'", DisplayPath(options.path),
@@ -121,6 +211,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
                                            : "e.g. '" + discovery.left_out.front().item +
                                                  "' does not match; mend ingest.source.files or ingest.path");
   }
+  if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
   const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
   std::sort(discovery.items.begin(), discovery.items.end(), by_item);
   std::sort(discovery.truth.begin(), discovery.truth.end(), by_item);

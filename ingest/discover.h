@@ -20,8 +20,8 @@ struct Discovery {
   std::vector<ItemSpec> truth;  ///< items for the stage `truth`, when the source knows its truth
 };
 
-/// Lists files; reads only names, never contents. With `only`, files of other names do not exist for it. Error
-/// kNotFound, kConfig.
+/// Lists files; reads names, and of the contents only those of ingest.source.annotations. With `only`, files of other
+/// names do not exist for it. Error kNotFound, kConfig.
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only = {});
 
 }  // namespace mocurate

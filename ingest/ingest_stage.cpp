@@ -21,6 +21,12 @@ Expected<IngestedClip> ReadClip(const SourceFile& file) {
       return ReadNpyClip(file);
     case SourceFormat::kDepthSequence:
       return ReadDepthSequenceClip(file);
+    case SourceFormat::kNtuSkeleton:
+      return ReadNtuSkeletonClip(file);
+    case SourceFormat::kAsfAmc:
+      return ReadAsfAmcClip(file);
+    case SourceFormat::kAmass:
+      return ReadAmassClip(file);
     case SourceFormat::kNone:
       break;
   }
@@ -63,7 +69,8 @@ int JointCount(const Clip& clip) {
   return clip.motion ? clip.motion->joint_count() : 0;
 }
 
-/// Of the source file; with depth views, of the hashes of that file and of every image, view after view.
+/// Of the source file, followed by its .asf if it has one; with depth views, of the hashes of that file and of every
+/// image, view after view.
 std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
   std::string hash = Sha256Hex(bytes);
   if (evidence.depth_views.empty()) return hash;
@@ -104,25 +111,38 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
 }  // namespace
 
 Expected<StageOutcome> IngestStage(const StageRequest& request) {
-  const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(request.options);
+  nlohmann::json declared = request.options;
+  const int body = declared.value("body", 1);
+  const std::string annotation = declared.value("annotation", std::string());
+  declared.erase("body");
+  declared.erase("annotation");
+  const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(declared);
   if (!source) return Forward(source);
   if (Status ok = CheckSource(*source); !ok) return Forward(ok);
   const auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
                                   [](const StageInput& candidate) { return candidate.role == "source"; });
   if (input == request.inputs.end()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
-  const Expected<NamedFile> named = ReadName(*source, input->name);
+  const Expected<NamedFile> named = ReadName(*source, input->name, body);
   if (!named) return Forward(named);
   const Expected<std::string> bytes = ReadFile(input->path);
   if (!bytes) return Forward(bytes);
   SourceFile file{*source, *named, input->name, *bytes, {}};
+  file.annotation = annotation;
+  std::string read = *bytes;
   for (const StageInput& candidate : request.inputs) {
     if (candidate.role == "depth") file.depth_files.push_back(candidate);
+    if (candidate.role != "skeleton_file") continue;
+    Expected<std::string> skeleton = ReadFile(candidate.path);
+    if (!skeleton) return Forward(skeleton);
+    file.skeleton_name = candidate.name;
+    file.skeleton_bytes = *std::move(skeleton);
+    read += file.skeleton_bytes;
   }
   Expected<IngestedClip> ingested = ReadClip(file);
   if (!ingested) return Forward(ingested);
   if (Status near = CheckExtent(ingested->clip, input->name); !near) return Forward(near);
   CheckBody(*source, *ingested);
-  Complete(*source, *named, *bytes, *ingested);
+  Complete(*source, *named, read, *ingested);
 
   StageOutcome outcome;
   outcome.findings = ingested->findings;

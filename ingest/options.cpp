@@ -1,77 +1,6 @@
 #include "ingest/options.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "core/base/text.h"
-
 namespace mocurate {
-namespace {
-
-const std::vector<std::pair<std::string, double>>& Units() {
-  static const std::vector<std::pair<std::string, double>> units = {
-      {"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}};
-  return units;
-}
-
-std::string Place(const char* option) { return std::string("ingest.source.") + option; }
-
-std::string FormatName(SourceFormat format) {
-  switch (format) {
-    case SourceFormat::kJointTable:
-      return "joint_table";
-    case SourceFormat::kBvh:
-      return "bvh";
-    case SourceFormat::kNpy:
-      return "npy";
-    case SourceFormat::kDepthSequence:
-      return "depth_sequence";
-    case SourceFormat::kNone:
-      break;
-  }
-  return "none";
-}
-
-Status CheckUnits(const SourceOptions& s) {
-  if (s.units.empty() && s.format != SourceFormat::kDepthSequence) {
-    return Fail(
-        ErrorCode::kConfig,
-        "source '" + s.name + "' does not say its unit of length, and " + FormatName(s.format) + " files do not either",
-        Place("units"), "write `units: m` (or cm, mm, inch) under ingest.source");
-  }
-  if (s.units.empty()) return {};
-  const Expected<double> scale = MetresPerUnit(s.units);
-  if (!scale) return Forward(scale);
-  return {};
-}
-
-Status CheckTable(const SourceOptions& s) {
-  if (s.joints.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not name its joints", Place("joints"),
-                "list the joints in the order of the rows of a frame");
-  }
-  for (const std::string& column : s.columns) {
-    const bool known = column == "x" || column == "y" || column == "z" || column == "confidence" || column == "skip";
-    if (!known) {
-      return Fail(ErrorCode::kConfig, "unknown column '" + column + "'", Place("columns"),
-                  "columns are x, y, z, confidence and skip");
-    }
-  }
-  for (const char* needed : {"x", "y", "z"}) {
-    if (std::count(s.columns.begin(), s.columns.end(), needed) != 1) {
-      return Fail(ErrorCode::kConfig, std::string("column '") + needed + "' must stand exactly once", Place("columns"));
-    }
-  }
-  const auto joints = static_cast<std::int64_t>(s.joints.size());
-  if (s.rows_per_frame > 0 && joints % s.rows_per_frame != 0) {
-    return Fail(ErrorCode::kConfig,
-                std::to_string(joints) + " joints do not fill " + std::to_string(s.rows_per_frame) + " rows per frame",
-                Place("rows_per_frame"), "each row holds the same number of joints");
-  }
-  return {};
-}
-
-}  // namespace
 
 void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "short name of the source; first part of every clip id");
@@ -80,7 +9,10 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"joint_table", SourceFormat::kJointTable},
             {"bvh", SourceFormat::kBvh},
             {"npy", SourceFormat::kNpy},
-            {"depth_sequence", SourceFormat::kDepthSequence}},
+            {"depth_sequence", SourceFormat::kDepthSequence},
+            {"ntu_skeleton", SourceFormat::kNtuSkeleton},
+            {"asf_amc", SourceFormat::kAsfAmc},
+            {"amass", SourceFormat::kAmass}},
            "what the files are");
   v.Text("files", files, "pattern of the file names with {fields}; {field:4} is four characters wide");
   v.Choice("other_files", other_files,
@@ -92,17 +24,38 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5}, "frame rate, where the files do not say it");
   v.Text("skeleton", skeleton, "skeleton that the joints belong to");
   v.Texts("joints", joints, "joint names in the order of the file");
-  v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4}, "joint_table: rows of one frame; 0 is one per joint");
+  v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4},
+            "joint_table: rows of one frame; 0 is one per joint, with `layout` one in all");
   v.Texts("columns", columns, "joint_table: numbers of one joint: x, y, z, confidence, skip");
+  v.Text("layout", layout,
+         "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
+         "confidence) 4*(x y z confidence)'");
+  v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
+  v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
+           "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or makes "
+           "what it "
+           "holds missing");
+  v.TextMap(
+      "bodies", bodies,
+      "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
+  v.Number("inferred_confidence", inferred_confidence, Unit::kNone, {0.0, 1.0},
+           "ntu_skeleton: confidence of a joint that the sensor inferred; one that it tracked has 1, any other 0");
+  v.Text("skeleton_files", skeleton_files,
+         "asf_amc: name of the .asf of a motion, from the fields of the motion's name, e.g. '{person}.asf'");
+  v.Texts("annotations", annotations,
+          "amass: BABEL's .json files below the folder; where two speak of one motion, the first");
   v.Choice("missing", missing,
            {{"none", MissingValue::kNone}, {"zero", MissingValue::kZero}, {"nan", MissingValue::kNan}},
            "joint_table: what a joint that was not seen looks like");
+  v.Number(
+      "least_confidence", least_confidence, Unit::kNone, {0.0, 1.0},
+      "joint_table: a joint that has a position counts at least so much, where the file says 0 of followed joints");
   v.Number("max_slide", max_slide, Unit::kMetre, {0.0, 1.0},
            "bvh: most that a joint may slide along its bone; more is refused");
   v.Text("depth_files", depth_files, "depth_sequence: pattern of the depth images with {view} and {frame}");
   v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "depth_sequence: length of one step of a depth value");
   v.Text("truth_files", truth_files, "joint_table: pattern of BVH files that hold the truth of the same recording");
-  v.Text("person", person, "who performs, from the fields of the name");
+  v.Text("person", person, "who performs, from the fields of the name; {body} tells several people of a file apart");
   v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
   v.Text("label", label, "what is performed, from the fields of the name");
   v.Text("session", session, "recording session, from the fields of the name");
@@ -110,6 +63,7 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("style", style, "style of the performance, from the fields of the name");
   v.TextMap("labels", labels, "names of the labels; a label that is not listed is an error");
   v.TextMap("roles", roles, "person -> train, validation or test, where the source prescribes it");
+  v.TextMap("exclude", exclude, "recordings that are left out, each with the reason");
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
            "what becomes of a clip whose motion contradicts the declared axes");
@@ -134,61 +88,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-Expected<double> MetresPerUnit(const std::string& units) {
-  const std::vector<std::string_view> words = SplitBlanks(units);
-  std::vector<std::string> names;
-  for (const auto& [name, metres] : Units()) {
-    names.push_back(name);
-    if (words.size() == 1 && words[0] == name) return metres;
-    if (words.size() != 2 || words[1] != name) continue;
-    const std::optional<double> factor = ParseDouble(words[0]);
-    if (factor && std::isfinite(*factor) && *factor > 0.0) return *factor * metres;
-  }
-  const std::optional<std::string> near = Nearest(units, names);
-  return Fail(ErrorCode::kConfig, "'" + units + "' is no unit of length", Place("units"),
-              near ? "did you mean '" + *near + "'?" : "write m, cm, mm, inch, or a length such as '0.0564 m'");
-}
-
-Status CheckSource(const SourceOptions& s) {
-  if (s.name.empty()) return Fail(ErrorCode::kConfig, "the source has no name", Place("name"));
-  if (s.name.find_first_of("/#") != std::string::npos) {
-    return Fail(ErrorCode::kConfig, "the name '" + s.name + "' holds '/' or '#'", Place("name"));
-  }
-  if (s.format == SourceFormat::kNone) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
-                "joint_table, bvh, npy or depth_sequence");
-  }
-  if (s.files.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", Place("files"),
-                "e.g. 'a{action}_s{person}_e{repetition}.txt'");
-  }
-  if (s.axes.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its axes", Place("axes"),
-                "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
-  }
-  if (Status units = CheckUnits(s); !units) return units;
-  const bool rate_unknown = s.format == SourceFormat::kJointTable || s.format == SourceFormat::kNpy;
-  if (rate_unknown && !s.rate_hz) {
-    return Fail(
-        ErrorCode::kConfig,
-        "source '" + s.name + "' does not say its frame rate, and " + FormatName(s.format) + " files do not either",
-        Place("rate"), "write e.g. `rate: 30 Hz`");
-  }
-  if (s.format == SourceFormat::kJointTable) {
-    if (Status table = CheckTable(s); !table) return table;
-  }
-  if (s.format == SourceFormat::kNpy && s.skeleton.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", Place("skeleton"),
-                "an array of positions needs one, e.g. humanact12");
-  }
-  if (s.format == SourceFormat::kDepthSequence && s.depth_files.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where its depth images are",
-                Place("depth_files"), "e.g. 'depth/{view}_{frame:4}.png'");
-  }
-  return {};
-}
-
-StageDeclaration IngestDeclaration() { return {"ingest", 4, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 5, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 

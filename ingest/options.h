@@ -8,11 +8,14 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
 
-enum class SourceFormat { kNone, kJointTable, kBvh, kNpy, kDepthSequence };
+struct JointLayout;
+
+enum class SourceFormat { kNone, kJointTable, kBvh, kNpy, kDepthSequence, kNtuSkeleton, kAsfAmc, kAmass };
 /// What to do with files of the folder that the pattern does not match.
 enum class OtherFiles { kIgnore, kFinding, kError };
 /// How a joint table says that a joint was not seen.
@@ -21,7 +24,8 @@ enum class MissingValue { kNone, kZero, kNan };
 enum class OnContradiction { kFlag, kRefuse };
 
 /// Declares one source of captures: everything its files do not say themselves. Texts with {fields} take the parts of
-/// the file name.
+/// the file name, {file} is the path without its ending with '/' as '.', {body} is empty or, where a file holds several
+/// people, a, b, ... of each.
 struct SourceOptions {
   std::string name;
   SourceFormat format = SourceFormat::kNone;
@@ -34,8 +38,16 @@ struct SourceOptions {
   std::optional<double> rate_hz;
   std::string skeleton;
   std::vector<std::string> joints;                  ///< names in the order of the file
-  std::int64_t rows_per_frame = 0;                  ///< joint_table; 0: one row per joint
+  std::int64_t rows_per_frame = 0;                  ///< joint_table; see RowsPerFrame
   std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence skip
+  std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
+  std::string end_word;  ///< joint_table: line that closes the table, where there is one
+  std::map<std::string, std::string> bodies;  ///< ntu_skeleton: label text -> people in the file, "2"; others have one
+  double inferred_confidence = 0.3;           ///< ntu_skeleton: of a joint that the sensor inferred; tracked is 1
+  std::string skeleton_files;                 ///< asf_amc: "{subject}.asf", filled from the fields of the motion's name
+  std::vector<std::string> annotations;       ///< amass: BABEL files below the folder
+  double least_confidence = 0.0;              ///< joint_table: of a joint that has a position
+  DamagedRows damaged_rows = DamagedRows::kRefuse;
   MissingValue missing = MissingValue::kNone;
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
   std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"
@@ -48,8 +60,9 @@ struct SourceOptions {
   std::string session;
   std::string view;
   std::string style;
-  std::map<std::string, std::string> labels;  ///< label text -> name; other texts are refused
-  std::map<std::string, std::string> roles;   ///< person -> role
+  std::map<std::string, std::string> labels;   ///< label text -> name; other texts are refused
+  std::map<std::string, std::string> roles;    ///< person -> role
+  std::map<std::string, std::string> exclude;  ///< recording -> why its file is left out
   OnContradiction on_contradiction = OnContradiction::kFlag;
 
   void Declare(OptionVisitor& v);
@@ -81,6 +94,15 @@ struct IngestOptions {
 
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
 Status CheckSource(const SourceOptions& source);
+
+/// The numbers of a frame of a joint table: `layout`, or `columns` for each of the joints. Error kConfig.
+Expected<JointLayout> TableLayout(const SourceOptions& source);
+
+/// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
+int RowsPerFrame(const SourceOptions& source);
+
+/// People in a file whose label text, before renaming, is `label`; 1 where `bodies` says nothing.
+int BodiesOf(const SourceOptions& source, const std::string& label);
 
 /// Metres per unit of `units`. Error kConfig.
 Expected<double> MetresPerUnit(const std::string& units);

@@ -10,8 +10,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRateTolerance = 1e-3;  // relative: BVH writers round the frame time to six digits
-
 std::string Millimetres(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
 
 /// Joints whose bones change their length: flagged up to `max_slide`, refused beyond.
@@ -36,17 +34,6 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
     findings.push_back(finding);
   }
   return {};
-}
-
-void NoteRate(const SourceOptions& source, const Bvh& bvh, std::vector<Finding>& findings) {
-  if (!source.rate_hz || std::abs(bvh.hz() / *source.rate_hz - 1.0) <= kRateTolerance) return;
-  Finding finding;
-  finding.code = "rate_contradiction";
-  finding.value = bvh.hz();
-  finding.message = "the file says " + FormatDouble(std::round(bvh.hz() * 1e4) / 1e4) + " Hz, the source declares " +
-                    FormatDouble(*source.rate_hz) + " Hz";
-  finding.action = "the file's rate is used";
-  findings.push_back(finding);
 }
 
 /// World place of the carrier in one frame, and of the root so that the carrier lies there with fixed bones.
@@ -79,7 +66,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   if (!bvh) return Forward(bvh);
 
   IngestedClip ingested;
-  NoteRate(source, *bvh, ingested.findings);
+  NoteRate(source, bvh->hz(), ingested.findings);
   const Matrix3d& world_from_file = axes->canonical_from_source;
   const Matrix3d metres_from_file = *scale * world_from_file;
   const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());

@@ -2,29 +2,11 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "core/formats/joint_table.h"
+#include "core/formats/joint_layout.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
-
-/// Where the numbers of a joint stand within its columns; -1: not there.
-struct ColumnPlaces {
-  int axis[3] = {-1, -1, -1};
-  int confidence = -1;
-};
-
-ColumnPlaces PlacesOf(const std::vector<std::string>& columns) {
-  ColumnPlaces places;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const int index = static_cast<int>(c);
-    if (columns[c] == "x") places.axis[0] = index;
-    if (columns[c] == "y") places.axis[1] = index;
-    if (columns[c] == "z") places.axis[2] = index;
-    if (columns[c] == "confidence") places.confidence = index;
-  }
-  return places;
-}
 
 bool IsMissing(const Vector3d& raw, MissingValue missing) {
   if (!raw.allFinite()) return true;
@@ -39,43 +21,42 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   if (!axes) return Forward(axes);
   const Expected<double> scale = MetresPerUnit(source.units);
   if (!scale) return Forward(scale);
-  const int joints = static_cast<int>(source.joints.size());
-  const int per_joint = static_cast<int>(source.columns.size());
-  JointTableLayout layout;
-  layout.rows_per_frame = source.rows_per_frame > 0 ? static_cast<int>(source.rows_per_frame) : joints;
-  const int joints_per_row = joints / layout.rows_per_frame;
-  layout.columns = joints_per_row * per_joint;
-  layout.allow_nan = source.missing == MissingValue::kNan;
-  const Expected<JointTable> table = ParseJointTable(file.bytes, layout, file.name);
-  if (!table) return Forward(table);
+  const Expected<JointLayout> layout = TableLayout(source);
+  if (!layout) return Forward(layout);
+  JointTableLayout table;
+  table.rows_per_frame = RowsPerFrame(source);
+  table.allow_nan = source.missing == MissingValue::kNan;
+  table.damaged_rows = source.damaged_rows;
+  table.end_word = source.end_word;
+  Expected<JointRows> rows = ParseJointRows(file.bytes, *layout, table, file.name);
+  if (!rows) return Forward(rows);
 
   IngestedClip ingested;
+  ingested.findings = std::move(rows->findings);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   JointTracks tracks;
   tracks.names = source.joints;
-  tracks.positions = JointPositions(table->frames, joints);
-  tracks.confidence.assign(static_cast<std::size_t>(table->frames) * joints, 0.0);
-  const ColumnPlaces places = PlacesOf(source.columns);
+  tracks.positions = JointPositions(rows->frames, rows->joints);
+  tracks.confidence.assign(static_cast<std::size_t>(rows->frames) * rows->joints, 0.0);
   const Matrix3d metres_from_source = *scale * axes->canonical_from_source;
-  for (int f = 0; f < table->frames; ++f) {
+  for (int f = 0; f < rows->frames; ++f) {
     tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
-    for (int j = 0; j < joints; ++j) {
-      const int row = j / joints_per_row;
-      const int first = (j % joints_per_row) * per_joint;
-      const Vector3d raw(table->at(f, row, first + places.axis[0]), table->at(f, row, first + places.axis[1]),
-                         table->at(f, row, first + places.axis[2]));
-      double confidence = places.confidence < 0 ? 1.0 : table->at(f, row, first + places.confidence);
+    for (int j = 0; j < rows->joints; ++j) {
+      const std::size_t at = static_cast<std::size_t>(f) * rows->joints + j;
+      const Vector3d raw(rows->position[at * 3], rows->position[at * 3 + 1], rows->position[at * 3 + 2]);
+      double confidence = rows->confidence.empty() ? 1.0 : rows->confidence[at];
+      confidence = std::clamp(confidence, source.least_confidence, 1.0);
       if (std::isnan(confidence) || IsMissing(raw, source.missing)) confidence = 0.0;
-      confidence = std::clamp(confidence, 0.0, 1.0);
-      tracks.confidence[static_cast<std::size_t>(f) * joints + j] = confidence;
+      tracks.confidence[at] = confidence;
       if (confidence > 0.0) tracks.positions.at(f, j) = metres_from_source * raw;
     }
   }
   const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
   if (!any) {
-    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + std::to_string(table->frames) + " frames",
+    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + std::to_string(rows->frames) + " frames",
                 file.name, "the tracker lost the person: leave the file out");
   }
+  NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.evidence.tracks = std::move(tracks);
   return ingested;
 }

@@ -1,11 +1,14 @@
 #include "ingest/sources/source_file.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
+
+constexpr double kRateTolerance = 1e-3;  // relative: BVH writers round the frame time to six digits
 
 std::string WithoutEnding(std::string name) {
   const std::size_t dot = name.rfind('.');
@@ -38,7 +41,7 @@ Expected<std::string> LabelOf(const SourceOptions& source, const NameFields& fie
 
 std::string NamedFile::item() const { return identity.source + "/" + identity.person + "/" + identity.recording; }
 
-Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name) {
+Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body) {
   const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
   if (!pattern) return Forward(pattern);
   std::optional<NameFields> fields = pattern->Match(relative_name);
@@ -49,6 +52,10 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   NamedFile named;
   named.fields = std::move(*fields);
   named.fields["file"] = WithoutEnding(relative_name);
+  const std::string person = IdPart(FillFields(source.person, named.fields));
+  named.bodies = BodiesOf(source, FillFields(source.label, named.fields));
+  named.body = body;
+  if (named.bodies > 1) named.fields["body"] = std::string(1, static_cast<char>('a' + body - 1));
   named.identity.source = source.name;
   named.identity.person = IdPart(FillFields(source.person, named.fields));
   if (named.identity.person.empty()) named.identity.person = "unknown";
@@ -64,7 +71,7 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   Expected<std::string> label = LabelOf(source, named.fields, relative_name);
   if (!label) return Forward(label);
   named.label = std::move(*label);
-  const auto role = source.roles.find(named.identity.person);
+  const auto role = source.roles.find(person);
   if (role != source.roles.end()) named.role = role->second;
   return named;
 }
@@ -88,6 +95,39 @@ Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
                 near ? "did you mean '" + *near + "'?" : "use the skeleton's names or synonyms");
   }
   return skeleton;
+}
+
+void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings) {
+  if (!source.rate_hz || std::abs(file_hz / *source.rate_hz - 1.0) <= kRateTolerance) return;
+  Finding finding;
+  finding.code = "rate_contradiction";
+  finding.value = file_hz;
+  finding.message = "the file says " + FormatDouble(std::round(file_hz * 1e4) / 1e4) + " Hz, the source declares " +
+                    FormatDouble(*source.rate_hz) + " Hz";
+  finding.action = "the file's rate is used";
+  findings.push_back(finding);
+}
+
+void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings) {
+  const int frames = tracks.positions.frames;
+  const auto joints = static_cast<std::ptrdiff_t>(tracks.positions.joints);
+  const auto empty = [&](int f) {
+    const auto first = tracks.confidence.begin() + f * joints;
+    return std::all_of(first, first + joints, [](double c) { return c == 0.0; });
+  };
+  for (int f = 0; f < frames; ++f) {
+    if (!empty(f)) continue;
+    Finding finding;
+    finding.code = "no_joint_seen";
+    finding.frame_begin = f;
+    while (f < frames && empty(f)) ++f;
+    finding.frame_end = f;
+    finding.value = finding.frame_end - finding.frame_begin;
+    finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +
+                      std::to_string(frames) + " frames";
+    finding.action = "taken as missing";
+    findings.push_back(std::move(finding));
+  }
 }
 
 }  // namespace mocurate

@@ -18,13 +18,16 @@ struct NamedFile {
   std::string label;
   std::string style;
   std::string role;
+  int bodies = 1;  ///< people in the file
+  int body = 1;    ///< which of them this is, from 1
 
   /// Item of the stage: source/person/recording.
   std::string item() const;
 };
 
-/// Error kConfig for a broken declaration, kInconsistent for a name that does not match or a label that is not listed.
-Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name);
+/// Of the `body`-th person in the file. Error kConfig for a broken declaration, kInconsistent for a name that does not
+/// match or a label that is not listed. A role is that of the person as named without {body}.
+Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body = 1);
 
 /// One file turned into a clip. Findings carry no clip id yet.
 struct IngestedClip {
@@ -39,6 +42,9 @@ struct SourceFile {
   const std::string& name;
   const std::string& bytes;
   std::vector<StageInput> depth_files;
+  std::string skeleton_name = {};  ///< asf_amc: the .asf
+  std::string skeleton_bytes = {};
+  std::string annotation = {};  ///< amass: JSON of one BABEL sequence, or empty
 };
 
 /// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
@@ -58,10 +64,31 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file);
 /// world, annotated segments.
 Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file);
 
+/// NTU .skeleton -> evidence tracks of one of its people in metres and canonical axes. People are told apart by the
+/// sensor's ids: those there in at least half as many frames as the longest come before the others, by how much they
+/// move; given in the order in which they appear. Ids beyond those asked for are a finding "bodies_left_out"; a person
+/// asked for who is not there is refused.
+Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file);
+
+/// AMC and its ASF -> given motion. A joint stands where its bone starts; rest offsets and lengths are the ASF's. Bones
+/// that stretch or shift are refused.
+Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file);
+
+/// AMASS -> given motion on SMPL's 24 joints: the body's rotations; hands, jaw and eyes of SMPL-H and SMPL-X are left
+/// out. Without a body model rest offsets are the skeleton's, and the pelvis lies at `trans`: a finding says so. With
+/// `annotations`, BABEL's labels are the segments.
+Expected<IngestedClip> ReadAmassClip(const SourceFile& file);
+
+/// Appends a finding "rate_contradiction" where the file's rate is not the declared one.
+void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings);
+
 /// Compares what the body shows with the declaration, after it was brought to metres and canonical axes. Appends
 /// findings (error): "units_contradiction" (nobody is that tall), "up_contradiction" (the head is below the feet),
 /// "handedness_contradiction" (knees, feet or hands point backwards). Reads tracks, else the motion.
 void CheckBody(const SourceOptions& source, IngestedClip& ingested);
+
+/// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.
+void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings);
 
 /// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names the unknown joint.
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);

@@ -1,0 +1,220 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/joint_layout.h"
+#include "ingest/options.h"
+
+namespace mocurate {
+namespace {
+
+const std::vector<std::pair<std::string, double>>& Units() {
+  static const std::vector<std::pair<std::string, double>> units = {
+      {"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}};
+  return units;
+}
+
+std::string Place(const char* option) { return std::string("ingest.source.") + option; }
+
+std::string FormatName(SourceFormat format) {
+  switch (format) {
+    case SourceFormat::kJointTable:
+      return "joint_table";
+    case SourceFormat::kBvh:
+      return "bvh";
+    case SourceFormat::kNpy:
+      return "npy";
+    case SourceFormat::kDepthSequence:
+      return "depth_sequence";
+    case SourceFormat::kNtuSkeleton:
+      return "ntu_skeleton";
+    case SourceFormat::kAsfAmc:
+      return "asf_amc";
+    case SourceFormat::kAmass:
+      return "amass";
+    case SourceFormat::kNone:
+      break;
+  }
+  return "none";
+}
+
+Status CheckUnits(const SourceOptions& s) {
+  const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass;
+  if (by_definition && !s.units.empty() && s.units != "m") {
+    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
+                Place("units"), "take `units` out");
+  }
+  if (s.units.empty() && s.format != SourceFormat::kDepthSequence && !by_definition) {
+    return Fail(
+        ErrorCode::kConfig,
+        "source '" + s.name + "' does not say its unit of length, and " + FormatName(s.format) + " files do not either",
+        Place("units"), "write `units: m` (or cm, mm, inch) under ingest.source");
+  }
+  if (s.units.empty()) return {};
+  const Expected<double> scale = MetresPerUnit(s.units);
+  if (!scale) return Forward(scale);
+  return {};
+}
+
+Status CheckColumns(const SourceOptions& s) {
+  for (const std::string& column : s.columns) {
+    const bool known = column == "x" || column == "y" || column == "z" || column == "confidence" || column == "skip";
+    if (!known) {
+      return Fail(ErrorCode::kConfig, "unknown column '" + column + "'", Place("columns"),
+                  "columns are x, y, z, confidence and skip");
+    }
+  }
+  for (const char* needed : {"x", "y", "z"}) {
+    if (std::count(s.columns.begin(), s.columns.end(), needed) != 1) {
+      return Fail(ErrorCode::kConfig, std::string("column '") + needed + "' must stand exactly once", Place("columns"));
+    }
+  }
+  return {};
+}
+
+Status CheckTable(const SourceOptions& s) {
+  if (s.joints.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not name its joints", Place("joints"),
+                "list the joints in the order of the rows of a frame");
+  }
+  const bool by_columns = s.columns != SourceOptions().columns;
+  if (!s.layout.empty() && by_columns) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' declares both `layout` and `columns`", Place("layout"),
+                "`layout` says all that `columns` says; take one out");
+  }
+  const Expected<JointLayout> layout = TableLayout(s);
+  if (!layout) return Forward(layout);
+  const int joints = static_cast<int>(s.joints.size());
+  if (layout->Joints() != joints) {
+    return Fail(ErrorCode::kConfig,
+                "the layout has " + std::to_string(layout->Joints()) + " joints, " + std::to_string(joints) +
+                    " are named under ingest.source.joints",
+                Place("layout"), "name each joint of the layout, in its order");
+  }
+  const int rows = RowsPerFrame(s);
+  if (s.layout.empty() && joints % rows != 0) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(joints) + " joints do not fill " + std::to_string(rows) + " rows per frame",
+                Place("rows_per_frame"), "each row holds the same number of joints");
+  }
+  if (layout->NumbersPerFrame() % rows != 0) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(layout->NumbersPerFrame()) + " numbers of the layout do not fill " +
+                    std::to_string(rows) + " rows per frame",
+                Place("rows_per_frame"), "each row holds the same count of numbers");
+  }
+  return {};
+}
+
+constexpr long long kMostBodies = 6;  // what a Kinect follows
+
+Status CheckBodies(const SourceOptions& s) {
+  for (const auto& [label, text] : s.bodies) {
+    const std::optional<long long> count = ParseInteger(text);
+    if (!count || *count < 1 || *count > kMostBodies) {
+      return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", Place("bodies"),
+                  "write a whole number from 1 to 6");
+    }
+  }
+  const bool told_apart =
+      s.person.find("{body}") != std::string::npos || s.recording.find("{body}") != std::string::npos;
+  if (!s.bodies.empty() && !told_apart) {
+    return Fail(ErrorCode::kConfig, "several people of one file would be one clip", Place("bodies"),
+                "write {body} into ingest.source.person, e.g. person: 'P{person}{body}'");
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<double> MetresPerUnit(const std::string& units) {
+  const std::vector<std::string_view> words = SplitBlanks(units);
+  std::vector<std::string> names;
+  for (const auto& [name, metres] : Units()) {
+    names.push_back(name);
+    if (words.size() == 1 && words[0] == name) return metres;
+    if (words.size() != 2 || words[1] != name) continue;
+    const std::optional<double> factor = ParseDouble(words[0]);
+    if (factor && std::isfinite(*factor) && *factor > 0.0) return *factor * metres;
+  }
+  const std::optional<std::string> near = Nearest(units, names);
+  return Fail(ErrorCode::kConfig, "'" + units + "' is no unit of length", Place("units"),
+              near ? "did you mean '" + *near + "'?" : "write m, cm, mm, inch, or a length such as '0.0564 m'");
+}
+
+int BodiesOf(const SourceOptions& s, const std::string& label) {
+  const auto bodies = s.bodies.find(label);
+  if (bodies == s.bodies.end()) return 1;
+  return static_cast<int>(std::clamp(ParseInteger(bodies->second).value_or(1), 1LL, kMostBodies));
+}
+
+int RowsPerFrame(const SourceOptions& s) {
+  if (s.rows_per_frame > 0) return static_cast<int>(s.rows_per_frame);
+  return s.layout.empty() ? static_cast<int>(s.joints.size()) : 1;
+}
+
+Expected<JointLayout> TableLayout(const SourceOptions& s) {
+  if (!s.layout.empty()) return ParseJointLayout(s.layout, Place("layout"));
+  if (Status known = CheckColumns(s); !known) return Forward(known);
+  JointGroup group;
+  group.count = static_cast<int>(s.joints.size());
+  for (const std::string& column : s.columns) {
+    group.columns.push_back(column == "x"            ? JointColumn::kX
+                            : column == "y"          ? JointColumn::kY
+                            : column == "z"          ? JointColumn::kZ
+                            : column == "confidence" ? JointColumn::kConfidence
+                                                     : JointColumn::kSkip);
+  }
+  JointLayout layout;
+  layout.groups.push_back(std::move(group));
+  return layout;
+}
+
+Status CheckSource(const SourceOptions& s) {
+  if (s.name.empty()) return Fail(ErrorCode::kConfig, "the source has no name", Place("name"));
+  if (s.name.find_first_of("/#") != std::string::npos) {
+    return Fail(ErrorCode::kConfig, "the name '" + s.name + "' holds '/' or '#'", Place("name"));
+  }
+  if (s.format == SourceFormat::kNone) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
+                "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc or amass");
+  }
+  if (s.files.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", Place("files"),
+                "e.g. 'a{action}_s{person}_e{repetition}.txt'");
+  }
+  if (s.axes.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its axes", Place("axes"),
+                "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
+  }
+  if (Status units = CheckUnits(s); !units) return units;
+  const bool rate_unknown = s.format == SourceFormat::kJointTable || s.format == SourceFormat::kNpy ||
+                            s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAsfAmc;
+  if (rate_unknown && !s.rate_hz) {
+    return Fail(
+        ErrorCode::kConfig,
+        "source '" + s.name + "' does not say its frame rate, and " + FormatName(s.format) + " files do not either",
+        Place("rate"), "write e.g. `rate: 30 Hz`");
+  }
+  if (s.format == SourceFormat::kJointTable) {
+    if (Status table = CheckTable(s); !table) return table;
+  }
+  if (s.format == SourceFormat::kNtuSkeleton) {
+    if (Status bodies = CheckBodies(s); !bodies) return bodies;
+  }
+  if (s.format == SourceFormat::kAsfAmc && s.skeleton_files.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which .asf belongs to an .amc",
+                Place("skeleton_files"), "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");
+  }
+  if (s.format == SourceFormat::kNpy && s.skeleton.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", Place("skeleton"),
+                "an array of positions needs one, e.g. humanact12");
+  }
+  if (s.format == SourceFormat::kDepthSequence && s.depth_files.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where its depth images are",
+                Place("depth_files"), "e.g. 'depth/{view}_{frame:4}.png'");
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/amc.h"
+#include "core/motion/kinematics.h"
+#include "ingest/sources/bvh_skeleton.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+/// A tree of fixed bones holds no bone that stretches or moves off its parent.
+Status CheckDof(const Asf& asf, const std::string& name) {
+  for (const AsfBone& bone : asf.bones) {
+    for (const AcclaimChannel channel : bone.dof) {
+      if (IsRotation(channel)) continue;
+      return Fail(ErrorCode::kUnsupported,
+                  "bone '" + bone.name + "' has the degree of freedom '" + Name(channel) +
+                      "': a tree of fixed bones cannot hold it",
+                  name, "bones that only turn are read");
+    }
+  }
+  return {};
+}
+
+/// The tree of an ASF: a joint where each bone starts, named as the bone, parents first; joint 0 is the root. `order`
+/// is the bone of each joint.
+struct AsfTree {
+  Bvh tree;
+  BvhOffsets offsets;
+  std::vector<int> order;
+};
+
+AsfTree TreeOf(const Asf& asf, const Matrix3d& metres_from_file) {
+  AsfTree made;
+  made.order.push_back(-1);
+  for (const int bone : asf.Order()) made.order.push_back(bone);
+  std::vector<int> joint_of(asf.bones.size(), 0);
+  for (std::size_t j = 1; j < made.order.size(); ++j) joint_of[made.order[j]] = static_cast<int>(j);
+  for (const int bone : made.order) {
+    BvhJoint joint;
+    BvhOffsets::Joint offset;
+    joint.name = bone < 0 ? "root" : asf.bones[bone].name;
+    joint.parent = -1;
+    if (bone >= 0) {
+      const int parent = asf.bones[bone].parent;
+      joint.parent = parent < 0 ? 0 : joint_of[parent];
+      if (parent >= 0) offset.offset = metres_from_file * AsfOffset(asf.bones[parent]);
+    }
+    offset.above_carrier = bone < 0;
+    joint.offset = offset.offset;
+    made.tree.joints.push_back(std::move(joint));
+    made.offsets.joints.push_back(offset);
+  }
+  return made;
+}
+
+/// Of every joint of the tree in one frame, parent_from_joint in the file's axes; `root` receives the place of the
+/// root.
+void LocalRotations(const Asf& asf, const Amc& amc, int frame, const AsfTree& made, std::vector<Matrix3d>& local,
+                    Vector3d& root) {
+  std::vector<Vector3d> ends;
+  std::vector<Matrix3d> global;
+  AcclaimForward(asf, amc, frame, ends, &root, &global);
+  local.assign(made.order.size(), Matrix3d::Identity());
+  for (std::size_t j = 1; j < made.order.size(); ++j) {
+    const int bone = made.order[j];
+    local[j] = AcclaimLocalRotation(asf, amc, frame, bone);
+    if (asf.bones[bone].parent < 0) local[0] = global[bone] * local[j].transpose();
+  }
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<double> scale = MetresPerUnit(source.units);
+  if (!scale) return Forward(scale);
+  const Expected<SkeletonPtr> declared = SourceSkeleton(source);
+  if (!declared) return Forward(declared);
+  const Expected<Asf> asf = ParseAsf(file.skeleton_bytes, file.skeleton_name);
+  if (!asf) return Forward(asf);
+  if (Status turns = CheckDof(*asf, file.skeleton_name); !turns) return Forward(turns);
+  AmcOptions reading;
+  reading.skeleton = &*asf;
+  reading.damaged_rows = source.damaged_rows;
+  Expected<Amc> amc = ParseAmc(file.bytes, reading, file.name);
+  if (!amc) return Forward(amc);
+  if (asf->bones.empty() || amc->frames == 0) {
+    return Fail(ErrorCode::kInconsistent, asf->bones.empty() ? "the skeleton has no bone" : "the file has no frame",
+                asf->bones.empty() ? file.skeleton_name : file.name);
+  }
+
+  IngestedClip ingested;
+  ingested.findings = asf->findings;
+  ingested.findings.insert(ingested.findings.end(), amc->findings.begin(), amc->findings.end());
+  if (amc->hz) NoteRate(source, *amc->hz, ingested.findings);
+  const Matrix3d& world_from_file = axes->canonical_from_source;
+  const Matrix3d metres_from_file = *scale * world_from_file;
+  const AsfTree made = TreeOf(*asf, metres_from_file);
+  const Expected<BvhSkeleton> fit =
+      MakeBvhSkeleton(made.tree, made.offsets, *declared, source.name, file.skeleton_name);
+  if (!fit) return Forward(fit);
+
+  const std::size_t joints = made.order.size();
+  std::vector<Vector3d> root_translation;
+  std::vector<Quaterniond> rotation(static_cast<std::size_t>(amc->frames) * joints);
+  std::vector<Matrix3d> local;
+  for (int f = 0; f < amc->frames; ++f) {
+    Vector3d root;
+    LocalRotations(*asf, *amc, f, made, local, root);
+    root_translation.push_back(metres_from_file * root);
+    for (std::size_t j = 0; j < joints; ++j) {
+      rotation[static_cast<std::size_t>(f) * joints + fit->target[j]] =
+          Quaterniond(Matrix3d(world_from_file * local[j] * world_from_file.transpose())).normalized();
+    }
+  }
+  for (std::size_t j = 0; j < joints; ++j) {
+    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(amc->frames), joints);
+  }
+  ingested.clip.rate = FrameRate::FromHz(amc->hz.value_or(*source.rate_hz));
+  ingested.clip.motion =
+      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
+  ingested.clip.provenance["skeleton_file"] = file.skeleton_name;
+  return ingested;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,172 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+// The motion is judged left-handed in so many clips of these right-handed sources: they are flagged, not mirrored.
+constexpr int kMisjudgedMsr = 1;
+constexpr int kMisjudgedFlorence = 2;
+
+/// What ingesting a whole source gives.
+struct Whole {
+  int clips = 0, frames = 0, doubtful = 0, refused = 0;
+  std::set<std::string> people, labels;
+  std::map<std::string, Ingested> by_item;
+};
+
+Whole IngestAll(const std::string& source) {
+  Whole whole;
+  const auto discovery = Discover(Declared(source));
+  if (!discovery) {
+    ADD_FAILURE() << discovery.error().Message();
+    return whole;
+  }
+  for (const ItemSpec& item : discovery->items) {
+    Ingested ingested = RunIngest(item, source);
+    whole.clips += 1;
+    if (!ingested.outcome) {
+      whole.refused += 1;
+    } else {
+      whole.doubtful += ingested.outcome->kind == OutcomeKind::kDoubtful ? 1 : 0;
+      whole.frames += ingested.clip.evidence.tracks->positions.frames;
+      whole.people.insert(ingested.clip.identity.person);
+      whole.labels.insert(ingested.clip.label);
+    }
+    whole.by_item.emplace(item.item, std::move(ingested));
+  }
+  return whole;
+}
+
+/// Place of a named joint in a frame.
+Vector3d At(const JointTracks& tracks, const std::string& name, int frame) {
+  for (std::size_t k = 0; k < tracks.names.size(); ++k) {
+    if (tracks.names[k] == name) return tracks.positions.at(frame, static_cast<int>(k));
+  }
+  ADD_FAILURE() << "no joint " << name;
+  return Vector3d::Zero();
+}
+
+class KinectTables : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+};
+
+TEST_F(KinectTables, MsrAction3dWithoutTheTenClipsOfItsPapers) {
+  const auto discovery = Discover(Declared("msr_action3d"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  int excluded = 0;
+  for (const ItemResult& file : discovery->left_out) {
+    excluded += file.outcome.kind == OutcomeKind::kLeftOut && file.outcome.findings.at(0).code == "excluded" ? 1 : 0;
+  }
+  EXPECT_EQ(excluded, 9) << "one of the ten is of person 10, who is not in this folder";
+  const Whole whole = IngestAll("msr_action3d");
+  EXPECT_EQ(whole.clips, 440);
+  EXPECT_EQ(whole.refused, 0);
+  EXPECT_LE(whole.doubtful, kMisjudgedMsr);
+  EXPECT_EQ(whole.people.size(), 8u);
+  EXPECT_EQ(whole.labels.size(), 20u);
+}
+
+TEST_F(KinectTables, FramesOfMsrAction3dThatAreAllZeroAreMissingAndFound) {
+  const auto discovery = Discover(Declared("msr_action3d"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  for (const ItemSpec& item : discovery->items) {
+    if (item.item != "msr_action3d/s02/a13_s02_e02") continue;
+    const Ingested ingested = RunIngest(item, "msr_zero");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    int frames = 0;
+    for (const Finding& finding : ingested.outcome->findings) {
+      EXPECT_EQ(finding.code, "no_joint_seen");
+      frames += finding.frame_end - finding.frame_begin;
+    }
+    EXPECT_EQ(frames, 12);
+    EXPECT_DOUBLE_EQ(ingested.outcome->summary["missing_share"].get<double>(), 12.0 / 30.0)
+        << "a joint of the trunk with confidence 0 and a place is no missing joint";
+    return;
+  }
+  FAIL() << "a13_s02_e02 is not in the folder";
+}
+
+TEST_F(KinectTables, UtKinectIsOneHundredSixtyClips) {
+  const Whole whole = IngestAll("utkinect");
+  EXPECT_EQ(whole.clips, 160);
+  EXPECT_EQ(whole.frames, 4867);
+  EXPECT_EQ(whole.refused + whole.doubtful, 0);
+  EXPECT_EQ(whole.people.size(), 8u);
+  EXPECT_EQ(whole.labels.size(), 10u);
+  const Clip& clip = whole.by_item.at("utkinect/s01/carry_s01_e01").clip;
+  // First row of the file: 0.400294 -0.015386 2.311127 m; x to the sensor's left becomes -x, away from it -z.
+  EXPECT_TRUE(At(*clip.evidence.tracks, "hip_center", 0).isApprox(Vector3d(-0.400294, -0.015386, -2.311127), 1e-6));
+  EXPECT_EQ(clip.label, "carry");
+}
+
+TEST_F(KinectTables, Florence3dIsOneHundredSeventyThreeClips) {
+  const Whole whole = IngestAll("florence3d");
+  EXPECT_EQ(whole.clips, 173);
+  EXPECT_EQ(whole.frames, 3096);
+  EXPECT_EQ(whole.refused, 0);
+  EXPECT_LE(whole.doubtful, kMisjudgedFlorence);
+  EXPECT_EQ(whole.people.size(), 8u);
+  EXPECT_EQ(whole.labels.size(), 9u);
+  const Clip& clip = whole.by_item.at("florence3d/s1/a01_s1_id1").clip;
+  const double trunk = (At(*clip.evidence.tracks, "neck", 0) - At(*clip.evidence.tracks, "torso", 0)).norm();
+  EXPECT_NEAR(trunk, 0.2043, 5e-4);
+}
+
+TEST_F(KinectTables, Cad60IsReadByItsLayout) {
+  const Whole whole = IngestAll("cad60");
+  EXPECT_EQ(whole.clips, 3);
+  EXPECT_EQ(whole.frames, 900);
+  EXPECT_EQ(whole.refused + whole.doubtful, 0);
+  const Ingested& ingested = whole.by_item.at("cad60/unknown/0512165327");
+  const JointTracks& tracks = *ingested.clip.evidence.tracks;
+  EXPECT_TRUE(At(tracks, "head", 0).isApprox(Vector3d(-0.0454, 0.4972, -2.2542), 1e-6));
+  EXPECT_NEAR((At(tracks, "left_knee", 0) - At(tracks, "left_foot", 0)).norm(), 0.35, 0.1);
+  EXPECT_NEAR(ingested.outcome->summary["missing_share"].get<double>(), 0.01637, 1e-5);
+}
+
+TEST(JointTableLayout, WhatDoesNotFitTheLayoutNamesTheOption) {
+  const std::filesystem::path folder = FreshFolder("layout");
+  Put(folder / "a1_s2.txt", "1 1 2 3 1 4 5 6 1\n2 1 2 3 1 4 5 6 0\nEND\n");
+  IngestOptions options = SmallTable(folder);
+  options.source.layout = "frame 2*(x y z confidence)";
+  options.source.end_word = "END";
+  const Ingested ingested = RunIngest(Discover(options)->items.at(0), "layout");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.evidence.tracks->confidence, (std::vector<double>{1, 1, 1, 0}));
+  options.source.layout = "frame 3*(x y z)";
+  EXPECT_THAT(RefusalOf(options, "layout"),
+              HasSubstr("ingest.source.layout: the layout has 3 joints, 2 are named under ingest.source.joints"));
+  options.source.layout = "frame 2*(x y)";
+  EXPECT_THAT(RefusalOf(options, "layout"), HasSubstr("ingest.source.layout"));
+  options.source.layout = "frame 2*(x y z)";
+  options.source.rows_per_frame = 2;
+  EXPECT_THAT(RefusalOf(options, "layout"), HasSubstr("7 numbers of the layout do not fill 2 rows per frame"));
+  options.source.columns = {"x", "y", "z", "skip"};
+  EXPECT_THAT(RefusalOf(options, "layout"), HasSubstr("declares both `layout` and `columns`"));
+}
+
+TEST(JointTableDamage, ADamagedRowRefusesTheFileOrCostsItsFrame) {
+  const std::filesystem::path folder = FreshFolder("damage");
+  Put(folder / "a1_s2.txt", "1 2 3\n4 5 6\n1 2\n4 5 6\n1 2 3\n4 5 6\n");
+  IngestOptions options = SmallTable(folder);
+  EXPECT_THAT(RefusalOf(options, "damage"), HasSubstr("a1_s2.txt:3"));
+  options.source.damaged_rows = DamagedRows::kReport;
+  const Ingested ingested = RunIngest(Discover(options)->items.at(0), "damage");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.evidence.tracks->confidence, (std::vector<double>{1, 1, 0, 0, 1, 1}));
+  EXPECT_EQ(ingested.outcome->findings.at(0).code, "row_length");
+  EXPECT_EQ(ingested.outcome->findings.at(1).code, "no_joint_seen");
+}
+
+}  // namespace
+}  // namespace mocurate
