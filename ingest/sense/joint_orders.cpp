@@ -82,6 +82,13 @@ const std::vector<JointOrder>& KnownJointOrders() {
                             "right_wrist",    "right_hand",    "left_hip",   "left_knee",      "left_ankle",
                             "left_foot",      "right_hip",     "right_knee", "right_ankle",    "right_foot",
                             "spine_shoulder", "left_hand_tip", "left_thumb", "right_hand_tip", "right_thumb"}},
+      {"body_25b",
+       "openni15",
+       {"nose",       "left_eye",      "right_eye",       "left_ear",    "right_ear", "left_shoulder", "right_shoulder",
+        "left_elbow", "right_elbow",   "left_wrist",      "right_wrist", "left_hip",  "right_hip",     "left_knee",
+        "right_knee", "left_ankle",    "right_ankle",     "neck",        "head",      "left_big_toe",  "left_small_toe",
+        "left_heel",  "right_big_toe", "right_small_toe", "right_heel"},
+       "BODY_25B"},
       {"smpl", "smpl24", SmplJoints(24)},
       {"smpl22", "smpl24", SmplJoints(22)}};
   return orders;

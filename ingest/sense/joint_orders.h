@@ -13,6 +13,7 @@ struct JointOrder {
   std::string name;      ///< "kard", "kinect1", ...
   std::string skeleton;  ///< whose names `joints` are
   std::vector<std::string> joints;
+  std::string told = {};  ///< what is said of a clip in this order; empty: `skeleton`
 };
 
 const std::vector<JointOrder>& KnownJointOrders();
