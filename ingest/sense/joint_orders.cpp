@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "ingest/synthetic/tracker.h"
 
@@ -94,6 +96,16 @@ const std::vector<JointOrder>& KnownJointOrders() {
   return orders;
 }
 
+Expected<SkeletonPtr> KnownSkeleton(const std::string& name_or_path) {
+  static std::mutex mutex;
+  static std::map<std::string, SkeletonPtr> skeletons;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (const auto known = skeletons.find(name_or_path); known != skeletons.end()) return known->second;
+  Expected<SkeletonPtr> skeleton = LoadSkeleton(name_or_path);
+  if (skeleton) skeletons.emplace(name_or_path, *skeleton);
+  return skeleton;
+}
+
 std::vector<ObservedBone> BonesOf(const std::vector<std::string>& joints, const Skeleton& skeleton) {
   std::vector<int> point_of_joint(skeleton.joints.size(), -1);
   for (std::size_t k = 0; k < joints.size(); ++k) {
@@ -138,7 +150,7 @@ std::vector<OrderScore> ScoreOrders(const JointPositions& positions, const std::
   std::vector<OrderScore> scores;
   for (const JointOrder& order : KnownJointOrders()) {
     if (static_cast<int>(order.joints.size()) != positions.joints) continue;
-    const auto skeleton = LoadSkeleton(order.skeleton);
+    const auto skeleton = KnownSkeleton(order.skeleton);
     if (!skeleton) continue;
     scores.push_back({&order, ScoreBody(positions, confidence, BonesOf(order.joints, **skeleton))});
   }

@@ -18,6 +18,9 @@ struct JointOrder {
 
 const std::vector<JointOrder>& KnownJointOrders();
 
+/// LoadSkeleton, with every file read once: thousands of clips ask for the same few.
+Expected<SkeletonPtr> KnownSkeleton(const std::string& name_or_path);
+
 /// A bone between two points, with its length in a rest skeleton.
 struct ObservedBone {
   int from = 0;

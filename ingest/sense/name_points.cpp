@@ -48,7 +48,7 @@ bool RecogniseOrder(ObservedClip& clip) {
     clip.skeleton_confidence = std::min(1.0, std::max(clip.skeleton_confidence, 0.0) * 0.5 + margin * 0.5);
     clip.skeleton_evidence += "; next is " + Words(scores[1]);
   }
-  if (const auto skeleton = LoadSkeleton(best.order->skeleton)) clip.points = PointsByName(clip.names, **skeleton);
+  if (const auto skeleton = KnownSkeleton(best.order->skeleton)) clip.points = PointsByName(clip.names, **skeleton);
   for (int side = 0; side < 2; ++side) {
     const auto toe = std::find(clip.names.begin(), clip.names.end(), side == 0 ? "left_big_toe" : "right_big_toe");
     if (toe != clip.names.end()) clip.points.toe[side] = static_cast<int>(toe - clip.names.begin());
@@ -75,7 +75,7 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   clip.skeleton_from = "declared";
   clip.skeleton_confidence = 1.0;
   clip.names = source.joints;
-  const auto skeleton = LoadSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
+  const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
   if (!skeleton) {
     clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
     return;
@@ -108,7 +108,7 @@ void FollowFormat(const std::string& skeleton, const std::vector<std::string>& j
   clip.skeleton_confidence = 1.0;
   clip.skeleton_evidence = evidence;
   clip.names = joints;
-  if (const auto known = LoadSkeleton(skeleton)) clip.points = PointsByName(joints, **known);
+  if (const auto known = KnownSkeleton(skeleton)) clip.points = PointsByName(joints, **known);
 }
 
 }  // namespace mocurate

@@ -93,7 +93,7 @@ void FollowTree(const std::vector<int>& parents, const std::string& evidence, Ob
   clip.skeleton_confidence = 1.0;
   clip.skeleton_evidence = evidence;
   for (const char* known : {"bandai22", "cmu31", "smpl24"}) {
-    const auto skeleton = LoadSkeleton(known);
+    const auto skeleton = KnownSkeleton(known);
     if (!skeleton || (*skeleton)->joint_count() != clip.joints) continue;
     const bool same = std::all_of(clip.names.begin(), clip.names.end(),
                                   [&](const std::string& joint) { return (*skeleton)->FindJoint(joint).has_value(); });
