@@ -203,6 +203,8 @@ TEST_F(RecordedFormats, CamerasSayWhatTheirNumbersMean) {
       {"human36m/camera-parameters.json", {44, "mm", "world_to_camera", "+z"}},
       {"panoptic/calibration_160906_band1.json", {520, "cm", "world_to_camera", "-y"}},
       {"phspd/phspd_rigs.json", {14, "mm", "world_to_camera", "-y"}},
+      {"phspd/CamParams0906.pkl", {7, "mm", "world_to_camera", "-y"}},
+      {"phspd/CamParams0909.pkl", {7, "mm", "world_to_camera", "-y"}},
       {"easymocap", {11, "m", "world_to_camera", "+z"}},
       {"opencv_yml", {4, "m", "world_to_camera", "+z"}}};
   std::map<std::string, int> counts;
