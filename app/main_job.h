@@ -35,7 +35,7 @@ struct JobResult {
   std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;
-  std::optional<Error> unevaluated;        ///< why there is no table although networks were to be scored
+  std::optional<Error> unevaluated;  ///< why there is no table although networks were to be scored
   std::vector<StageReport> stages;
 };
 

@@ -275,7 +275,7 @@ class Judge {
         sense.remarks.push_back({"calibration_contradiction", Severity::kWarning, unit.confidence,
                                  "the file says " + declared + ", but " + unit.evidence});
       }
-      return {declared, 1.0, "the file says so; " + unit.evidence};
+      return {declared, 1.0, "the file or its format says so; " + unit.evidence};
     }
     if (unit.confidence < kSureOfCalibration) unit.value.clear();
     return unit;

@@ -19,20 +19,10 @@ using Json = nlohmann::json;
 
 double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
-Json Value(Json value, const char* from, double confidence, const std::string& evidence) {
-  const bool unknown = value.is_null() || (value.is_string() && value.get<std::string>().empty());
-  if (unknown) return {{"value", nullptr}, {"from", "unknown"}, {"confidence", 0.0}, {"evidence", evidence}};
-  return {{"value", std::move(value)}, {"from", from}, {"confidence", Rounded(confidence)}, {"evidence", evidence}};
-}
-
-Json Value(const Measured& measured) {
-  return Value(measured.value, "measured", measured.confidence, measured.evidence);
-}
-
 /// A declared value, with what was measured beside it.
 Json Declared(Json value, const std::string& who, const Measured& measured) {
-  if (value.is_string() && value.get<std::string>().empty()) return Value(measured);
-  Json json = Value(std::move(value), "declared", 1.0, who);
+  if (value.is_string() && value.get<std::string>().empty()) return ReportValue(measured);
+  Json json = ReportValue(std::move(value), "declared", 1.0, who);
   if (!measured.value.empty()) {
     json["measured"] = {
         {"value", measured.value}, {"confidence", Rounded(measured.confidence)}, {"evidence", measured.evidence}};
@@ -100,15 +90,19 @@ void CompareRate(const ObservedClip& clip, const SourceOptions& source, const st
       "the file says " + FormatDouble(*clip.rate_hz) + " Hz, the source " + FormatDouble(*source.rate_hz) + " Hz"));
 }
 
+std::string Joined(const std::string& first, const std::string& second) {
+  return first + (first.empty() || second.empty() ? "" : "; ") + second;
+}
+
 Json RateOf(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m) {
-  if (clip.rate_hz) return Value(*clip.rate_hz, "declared", 1.0, "said by the file");
+  if (clip.rate_hz) return ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
   if (source && source->rate_hz) return Declared(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
-  if (m.rate.value.empty()) return Value(Json(), "unknown", 0.0, "the file does not say it");
-  return Value(*ParseDouble(m.rate.value), "measured", m.rate.confidence, m.rate.evidence);
+  const std::string silence = clip.rate_evidence.empty() ? "the file does not say it" : clip.rate_evidence;
+  return ReportValue(Json(), "unknown", 0.0, Joined(silence, m.rate.evidence));
 }
 
 Json FirstFrame(const ObservedClip& clip) {
-  if (clip.positions.empty()) return Value(Json(), "unknown", 0.0, "no joints");
+  if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
   Json points = Json::array();
   for (int j = 0; j < clip.positions.joints; ++j) {
     const bool seen = clip.confidence.empty() || clip.confidence[j] > 0.0;
@@ -116,7 +110,7 @@ Json FirstFrame(const ObservedClip& clip) {
     points.push_back({{"joint", clip.names.empty() ? Json() : Json(clip.names[j])},
                       {"position", seen ? Json({Rounded(at.x()), Rounded(at.y()), Rounded(at.z())}) : Json()}});
   }
-  return Value(std::move(points), "declared", 1.0, "in the file's own unit and axes");
+  return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
 
 void AddNameFields(const SourceOptions& source, const std::string& file, Json& json, Json& findings) {
@@ -126,11 +120,37 @@ void AddNameFields(const SourceOptions& source, const std::string& file, Json& j
     return;
   }
   json["item"] = named->item();
-  json["person"] = Value(named->identity.person, "declared", 1.0, "name of the file");
-  json["label"] = Value(named->label, "declared", 1.0, "name of the file");
+  json["person"] = ReportValue(named->identity.person, "declared", 1.0, "name of the file");
+  json["label"] = ReportValue(named->label, "declared", 1.0, "name of the file");
+}
+
+Json MissingShare(const ObservedClip& clip, const ClipMeasures& m) {
+  if (clip.missing_share)
+    return ReportValue(Rounded(*clip.missing_share), "measured", 1.0, "of the numbers of the file");
+  if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
+  return ReportValue(Rounded(m.missing_share), "measured", 1.0,
+                     "joints that are zero, no numbers, or have confidence 0");
+}
+
+/// Measures, with the reason where there was nothing to measure.
+ClipMeasures MeasuresOf(const ObservedClip& clip) {
+  ClipMeasures m = Measure(clip);
+  if (!clip.positions.empty()) return m;
+  for (Measured* measured : {&m.units, &m.up, &m.handedness, &m.facing, &m.axes}) measured->evidence = clip.silence;
+  return m;
 }
 
 }  // namespace
+
+Json ReportValue(Json value, const char* from, double confidence, const std::string& evidence) {
+  const bool unknown = value.is_null() || (value.is_string() && value.get<std::string>().empty());
+  if (unknown) return {{"value", nullptr}, {"from", "unknown"}, {"confidence", 0.0}, {"evidence", evidence}};
+  return {{"value", std::move(value)}, {"from", from}, {"confidence", Rounded(confidence)}, {"evidence", evidence}};
+}
+
+Json ReportValue(const Measured& measured) {
+  return ReportValue(measured.value, "measured", measured.confidence, measured.evidence);
+}
 
 Json InspectionFinding(const std::string& code, Severity severity, const std::string& where, double value,
                        const std::string& message) {
@@ -139,28 +159,34 @@ Json InspectionFinding(const std::string& code, Severity severity, const std::st
 
 Json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
                 Json& findings) {
-  const ClipMeasures m = Measure(clip);
+  const ClipMeasures m = MeasuresOf(clip);
   const Statements said = StatementsOf(clip, source);
   const std::string where = file + clip.id;
   Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
   if (source) AddNameFields(*source, file, json, findings);
-  json["frames"] = Value(clip.frames, "measured", 1.0, clip.layout_evidence);
+  json["frames"] = ReportValue(clip.frames, "measured", 1.0, clip.layout_evidence);
   json["rate_hz"] = RateOf(clip, source, m);
   const bool has_joints = clip.joints > 0;
-  json["joints"] =
-      Value(has_joints ? Json(clip.joints) : Json(), clip.format == "joint_table" && !source ? "measured" : "declared",
-            clip.format == "joint_table" && !source ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
-  json["people"] = Value(clip.people, "declared", 1.0, "files of this format hold one person");
-  json["skeleton"] = Value(clip.skeleton, clip.skeleton_from.c_str(), clip.skeleton_confidence, clip.skeleton_evidence);
+  json["joints"] = ReportValue(
+      has_joints ? Json(clip.joints) : Json(), clip.format == "joint_table" && !source ? "measured" : "declared",
+      clip.format == "joint_table" && !source ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
+  json["people"] = ReportValue(clip.people, "declared", 1.0, clip.people_evidence);
+  json["people_per_frame"] =
+      ReportValue(Json{{"min", clip.fewest_people}, {"max", clip.people}}, "declared", 1.0, clip.people_evidence);
+  json["skeleton"] =
+      ReportValue(clip.skeleton, clip.skeleton_from.c_str(), clip.skeleton_confidence, clip.skeleton_evidence);
   json["units"] = Declared(said.units, said.who, m.units);
   json["up"] = Declared(said.up, said.who, m.up);
   json["handedness"] = Declared(said.handedness, said.who, m.handedness);
   json["facing"] = Declared(said.facing, said.who, m.facing);
   json["axes"] = Declared(said.axes, said.who, m.axes);
-  json["missing_share"] = has_joints ? Value(Rounded(m.missing_share), "measured", 1.0,
-                                             "joints that are zero, no numbers, or have confidence 0")
-                                     : Value(Json(), "unknown", 0.0, "no joints");
+  json["missing_share"] = MissingShare(clip, m);
   json["first_frame"] = FirstFrame(clip);
+  if (!clip.facts.empty()) {
+    Json facts = Json::object();
+    for (const auto& [key, text] : clip.facts) facts[key] = text;
+    json["facts"] = std::move(facts);
+  }
 
   for (const Remark& remark : clip.remarks) {
     findings.push_back(InspectionFinding(remark.code, remark.severity, where, Rounded(remark.value), remark.message));
@@ -170,7 +196,7 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
         InspectionFinding("many_missing", Severity::kWarning, where, Rounded(m.missing_share),
                           FormatDouble(Rounded(100.0 * m.missing_share)) + " % of the joints are missing"));
   }
-  if (!said.units.empty()) CompareUnits(said, m, where, findings);
+  if (!said.units.empty() && (source || !clip.positions.empty())) CompareUnits(said, m, where, findings);
   Compare("up_contradiction", "up", said.up, m.up, Severity::kError, where, findings);
   Compare("handedness_contradiction", "the frame", said.handedness, m.handedness, Severity::kError, where, findings);
   if (source) CompareRate(clip, *source, where, findings);

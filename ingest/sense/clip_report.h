@@ -13,6 +13,10 @@ namespace mocurate {
 nlohmann::json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
                           nlohmann::json& findings);
 
+/// {"value", "from", "confidence", "evidence"}; "unknown" where the value is null or an empty text.
+nlohmann::json ReportValue(nlohmann::json value, const char* from, double confidence, const std::string& evidence);
+nlohmann::json ReportValue(const Measured& measured);
+
 /// {"code", "severity", "where", "value", "message"}
 nlohmann::json InspectionFinding(const std::string& code, Severity severity, const std::string& where, double value,
                                  const std::string& message);

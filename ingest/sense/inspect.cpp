@@ -1,15 +1,16 @@
 #include "ingest/sense/inspect.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
 #include "core/base/file.h"
 #include "ingest/sense/clip_report.h"
+#include "ingest/sense/file_kind.h"
+#include "ingest/sense/inspect_groups.h"
+#include "ingest/sense/scene_report.h"
 
 namespace mocurate {
 namespace {
@@ -65,45 +66,109 @@ const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
   if (kind == FileKind::kEmpty) return "empty_file";
   if (kind == FileKind::kUnknown) return "unknown_format";
   if (error == ErrorCode::kUnsupported) return "no_motion";
-  if (error == ErrorCode::kInconsistent) return declared ? "layout_contradiction" : "no_joint_seen";
+  if (error == ErrorCode::kInconsistent && kind == FileKind::kNumbers)
+    return declared ? "layout_contradiction" : "no_joint_seen";
+  if (error == ErrorCode::kInconsistent && kind == FileKind::kNtuSkeleton) return "no_joint_seen";
   return "malformed";
 }
 
-/// One file. `in_folder`: files of unknown content are counted instead of being errors.
-void InspectFile(const FileToInspect& file, const std::optional<SourceOptions>& source, bool in_folder,
-                 Json& inspection, std::vector<std::string>& others) {
-  Json& findings = inspection["findings"];
+/// What is being looked at, and what was found so far.
+class Inspector {
+ public:
+  Inspector(const std::optional<SourceOptions>& source, bool folder) : source_(source), folder_(folder) {}
+
+  void Look(const FileToInspect& file);
+  /// Clips of several files, and what belongs to the whole.
+  void Finish(const std::string& path);
+  Json inspection = {{"path", ""},
+                     {"format", "unknown"},
+                     {"clips", Json::array()},
+                     {"groups", Json::array()},
+                     {"cameras", Json::array()},
+                     {"clouds", Json::array()},
+                     {"companions", Json::array()},
+                     {"findings", Json::array()}};
+
+ private:
+  Status Read(const FileToInspect& file, FileKind kind);
+  void Add(const ObservedFile& file, const std::string& name);
+  Json& findings() { return inspection["findings"]; }
+
+  const std::optional<SourceOptions>& source_;
+  bool folder_;
+  ObservedSequences sequences_;
+  std::vector<std::string> others_;
+};
+
+/// Into the sequences, or at once.
+Status Inspector::Read(const FileToInspect& file, FileKind kind) {
+  const Expected<std::string> bytes = ReadFile(file.path);
+  if (!bytes) return Forward(bytes);
+  const FileBytes content{*bytes, file.name, file.path};
+  const JsonKind json = kind == FileKind::kJson ? JsonKindOf(*bytes) : JsonKind::kOther;
+  if (json == JsonKind::kOpenPose) return sequences_.AddOpenPose(content);
+  if (json == JsonKind::kPanopticBodies) return sequences_.AddPanoptic(content);
+  const bool storage = kind == FileKind::kXml && bytes->find("<opencv_storage") != std::string::npos;
+  if (storage || kind == FileKind::kOpenCvYaml) return sequences_.AddOpenCv(content);
+  const Expected<ObservedFile> observed = ObserveFile(content, source_);
+  if (!observed) return Forward(observed);
+  Add(*observed, file.name);
+  return {};
+}
+
+void Inspector::Add(const ObservedFile& file, const std::string& name) {
+  for (const ObservedClip& clip : file.clips)
+    inspection["clips"].push_back(ClipReport(clip, name, source_, findings()));
+  for (const Calibration& calibration : file.calibrations) {
+    ReportCameras(calibration, name, inspection["cameras"], findings());
+  }
+  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name));
+  for (const ObservedCompanion& companion : file.companions) {
+    inspection["companions"].push_back(CompanionReport(companion));
+  }
+  for (const Remark& remark : file.remarks) {
+    findings().push_back(InspectionFinding(remark.code, remark.severity, name, remark.value, remark.message));
+  }
+}
+
+/// Files of unknown content are errors where they are asked for, and counted in a folder.
+void Inspector::Look(const FileToInspect& file) {
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
-  if (!head) return AddError(head.error(), file.name, "unreadable", findings);
+  if (!head) return AddError(head.error(), file.name, "unreadable", findings());
   const FileKind kind = KindOf(*head);
-  if (in_folder && kind == FileKind::kUnknown) {
-    others.push_back(file.name);
+  if (folder_ && kind == FileKind::kUnknown) {
+    others_.push_back(file.name);
     return;
+  }
+  if (kind == FileKind::kPng || kind == FileKind::kJpeg) {
+    return sequences_.AddImage({*head, file.name, file.path}, kind == FileKind::kPng);
   }
   if (size > kLargestFile) {
     return AddError({ErrorCode::kUnsupported, "the file is larger than 1 GiB", file.name, ""}, file.name, "too_large",
-                    findings);
+                    findings());
   }
-  const Expected<std::string> bytes = ReadFile(file.path);
-  if (!bytes) return AddError(bytes.error(), file.name, "unreadable", findings);
-  const auto clips = ObserveFile(*bytes, file.name, source);
-  if (!clips) {
-    const bool no_motion = clips.error().code == ErrorCode::kUnsupported;
-    if (in_folder && (no_motion || kind == FileKind::kJson)) {
-      others.push_back(file.name);
-      return;
-    }
-    const char* code = CodeOf(clips.error().code, kind, source.has_value());
-    return AddError(clips.error(), file.name, code, findings);
+  const Status read = Read(file, kind);
+  if (read) return;
+  const ErrorCode code = read.error().code;
+  if (code == ErrorCode::kUnreadable || code == ErrorCode::kNotFound)
+    return AddError(read.error(), file.name, "unreadable", findings());
+  // Text in brackets and XML may be anything.
+  const bool common = kind == FileKind::kJson || kind == FileKind::kXml || kind == FileKind::kToml;
+  if (folder_ && (code == ErrorCode::kUnsupported || common)) {
+    others_.push_back(file.name);
+    return;
   }
-  for (const ObservedClip& clip : *clips) inspection["clips"].push_back(ClipReport(clip, file.name, source, findings));
+  AddError(read.error(), file.name, CodeOf(code, kind, source_.has_value()), findings());
 }
 
-std::string FormatOf(const Json& clips) {
+std::string FormatOf(const Json& inspection) {
   std::set<std::string> formats;
-  for (const Json& clip : clips) formats.insert(clip.at("format").get<std::string>());
+  for (const char* list : {"clips", "cameras", "clouds", "companions"}) {
+    if (!formats.empty()) break;  // what stands beside clips does not make them mixed
+    for (const Json& entry : inspection.at(list)) formats.insert(entry.at("format").get<std::string>());
+  }
   if (formats.empty()) return "unknown";
   return formats.size() == 1 ? *formats.begin() : "mixed";
 }
@@ -165,41 +230,43 @@ Json GroupsOf(const Json& clips) {
   return groups;
 }
 
+void Inspector::Finish(const std::string& path) {
+  for (const auto& [folder, file] : sequences_.Finish()) Add(file, folder.empty() ? path : folder);
+  if (!others_.empty()) {
+    findings().push_back(InspectionFinding(
+        "other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
+        std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") + " of no known format"));
+  }
+  TellByGroup(inspection["clips"], findings());
+  const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&
+                       inspection["companions"].empty();
+  if (folder_ && nothing) {
+    findings().push_back(InspectionFinding("no_clips", Severity::kError, path, 0.0,
+                                           "no file of the folder holds motion in a known format"));
+  }
+  inspection["format"] = FormatOf(inspection);
+  inspection["groups"] = GroupsOf(inspection["clips"]);
+}
+
 }  // namespace
 
 Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source) {
-  Json inspection = {{"path", DisplayPath(path)},
-                     {"format", "unknown"},
-                     {"clips", Json::array()},
-                     {"groups", Json::array()},
-                     {"findings", Json::array()}};
   std::error_code unknown;
+  Inspector inspector(source, std::filesystem::is_directory(path, unknown));
+  inspector.inspection["path"] = DisplayPath(path);
   if (!std::filesystem::exists(path, unknown)) {
     AddError({ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), ""}, "", "not_found",
-             inspection["findings"]);
-    return inspection;
+             inspector.inspection["findings"]);
+    return inspector.inspection;
   }
-  const bool folder = std::filesystem::is_directory(path, unknown);
   std::vector<FileToInspect> files;
   if (Status listed = ListFiles(path, files); !listed) {
-    AddError(listed.error(), "", "unreadable", inspection["findings"]);
-    return inspection;
+    AddError(listed.error(), "", "unreadable", inspector.inspection["findings"]);
+    return inspector.inspection;
   }
-  std::vector<std::string> others;
-  for (const FileToInspect& file : files) InspectFile(file, source, folder, inspection, others);
-  if (!others.empty()) {
-    inspection["findings"].push_back(
-        InspectionFinding("other_files", Severity::kInfo, others.front(), static_cast<double>(others.size()),
-                          std::to_string(others.size()) + (others.size() == 1 ? " file is" : " files are") +
-                              " of no known motion format"));
-  }
-  if (folder && inspection["clips"].empty()) {
-    inspection["findings"].push_back(InspectionFinding("no_clips", Severity::kError, DisplayPath(path), 0.0,
-                                                       "no file of the folder holds motion in a known format"));
-  }
-  inspection["format"] = FormatOf(inspection["clips"]);
-  inspection["groups"] = GroupsOf(inspection["clips"]);
-  return inspection;
+  for (const FileToInspect& file : files) inspector.Look(file);
+  inspector.Finish(DisplayPath(path.filename().empty() ? path.parent_path().filename() : path.filename()));
+  return inspector.inspection;
 }
 
 }  // namespace mocurate

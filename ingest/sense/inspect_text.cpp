@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostPlaces = 3;  // named per kind of finding
+constexpr std::size_t kMostPlaces = 3;  // named per kind of finding or companion
 
 std::string Text(const Json& value) {
   if (value.is_null()) return "?";
@@ -44,10 +44,11 @@ std::string ClipText(const Json& clip) {
   for (const char* name : {"person", "label"}) {
     if (clip.contains(name)) text += Field(name, clip.at(name));
   }
-  for (const char* name :
-       {"frames", "rate_hz", "joints", "skeleton", "units", "up", "handedness", "facing", "axes", "missing_share"}) {
+  for (const char* name : {"frames", "rate_hz", "joints", "people", "skeleton", "units", "up", "handedness", "facing",
+                           "axes", "missing_share"}) {
     text += Field(name, clip.at(name));
   }
+  if (clip.contains("facts")) text += Line("facts", clip.at("facts").dump());
   return text;
 }
 
@@ -65,6 +66,37 @@ std::string GroupText(const Json& group) {
     if (!field.at("value").is_null())
       value += "  " + field.at("from").get<std::string>() + ", " + Percent(field.at("share")) + " agree";
     text += Line(name, value);
+  }
+  return text;
+}
+
+/// Entries that say the same, with their count: cameras of one calibration, clouds, what stands beside.
+std::string SceneText(const Json& inspection) {
+  std::map<std::string, int> cameras;
+  for (const Json& camera : inspection.at("cameras")) {
+    ++cameras[camera.at("file").get<std::string>() + ": " + camera.at("format").get<std::string>() + "\n" +
+              Field("units", camera.at("units")) + Field("reading", camera.at("reading")) +
+              Field("up", camera.at("up")) + Line("image_size", Text(camera.at("image_size").at("value")))];
+  }
+  std::string text;
+  for (const auto& [lines, count] : cameras) {
+    text += "\n" + std::to_string(count) + (count == 1 ? " camera of " : " cameras of ") + lines;
+  }
+  for (const Json& cloud : inspection.at("clouds")) {
+    text += "\n" + cloud.at("id").get<std::string>() + ": " + cloud.at("format").get<std::string>() + ", " +
+            cloud.at("points").dump() + " points, " + cloud.at("triangles").dump() + " triangles\n" +
+            Field("extent", cloud.at("extent")) + Field("units", cloud.at("units"));
+  }
+  std::map<std::string, std::vector<const Json*>> companions;
+  for (const Json& companion : inspection.at("companions")) {
+    companions[companion.at("format").get<std::string>()].push_back(&companion);
+  }
+  for (const auto& [format, members] : companions) {
+    text += "\n" + std::to_string(members.size()) + " " + format + "\n";
+    for (std::size_t i = 0; i < members.size() && i < kMostPlaces; ++i) {
+      text += "  " + members[i]->at("file").get<std::string>() + " " + members[i]->at("facts").dump() + "\n";
+    }
+    if (members.size() > kMostPlaces) text += "  and " + std::to_string(members.size() - kMostPlaces) + " more\n";
   }
   return text;
 }
@@ -98,6 +130,7 @@ std::string InspectionText(const Json& inspection) {
   } else {
     for (const Json& group : inspection.at("groups")) text += "\n" + GroupText(group);
   }
+  text += SceneText(inspection);
   const std::string findings = FindingsText(inspection.at("findings"));
   return text + (findings.empty() ? "" : "\n" + findings);
 }

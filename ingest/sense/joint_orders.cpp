@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "ingest/synthetic/tracker.h"
 
@@ -82,9 +84,26 @@ const std::vector<JointOrder>& KnownJointOrders() {
                             "right_wrist",    "right_hand",    "left_hip",   "left_knee",      "left_ankle",
                             "left_foot",      "right_hip",     "right_knee", "right_ankle",    "right_foot",
                             "spine_shoulder", "left_hand_tip", "left_thumb", "right_hand_tip", "right_thumb"}},
+      {"body_25b",
+       "openni15",
+       {"nose",       "left_eye",      "right_eye",       "left_ear",    "right_ear", "left_shoulder", "right_shoulder",
+        "left_elbow", "right_elbow",   "left_wrist",      "right_wrist", "left_hip",  "right_hip",     "left_knee",
+        "right_knee", "left_ankle",    "right_ankle",     "neck",        "head",      "left_big_toe",  "left_small_toe",
+        "left_heel",  "right_big_toe", "right_small_toe", "right_heel"},
+       "BODY_25B"},
       {"smpl", "smpl24", SmplJoints(24)},
       {"smpl22", "smpl24", SmplJoints(22)}};
   return orders;
+}
+
+Expected<SkeletonPtr> KnownSkeleton(const std::string& name_or_path) {
+  static std::mutex mutex;
+  static std::map<std::string, SkeletonPtr> skeletons;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (const auto known = skeletons.find(name_or_path); known != skeletons.end()) return known->second;
+  Expected<SkeletonPtr> skeleton = LoadSkeleton(name_or_path);
+  if (skeleton) skeletons.emplace(name_or_path, *skeleton);
+  return skeleton;
 }
 
 std::vector<ObservedBone> BonesOf(const std::vector<std::string>& joints, const Skeleton& skeleton) {
@@ -131,7 +150,7 @@ std::vector<OrderScore> ScoreOrders(const JointPositions& positions, const std::
   std::vector<OrderScore> scores;
   for (const JointOrder& order : KnownJointOrders()) {
     if (static_cast<int>(order.joints.size()) != positions.joints) continue;
-    const auto skeleton = LoadSkeleton(order.skeleton);
+    const auto skeleton = KnownSkeleton(order.skeleton);
     if (!skeleton) continue;
     scores.push_back({&order, ScoreBody(positions, confidence, BonesOf(order.joints, **skeleton))});
   }

@@ -13,9 +13,13 @@ struct JointOrder {
   std::string name;      ///< "kard", "kinect1", ...
   std::string skeleton;  ///< whose names `joints` are
   std::vector<std::string> joints;
+  std::string told = {};  ///< what is said of a clip in this order; empty: `skeleton`
 };
 
 const std::vector<JointOrder>& KnownJointOrders();
+
+/// LoadSkeleton, with every file read once: thousands of clips ask for the same few.
+Expected<SkeletonPtr> KnownSkeleton(const std::string& name_or_path);
 
 /// A bone between two points, with its length in a rest skeleton.
 struct ObservedBone {

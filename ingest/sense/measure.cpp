@@ -12,7 +12,10 @@ namespace {
 
 constexpr double kTypicalBody = 1.5;
 constexpr double kDecided = 0.5;        // least confidence of a direction that is told
+constexpr double kUpright = 0.7;        // mean of head above feet, below which people lie or bend most of the time
+constexpr double kFirmFloor = 0.7;      // spread of the floor against that of the next axis
 constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
+constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
 
 struct UnitOfLength {
   const char* name;
@@ -147,6 +150,49 @@ Measured UnitsFromLength(double length, double typical, double low, double high,
   return units;
 }
 
+/// How far the lowest of all points, along a direction, moves over the clip: what bears a person stays where it is,
+/// whatever the person does. From the tenth to the ninetieth percentile; nothing for a few frames.
+std::optional<double> FloorSpread(const Body& body, const ObservedClip& clip, const Vector3d& up) {
+  std::vector<double> lowest;
+  for (int f = 0; f < body.frames(); ++f) {
+    double low = 1e300;
+    for (int j = 0; j < clip.positions.joints; ++j) {
+      if (body.Has(f, j)) low = std::min(low, up.dot(clip.positions.at(f, j)));
+    }
+    if (low < 1e300) lowest.push_back(low);
+  }
+  if (lowest.size() < 10) return std::nullopt;
+  std::sort(lowest.begin(), lowest.end());
+  return lowest[lowest.size() * 9 / 10] - lowest[lowest.size() / 10];
+}
+
+/// People who lie down or bend: head above feet says little, so the floor has to agree, or decides.
+void AskTheFloor(const Body& body, const ObservedClip& clip, Measured& up) {
+  if (up.confidence >= kUpright) return;
+  double best = 1e300, next = 1e300;
+  std::string axis;
+  for (const char* text : {"+x", "-x", "+y", "-y", "+z", "-z"}) {
+    const auto spread = FloorSpread(body, clip, AxisVector(text));
+    if (!spread) return up.value.clear();
+    if (*spread < best) {
+      next = best;
+      best = *spread;
+      axis = text;
+    } else {
+      next = std::min(next, *spread);
+    }
+  }
+  if (!(best < kFirmFloor * next)) {
+    up.value.clear();
+    up.evidence += "; the person lies or bends, and no floor shows";
+    return;
+  }
+  up.value = axis;
+  up.confidence = std::max(kDecided, 1.0 - best / next);
+  up.evidence += "; the person lies or bends: the lowest point moves least along " + axis + ", by " + Shown(best) +
+                 " units, along the next axis by " + Shown(next);
+}
+
 /// Without names: the longest side of the box around all points.
 double Extent(const ObservedClip& clip) {
   std::vector<double> extents;
@@ -187,8 +233,9 @@ void MeasureFacing(const Body& body, ClipMeasures& m) {
             "from up, handedness and facing; facing is a habit of the recording, not a rule"};
 }
 
-/// Weak: people in action move their faster joints at about half a metre per second.
-Measured GuessRate(const ObservedClip& clip, double metres_per_unit) {
+/// People in action move their faster joints at about half a metre per second, give or take a factor of 3: this tells
+/// no rate, but a person may judge by it.
+Measured StepEvidence(const ObservedClip& clip, double metres_per_unit) {
   Measured rate;
   std::vector<double> steps;
   std::vector<double> frame;
@@ -208,17 +255,9 @@ Measured GuessRate(const ObservedClip& clip, double metres_per_unit) {
   }
   const double step = MedianOf(steps);
   if (!(step > 1e-5)) return rate;
-  const double wanted = kTypicalSpeed / step;
-  double best = 1e9;
-  for (const double usual : {10.0, 15.0, 30.0, 60.0, 120.0}) {
-    const double off = std::abs(std::log(usual / wanted));
-    if (off >= best) continue;
-    best = off;
-    rate.value = FormatDouble(usual);
-  }
-  rate.confidence = 0.2;
-  rate.evidence = "a guess: the faster joints move " + Shown(1000.0 * step) + " mm from frame to frame, at " +
-                  FormatDouble(kTypicalSpeed) + " m/s that is " + Shown(wanted) + " Hz";
+  const double usual = kTypicalSpeed / step;
+  rate.evidence = "the faster joints move " + Shown(1000.0 * step) + " mm from frame to frame, as people do at " +
+                  Shown(usual / kSpeedSpread) + " to " + Shown(usual * kSpeedSpread) + " Hz";
   return rate;
 }
 
@@ -242,6 +281,7 @@ ClipMeasures Measure(const ObservedClip& clip) {
   m.up = NearestAxis(up.mean());
   m.up.evidence = up.count > 0 ? "head above feet, mean over " + std::to_string(up.count) + " frames"
                                : "no named head, hips or feet";
+  if (up.count > 0) AskTheFloor(body, clip, m.up);
   const HandednessMeasure handedness =
       MeasureHandedness(clip.positions, clip.points, clip.confidence.empty() ? nullptr : &clip.confidence);
   m.handedness.confidence = handedness.confidence;
@@ -249,7 +289,7 @@ ClipMeasures Measure(const ObservedClip& clip) {
   if (handedness.handedness) m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
   MeasureFacing(body, m);
   for (const UnitOfLength& unit : kUnits) {
-    if (m.units.value == unit.name && !clip.rate_hz) m.rate = GuessRate(clip, unit.metres);
+    if (m.units.value == unit.name && !clip.rate_hz) m.rate = StepEvidence(clip, unit.metres);
   }
   return m;
 }

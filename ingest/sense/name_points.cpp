@@ -39,7 +39,7 @@ bool RecogniseOrder(ObservedClip& clip) {
   }
   const OrderScore& best = scores[0];
   clip.names = best.order->joints;
-  clip.skeleton = best.order->skeleton;
+  clip.skeleton = best.order->told.empty() ? best.order->skeleton : best.order->told;
   clip.skeleton_from = "measured";
   clip.skeleton_evidence = Words(best);
   clip.skeleton_confidence = 1.0 - best.score.total() / BodyScore::kBodyLike;
@@ -48,7 +48,11 @@ bool RecogniseOrder(ObservedClip& clip) {
     clip.skeleton_confidence = std::min(1.0, std::max(clip.skeleton_confidence, 0.0) * 0.5 + margin * 0.5);
     clip.skeleton_evidence += "; next is " + Words(scores[1]);
   }
-  if (const auto skeleton = LoadSkeleton(clip.skeleton)) clip.points = PointsByName(clip.names, **skeleton);
+  if (const auto skeleton = KnownSkeleton(best.order->skeleton)) clip.points = PointsByName(clip.names, **skeleton);
+  for (int side = 0; side < 2; ++side) {
+    const auto toe = std::find(clip.names.begin(), clip.names.end(), side == 0 ? "left_big_toe" : "right_big_toe");
+    if (toe != clip.names.end()) clip.points.toe[side] = static_cast<int>(toe - clip.names.begin());
+  }
   return true;
 }
 
@@ -71,7 +75,7 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   clip.skeleton_from = "declared";
   clip.skeleton_confidence = 1.0;
   clip.names = source.joints;
-  const auto skeleton = LoadSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
+  const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
   if (!skeleton) {
     clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
     return;
@@ -95,6 +99,16 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   if (clip.frames < kFewestFrames || score.total() < kPlausible || !better) return;
   clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
                           "read in the declared order, " + clip.skeleton_evidence + "; " + Words(scores[0])});
+}
+
+void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,
+                  ObservedClip& clip) {
+  clip.skeleton = skeleton;
+  clip.skeleton_from = "declared";
+  clip.skeleton_confidence = 1.0;
+  clip.skeleton_evidence = evidence;
+  clip.names = joints;
+  if (const auto known = KnownSkeleton(skeleton)) clip.points = PointsByName(joints, **known);
 }
 
 }  // namespace mocurate

@@ -3,7 +3,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/joint_table.h"
-#include "ingest/sense/observed_clip.h"
+#include "ingest/sense/observe.h"
 
 namespace mocurate {
 namespace {
@@ -207,8 +207,13 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
 
 Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
                                                  const std::optional<SourceOptions>& source) {
+  if (!source) {
+    if (std::optional<ObservedClip> rotations = ObserveExpmap(bytes, name))
+      return std::vector<ObservedClip>{std::move(*rotations)};
+  }
   JointTableLayout layout;
   layout.allow_nan = true;
+  layout.end_word = "END";
   const Expected<JointTable> rows = ParseJointTable(bytes, layout, name);
   if (!rows) return Forward(rows);
   const bool declared = source && source->format == SourceFormat::kJointTable && !source->joints.empty() &&

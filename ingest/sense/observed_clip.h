@@ -3,20 +3,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "ingest/options.h"
 #include "ingest/sense/joint_orders.h"
 
 namespace mocurate {
-
-/// What a file format is, by its content.
-enum class FileKind { kUnknown, kEmpty, kBvh, kNpy, kJson, kNumbers };
-
-/// Looks at the first bytes only.
-FileKind KindOf(std::string_view bytes);
-/// "bvh", "npy", "joint_table", "depth_sequence", "unknown".
-std::string_view FormatName(FileKind kind);
 
 /// Something doubtful about a file or clip; `where` and the file are filled in by the caller.
 struct Remark {
@@ -32,12 +25,19 @@ struct ObservedClip {
   std::string format;
   int frames = 0;
   int joints = 0;
-  int people = 1;
-  JointPositions positions;        ///< empty for a depth sequence
+  int people = 1;         ///< most in one frame
+  int fewest_people = 1;  ///< in one frame
+  std::string people_evidence = "files of this format hold one person";
+  JointPositions positions;        ///< empty where the file holds none, or only with what it does not hold
   std::vector<double> confidence;  ///< (frames*joints); 0: missing
   std::vector<std::string> names;  ///< (joints), or empty: unknown
   HandednessPoints points;
-  std::optional<double> rate_hz;  ///< where the file says it
+  std::optional<double> rate_hz;        ///< where the file says it
+  std::string rate_evidence;            ///< where it says it, or what is known besides the file
+  std::optional<double> missing_share;  ///< where positions do not show it
+  std::string silence = "no joints";    ///< why nothing can be measured without positions
+  /// What else the file says: ("gender", "male").
+  std::vector<std::pair<std::string, std::string>> facts;
 
   std::string skeleton;  ///< known order or tree; empty: unknown
   std::string skeleton_from = "unknown";
@@ -50,22 +50,18 @@ struct ObservedClip {
   std::vector<Remark> remarks;
 };
 
-/// Everything a file holds. A source of the same format says the layout; without one it is measured. Errors of the
-/// formats; kUnsupported for an array or table that is no motion.
-Expected<std::vector<ObservedClip>> ObserveFile(std::string_view bytes, const std::string& name,
-                                                const std::optional<SourceOptions>& source);
-
-Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name);
-Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name,
-                                               const std::optional<SourceOptions>& source);
-Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
-                                                 const std::optional<SourceOptions>& source);
-
 /// Names the points by the best known order and says how sure that is and what else fits; false if none fits.
 bool RecogniseOrder(ObservedClip& clip);
 /// Remarks when no two points of a clip without names keep their distance.
 void DoubtPositions(ObservedClip& clip);
 /// Names the points as declared, and compares with known orders.
 void DeclareOrder(const SourceOptions& source, ObservedClip& clip);
+/// Names the points, of a skeleton of configs/skeletons, as the format says.
+void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,
+                  ObservedClip& clip);
+
+/// A tree with names: a skeleton of configs/skeletons if all its names are that one's, else one of the file's own.
+/// Names and their number must be set; points are set.
+void FollowTree(const std::vector<int>& parents, const std::string& evidence, ObservedClip& clip);
 
 }  // namespace mocurate

@@ -1,0 +1,161 @@
+#include "ingest/sense/file_kind.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::size_t kHead = 8192;
+constexpr std::size_t kMostKeys = 64;
+
+bool StartsWith(std::string_view text, std::string_view begin) { return text.substr(0, begin.size()) == begin; }
+
+/// Lines of the head, trimmed, without the last one, which may be cut off.
+std::vector<std::string_view> LinesOf(std::string_view bytes) {
+  std::string_view head = bytes.substr(0, kHead);
+  if (bytes.size() >= kHead) head = head.substr(0, std::max<std::size_t>(head.rfind('\n') + 1, 1));
+  std::vector<std::string_view> lines = SplitText(head, '\n');
+  for (std::string_view& line : lines) line = Trim(line);
+  return lines;
+}
+
+std::size_t NumbersIn(std::string_view line) {
+  std::size_t numbers = 0;
+  for (const std::string_view word : SplitBlanks(line)) {
+    if (Trim(word).empty()) continue;
+    if (!ParseDouble(Trim(word))) return 0;
+    ++numbers;
+  }
+  return numbers;
+}
+
+/// Counts of frames and bodies, the body's 10 numbers, "25"; before them frames without a body.
+bool IsNtuSkeleton(const std::vector<std::string_view>& lines) {
+  if (lines.size() < 5 || !ParseInteger(lines[0])) return false;
+  std::size_t at = 1;
+  while (at < lines.size() && lines[at] == "0") ++at;
+  return at + 3 < lines.size() && ParseInteger(lines[at]) && NumbersIn(lines[at + 1]) == 10 && lines[at + 2] == "25" &&
+         NumbersIn(lines[at + 3]) == 12;
+}
+
+/// Acclaim files begin with a section or keyword behind a colon, after comments.
+FileKind AcclaimKind(const std::vector<std::string_view>& lines) {
+  for (const std::string_view line : lines) {
+    if (line.empty() || line[0] == '#') continue;
+    if (line[0] != ':') return FileKind::kUnknown;
+    std::string word(SplitBlanks(line)[0]);
+    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    for (const char* section : {":version", ":name", ":units", ":documentation", ":root", ":bonedata"}) {
+      if (word == section) return FileKind::kAsf;
+    }
+    for (const char* keyword : {":fully-specified", ":degrees", ":radians", ":samples-per-second"}) {
+      if (word == keyword) return FileKind::kAmc;
+    }
+    return FileKind::kUnknown;
+  }
+  return FileKind::kUnknown;
+}
+
+bool IsObj(const std::vector<std::string_view>& lines) {
+  for (const std::string_view line : lines) {
+    if (line.empty() || line[0] == '#') continue;
+    if (StartsWith(line, "v ") || StartsWith(line, "v\t")) return NumbersIn(line.substr(2)) >= 3;
+    if (!StartsWith(line, "mtllib ") && !StartsWith(line, "o ") && !StartsWith(line, "g ")) return false;
+  }
+  return false;
+}
+
+/// A table: only numbers in the first lines.
+FileKind NumbersKind(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 4096);
+  const std::size_t end = head.size() < bytes.size() ? head.find_last_of(" \t\r\n,") : head.size();
+  int numbers = 0;
+  for (const std::string_view line :
+       SplitText(head.substr(0, end == std::string_view::npos ? head.size() : end), '\n')) {
+    for (const std::string_view part : SplitText(line, ',')) {
+      for (const std::string_view word : SplitBlanks(Trim(part))) {
+        if (Trim(word).empty()) continue;
+        if (!ParseDouble(Trim(word))) return numbers >= 3 ? FileKind::kNumbers : FileKind::kUnknown;
+        ++numbers;
+      }
+    }
+  }
+  return numbers >= 3 ? FileKind::kNumbers : FileKind::kUnknown;
+}
+
+/// The keys of the top object and of its first value.
+class TopKeys : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  std::set<std::string> top, below;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return ++depth_ > 0; }
+  bool end_object() override { return --depth_ >= 0; }
+  bool start_array(std::size_t) override { return ++depth_ > 0; }
+  bool end_array() override { return --depth_ >= 0; }
+  bool key(string_t& name) override {
+    if (depth_ == 1) top.insert(name);
+    if (depth_ == 2 && top.size() == 1) below.insert(name);
+    return top.size() < kMostKeys;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
+
+ private:
+  int depth_ = 0;
+};
+
+}  // namespace
+
+FileKind KindOf(std::string_view bytes) {
+  if (StartsWith(bytes, "\x93NUMPY")) return FileKind::kNpy;
+  if (StartsWith(bytes, "\x89PNG\r\n\x1a\n")) return FileKind::kPng;
+  if (StartsWith(bytes, "\xFF\xD8\xFF")) return FileKind::kJpeg;
+  if (StartsWith(bytes, "PK\x03\x04")) return FileKind::kZip;
+  if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
+  if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n\f\v");
+  if (first == std::string_view::npos) return FileKind::kEmpty;
+  bytes.remove_prefix(first);
+  if (StartsWith(bytes, "HIERARCHY")) return FileKind::kBvh;
+  if (StartsWith(bytes, "ply\n") || StartsWith(bytes, "ply\r")) return FileKind::kPly;
+  if (StartsWith(bytes, "# .PCD") || StartsWith(bytes, "VERSION ")) return FileKind::kPcd;
+  if (StartsWith(bytes, "%YAML:1.0")) return FileKind::kOpenCvYaml;
+  if (bytes[0] == '{') return FileKind::kJson;
+  if (bytes[0] == '<') return FileKind::kXml;
+  const std::vector<std::string_view> lines = LinesOf(bytes);
+  if (const FileKind acclaim = AcclaimKind(lines); acclaim != FileKind::kUnknown) return acclaim;
+  if (bytes[0] == '[' && lines[0].back() == ']' && lines[0].find('"') == std::string_view::npos) return FileKind::kToml;
+  if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
+  if (IsObj(lines)) return FileKind::kObj;
+  if (IsNtuSkeleton(lines)) return FileKind::kNtuSkeleton;
+  return NumbersKind(bytes);
+}
+
+JsonKind JsonKindOf(std::string_view bytes) {
+  if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
+  TopKeys keys;
+  nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
+  const auto has = [&](const char* key) { return keys.top.count(key) > 0; };
+  if (has("people")) return JsonKind::kOpenPose;
+  if (has("bodies")) return JsonKind::kPanopticBodies;
+  if (has("views") && has("frames")) return JsonKind::kDepthSequence;
+  if (has("views") && has("depth_unit")) return JsonKind::kDepthStill;
+  if (keys.top.size() == 2 && has("content") && has("style")) return JsonKind::kBandaiLabel;
+  if (keys.below.count("babel_sid") > 0) return JsonKind::kBabel;
+  return JsonKind::kOther;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string_view>
+
+namespace mocurate {
+
+/// What a file is, by its first bytes.
+enum class FileKind {
+  kUnknown,
+  kEmpty,
+  kBvh,
+  kNpy,
+  kJson,
+  kNumbers,
+  kNtuSkeleton,
+  kAsf,
+  kAmc,
+  kOpenSim,
+  kZip,
+  kPickle,
+  kPly,
+  kPcd,
+  kObj,
+  kXml,
+  kOpenCvYaml,
+  kToml,
+  kPng,
+  kJpeg
+};
+
+/// Looks at the first 8 KiB only.
+FileKind KindOf(std::string_view bytes);
+
+/// What a JSON file is, by its keys; kOther: none of these, it may be a calibration.
+enum class JsonKind { kOther, kDepthSequence, kDepthStill, kOpenPose, kPanopticBodies, kBabel, kBandaiLabel };
+
+/// Reads no further than it must: at most 64 keys of the top object. kOther for what is no JSON.
+JsonKind JsonKindOf(std::string_view bytes);
+
+}  // namespace mocurate

@@ -1,0 +1,129 @@
+#include "ingest/sense/inspect_groups.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "ingest/sense/clip_report.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kFewestVotes = 5;  // clips that tell, before others are told by them
+constexpr double kAgreement = 0.95;      // share of their votes
+
+/// What most clips of a group say, weighted by confidence.
+Json Pooled(const std::vector<const Json*>& clips, const char* key) {
+  std::map<std::string, std::pair<double, Json>> votes;
+  double all = 0.0;
+  for (const Json* clip : clips) {
+    const Json& field = clip->at(key);
+    if (field.at("value").is_null()) continue;
+    const double weight = std::max(1e-6, field.at("confidence").get<double>());
+    auto& vote = votes[field.at("value").dump()];
+    vote.first += weight;
+    vote.second = field;
+    all += weight;
+  }
+  Json best = {{"value", nullptr}, {"from", "unknown"}, {"share", 0.0}};
+  double most = 0.0;
+  for (const auto& [text, vote] : votes) {
+    if (vote.first <= most) continue;
+    most = vote.first;
+    best = {{"value", vote.second.at("value")},
+            {"from", vote.second.at("from")},
+            {"share", std::round(1e4 * most / all) / 1e4}};
+  }
+  return best;
+}
+
+std::string FolderOf(const Json& clip) {
+  const std::string file = clip.at("file");
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "" : file.substr(0, slash);
+}
+
+/// Clips by folder, format and joints.
+template <class Clip>
+std::map<std::string, std::vector<Clip*>> Members(Clip& clips) {
+  std::map<std::string, std::vector<Clip*>> members;
+  for (auto& clip : clips) {
+    members[FolderOf(clip) + "\n" + clip.at("format").template get<std::string>() + "\n" +
+            clip.at("joints").at("value").dump()]
+        .push_back(&clip);
+  }
+  return members;
+}
+
+/// Whether all follow one known order or tree, so that their left and right are the same words.
+bool OneSkeleton(const std::vector<Json*>& group) {
+  const Json& first = group[0]->at("skeleton").at("value");
+  if (!first.is_string() || first.get<std::string>().rfind("own tree", 0) == 0) return false;
+  return std::all_of(group.begin(), group.end(),
+                     [&](const Json* clip) { return clip->at("skeleton").at("value") == first; });
+}
+
+}  // namespace
+
+void TellByGroup(Json& clips, Json& findings) {
+  for (auto& [key, group] : Members(clips)) {
+    if (!OneSkeleton(group)) continue;
+    std::size_t told = 0;
+    std::vector<const Json*> voters;
+    for (const Json* clip : group) {
+      if (clip->at("handedness").at("from") != "measured") continue;
+      ++told;
+      voters.push_back(clip);
+    }
+    if (told < kFewestVotes) continue;
+    const Json pooled = Pooled(voters, "handedness");
+    if (pooled.at("share").get<double>() < kAgreement) continue;
+    const std::string evidence = "as " + std::to_string(told) + " clips of the folder say, which agree to " +
+                                 std::to_string(static_cast<int>(100.0 * pooled.at("share").get<double>())) + " %";
+    for (Json* clip : group) {
+      Json& handedness = (*clip)["handedness"];
+      if (handedness.at("from") == "declared" || handedness.at("value") == pooled.at("value")) continue;
+      const std::string own = handedness.at("evidence");
+      if (!handedness.at("value").is_null()) {
+        findings.push_back(InspectionFinding("handedness_outlier", Severity::kWarning, clip->at("id"),
+                                             handedness.at("confidence"),
+                                             "this clip alone would be " + handedness.at("value").get<std::string>() +
+                                                 "-handed (" + own + "), the others of the folder are not"));
+        for (const char* field : {"facing", "axes"}) {
+          if ((*clip)[field].at("from") == "measured")
+            (*clip)[field] = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder");
+        }
+      }
+      handedness = ReportValue(pooled.at("value"), "measured", pooled.at("share"), evidence + "; of itself: " + own);
+    }
+  }
+}
+
+Json GroupsOf(const Json& clips) {
+  const std::map<std::string, std::vector<const Json*>> members = Members(clips);
+  Json groups = Json::array();
+  for (const auto& [key, group] : members) {
+    Json json = {{"folder", key.substr(0, key.find('\n'))},
+                 {"format", group[0]->at("format")},
+                 {"joints", group[0]->at("joints").at("value")},
+                 {"clips", group.size()}};
+    std::int64_t frames = 0, fewest = group[0]->at("frames").at("value"), most = fewest;
+    for (const Json* clip : group) {
+      const std::int64_t count = clip->at("frames").at("value");
+      frames += count;
+      fewest = std::min(fewest, count);
+      most = std::max(most, count);
+    }
+    json["frames"] = {{"sum", frames}, {"min", fewest}, {"max", most}};
+    for (const char* field : {"skeleton", "units", "up", "handedness", "facing", "axes", "rate_hz"}) {
+      json[field] = Pooled(group, field);
+    }
+    groups.push_back(std::move(json));
+  }
+  return groups;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/formats/calibration.h"
+#include "core/formats/npy.h"
+#include "core/formats/openpose.h"
+#include "core/formats/panoptic_bodies.h"
+#include "ingest/sense/observed_clip.h"
+
+namespace mocurate {
+
+/// Points in space that are no motion, in the file's unit.
+struct ObservedCloud {
+  std::string format;  ///< "ply", "pcd", "obj"
+  std::vector<Vector3d> points;
+  std::size_t triangles = 0;
+};
+
+/// What stands beside motion: a skeleton, labels, poses of a scan, a body model, images.
+struct ObservedCompanion {
+  std::string file;
+  std::string format;
+  std::vector<std::pair<std::string, std::string>> texts;
+  std::vector<std::pair<std::string, double>> numbers;
+};
+
+/// Everything a file holds; remarks about the file as a whole.
+struct ObservedFile {
+  std::vector<ObservedClip> clips;
+  std::vector<ObservedCloud> clouds;
+  std::vector<Calibration> calibrations;
+  std::vector<ObservedCompanion> companions;
+  std::vector<Remark> remarks;
+};
+
+/// Bytes of a file. `name` for messages, `path` for what lies beside it.
+struct FileBytes {
+  std::string_view bytes;
+  std::string name;
+  std::filesystem::path path;
+};
+
+/// Files that say something only together: images' keypoints, moments of a scene, views of a turntable. Given one by
+/// one in order of their names.
+class ObservedSequences {
+ public:
+  /// Errors of the formats.
+  Status AddOpenPose(const FileBytes& file);
+  Status AddPanoptic(const FileBytes& file);
+  Status AddOpenCv(const FileBytes& file);
+  void AddImage(const FileBytes& head, bool png);
+
+  /// By folder ("" is the one asked for): clips with their folder in `id`; calibrations likewise.
+  std::map<std::string, ObservedFile> Finish() const;
+
+ private:
+  struct Folder {
+    std::vector<OpenPoseFrame> keypoints;
+    std::vector<PanopticBodies> scenes;
+    std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
+    std::map<std::string, ObservedCompanion> images;            ///< by what is equal in them
+  };
+  std::map<std::string, Folder> folders_;
+};
+
+/// One file of any format but those of ObservedSequences. A source of the same format says the layout of a table;
+/// without one it is measured. Errors of the formats; kUnsupported for content that is no motion.
+Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source);
+
+Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name);
+Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name,
+                                               const std::optional<SourceOptions>& source);
+/// Joints of an array (frames, joints, 3), (frames, joints * 3), or a batch of them; kUnsupported for others.
+Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name,
+                                                 const std::optional<SourceOptions>& source);
+Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
+                                                 const std::optional<SourceOptions>& source);
+/// The table as exponential maps, where its numbers are such; nothing otherwise.
+std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::string& name);
+/// A clip per body.
+Expected<std::vector<ObservedClip>> ObserveNtu(std::string_view bytes, const std::string& name);
+/// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
+Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file);
+Expected<ObservedFile> ObserveAsf(const FileBytes& file);
+/// AMASS, and archives of arrays.
+Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<SourceOptions>& source);
+/// HumanAct12, tracks and caches of VIBE, rigs of PHSPD, body models (which are only named).
+Expected<ObservedFile> ObservePickle(const FileBytes& file);
+Expected<ObservedFile> ObserveBabel(const FileBytes& file);
+Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name);
+Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name);
+Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, const std::string& name);
+Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& name, const std::string& format);
+
+/// Keypoints of a folder's images; `everybody`: of all folders with the same detector, for the layout.
+ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody);
+/// A clip per body of a scene.
+std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& scenes);
+/// Text of OpenCV's FileStorage, as far as calibrations need it: rigs of intri and extri, or one file per view.
+Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages);
+
+}  // namespace mocurate

@@ -1,0 +1,106 @@
+#include <cmath>
+
+#include "core/formats/amass.h"
+#include "core/formats/npz.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+namespace {
+
+/// Markers of the usual sets (Vicon's names) that lie on the points of a body; the joints within are near.
+HandednessPoints PointsOfMarkers(const std::vector<std::string>& labels) {
+  const auto find = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+      for (std::size_t m = 0; m < labels.size(); ++m) {
+        if (labels[m] == name) return static_cast<int>(m);
+      }
+    }
+    return -1;
+  };
+  HandednessPoints points;
+  points.head = find({"LFHD", "RFHD", "ARIEL"});
+  for (int side = 0; side < 2; ++side) {
+    const std::string s = side == 0 ? "L" : "R";
+    points.hip[side] = find({s + "FWT", s + "ASI", s + "BWT", s + "PSI"});
+    points.knee[side] = find({s + "KNE"});
+    points.ankle[side] = find({s + "ANK", s + "HEE", s + "HEL"});
+    points.toe[side] = find({s + "TOE", s + "MT5", s + "MT1"});
+    points.shoulder[side] = find({s + "SHO", s + "FSH", s + "BSH"});
+    points.wrist[side] = find({s + "WRA", s + "IWR", s + "WRB", s + "OWR"});
+  }
+  return points;
+}
+
+ObservedClip AmassClip(const Amass& amass) {
+  ObservedClip clip;
+  clip.format = "amass";
+  clip.frames = static_cast<int>(amass.frames);
+  clip.joints = static_cast<int>(amass.pose_columns / 3);
+  clip.rate_hz = amass.rate_hz;
+  clip.rate_evidence =
+      amass.layout == Amass::Layout::kSplit ? "mocap_frame_rate of the file" : "mocap_framerate of the file";
+  clip.layout_evidence = std::to_string(amass.pose_columns) + " pose numbers a frame";
+  clip.skeleton = !amass.surface_model.empty() ? amass.surface_model
+                  : amass.pose_columns == 156  ? "smplh"
+                  : amass.pose_columns == 165  ? "smplx"
+                                               : "smpl";
+  clip.skeleton_from = "declared";
+  clip.skeleton_confidence = 1.0;
+  clip.skeleton_evidence = clip.layout_evidence;
+  clip.units = "m";
+  clip.facts.emplace_back("gender", amass.gender.empty() ? "unknown" : amass.gender);
+  clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
+  clip.facts.emplace_back("markers", std::to_string(amass.markers));
+  clip.missing_share = 0.0;
+  clip.silence = "rotations of a body model that is not in the file, and no markers";
+  if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) return clip;
+  clip.positions = JointPositions(clip.frames, static_cast<int>(amass.markers));
+  clip.names = amass.marker_labels;
+  clip.confidence.assign(amass.marker_seen.begin(), amass.marker_seen.end());
+  std::size_t unseen = 0;
+  for (std::size_t i = 0; i < amass.marker_seen.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) clip.positions.xyz[3 * i + axis] = amass.marker_data_m[3 * i + axis];
+    if (amass.marker_seen[i] == 0) ++unseen;
+  }
+  clip.points = PointsOfMarkers(amass.marker_labels);
+  if (unseen > 0) {
+    clip.remarks.push_back({"markers_missing", Severity::kInfo, static_cast<double>(unseen),
+                            std::to_string(unseen) + " samples of markers are missing"});
+  }
+  return clip;
+}
+
+}  // namespace
+
+Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<SourceOptions>& source) {
+  const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
+  if (!archive) return Forward(archive);
+  ObservedFile observed;
+  if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
+    const Expected<Amass> amass = ParseAmass(file.bytes, file.name);
+    if (!amass) return Forward(amass);
+    observed.clips.push_back(AmassClip(*amass));
+    return observed;
+  }
+  if (archive->Find("v_template") != nullptr) {
+    observed.companions.push_back({file.name, "body_model", {}, {}});
+    return observed;
+  }
+  for (const NpzMember& member : archive->members) {
+    if (!member.skipped.empty()) continue;
+    auto clips = ObserveArray(member.array, file.name, source);
+    if (!clips) continue;  // other arrays may stand beside those of joints
+    for (ObservedClip& clip : *clips) {
+      clip.id = "[" + member.name + "]" + clip.id;
+      clip.format = "npz";
+      observed.clips.push_back(std::move(clip));
+    }
+  }
+  if (observed.clips.empty()) {
+    return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,
+                "wanted: (frames, joints, 3), or AMASS");
+  }
+  return observed;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include "core/formats/npy.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+
+Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name,
+                                               const std::optional<SourceOptions>& source) {
+  const Expected<NpyArray> array = ParseNpy(bytes, name);
+  if (!array) return Forward(array);
+  return ObserveArray(*array, name, source);
+}
+
+Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name,
+                                                 const std::optional<SourceOptions>& source) {
+  std::string shape;
+  for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
+  shape += ")";
+  std::vector<std::size_t> sizes = array.shape;
+  if (sizes.size() >= 3 && sizes.back() == 3) {
+    sizes.pop_back();
+    sizes.back() *= 3;
+  }
+  const bool batch = sizes.size() == 3;
+  const bool motion =
+      (sizes.size() == 2 || batch) && sizes.back() % 3 == 0 && sizes.back() >= 9 && !array.values.empty();
+  if (!motion) {
+    return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
+                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
+  }
+  const std::size_t clips = batch ? sizes[0] : 1;
+  const auto frames = static_cast<int>(sizes[sizes.size() - 2]);
+  const auto joints = static_cast<int>(sizes.back() / 3);
+  std::vector<ObservedClip> observed;
+  for (std::size_t c = 0; c < clips; ++c) {
+    ObservedClip clip;
+    clip.id = batch ? "[" + std::to_string(c) + "]" : "";
+    clip.format = "npy";
+    clip.frames = frames;
+    clip.joints = joints;
+    clip.positions = JointPositions(frames, joints);
+    clip.confidence.assign(static_cast<std::size_t>(frames) * joints, 1.0);
+    for (std::size_t i = 0; i < clip.positions.xyz.size(); ++i) {
+      const double value = array.values[c * clip.positions.xyz.size() + i];
+      clip.positions.xyz[i] = std::isfinite(value) ? value : 0.0;
+      if (!std::isfinite(value)) clip.confidence[i / 3] = 0.0;
+    }
+    clip.layout_evidence = "shape " + shape + " of " + array.dtype;
+    if (source && source->format == SourceFormat::kNpy)
+      DeclareOrder(*source, clip);
+    else if (!RecogniseOrder(clip))
+      DoubtPositions(clip);
+    observed.push_back(std::move(clip));
+  }
+  return observed;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/text.h"
+#include "core/formats/json_place.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kRotationTolerance = 1e-3;
+
+/// Matrices and names of a storage. Where OpenCV itself may be linked, ingest/sources/opencv_calibration.h reads them.
+struct Storage {
+  std::string file;
+  std::map<std::string, std::vector<double>> numbers;
+  std::vector<std::string> names;
+
+  Expected<std::vector<double>> Get(const std::string& key, std::size_t least, std::size_t most) const {
+    const auto found = numbers.find(key);
+    if (found == numbers.end()) return Fail(ErrorCode::kMalformed, "the matrix is missing", file + ":" + key);
+    if (found->second.size() < least || found->second.size() > most) {
+      return Fail(ErrorCode::kMalformed,
+                  std::to_string(least) + " numbers are expected, not " + std::to_string(found->second.size()),
+                  file + ":" + key);
+    }
+    return found->second;
+  }
+};
+
+/// The numbers of a text, between blanks, commas and brackets; names are left as they stand.
+std::vector<std::string> WordsIn(std::string_view text) {
+  std::vector<std::string> words;
+  std::string word;
+  for (const char c : text) {
+    if (c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == '[' || c == ']' || c == '"' || c == '\'') {
+      if (!word.empty()) words.push_back(std::move(word));
+      word.clear();
+    } else {
+      word += c;
+    }
+  }
+  if (!word.empty()) words.push_back(std::move(word));
+  return words;
+}
+
+Status SetNumbers(std::string_view text, const std::string& key, Storage& storage) {
+  std::vector<double>& values = storage.numbers[key];
+  for (const std::string& word : WordsIn(text)) {
+    const auto value = ParseDouble(word);
+    if (!value || !std::isfinite(*value)) {
+      return Fail(ErrorCode::kMalformed, "'" + word + "' is no finite number", storage.file + ":" + key);
+    }
+    values.push_back(*value);
+  }
+  return {};
+}
+
+/// <KEY type_id="opencv-matrix"> ... <data>numbers</data></KEY>, <names>words</names>.
+Expected<Storage> ParseStorageXml(const std::string& bytes, const std::string& name) {
+  Storage storage{name, {}, {}};
+  const auto inside = [&](std::size_t from, const std::string& tag) -> std::optional<std::string_view> {
+    const std::size_t begin = bytes.find("<" + tag + ">", from);
+    const std::size_t end = bytes.find("</" + tag + ">", from);
+    if (begin == std::string::npos || end == std::string::npos || end < begin) return std::nullopt;
+    return std::string_view(bytes).substr(begin + tag.size() + 2, end - begin - tag.size() - 2);
+  };
+  constexpr std::string_view kMatrix = " type_id=\"opencv-matrix\"";
+  for (std::size_t at = bytes.find(kMatrix); at != std::string::npos; at = bytes.find(kMatrix, at + 1)) {
+    const std::size_t open = bytes.rfind('<', at);
+    if (open == std::string::npos) continue;
+    const std::string key = bytes.substr(open + 1, at - open - 1);
+    const auto data = inside(at, "data");
+    if (!data) return Fail(ErrorCode::kMalformed, "the matrix has no data", name + ":" + key, "is the file cut off?");
+    if (Status set = SetNumbers(*data, key, storage); !set) return Forward(set);
+  }
+  if (const auto names = inside(0, "names")) storage.names = WordsIn(*names);
+  return storage;
+}
+
+/// "KEY: !!opencv-matrix" with "data: [...]" below, over several lines; "names:" as a list in either form.
+Expected<Storage> ParseStorageYaml(const std::string& bytes, const std::string& name) {
+  Storage storage{name, {}, {}};
+  std::string key, list;
+  enum class In { kNothing, kNames, kData } in = In::kNothing;
+  const auto finish = [&]() -> Status {
+    if (in == In::kNames) storage.names = WordsIn(list);
+    if (in == In::kData) {
+      if (list.find(']') == std::string::npos)
+        return Fail(ErrorCode::kMalformed, "the list of numbers has no end", name + ":" + key, "is the file cut off?");
+      if (Status set = SetNumbers(list, key, storage); !set) return set;
+    }
+    in = In::kNothing;
+    list.clear();
+    return {};
+  };
+  for (const std::string_view line : SplitText(bytes, '\n')) {
+    const std::string_view text = Trim(line);
+    const std::size_t colon = text.find(':');
+    const bool data = text.substr(0, 5) == "data:";
+    const bool top = !line.empty() && line[0] != ' ' && line[0] != '-' && line[0] != '%' && colon != std::string::npos;
+    if (top || data) {
+      if (Status done = finish(); !done) return Forward(done);
+    }
+    if (top) {
+      key = std::string(text.substr(0, colon));
+      in = key == "names" ? In::kNames : In::kNothing;
+      const std::string value(Trim(text.substr(colon + 1)));
+      if (in == In::kNames) list = value;
+      if (const auto number = ParseDouble(value)) storage.numbers[key] = {*number};
+    } else if (data) {
+      in = In::kData;
+      list = std::string(text.substr(5));
+    } else if (in == In::kNames && text.substr(0, 1) == "-") {
+      list += " " + std::string(text.substr(1));
+    } else if (in == In::kData) {
+      list += " " + std::string(text);
+    }
+  }
+  if (Status done = finish(); !done) return Forward(done);
+  return storage;
+}
+
+Status SetPinhole(const Storage& storage, const std::string& key, CalibratedView& view) {
+  const auto matrix = storage.Get(key, 9, 9);
+  if (!matrix) return Forward(matrix);
+  const std::string fault = SetIntrinsics(*matrix, view);
+  return fault.empty() ? Status() : Fail(ErrorCode::kMalformed, fault, storage.file + ":" + key);
+}
+
+Status SetPose(const Storage& storage, const std::string& matrix_key, const std::string& vector_key,
+               const std::string& t_key, CalibratedView& view) {
+  const bool has_matrix = storage.numbers.count(matrix_key) > 0;
+  const auto numbers = has_matrix ? storage.Get(matrix_key, 9, 9) : storage.Get(vector_key, 3, 3);
+  if (!numbers) return Forward(numbers);
+  if (has_matrix) {
+    view.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data());
+    const std::string fault = RotationFault(view.rotation, kRotationTolerance);
+    if (!fault.empty()) return Fail(ErrorCode::kInconsistent, fault, storage.file + ":" + matrix_key);
+  } else {
+    view.rotation = ExpMatrix(Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]));
+  }
+  const auto t = storage.Get(t_key, 3, 3);
+  if (!t) return Forward(t);
+  view.translation = Vector3d((*t)[0], (*t)[1], (*t)[2]);
+  return {};
+}
+
+}  // namespace
+
+Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages) {
+  Calibration calibration;
+  const Storage* intrinsic = nullptr;
+  const Storage* extrinsic = nullptr;
+  std::vector<Storage> parsed;
+  for (const auto& [name, bytes] : storages) {
+    auto storage = bytes.substr(0, 5) == "%YAML" ? ParseStorageYaml(bytes, name) : ParseStorageXml(bytes, name);
+    if (!storage) return Forward(storage);
+    parsed.push_back(std::move(*storage));
+  }
+  for (const Storage& storage : parsed) {
+    if (storage.numbers.count("intrinsic") > 0) {
+      CalibratedView view;
+      view.name = storage.file.substr(storage.file.rfind('/') == std::string::npos ? 0 : storage.file.rfind('/') + 1);
+      if (Status set = SetPinhole(storage, "intrinsic", view); !set) return Forward(set);
+      if (Status set = SetPose(storage, "R", "R", "t", view); !set) return Forward(set);
+      calibration.dialect = "opencv_views";
+      calibration.views.push_back(std::move(view));
+    } else if (!storage.names.empty()) {
+      (storage.numbers.count("K_" + storage.names[0]) > 0 ? intrinsic : extrinsic) = &storage;
+    }
+  }
+  if (!calibration.views.empty()) return calibration;
+  if (intrinsic == nullptr || extrinsic == nullptr) {
+    return Fail(ErrorCode::kUnsupported, "the storage is no calibration of a known kind",
+                parsed.empty() ? "" : parsed[0].file,
+                "known are intri and extri with names, K_n, R_n, T_n in one folder, and views with intrinsic, R, t");
+  }
+  calibration.dialect = "opencv_rig";
+  for (const std::string& name : extrinsic->names) {
+    CalibratedView view;
+    view.name = name;
+    if (Status set = SetPinhole(*intrinsic, "K_" + name, view); !set) return Forward(set);
+    if (Status set = SetPose(*extrinsic, "Rot_" + name, "R_" + name, "T_" + name, view); !set) return Forward(set);
+    for (const auto& [key, side] : {std::pair{"W_", &view.width}, {"H_", &view.height}}) {
+      const auto size = intrinsic->numbers.find(key + name);
+      if (size != intrinsic->numbers.end() && size->second.size() == 1) *side = static_cast<int>(size->second[0]);
+    }
+    calibration.views.push_back(std::move(view));
+  }
+  return calibration;
+}
+
+}  // namespace mocurate

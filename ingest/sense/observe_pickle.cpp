@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/formats/camera_files.h"
+#include "core/formats/humanact12_pickle.h"
+#include "core/formats/pickle.h"
+#include "core/formats/vibe_pickle.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+namespace {
+
+/// Positions (frames, joints, 3) into a clip.
+void SetPositions(const std::vector<double>& xyz, std::size_t frames, std::size_t joints, ObservedClip& clip) {
+  clip.frames = static_cast<int>(frames);
+  clip.joints = static_cast<int>(joints);
+  if (xyz.size() != frames * joints * 3) return;
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  clip.positions.xyz = xyz;
+  clip.confidence.assign(frames * joints, 1.0);
+}
+
+Expected<ObservedFile> HumanAct12In(const FileBytes& file) {
+  const auto clips = ParseHumanAct12Pickle(file.bytes, file.name);
+  if (!clips) return Forward(clips);
+  ObservedFile observed;
+  for (const HumanAct12Clip& source : *clips) {
+    ObservedClip clip;
+    clip.id = "[" + std::to_string(observed.clips.size()) + "]";
+    clip.format = "humanact12_pickle";
+    SetPositions(source.joints, source.frames, 24, clip);
+    clip.layout_evidence = "list joints3D of the file";
+    clip.facts.emplace_back("label", std::to_string(source.label));
+    clip.units = "m";
+    for (const JointOrder& order : KnownJointOrders()) {
+      if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
+    }
+    observed.clips.push_back(std::move(clip));
+  }
+  return observed;
+}
+
+/// The order of SPIN and VIBE (Kolotouros et al. 2019): 25 of OpenPose, then 24 of other data sets.
+HandednessPoints PointsOfSpin() {
+  HandednessPoints points;
+  points.head = 43;
+  points.hip[0] = 12, points.hip[1] = 9;
+  points.knee[0] = 13, points.knee[1] = 10;
+  points.ankle[0] = 14, points.ankle[1] = 11;
+  points.toe[0] = 19, points.toe[1] = 22;
+  points.shoulder[0] = 5, points.shoulder[1] = 2;
+  points.wrist[0] = 7, points.wrist[1] = 4;
+  return points;
+}
+
+ObservedClip TrackClip(const VibeTrack& track, const std::string& format) {
+  ObservedClip clip;
+  clip.format = format;
+  SetPositions(track.joints3d, track.frames, track.joints, clip);
+  clip.layout_evidence = "arrays of the file";
+  clip.units = "m";
+  clip.facts.emplace_back("track", std::to_string(track.id));
+  if (track.joints == 49) {
+    clip.skeleton = "spin49";
+    clip.skeleton_from = "declared";
+    clip.skeleton_confidence = 1.0;
+    clip.skeleton_evidence = "49 joints of VIBE and SPIN";
+    clip.points = PointsOfSpin();
+  }
+  if (track.joints == 0) {
+    clip.joints = static_cast<int>(track.pose.size() / std::max<std::size_t>(1, track.frames) / 3);
+    clip.silence = "rotations of a body model that is not in the file";
+    clip.missing_share = 0.0;
+  }
+  clip.people_evidence = "tracks of one person each";
+  return clip;
+}
+
+Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
+  const auto cache = VibeCache::Open(file.bytes, file.name);
+  if (!cache) return Forward(cache);
+  ObservedFile observed;
+  for (std::size_t video = 0; video < cache->size(); ++video) {
+    const auto track = cache->Track(video);
+    if (!track) return Forward(track);
+    observed.clips.push_back(TrackClip(*track, "vibe_cache"));
+    observed.clips.back().id = "[" + std::to_string(video) + "]";
+  }
+  return observed;
+}
+
+/// Numbers of an array as nested lists.
+nlohmann::json Nested(const NpyArray& array, std::size_t axis, std::size_t& next) {
+  if (axis == array.shape.size()) return array.values[next++];
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < array.shape[axis]; ++i) list.push_back(Nested(array, axis + 1, next));
+  return list;
+}
+
+/// The original pickle of one rig of PHSPD: what the JSON of all rigs holds under the rig's name.
+Expected<ObservedFile> PhspdRigIn(const PickleRef& top, const FileBytes& file) {
+  nlohmann::json rig = nlohmann::json::object();
+  for (std::size_t i = 0; i < top.size(); ++i) {
+    const Expected<std::string> key = top.KeyAt(i).Text();
+    if (!key) return Forward(key);
+    const Expected<NpyArray> array = top.ValueAt(i).Array();
+    if (!array) return Forward(array);
+    if (array->values.empty()) continue;
+    std::size_t next = 0;
+    rig[*key] = Nested(*array, 0, next);
+  }
+  const std::string name = DisplayPath(std::filesystem::path(file.name).stem());
+  const nlohmann::json rigs = {{"units", "mm"}, {"rig", {{name, rig}}}};  // millimetres by the set's own code
+  Expected<Calibration> calibration = ParsePhspdRigs(rigs.dump(), file.name);
+  if (!calibration) return Forward(calibration);
+  ObservedFile observed;
+  observed.calibrations.push_back(std::move(*calibration));
+  return observed;
+}
+
+Expected<ObservedFile> VibeTracksIn(const FileBytes& file) {
+  const auto tracks = ParseVibeTracks(file.bytes, file.name);
+  if (!tracks) return Forward(tracks);
+  ObservedFile observed;
+  for (const VibeTrack& track : *tracks) {
+    observed.clips.push_back(TrackClip(track, "vibe_tracks"));
+    observed.clips.back().id = "[" + std::to_string(track.id) + "]";
+  }
+  return observed;
+}
+
+}  // namespace
+
+Expected<ObservedFile> ObservePickle(const FileBytes& file) {
+  const Expected<Pickle> pickle = ParsePickle(file.bytes, file.name);
+  if (!pickle) return Forward(pickle);
+  const PickleRef top = pickle->top();
+  if (top.Find("joints3D") && top.Find("y")) return HumanAct12In(file);
+  ObservedFile observed;
+  if (top.Find("v_template")) {
+    observed.companions.push_back({file.name, "body_model", {}, {}});
+    return observed;
+  }
+  if (top.Find("param_p") && top.Find("d1p")) return PhspdRigIn(top, file);
+  const std::optional<PickleRef> joints = top.Find("joints3d");
+  const std::optional<PickleRef> pose = joints ? joints : top.Find("pose");
+  if (pose && (pose->kind() == PickleKind::kList)) return VibeCacheIn(file);
+  if (top.kind() == PickleKind::kDict && top.size() > 0 && top.ValueAt(0).kind() == PickleKind::kDict) {
+    const PickleRef first = top.ValueAt(0);
+    if (first.Find("joints3d") || first.Find("pose")) return VibeTracksIn(file);
+  }
+  return Fail(ErrorCode::kUnsupported, "the pickle holds " + std::string(KindName(top.kind())) + " of no known layout",
+              file.name, "known are humanact12poses.pkl, tracks and caches of VIBE, rigs of PHSPD, and body models");
+}
+
+}  // namespace mocurate

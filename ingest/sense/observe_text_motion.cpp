@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/babel.h"
+#include "core/formats/expmap_table.h"
+#include "core/formats/opensim_table.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kTurn = 6.2832;          // radians; no rotation vector of these sets is longer
+constexpr double kStill = 1e-5;           // radians; rounding of the exporter
+constexpr double kFewestConstant = 0.15;  // share of columns; bones without a degree of freedom stay at 0
+
+}  // namespace
+
+std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::string& name) {
+  const std::string_view row = bytes.substr(0, bytes.find('\n'));
+  const auto commas = std::count(row.begin(), row.end(), ',');
+  if (commas != 98 && commas != 116) return std::nullopt;
+  const auto table = ParseExpmapTable(bytes, name);
+  if (!table || table->frames < 2) return std::nullopt;
+  const auto columns = static_cast<std::size_t>(table->joints) * 3;
+  std::size_t constant = 0;
+  for (std::size_t c = 0; c < columns; ++c) {
+    bool moves = false;
+    for (std::size_t f = 1; f < static_cast<std::size_t>(table->frames) && !moves; ++f) {
+      moves = std::abs(table->rotation_rad[f * columns + c] - table->rotation_rad[c]) > kStill;
+    }
+    constant += moves ? 0 : 1;
+  }
+  for (std::size_t i = 0; i < table->rotation_rad.size(); i += 3) {
+    const double* r = &table->rotation_rad[i];
+    if (!(std::hypot(r[0], r[1], r[2]) <= kTurn)) return std::nullopt;
+  }
+  if (static_cast<double>(constant) < kFewestConstant * static_cast<double>(columns)) return std::nullopt;
+  ObservedClip clip;
+  clip.format = "expmap_table";
+  clip.frames = table->frames;
+  clip.joints = table->joints;
+  clip.layout_evidence = std::to_string(3 + columns) + " columns: place of the root and " +
+                         std::to_string(table->joints) + " rotation vectors, " + std::to_string(constant) +
+                         " numbers of them constant";
+  clip.skeleton_evidence = "rotations; the tree is not in the file";
+  clip.silence = "rotations of a skeleton that is not in the file";
+  clip.rate_evidence = "the file does not say it";
+  clip.missing_share = 0.0;
+  return clip;
+}
+
+Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name) {
+  const auto table = ParseOpenSimTable(bytes, name);
+  if (!table) return Forward(table);
+  ObservedClip clip;
+  clip.format = "opensim_table";
+  clip.frames = table->rows();
+  if (clip.frames > 1 && table->time_s.back() > table->time_s.front()) {
+    const double rate = (clip.frames - 1) / (table->time_s.back() - table->time_s.front());
+    clip.rate_hz = std::round(rate * 1000.0) / 1000.0;
+    clip.rate_evidence = "column time of the file";
+    double longest = 0.0;
+    for (std::size_t i = 1; i < table->time_s.size(); ++i) {
+      longest = std::max(longest, table->time_s[i] - table->time_s[i - 1]);
+    }
+    if (longest * rate > 1.5) {
+      clip.remarks.push_back({"time_gap", Severity::kWarning, longest,
+                              "the longest step between rows is " + FormatDouble(longest) + " s, the mean one " +
+                                  FormatDouble(std::round(1e6 / rate) / 1e6) + " s"});
+    }
+  }
+  clip.layout_evidence = std::to_string(table->labels.size()) + " columns beside time";
+  clip.skeleton_evidence = "coordinates of a model that is not in the file";
+  clip.silence = "coordinates of a model that is not in the file";
+  clip.missing_share = 0.0;
+  clip.facts.emplace_back("coordinates", std::to_string(table->labels.size()));
+  if (table->in_degrees) clip.facts.emplace_back("angles", *table->in_degrees ? "degrees" : "radians");
+  clip.units = table->components == 1 ? "m" : "";
+  return std::vector<ObservedClip>{std::move(clip)};
+}
+
+Expected<ObservedFile> ObserveBabel(const FileBytes& file) {
+  const auto sequences = ParseBabel(file.bytes, file.name);
+  if (!sequences) return Forward(sequences);
+  ObservedFile observed;
+  double seconds = 0.0, sequence_labels = 0.0, segments = 0.0, labelled = 0.0;
+  for (const BabelSequence& sequence : *sequences) {
+    seconds += sequence.dur;
+    for (const BabelAnnotation& annotation : sequence.seq_anns)
+      sequence_labels += static_cast<double>(annotation.labels.size());
+    for (const BabelAnnotation& annotation : sequence.frame_anns) {
+      for (const BabelLabel& label : annotation.labels) {
+        segments += 1.0;
+        if (label.start_t && label.end_t) labelled += std::max(0.0, *label.end_t - *label.start_t);
+      }
+    }
+    for (const BabelProblem& problem : FindBabelProblems(sequence)) {
+      observed.remarks.push_back({"babel_times", Severity::kWarning, 0.0, problem.where + ": " + problem.what});
+    }
+  }
+  observed.companions.push_back({file.name,
+                                 "babel",
+                                 {},
+                                 {{"sequences", static_cast<double>(sequences->size())},
+                                  {"duration_s", seconds},
+                                  {"sequence_labels", sequence_labels},
+                                  {"segments", segments},
+                                  {"segments_s", labelled}}});
+  return observed;
+}
+
+}  // namespace mocurate

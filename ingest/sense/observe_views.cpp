@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/formats/obj.h"
+#include "core/formats/pcd.h"
+#include "core/formats/ply.h"
+#include "ingest/sense/keypoint_layout_sense.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+
+ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody) {
+  ObservedClip clip;
+  clip.format = "openpose";
+  clip.frames = static_cast<int>(frames.size());
+  std::size_t most = 0, fewest = frames.empty() ? 0 : frames[0].people.size();
+  std::size_t points = 0, missing = 0, without = 0, joints = 0;
+  for (const OpenPoseFrame& frame : frames) {
+    most = std::max(most, frame.people.size());
+    fewest = std::min(fewest, frame.people.size());
+    for (const OpenPosePerson& person : frame.people) {
+      joints = std::max(joints, person.pose.size());
+      without += person.pose.empty() ? 1 : 0;
+      for (const DetectedKeypoint& point : person.pose) {
+        ++points;
+        missing += point.detected() ? 0 : 1;
+      }
+    }
+  }
+  clip.joints = static_cast<int>(joints);
+  clip.people = static_cast<int>(most);
+  clip.fewest_people = static_cast<int>(fewest);
+  clip.people_evidence = "entries of the files, one a frame; bystanders count as well";
+  clip.layout_evidence = "one file a frame";
+  clip.units = "px";
+  clip.silence = "keypoints of one image: no depth";
+  clip.rate_evidence = "the files do not say it";
+  if (points > 0) clip.missing_share = static_cast<double>(missing) / static_cast<double>(points);
+  const Measured layout = SenseKeypointLayout(everybody);
+  clip.skeleton = layout.value;
+  clip.skeleton_from = layout.value.empty() ? "unknown" : "measured";
+  clip.skeleton_confidence = layout.confidence;
+  clip.skeleton_evidence = layout.evidence;
+  if (without > 0) {
+    clip.remarks.push_back({"empty_person", Severity::kInfo, static_cast<double>(without),
+                            std::to_string(without) + " entries of people hold no keypoints"});
+  }
+  return clip;
+}
+
+std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& scenes) {
+  std::vector<int> ids;
+  std::size_t most = 0, fewest = scenes.empty() ? 0 : scenes[0].bodies.size(), joints = 0;
+  for (const PanopticBodies& scene : scenes) {
+    most = std::max(most, scene.bodies.size());
+    fewest = std::min(fewest, scene.bodies.size());
+    for (const PanopticBody& body : scene.bodies) {
+      joints = std::max(joints, body.position_cm.size());
+      if (std::find(ids.begin(), ids.end(), body.id) == ids.end()) ids.push_back(body.id);
+    }
+  }
+  std::vector<ObservedClip> clips;
+  for (const int id : ids) {
+    ObservedClip clip;
+    clip.id = ids.size() > 1 ? "[" + std::to_string(clips.size()) + "]" : "";
+    clip.format = "panoptic_bodies";
+    clip.frames = static_cast<int>(scenes.size());
+    clip.joints = static_cast<int>(joints);
+    clip.people = static_cast<int>(most);
+    clip.fewest_people = static_cast<int>(fewest);
+    clip.people_evidence = "bodies of the files, one a frame";
+    clip.layout_evidence = "one file a frame";
+    clip.facts.emplace_back("body", std::to_string(id));
+    clip.positions = JointPositions(clip.frames, clip.joints);
+    clip.confidence.assign(static_cast<std::size_t>(clip.frames) * joints, 0.0);
+    for (std::size_t f = 0; f < scenes.size(); ++f) {
+      for (const PanopticBody& body : scenes[f].bodies) {
+        for (std::size_t j = 0; body.id == id && j < body.position_cm.size(); ++j) {
+          if (body.confidence[j] < 0.0) continue;
+          clip.positions.at(static_cast<int>(f), static_cast<int>(j)) = body.position_cm[j];
+          clip.confidence[f * joints + j] = std::max(1e-6, body.confidence[j]);
+        }
+      }
+    }
+    const double span = scenes.back().time_ms - scenes.front().time_ms;
+    if (scenes.size() > 1 && span > 0.0) {
+      clip.rate_hz = std::round(1e5 * (static_cast<double>(scenes.size()) - 1.0) / span) / 100.0;
+      clip.rate_evidence = "univTime of the files, " + scenes.front().fps_type;
+    }
+    clip.units = "cm";
+    clip.names.assign(PanopticJointNames().begin(), PanopticJointNames().begin() + static_cast<std::ptrdiff_t>(joints));
+    clip.skeleton = joints == 19 ? "coco19" : "coco15";
+    clip.skeleton_from = "declared";
+    clip.skeleton_confidence = 1.0;
+    clip.skeleton_evidence = "joints19 or joints15 of the file";
+    clip.points = FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
+      const std::string wanted = name == "head" ? "nose" : std::string(name);
+      const auto at = std::find(clip.names.begin(), clip.names.end(), wanted);
+      if (at == clip.names.end()) return std::nullopt;
+      return static_cast<int>(at - clip.names.begin());
+    });
+    clips.push_back(std::move(clip));
+  }
+  return clips;
+}
+
+Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& name, const std::string& format) {
+  ObservedCloud cloud;
+  cloud.format = format;
+  if (format == "ply") {
+    const auto ply = ParsePly(bytes, name);
+    if (!ply) return Forward(ply);
+    auto points = PlyPoints(*ply, name);
+    if (!points) return Forward(points);
+    const auto triangles = PlyTriangles(*ply, name);
+    if (!triangles) return Forward(triangles);
+    cloud.points = std::move(*points);
+    cloud.triangles = triangles->size();
+  } else if (format == "pcd") {
+    const auto pcd = ParsePcd(bytes, name);
+    if (!pcd) return Forward(pcd);
+    auto points = PcdPoints(*pcd, name);
+    if (!points) return Forward(points);
+    cloud.points = std::move(*points);
+  } else {
+    const auto obj = ParseObj(bytes, name);
+    if (!obj) return Forward(obj);
+    cloud.points = obj->vertices;
+    cloud.triangles = ObjTriangles(*obj).size();
+  }
+  return cloud;
+}
+
+}  // namespace mocurate

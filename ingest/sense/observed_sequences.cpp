@@ -1,0 +1,87 @@
+#include <string>
+
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+namespace {
+
+std::string FolderOf(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string::npos ? "" : name.substr(0, slash);
+}
+
+/// A number of 4 bytes, most significant first.
+double BigEndian(std::string_view bytes, std::size_t at) {
+  double value = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) value = value * 256.0 + static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+}  // namespace
+
+Status ObservedSequences::AddOpenPose(const FileBytes& file) {
+  Expected<OpenPoseFrame> frame = ParseOpenPose(file.bytes, file.name);
+  if (!frame) return Forward(frame);
+  folders_[FolderOf(file.name)].keypoints.push_back(std::move(*frame));
+  return {};
+}
+
+Status ObservedSequences::AddPanoptic(const FileBytes& file) {
+  Expected<PanopticBodies> scene = ParsePanopticBodies(file.bytes, file.name);
+  if (!scene) return Forward(scene);
+  folders_[FolderOf(file.name)].scenes.push_back(std::move(*scene));
+  return {};
+}
+
+Status ObservedSequences::AddOpenCv(const FileBytes& file) {
+  folders_[FolderOf(file.name)].storages.emplace_back(file.name, std::string(file.bytes));
+  return {};
+}
+
+void ObservedSequences::AddImage(const FileBytes& head, bool png) {
+  ObservedCompanion image{FolderOf(head.name), png ? "png" : "jpeg", {}, {{"files", 1.0}}};
+  if (png && head.bytes.size() >= 26) {
+    const auto colour = static_cast<unsigned char>(head.bytes[25]);
+    image.numbers.emplace_back("width", BigEndian(head.bytes, 16));
+    image.numbers.emplace_back("height", BigEndian(head.bytes, 20));
+    image.numbers.emplace_back("bits", static_cast<unsigned char>(head.bytes[24]));
+    image.numbers.emplace_back("channels", colour == 2 ? 3.0 : colour == 4 ? 2.0 : colour == 6 ? 4.0 : 1.0);
+  }
+  std::string key = image.format;
+  for (std::size_t i = 1; i < image.numbers.size(); ++i) key += " " + std::to_string(image.numbers[i].second);
+  auto [known, fresh] = folders_[image.file].images.emplace(key, image);
+  if (!fresh) known->second.numbers[0].second += 1.0;
+}
+
+std::map<std::string, ObservedFile> ObservedSequences::Finish() const {
+  // Cameras of one recording stand in folders side by side and were given to the same detector.
+  std::map<std::string, std::vector<OpenPosePerson>> everybody;
+  for (const auto& [name, folder] : folders_) {
+    for (const OpenPoseFrame& frame : folder.keypoints) {
+      std::vector<OpenPosePerson>& people = everybody[FolderOf(name)];
+      people.insert(people.end(), frame.people.begin(), frame.people.end());
+    }
+  }
+  std::map<std::string, ObservedFile> files;
+  for (const auto& [name, folder] : folders_) {
+    ObservedFile file;
+    if (!folder.keypoints.empty()) file.clips.push_back(ObserveKeypoints(folder.keypoints, everybody[FolderOf(name)]));
+    for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
+    for (const auto& [key, image] : folder.images) file.companions.push_back(image);
+    if (!folder.storages.empty()) {
+      Expected<Calibration> calibration = ObserveOpenCv(folder.storages);
+      if (calibration) {
+        file.calibrations.push_back(std::move(*calibration));
+      } else {
+        file.remarks.push_back(
+            {calibration.error().code == ErrorCode::kUnsupported ? "unknown_format" : "malformed",
+             calibration.error().code == ErrorCode::kUnsupported ? Severity::kInfo : Severity::kError, 0.0,
+             calibration.error().Message()});
+      }
+    }
+    files.emplace(name, std::move(file));
+  }
+  return files;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,104 @@
+#include "ingest/sense/scene_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "ingest/sense/calibration_sense.h"
+#include "ingest/sense/clip_report.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kShortest = 1.2, kTallest = 2.1;     // metres, of a person from sole to crown
+constexpr double kThinnest = 0.08, kThickest = 0.35;  // a person's depth against the height
+constexpr double kStray = 0.005;                      // share of points on each side that may be junk
+
+double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
+/// Declared where the format says it, else as measured.
+Json Decided(const Measured& measured, bool declared) {
+  return ReportValue(measured.value, declared ? "declared" : "measured", measured.confidence, measured.evidence);
+}
+
+/// Sides of the box around all points but a share on each side.
+std::array<double, 3> Extent(const std::vector<Vector3d>& points, double share) {
+  std::array<double, 3> extent{};
+  std::vector<double> values(points.size());
+  const auto stray = static_cast<std::size_t>(share * static_cast<double>(points.size()));
+  for (int axis = 0; axis < 3 && !points.empty(); ++axis) {
+    std::transform(points.begin(), points.end(), values.begin(), [&](const Vector3d& point) { return point[axis]; });
+    const auto low = values.begin() + static_cast<std::ptrdiff_t>(stray);
+    std::nth_element(values.begin(), low, values.end());
+    const double least = *low;
+    const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(stray);
+    std::nth_element(values.begin(), high, values.end());
+    extent[static_cast<std::size_t>(axis)] = *high - least;
+  }
+  return extent;
+}
+
+Json UnitsOf(std::array<double, 3> extent) {
+  std::sort(extent.begin(), extent.end());
+  const double thin = extent[2] > 0.0 ? extent[0] / extent[2] : 0.0;
+  for (const auto& [name, metres] : {std::pair{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}}) {
+    const double height = extent[2] * metres;
+    if (height < kShortest || height > kTallest || thin < kThinnest || thin > kThickest) continue;
+    return ReportValue(name, "measured", 0.6,
+                       "the longest side is " + FormatDouble(Rounded(height)) + " m in " + name +
+                           ", and the shape as flat as a person");
+  }
+  return ReportValue(Json(), "unknown", 0.0,
+                     "the format does not say it, and no usual unit makes the shape as high and as flat as a person");
+}
+
+}  // namespace
+
+void ReportCameras(const Calibration& calibration, const std::string& file, Json& cameras, Json& findings) {
+  const CalibrationSense sense = SenseCalibration(calibration);
+  const Json reading = Decided(sense.reading, calibration.reading != PoseReading::kUnknown);
+  const Json units = Decided(sense.unit, calibration.metres_per_unit > 0.0);
+  const Json up = Decided(sense.up, false);
+  for (std::size_t i = 0; i < calibration.views.size(); ++i) {
+    const CalibratedView& view = calibration.views[i];
+    Json camera = {{"id", view.name},     {"file", file},      {"format", calibration.dialect},
+                   {"world", view.world}, {"kind", view.kind}, {"units", units},
+                   {"reading", reading},  {"up", up}};
+    const bool sized = view.width > 0 && view.height > 0;
+    camera["image_size"] = ReportValue(sized ? Json{view.width, view.height} : Json(), "declared", 1.0,
+                                       sized ? "pixels" : "the file does not say it");
+    camera["centre_m"] = nullptr;
+    if (i < sense.cameras.size()) {
+      const Vector3d centre = Inverse(sense.cameras[i].camera_from_world).translation;
+      camera["centre_m"] = {Rounded(centre.x()), Rounded(centre.y()), Rounded(centre.z())};
+    }
+    cameras.push_back(std::move(camera));
+  }
+  for (const Remark& remark : sense.remarks) {
+    findings.push_back(InspectionFinding(remark.code, remark.severity, file, Rounded(remark.value), remark.message));
+  }
+}
+
+Json CloudReport(const ObservedCloud& cloud, const std::string& file) {
+  const std::array<double, 3> extent = Extent(cloud.points, 0.0);
+  return {{"id", file},
+          {"file", file},
+          {"format", cloud.format},
+          {"points", cloud.points.size()},
+          {"triangles", cloud.triangles},
+          {"extent", ReportValue(Json{Rounded(extent[0]), Rounded(extent[1]), Rounded(extent[2])}, "measured", 1.0,
+                                 "x, y, z in the file's unit")},
+          {"units", UnitsOf(Extent(cloud.points, kStray))}};
+}
+
+Json CompanionReport(const ObservedCompanion& companion) {
+  Json facts = Json::object();
+  for (const auto& [key, text] : companion.texts) facts[key] = text;
+  for (const auto& [key, number] : companion.numbers) facts[key] = number;
+  return {{"file", companion.file}, {"format", companion.format}, {"facts", std::move(facts)}};
+}
+
+}  // namespace mocurate
