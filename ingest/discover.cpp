@@ -1,8 +1,10 @@
 #include "ingest/discover.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
 
@@ -58,6 +60,32 @@ void AddDepthFiles(const std::vector<FolderFile>& files, const NamePattern& patt
     });
     if (same) item.inputs.push_back({"depth", file.name, file.path, ""});
   }
+}
+
+/// Every {field} that names a clip must be one of the pattern: a misspelt one would put all people under one name. The
+/// texts that a declaration has without being told may go empty.
+Status CheckFields(const SourceOptions& source, const NamePattern& pattern) {
+  const SourceOptions untold;
+  std::vector<std::string> known = pattern.FieldNames();
+  known.insert(known.end(), {"file", "body"});
+  const std::tuple<const char*, const std::string*, const std::string*> texts[] = {
+      {"person", &source.person, &untold.person}, {"recording", &source.recording, &untold.recording},
+      {"label", &source.label, &untold.label},    {"session", &source.session, &untold.session},
+      {"view", &source.view, &untold.view},       {"style", &source.style, &untold.style}};
+  for (const auto& [option, text, by_default] : texts) {
+    if (*text == *by_default) continue;
+    for (const std::string& field : FieldsOf(*text)) {
+      if (std::find(known.begin(), known.end(), field) != known.end()) continue;
+      const std::optional<std::string> near = Nearest(field, known);
+      std::string list;
+      for (const std::string& name : known) list += (list.empty() ? "{" : ", {") + name + "}";
+      return Fail(ErrorCode::kConfig,
+                  "'" + *text + "' names the field {" + field + "}, which '" + pattern.text() + "' does not have",
+                  std::string("ingest.source.") + option,
+                  near ? "did you mean {" + *near + "}?" : "its fields are " + list);
+    }
+  }
+  return {};
 }
 
 /// `matches`: the name is as declared, but its label is not.
@@ -157,6 +185,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!skeleton) return Forward(skeleton);
   const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
   if (!pattern) return Forward(pattern);
+  if (Status fields = CheckFields(source, *pattern); !fields) return Forward(fields);
   const Expected<NamePattern> depth_pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
   if (!depth_pattern) return Forward(depth_pattern);
   const Expected<NamePattern> skeleton_pattern =

@@ -54,7 +54,6 @@ void SourceOptions::Declare(OptionVisitor& v) {
            "bvh: most that a joint may slide along its bone; more is refused");
   v.Text("depth_files", depth_files, "depth_sequence: pattern of the depth images with {view} and {frame}");
   v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "depth_sequence: length of one step of a depth value");
-  v.Text("truth_files", truth_files, "joint_table: pattern of BVH files that hold the truth of the same recording");
   v.Text("person", person, "who performs, from the fields of the name; {body} tells several people of a file apart");
   v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
   v.Text("label", label, "what is performed, from the fields of the name");
@@ -88,7 +87,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 5, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 6, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 

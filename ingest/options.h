@@ -52,7 +52,6 @@ struct SourceOptions {
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
   std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"
   double depth_unit = 0.001;  ///< depth_sequence: metres per step of a depth value
-  std::string truth_files;    ///< joint_table: BVH files with the truth, same fields as `files`
 
   std::string person = "{person}";
   std::string recording = "{file}";  ///< {file}: the path without its ending, '/' as '.'

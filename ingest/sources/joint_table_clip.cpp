@@ -39,17 +39,40 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   tracks.positions = JointPositions(rows->frames, rows->joints);
   tracks.confidence.assign(static_cast<std::size_t>(rows->frames) * rows->joints, 0.0);
   const Matrix3d metres_from_source = *scale * axes->canonical_from_source;
+  std::size_t zeros = 0;
   for (int f = 0; f < rows->frames; ++f) {
     tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
     for (int j = 0; j < rows->joints; ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * rows->joints + j;
       const Vector3d raw(rows->position[at * 3], rows->position[at * 3 + 1], rows->position[at * 3 + 2]);
       double confidence = rows->confidence.empty() ? 1.0 : rows->confidence[at];
-      confidence = std::clamp(confidence, source.least_confidence, 1.0);
+      if (confidence < 0.0 || confidence > 1.0) {
+        return Fail(ErrorCode::kInconsistent,
+                    "confidence " + FormatDouble(confidence) + " of joint '" +
+                        source.joints[static_cast<std::size_t>(j)] + "' in frame " + std::to_string(f) +
+                        " is not in 0..1",
+                    file.name, "write `skip` for that column, or bring it to 0..1 first");
+      }
+      confidence = std::max(confidence, source.least_confidence);
       if (std::isnan(confidence) || IsMissing(raw, source.missing)) confidence = 0.0;
       tracks.confidence[at] = confidence;
+      zeros += confidence > 0.0 && raw.isZero(0.0) ? 1 : 0;
       if (confidence > 0.0) tracks.positions.at(f, j) = metres_from_source * raw;
     }
+  }
+  if (zeros == tracks.confidence.size()) {
+    return Fail(ErrorCode::kInconsistent, "every joint of every frame is 0 0 0", file.name,
+                "the tracker never saw the person: leave the file out");
+  }
+  if (zeros > 0) {
+    Finding finding;
+    finding.code = "zero_joints";
+    finding.value = static_cast<double>(zeros);
+    finding.message = std::to_string(zeros) + " of " + std::to_string(tracks.confidence.size()) +
+                      " positions are exactly 0 0 0 and are taken as seen there; if that is the tracker's word for a "
+                      "missing joint, set ingest.source.missing: zero";
+    finding.action = "flagged";
+    ingested.findings.push_back(std::move(finding));
   }
   const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
   if (!any) {

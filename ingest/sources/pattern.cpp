@@ -94,6 +94,17 @@ std::vector<std::string> NamePattern::FieldNames() const {
   return names;
 }
 
+std::vector<std::string> FieldsOf(const std::string& text) {
+  std::vector<std::string> names;
+  for (std::size_t open = text.find('{'); open != std::string::npos; open = text.find('{', open + 1)) {
+    const std::size_t close = text.find('}', open);
+    if (close == std::string::npos) break;
+    std::string name = text.substr(open + 1, close - open - 1);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+  }
+  return names;
+}
+
 std::string FillFields(const std::string& text, const NameFields& fields) {
   std::string filled;
   std::size_t at = 0;

@@ -39,6 +39,9 @@ class NamePattern {
   int depth_ = 0;
 };
 
+/// The {field}s of a text, each once.
+std::vector<std::string> FieldsOf(const std::string& text);
+
 /// Replaces {field} in `text`; a field that is not there becomes empty.
 std::string FillFields(const std::string& text, const NameFields& fields);
 

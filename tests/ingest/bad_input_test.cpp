@@ -50,6 +50,31 @@ TEST(BadInput, AClipInWhichNobodyIsSeen) {
   EXPECT_THAT(RefusalOf(options, "nobody"), HasSubstr("no joint is seen in any of 1 frames"));
 }
 
+TEST(BadInput, ATableOfZerosIsNoMotionAndSingleZerosAreSaid) {
+  EXPECT_THAT(RefusalOf(OneFile("zeros", "0 0 0\n0 0 0\n"), "zeros"), HasSubstr("every joint of every frame is 0 0 0"));
+  const Ingested ingested = RunIngest(Discover(OneFile("zero", "1 2 3\n0 0 0\n"))->items[0], "zero");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+  EXPECT_EQ(ingested.outcome->findings[0].code, "zero_joints");
+  EXPECT_EQ(ingested.outcome->findings[0].value, 1.0);
+}
+
+TEST(BadInput, AConfidenceBeyondOneIsNotBentIntoOne) {
+  IngestOptions options = OneFile("percent", "1 2 3 87\n4 5 6 100\n");
+  options.source.columns = {"x", "y", "z", "confidence"};
+  const std::string refusal = RefusalOf(options, "percent");
+  EXPECT_THAT(refusal, HasSubstr("confidence 87 of joint '"));
+  EXPECT_THAT(refusal, HasSubstr("in frame 0 is not in 0..1"));
+}
+
+TEST(BadInput, AMisspeltFieldOfAName) {
+  IngestOptions options = OneFile("field", "1 2 3\n4 5 6\n");
+  options.source.person = "s{persn}";
+  EXPECT_EQ(ConfigRefusal(options),
+            "ingest.source.person: 's{persn}' names the field {persn}, which 'a{action}_s{person}.txt' does not have "
+            "(did you mean {person}?)");
+}
+
 TEST(BadInput, AMissingUnitNamesTheWayOut) {
   IngestOptions options = OneFile("unit", "1 2 3\n4 5 6\n");
   options.source.units = "";
