@@ -173,63 +173,6 @@ std::string FormatOf(const Json& inspection) {
   return formats.size() == 1 ? *formats.begin() : "mixed";
 }
 
-/// What most clips of a group say, weighted by confidence.
-Json Pooled(const std::vector<const Json*>& clips, const char* key) {
-  std::map<std::string, std::pair<double, Json>> votes;
-  double all = 0.0;
-  for (const Json* clip : clips) {
-    const Json& field = clip->at(key);
-    if (field.at("value").is_null()) continue;
-    const double weight = std::max(1e-6, field.at("confidence").get<double>());
-    auto& vote = votes[field.at("value").dump()];
-    vote.first += weight;
-    vote.second = field;
-    all += weight;
-  }
-  Json best = {{"value", nullptr}, {"from", "unknown"}, {"share", 0.0}};
-  double most = 0.0;
-  for (const auto& [text, vote] : votes) {
-    if (vote.first <= most) continue;
-    most = vote.first;
-    best = {{"value", vote.second.at("value")},
-            {"from", vote.second.at("from")},
-            {"share", std::round(1e4 * most / all) / 1e4}};
-  }
-  return best;
-}
-
-/// Clips of one format and skeleton together: what one clip cannot tell, the others may.
-Json GroupsOf(const Json& clips) {
-  std::map<std::string, std::vector<const Json*>> members;
-  for (const Json& clip : clips) {
-    const std::string folder = clip.at("file").get<std::string>();
-    const std::size_t slash = folder.rfind('/');
-    members[(slash == std::string::npos ? "" : folder.substr(0, slash)) + "\n" + clip.at("format").get<std::string>() +
-            "\n" + clip.at("joints").at("value").dump()]
-        .push_back(&clip);
-  }
-  Json groups = Json::array();
-  for (const auto& [key, group] : members) {
-    Json json = {{"folder", key.substr(0, key.find('\n'))},
-                 {"format", group[0]->at("format")},
-                 {"joints", group[0]->at("joints").at("value")},
-                 {"clips", group.size()}};
-    std::int64_t frames = 0, fewest = group[0]->at("frames").at("value"), most = fewest;
-    for (const Json* clip : group) {
-      const std::int64_t count = clip->at("frames").at("value");
-      frames += count;
-      fewest = std::min(fewest, count);
-      most = std::max(most, count);
-    }
-    json["frames"] = {{"sum", frames}, {"min", fewest}, {"max", most}};
-    for (const char* field : {"skeleton", "units", "up", "handedness", "facing", "axes", "rate_hz"}) {
-      json[field] = Pooled(group, field);
-    }
-    groups.push_back(std::move(json));
-  }
-  return groups;
-}
-
 void Inspector::Finish(const std::string& path) {
   for (const auto& [folder, file] : sequences_.Finish()) Add(file, folder.empty() ? path : folder);
   if (!others_.empty()) {

@@ -75,10 +75,8 @@ void LocalRotations(const Asf& asf, const Amc& amc, int frame, const AsfTree& ma
 
 Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (!axes) return Forward(axes);
-  const Expected<double> scale = MetresPerUnit(source.units);
-  if (!scale) return Forward(scale);
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
   const Expected<SkeletonPtr> declared = SourceSkeleton(source);
   if (!declared) return Forward(declared);
   const Expected<Asf> asf = ParseAsf(file.skeleton_bytes, file.skeleton_name);
@@ -98,8 +96,8 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   ingested.findings = asf->findings;
   ingested.findings.insert(ingested.findings.end(), amc->findings.begin(), amc->findings.end());
   if (amc->hz) NoteRate(source, *amc->hz, ingested.findings);
-  const Matrix3d& world_from_file = axes->canonical_from_source;
-  const Matrix3d metres_from_file = *scale * world_from_file;
+  const Matrix3d& world_from_file = frame->world_from_file;
+  const Matrix3d& metres_from_file = frame->metres_from_file;
   const AsfTree made = TreeOf(*asf, metres_from_file);
   const Expected<BvhSkeleton> fit =
       MakeBvhSkeleton(made.tree, made.offsets, *declared, source.name, file.skeleton_name);

@@ -56,10 +56,8 @@ Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const B
 
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (!axes) return Forward(axes);
-  const Expected<double> scale = MetresPerUnit(source.units);
-  if (!scale) return Forward(scale);
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
   const Expected<SkeletonPtr> declared = SourceSkeleton(source);
   if (!declared) return Forward(declared);
   const Expected<Bvh> bvh = ParseBvh(file.bytes, file.name);
@@ -67,8 +65,8 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
 
   IngestedClip ingested;
   NoteRate(source, bvh->hz(), ingested.findings);
-  const Matrix3d& world_from_file = axes->canonical_from_source;
-  const Matrix3d metres_from_file = *scale * world_from_file;
+  const Matrix3d& world_from_file = frame->world_from_file;
+  const Matrix3d& metres_from_file = frame->metres_from_file;
   const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());
   if (Status ok = CheckSliding(offsets, *bvh, source.max_slide, file.name, ingested.findings); !ok) return Forward(ok);
   const Expected<BvhSkeleton> fit = MakeBvhSkeleton(*bvh, offsets, *declared, source.name, file.name);

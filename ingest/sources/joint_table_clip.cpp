@@ -17,10 +17,8 @@ bool IsMissing(const Vector3d& raw, MissingValue missing) {
 
 Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (!axes) return Forward(axes);
-  const Expected<double> scale = MetresPerUnit(source.units);
-  if (!scale) return Forward(scale);
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
   const Expected<JointLayout> layout = TableLayout(source);
   if (!layout) return Forward(layout);
   JointTableLayout table;
@@ -38,7 +36,6 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   tracks.names = source.joints;
   tracks.positions = JointPositions(rows->frames, rows->joints);
   tracks.confidence.assign(static_cast<std::size_t>(rows->frames) * rows->joints, 0.0);
-  const Matrix3d metres_from_source = *scale * axes->canonical_from_source;
   std::size_t zeros = 0;
   for (int f = 0; f < rows->frames; ++f) {
     tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
@@ -57,7 +54,7 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
       if (std::isnan(confidence) || IsMissing(raw, source.missing)) confidence = 0.0;
       tracks.confidence[at] = confidence;
       zeros += confidence > 0.0 && raw.isZero(0.0) ? 1 : 0;
-      if (confidence > 0.0) tracks.positions.at(f, j) = metres_from_source * raw;
+      if (confidence > 0.0) tracks.positions.at(f, j) = frame->metres_from_file * raw;
     }
   }
   if (zeros == tracks.confidence.size()) {

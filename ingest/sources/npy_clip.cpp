@@ -36,10 +36,8 @@ Expected<std::vector<int>> FileOrder(const SourceOptions& source, const Skeleton
 
 Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (!axes) return Forward(axes);
-  const Expected<double> scale = MetresPerUnit(source.units);
-  if (!scale) return Forward(scale);
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (!skeleton) return Forward(skeleton);
   const Expected<std::vector<int>> place = FileOrder(source, **skeleton);
@@ -61,7 +59,6 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
   const int frames = static_cast<int>(array->shape[0]);
   const int joints = (*skeleton)->joint_count();
   JointPositions positions(frames, joints);
-  const Matrix3d metres_from_source = *scale * axes->canonical_from_source;
   for (int f = 0; f < frames; ++f) {
     for (int j = 0; j < joints; ++j) {
       const double* raw = array->values.data() + (static_cast<std::size_t>(f) * wide + (*place)[j]) * 3;
@@ -70,7 +67,7 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
                     "joint '" + (*skeleton)->joints[j].name + "' is not finite in frame " + std::to_string(f),
                     file.name, "a joints-only motion has no missing joints");
       }
-      positions.at(f, j) = metres_from_source * Vector3d(raw[0], raw[1], raw[2]);
+      positions.at(f, j) = frame->metres_from_file * Vector3d(raw[0], raw[1], raw[2]);
     }
   }
   IngestedClip ingested;

@@ -97,6 +97,14 @@ Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
   return skeleton;
 }
 
+Expected<SourceFrame> FrameOf(const SourceOptions& source) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<double> scale = MetresPerUnit(source.units);
+  if (!scale) return Forward(scale);
+  return SourceFrame{axes->canonical_from_source, *scale * axes->canonical_from_source};
+}
+
 void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings) {
   if (!source.rate_hz || std::abs(file_hz / *source.rate_hz - 1.0) <= kRateTolerance) return;
   Finding finding;

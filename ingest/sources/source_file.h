@@ -90,6 +90,15 @@ void CheckBody(const SourceOptions& source, IngestedClip& ingested);
 /// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.
 void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings);
 
+/// From the axes and units of a source to the canonical world.
+struct SourceFrame {
+  Matrix3d world_from_file;   ///< turns, and mirrors a left-handed source
+  Matrix3d metres_from_file;  ///< the same, in metres
+};
+
+/// The frame that a source declares. Error kConfig.
+Expected<SourceFrame> FrameOf(const SourceOptions& source);
+
 /// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names the unknown joint.
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);
 
