@@ -45,6 +45,16 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
   EXPECT_THAT(stage.err, HasSubstr("the stages are: ingest, proportions, fitting"));
 }
 
+TEST(Usage, AnAssignmentDoesNotTakeTheConfigBehindIt) {
+  const Folder folder;
+  WriteText(folder / "mine.yaml", "name: mine\n");
+  const Result result =
+      RunProgram(folder, {"config", "show", "--set", "evaluate.motions=77", (folder / "mine.yaml").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("name: mine"));
+  EXPECT_THAT(result.out, HasSubstr("motions: 77"));
+}
+
 TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
   const Folder folder;
   WriteText(folder / "bad.yaml",

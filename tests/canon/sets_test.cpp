@@ -218,6 +218,17 @@ TEST(Split, APersonThatDoesNotExistCanBeAnErrorThatListsTheOthers) {
   EXPECT_THAT(split.error().hint, HasSubstr("p1"));
 }
 
+TEST(Split, OneFileUnderTwoPersonsNamesLeaksThoughItsFitsDiffer) {
+  Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 40, 5, 30, 1.1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p2"};
+  std::vector<Finding> findings;
+  EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("ok"));
+  for (Clip& clip : dataset.clips) clip.evidence_sha256 = std::string(64, 'a');
+  EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("1 clips of equal content"));
+}
+
 TEST(Split, OtherPersonsOfTheSameSourceAreDrawnAndThatIsSaid) {
   const Dataset dataset = SetOf({ClipMoving("p9", "a", 40, 5, 30, 1), ClipMoving("p10", "a", 41, 5, 30, 1),
                                  ClipMoving("p11", "b", 42, 5, 30, 1)});

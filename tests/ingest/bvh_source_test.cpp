@@ -154,6 +154,29 @@ TEST(BvhSource, AllOfBandai2IsReadToAMicrometre) {
   RecordProperty("worst_joint_error_nm", static_cast<int>(worst * 1e9));
 }
 
+TEST(BvhSource, APersonWhoStandsStillIsOnTheSameSkeletonAsOneWhoMoves) {
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const auto discovery = Discover(Declared("bandai2"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const auto bytes = ReadFile(discovery->items[0].inputs[0].path);
+  auto still = ParseBvh(*bytes, "x");
+  ASSERT_TRUE(still) << still.error().Message();
+  const std::size_t channels = still->values.size() / static_cast<std::size_t>(still->frames);
+  for (std::size_t i = channels; i < still->values.size(); ++i) still->values[i] = still->values[i % channels];
+  IngestOptions options = Declared("bandai2");
+  options.path = FreshFolder("bandai_still");
+  Put(options.path / discovery->items[0].inputs[0].name, WriteBvh(*still));
+  const Ingested moving = RunIngest(discovery->items[0], "bandai_moves");
+  const Ingested standing = RunIngest(Discover(options)->items.at(0), "bandai_stands");
+  ASSERT_TRUE(moving.outcome && standing.outcome);
+  const Skeleton& a = *moving.clip.motion->skeleton;
+  const Skeleton& b = *standing.clip.motion->skeleton;
+  for (int j = 0; j < a.joint_count(); ++j) {
+    EXPECT_EQ(a.joints[j].rest_offset, b.joints[j].rest_offset) << a.joints[j].name;
+  }
+  EXPECT_LT((moving.clip.motion->joints.at(0, 5) - standing.clip.motion->joints.at(0, 5)).norm(), 1e-5);
+}
+
 TEST(BvhSource, OtherExportersAreReadOnTheirOwnSkeletons) {
   if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
   IngestOptions options = SmallSource("misc", "");

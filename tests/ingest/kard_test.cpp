@@ -51,6 +51,26 @@ TEST_F(Kard, EveryClipIsReadInMetresAndRightHanded) {
   EXPECT_EQ(labels.size(), 18u);
 }
 
+/// Codes of what ingest finds in the first clip.
+std::vector<std::string> Contradictions(const std::vector<std::string>& assignments) {
+  const auto discovery = Discover(Declared("kard", assignments));
+  if (!discovery) return {discovery.error().Message()};
+  const Ingested ingested = RunIngest(discovery->items[0], "kard_wrong");
+  if (!ingested.outcome) return {ingested.outcome.error().Message()};
+  std::vector<std::string> codes;
+  for (const Finding& finding : ingested.outcome->findings) codes.push_back(finding.code);
+  return codes;
+}
+
+TEST_F(Kard, AWrongUnitOrAWrongUpIsContradictedByTheBody) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(Contradictions({}), ElementsAre());
+  EXPECT_THAT(Contradictions({"ingest.source.units=cm"}), ElementsAre("units_contradiction"));
+  EXPECT_THAT(Contradictions({"ingest.source.axes=+x -y +z"}), ElementsAre("up_contradiction"));
+  EXPECT_THAT(Contradictions({"ingest.source.units=cm", "ingest.source.on_contradiction=refuse"}),
+              ElementsAre(HasSubstr("14.")));
+}
+
 TEST_F(Kard, FirstClipHasItsIdentityAndItsNumbers) {
   const auto discovery = Discover(Declared("kard"));
   ASSERT_TRUE(discovery);
