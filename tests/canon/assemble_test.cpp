@@ -1,0 +1,84 @@
+// One skeleton for all clips of a set, and what happens to those that differ.
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "canon/options.h"
+#include "canon/stages.h"
+#include "core/motion/kinematics.h"
+#include "core/store/store.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+SkeletonPtr Skeleton15() { return *LoadSkeleton("openni15"); }
+
+/// Runs `assemble` over one clip per motion and reads the set.
+struct Assembled {
+  Expected<StageOutcome> outcome;
+  Expected<Dataset> dataset;
+};
+
+Assembled AssembleMotions(const std::vector<Motion>& motions) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("mocurate_assemble_test_" + std::to_string(getpid()));
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  StageRequest request{"assemble", "dataset", OptionsToJson(AssembleOptions()), {}, folder / "dataset.h5", folder};
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    Dataset one;
+    one.skeleton = motions[i].skeleton;
+    Clip clip;
+    clip.identity = {"test", "p", "r" + std::to_string(i), "", "", "", 0, motions[i].frame_count()};
+    clip.label = "a";
+    clip.rate = motions[i].rate;
+    clip.motion = motions[i];
+    one.clips = {clip};
+    const auto file = folder / ("clip" + std::to_string(i) + ".h5");
+    EXPECT_TRUE(WriteDataset(one, file));
+    request.inputs.push_back({"clip", clip.id(), file, ""});
+  }
+  auto outcome = AssembleStage(request);
+  auto dataset = ReadDataset(folder / "dataset.h5");
+  std::filesystem::remove_all(folder);
+  return {std::move(outcome), std::move(dataset)};
+}
+
+Motion Standing(const SkeletonPtr& skeleton, FrameRate rate) {
+  return MakeMotion(
+      skeleton, rate, std::vector<Vector3d>(10, Vector3d(0, 1, 0)),
+      std::vector<Quaterniond>(10 * static_cast<std::size_t>(skeleton->joint_count()), Quaterniond::Identity()), {});
+}
+
+TEST(Assemble, OneClipOfAnotherRestPoseCostsOnlyItself) {
+  const SkeletonPtr skeleton = Skeleton15();
+  auto bent = std::make_shared<Skeleton>(*skeleton);
+  bent->joints[1].rest_offset += Vector3d(0, 0, 0.05);
+  const FrameRate rate{30, 1};
+  const Assembled set = AssembleMotions({Standing(bent, rate), Standing(skeleton, rate), Standing(skeleton, rate)});
+  ASSERT_TRUE(set.outcome) << set.outcome.error().Message();
+  ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
+  EXPECT_EQ(set.dataset->clips.size(), 2u);
+  ASSERT_EQ(set.dataset->findings.size(), 1u);
+  EXPECT_EQ(set.dataset->findings[0].code, "other_skeleton");
+  EXPECT_EQ(set.dataset->findings[0].clip, "test/p/r0#0-10");
+  EXPECT_NEAR(set.dataset->findings[0].value, 0.05, 1e-6);
+}
+
+TEST(Assemble, ClipsOfSeveralRatesAreFlagged) {
+  const SkeletonPtr skeleton = Skeleton15();
+  const Assembled set = AssembleMotions({Standing(skeleton, FrameRate{30, 1}), Standing(skeleton, FrameRate{60, 1})});
+  ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
+  ASSERT_EQ(set.dataset->findings.size(), 1u);
+  EXPECT_EQ(set.dataset->findings[0].code, "mixed_rates");
+  EXPECT_THAT(set.dataset->findings[0].message, HasSubstr("30 Hz (1) 60 Hz (1)"));
+}
+
+}  // namespace
+}  // namespace mocurate
