@@ -18,6 +18,8 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
 }  // namespace
 
 void JointTrackOptions::Declare(OptionVisitor& v) {
+  v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
+           "ceres, or our block-tridiagonal solver of the same costs, several times as fast");
   v.Choice("noise", noise, {{"pooled", NoiseScale::kPooled}, {"per_joint", NoiseScale::kPerJoint}},
            "one noise scale for all joints, or one each; both are estimated from the tracks");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");

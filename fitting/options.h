@@ -15,9 +15,13 @@ enum class FitMethod { kJointTracks, kPointClouds, kNone };
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };
 
+/// What solves the joint-track problem. Both minimise the same costs to the same optimum.
+enum class TrackSolver { kCeres, kBanded };
+
 /// Fit of a skeleton to joint tracks. The noise of the tracks is estimated from them, never set here. Spreads are
 /// standard deviations of what a person does: a random walk of q per square root of a second moves q * sqrt(dt) in dt.
 struct JointTrackOptions {
+  TrackSolver solver = TrackSolver::kCeres;
   NoiseScale noise = NoiseScale::kPooled;
   double huber_sigmas = 2.5;         ///< residuals beyond this many sigmas count linearly
   double rotation_walk = 0.55;       ///< rad per sqrt(s), each joint

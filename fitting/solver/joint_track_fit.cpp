@@ -1,7 +1,5 @@
 #include "fitting/solver/joint_track_fit.h"
 
-#include <ceres/solver.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,24 +7,10 @@
 #include "fitting/evidence/noise.h"
 #include "fitting/evidence/outliers.h"
 #include "fitting/solver/closed_form_start.h"
-#include "fitting/solver/one_thread.h"
-#include "fitting/solver/track_problem.h"
+#include "fitting/solver/track_window.h"
 
 namespace mocurate {
 namespace {
-
-ceres::Solver::Options SolverOptions(const JointTrackOptions& options) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  solver.num_threads = 1;
-  solver.function_tolerance = options.relative_tolerance;
-  solver.gradient_tolerance = 1e-12;
-  solver.parameter_tolerance = 1e-12;
-  solver.max_num_iterations = static_cast<int>(options.max_iterations);
-  solver.logging_type = ceres::SILENT;
-  return solver;
-}
 
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
 Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
@@ -35,22 +19,17 @@ Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::v
   const int frames = tracks.frames();
   const int window = static_cast<int>(options.window_frames);
   const int step = std::max(1, window - static_cast<int>(options.window_overlap));
+  const auto solve = options.solver == TrackSolver::kBanded ? SolveBanded : SolveWithCeres;
   result.converged = true;
   result.termination = "converged";
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= window ? frames : begin + window;
-    TrackProblem problem(tracks, state, joint_sigma, bone_prior, bones, options, begin, end);
-    ceres::Solver::Summary summary;
-    const OneThread one_thread;
-    ceres::Solve(SolverOptions(options), &problem.problem(), &summary);
-    if (!summary.IsSolutionUsable()) {
-      return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message,
-                  "frames " + std::to_string(begin) + " to " + std::to_string(end));
-    }
-    result.iterations += static_cast<int>(summary.iterations.size()) - 1;
-    result.initial_cost += summary.initial_cost;
-    result.final_cost += summary.final_cost;
-    if (summary.termination_type == ceres::NO_CONVERGENCE) {
+    const auto solution = solve({tracks, state, joint_sigma, bone_prior, bones, options, begin, end});
+    if (!solution) return tl::unexpected<Error>(solution.error());
+    result.iterations += solution->iterations;
+    result.initial_cost += solution->initial_cost;
+    result.final_cost += solution->final_cost;
+    if (!solution->converged) {
       result.converged = false;
       result.termination = "iteration limit";
     }

@@ -1,7 +1,9 @@
 #include "fitting/solver/track_problem.h"
 
-#include <algorithm>
+#include <ceres/solver.h>
+
 #include <cmath>
+#include <string>
 
 #include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
@@ -9,25 +11,25 @@
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
+#include "fitting/solver/one_thread.h"
 
 namespace mocurate {
-TrackProblem::TrackProblem(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
-                           const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options,
-                           int begin, int end)
-    : tracks_(tracks),
-      state_(state),
-      joint_sigma_(joint_sigma),
-      options_(options),
-      free_bones_(bones == Bones::kFree),
-      update_(state, std::max(begin - 1, 0), end),
-      loss_(options.huber_sigmas),
+
+TrackProblem::TrackProblem(const TrackWindow& window)
+    : window_(window),
+      state_(window.state),
+      free_bones_(window.bones == Bones::kFree),
+      update_(window.state, window.first(), window.end),
+      loss_(window.options.huber_sigmas),
       problem_(PoseProblemOptions(update_)) {
-  for (int f = begin; f < end; ++f) AddFrame(f);
-  for (int f = std::max(begin - 1, 0); f + 1 < end; ++f) AddStep(f);
-  if (free_bones_) AddBonePriors(bone_prior);
-  if (begin == 0) return;
-  std::vector<double*> held{state.translation(begin - 1)};
-  for (int j = 0; j < state.joints(); ++j) held.push_back(state.rotation(begin - 1, j));
+  for (int f = window.begin; f < window.end; ++f) AddFrame(f);
+  for (int f = window.first(); f + 1 < window.end; ++f) {
+    if (window.Joined(f)) AddStep(f);
+  }
+  if (free_bones_) AddBonePriors();
+  if (window.begin == 0) return;
+  std::vector<double*> held{state_.translation(window.begin - 1)};
+  for (int j = 0; j < state_.joints(); ++j) held.push_back(state_.rotation(window.begin - 1, j));
   for (double* block : held) {
     if (problem_.HasParameterBlock(block)) problem_.SetParameterBlockConstant(block);
   }
@@ -35,24 +37,24 @@ TrackProblem::TrackProblem(const SkeletonTracks& tracks, PoseState& state, const
 
 void TrackProblem::AddFrame(int frame) {
   for (int j = 0; j < state_.joints(); ++j) {
-    if (tracks_.seen(frame, j)) {
-      const double weight = tracks_.confidence_at(frame, j) / joint_sigma_[j];
-      auto* cost = new JointPositionCost(state_, frame, j, tracks_.positions.at(frame, j), weight, free_bones_);
+    if (window_.tracks.seen(frame, j)) {
+      const double weight = window_.tracks.confidence_at(frame, j) / window_.joint_sigma[j];
+      auto* cost = new JointPositionCost(state_, frame, j, window_.tracks.positions.at(frame, j), weight, free_bones_);
       problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
     }
     if (j == 0 || !state_.active(j)) continue;
-    problem_.AddResidualBlock(new RestPriorCost(options_.rest_spread), nullptr, state_.rotation(frame, j));
-    if (const auto& limits = tracks_.skeleton->joints[j].limits) {
-      problem_.AddResidualBlock(new JointLimitCost(*limits, options_.limit_spread), nullptr, state_.rotation(frame, j));
+    problem_.AddResidualBlock(new RestPriorCost(window_.options.rest_spread), nullptr, state_.rotation(frame, j));
+    if (const auto& limits = window_.tracks.skeleton->joints[j].limits) {
+      problem_.AddResidualBlock(new JointLimitCost(*limits, window_.options.limit_spread), nullptr,
+                                state_.rotation(frame, j));
     }
   }
 }
 
 void TrackProblem::AddStep(int frame) {
-  const double dt = tracks_.time_s[frame + 1] - tracks_.time_s[frame];
-  if (dt > options_.max_gap_s) return;
-  const double rotation_weight = 1.0 / (options_.rotation_walk * std::sqrt(dt));
-  const double velocity_weight = 1.0 / (options_.velocity_walk * std::sqrt(dt));
+  const double dt = window_.Step(frame);
+  const double rotation_weight = 1.0 / (window_.options.rotation_walk * std::sqrt(dt));
+  const double velocity_weight = 1.0 / (window_.options.velocity_walk * std::sqrt(dt));
   for (int j = 0; j < state_.joints(); ++j) {
     if (state_.active(j)) {
       problem_.AddResidualBlock(new RotationSmoothnessCost(state_, frame, j, rotation_weight), nullptr,
@@ -63,11 +65,46 @@ void TrackProblem::AddStep(int frame) {
   }
 }
 
-void TrackProblem::AddBonePriors(const std::vector<double>& bone_prior) {
+void TrackProblem::AddBonePriors() {
   for (int j = 1; j < state_.joints(); ++j) {
     if (!problem_.HasParameterBlock(state_.bone(j))) continue;
-    problem_.AddResidualBlock(new BonePriorCost(bone_prior[j], options_.bone_spread), nullptr, state_.bone(j));
+    problem_.AddResidualBlock(new BonePriorCost(window_.bone_prior[j], window_.options.bone_spread), nullptr,
+                              state_.bone(j));
   }
+}
+
+namespace {
+
+ceres::Solver::Options SolverOptions(const JointTrackOptions& options) {
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  solver.num_threads = 1;
+  solver.function_tolerance = options.relative_tolerance;
+  solver.gradient_tolerance = 1e-12;
+  solver.parameter_tolerance = 1e-12;
+  solver.max_num_iterations = static_cast<int>(options.max_iterations);
+  solver.logging_type = ceres::SILENT;
+  return solver;
+}
+
+}  // namespace
+
+Expected<WindowSolution> SolveWithCeres(const TrackWindow& window) {
+  TrackProblem problem(window);
+  ceres::Solver::Summary summary;
+  const OneThread one_thread;
+  ceres::Solve(SolverOptions(window.options), &problem.problem(), &summary);
+  if (!summary.IsSolutionUsable()) {
+    return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message,
+                "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end));
+  }
+  WindowSolution solution;
+  solution.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  solution.initial_cost = summary.initial_cost;
+  solution.final_cost = summary.final_cost;
+  solution.converged = summary.termination_type != ceres::NO_CONVERGENCE;
+  return solution;
 }
 
 }  // namespace mocurate

@@ -3,35 +3,25 @@
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 
-#include <vector>
-
-#include "fitting/costs/pose_state.h"
-#include "fitting/evidence/skeleton_tracks.h"
-#include "fitting/options.h"
-#include "fitting/solver/joint_track_fit.h"
 #include "fitting/solver/pose_update.h"
+#include "fitting/solver/track_window.h"
 
 namespace mocurate {
 
-/// The costs of frames [begin, end) over the memory of a PoseState; frame begin - 1, if there is one, is held and joins
-/// through smoothness. Bones are held unless free.
+/// The costs of a window as a Ceres problem.
 class TrackProblem {
  public:
-  TrackProblem(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
-               const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options, int begin,
-               int end);
+  explicit TrackProblem(const TrackWindow& window);
 
   ceres::Problem& problem() { return problem_; }
 
  private:
   void AddFrame(int frame);
   void AddStep(int frame);
-  void AddBonePriors(const std::vector<double>& bone_prior);
+  void AddBonePriors();
 
-  const SkeletonTracks& tracks_;
+  const TrackWindow window_;
   PoseState& state_;
-  const std::vector<double>& joint_sigma_;
-  const JointTrackOptions& options_;
   bool free_bones_;
   PoseUpdate update_;
   ceres::HuberLoss loss_;

@@ -21,9 +21,11 @@ ProportionsOptions MediansOnly() {
 }
 
 /// Bones unknown: medians, then one fit with free bones; everything is timed.
-void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& path, double tolerance) {
+void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& path, TrackSolver solver,
+                         double tolerance) {
   const ReferenceProblem problem = ReadReferenceProblem(path);
   JointTrackOptions options;
+  options.solver = solver;
   options.relative_tolerance = tolerance;
   options.max_iterations = 200;
   double rms = 0.0;
@@ -58,13 +60,14 @@ std::vector<SkeletonTracks> KardPerson(const std::filesystem::path& folder, cons
 }
 
 /// One clip of each of KARD's 18 activities, one person; proportions before the clock starts.
-void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, double tolerance) {
+void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, TrackSolver solver, double tolerance) {
   const auto skeleton = LoadSkeleton("openni16");
   if (!skeleton) return state.SkipWithError(skeleton.error().Message().c_str());
   const std::vector<SkeletonTracks> clips = KardPerson(folder, *skeleton);
   const auto person = EstimateProportions(clips, *skeleton, ProportionsOptions{});
   if (!person) return state.SkipWithError(person.error().Message().c_str());
   JointTrackOptions options;
+  options.solver = solver;
   options.relative_tolerance = tolerance;
   options.max_iterations = 200;
   double frames = 0.0;
@@ -89,21 +92,22 @@ void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, doubl
 }
 
 void RegisterAll() {
-  if (const auto folder = ReferenceFolder(); !folder.empty()) {
-    for (const char* name : {"platform_seed0", "platform_seed1", "platform_seed2", "platform_dropouts5_seed0",
-                             "platform_dropouts5_seed1"}) {
-      for (const double tolerance : {1e-4, 1e-6}) {
-        benchmark::RegisterBenchmark((std::string(name) + (tolerance == 1e-4 ? "/1e-4" : "/1e-6")).c_str(),
-                                     BM_ReferenceProblem, folder / (std::string(name) + ".h5"), tolerance)
+  const std::filesystem::path problems = ReferenceFolder();
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
+    for (const double tolerance : {1e-4, 1e-6}) {
+      const std::string method =
+          std::string(solver == TrackSolver::kCeres ? "/ceres" : "/banded") + (tolerance == 1e-4 ? "/1e-4" : "/1e-6");
+      for (const std::string name : {"platform_seed0", "platform_seed1", "platform_seed2", "platform_dropouts5_seed0",
+                                     "platform_dropouts5_seed1"}) {
+        if (problems.empty()) break;
+        benchmark::RegisterBenchmark((name + method).c_str(), BM_ReferenceProblem, problems / (name + ".h5"), solver,
+                                     tolerance)
             ->Unit(benchmark::kMillisecond);
       }
-    }
-  }
-  if (const char* data = std::getenv("MOCURATE_TEST_DATA")) {
-    const std::filesystem::path folder = std::filesystem::path(data) / "kinect" / "kard";
-    for (const double tolerance : {1e-4, 1e-6}) {
-      benchmark::RegisterBenchmark(tolerance == 1e-4 ? "kard_18_clips/1e-4" : "kard_18_clips/1e-6", BM_Kard, folder,
-                                   tolerance)
+      if (data == nullptr) continue;
+      benchmark::RegisterBenchmark(("kard_18_clips" + method).c_str(), BM_Kard,
+                                   std::filesystem::path(data) / "kinect" / "kard", solver, tolerance)
           ->Unit(benchmark::kMillisecond);
     }
   }

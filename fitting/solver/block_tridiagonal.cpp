@@ -1,0 +1,159 @@
+#include "fitting/solver/block_tridiagonal.h"
+
+#include <algorithm>
+
+// Level 3 routines of the BLAS and LAPACK that the program is linked with (column-major, Fortran interface).
+extern "C" {
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
+            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
+            const int* lda, const double* beta, double* c, const int* ldc);
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c,
+            const int* ldc);
+void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda,
+            double* x, const int* incx);
+void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+}
+
+namespace mocurate {
+namespace {
+
+constexpr double kOne = 1.0;
+constexpr double kMinusOne = -1.0;
+constexpr int kStep = 1;
+
+/// A = U'U in the upper triangle.
+bool CholeskyInPlace(double* a, int n) {
+  int info = 0;
+  dpotrf_("U", &n, a, &n, &info);
+  return info == 0;
+}
+
+/// B := U^-T B, B of n x columns.
+void SolveTransposedInPlace(const double* u, int n, double* b, int columns) {
+  dtrsm_("L", "U", "T", "N", &n, &columns, &kOne, u, &n, b, &n);
+}
+
+/// C -= A'B with A of k x m and B of k x n; C has `ldc` rows in memory.
+void SubtractProduct(const double* a, int m, const double* b, int n, int k, double* c, int ldc) {
+  if (m > 0 && n > 0) dgemm_("T", "N", &m, &n, &k, &kMinusOne, a, &k, b, &k, &kOne, c, &ldc);
+}
+
+/// Upper triangle of C -= A'A with A of k x n.
+void SubtractSquare(const double* a, int n, int k, double* c) {
+  dsyrk_("U", "T", &n, &k, &kMinusOne, a, &k, &kOne, c, &n);
+}
+
+}  // namespace
+
+BlockTridiagonal::BlockTridiagonal(int blocks, int size, int border)
+    : blocks_(blocks),
+      size_(size),
+      border_(border),
+      diagonal_(Square(blocks)),
+      panel_(Panel(blocks)),
+      corner_(border, border + 1),
+      factor_(Square(blocks)),
+      reduced_(Panel(blocks)),
+      reduced_corner_(border, border + 1) {}
+
+void BlockTridiagonal::SetZero() {
+  std::fill(diagonal_.begin(), diagonal_.end(), 0.0);
+  std::fill(panel_.begin(), panel_.end(), 0.0);
+  corner_.setZero();
+}
+
+Eigen::VectorXd BlockTridiagonal::DiagonalEntries() const {
+  Eigen::VectorXd entries(blocks_ * size_ + border_);
+  for (int f = 0; f < blocks_; ++f) {
+    entries.segment(f * size_, size_) =
+        Eigen::Map<const Eigen::MatrixXd>(diagonal_.data() + Square(f), size_, size_).diagonal();
+  }
+  entries.tail(border_) = corner_.leftCols(border_).diagonal();
+  return entries;
+}
+
+Eigen::VectorXd BlockTridiagonal::GradientEntries() const {
+  Eigen::VectorXd entries(blocks_ * size_ + border_);
+  for (int f = 0; f < blocks_; ++f) {
+    entries.segment(f * size_, size_) =
+        Eigen::Map<const Eigen::VectorXd>(panel_.data() + Panel(f) + Square(1) + Edge(1), size_);
+  }
+  entries.tail(border_) = corner_.col(border_);
+  return entries;
+}
+
+bool BlockTridiagonal::Factor(const Eigen::VectorXd& damping) {
+  reduced_corner_ = corner_;
+  for (int f = 0; f < blocks_; ++f) {
+    double* diagonal = factor_.data() + Square(f);
+    double* panel = reduced_.data() + Panel(f);
+    std::copy_n(diagonal_.data() + Square(f), Square(1), diagonal);
+    std::copy_n(panel_.data() + Panel(f), Panel(1), panel);
+    Block(diagonal, size_, size_).diagonal() += damping.segment(f * size_, size_);
+    if (f > 0) {
+      const double* above = reduced_.data() + Panel(f - 1);  // U^-T [O E g] of the block before
+      SubtractSquare(above, size_, size_, diagonal);
+      SubtractProduct(above, size_, above + Square(1), border_ + 1, size_, panel + Square(1), size_);
+    }
+    if (!CholeskyInPlace(diagonal, size_)) return false;
+    const bool last = f + 1 == blocks_;
+    double* first = last ? panel + Square(1) : panel;
+    SolveTransposedInPlace(diagonal, size_, first, last ? border_ + 1 : panel_columns());
+    const double* border = panel + Square(1);
+    SubtractProduct(border, border_, border, border_ + 1, size_, reduced_corner_.data(), border_);
+  }
+  if (border_ == 0) return true;
+  reduced_corner_.leftCols(border_).diagonal() += damping.tail(border_);
+  if (!CholeskyInPlace(reduced_corner_.data(), border_)) return false;
+  dtrsv_("U", "T", "N", &border_, reduced_corner_.data(), &border_, reduced_corner_.data() + border_ * border_, &kStep);
+  return true;
+}
+
+Eigen::VectorXd BlockTridiagonal::Solve() const {
+  Eigen::VectorXd x(blocks_ * size_ + border_);
+  Eigen::VectorXd edge = -reduced_corner_.col(border_);
+  if (border_ > 0) dtrsv_("U", "N", "N", &border_, reduced_corner_.data(), &border_, edge.data(), &kStep);
+  x.tail(border_) = edge;
+  for (int f = blocks_ - 1; f >= 0; --f) {
+    const double* panel = reduced_.data() + Panel(f);
+    Eigen::VectorXd right = -Eigen::Map<const Eigen::VectorXd>(panel + Square(1) + Edge(1), size_);
+    if (border_ > 0) right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel + Square(1), size_, border_) * edge;
+    if (f + 1 < blocks_) {
+      right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel, size_, size_) * x.segment((f + 1) * size_, size_);
+    }
+    dtrsv_("U", "N", "N", &size_, factor_.data() + Square(f), &size_, right.data(), &kStep);
+    x.segment(f * size_, size_) = right;
+  }
+  return x;
+}
+
+BlockTridiagonal::Inverse BlockTridiagonal::SelectedInverse() const {
+  Inverse inverse;
+  inverse.diagonal.resize(blocks_);
+  inverse.next.resize(std::max(blocks_ - 1, 0));
+  for (int f = blocks_ - 1; f >= 0; --f) {
+    const Eigen::Map<const Eigen::MatrixXd> factor(factor_.data() + Square(f), size_, size_);
+    Eigen::MatrixXd& sigma = inverse.diagonal[f];
+    sigma = factor;
+    int info = 0;
+    dpotri_("U", &size_, sigma.data(), &size_, &info);  // (U'U)^-1, upper triangle
+    sigma.triangularView<Eigen::StrictlyLower>() = sigma.transpose();
+    if (f + 1 == blocks_) continue;
+    // With K = U^-1 (U^-T O): next = -K sigma_next, diagonal += K sigma_next K'.
+    Eigen::MatrixXd gain = Eigen::Map<const Eigen::MatrixXd>(reduced_.data() + Panel(f), size_, size_);
+    dtrsm_("L", "U", "N", "N", &size_, &size_, &kOne, factor.data(), &size_, gain.data(), &size_);
+    Eigen::MatrixXd& next = inverse.next[f];
+    next.resize(size_, size_);
+    constexpr double kZero = 0.0;
+    dgemm_("N", "N", &size_, &size_, &size_, &kMinusOne, gain.data(), &size_, inverse.diagonal[f + 1].data(), &size_,
+           &kZero, next.data(), &size_);
+    dgemm_("N", "T", &size_, &size_, &size_, &kMinusOne, next.data(), &size_, gain.data(), &size_, &kOne, sigma.data(),
+           &size_);
+  }
+  return inverse;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace mocurate {
+
+/// Normal equations H x = -g of a chain of F blocks of n unknowns, each coupled with the next, and b unknowns (the
+/// border) coupled with all:
+///   [ D_0   O_0             E_0 ]
+///   [ O_0'  D_1   O_1       E_1 ]
+///   [       ...             ... ]
+///   [ E_0'  E_1'  ...       C   ]
+/// Time and memory grow with F n^2 (n + b); nothing is sparse inside a block.
+class BlockTridiagonal {
+ public:
+  using Block = Eigen::Map<Eigen::MatrixXd>;
+  using Column = Eigen::Map<Eigen::VectorXd>;
+
+  BlockTridiagonal(int blocks, int size, int border);
+
+  int blocks() const { return blocks_; }
+  int size() const { return size_; }
+  int border() const { return border_; }
+
+  void SetZero();
+  /// D_f: only its upper triangle is read.
+  Block Diagonal(int f) { return {diagonal_.data() + Square(f), size_, size_}; }
+  Block Next(int f) { return {panel_.data() + Panel(f), size_, size_}; }                      ///< O_f
+  Block Border(int f) { return {panel_.data() + Panel(f) + Square(1), size_, border_}; }      ///< E_f
+  Column Gradient(int f) { return {panel_.data() + Panel(f) + Square(1) + Edge(1), size_}; }  ///< g_f
+  Eigen::Ref<Eigen::MatrixXd> Corner() { return corner_.leftCols(border_); }                  ///< C: both triangles
+  Eigen::Ref<Eigen::VectorXd> CornerGradient() { return corner_.col(border_); }
+
+  /// Diagonal of H, blocks then border (F n + b).
+  Eigen::VectorXd DiagonalEntries() const;
+  /// Gradient, blocks then border (F n + b).
+  Eigen::VectorXd GradientEntries() const;
+
+  /// Cholesky factor of H + diag(damping) (F n + b numbers); false if that is not positive definite.
+  bool Factor(const Eigen::VectorXd& damping);
+  /// x of the factored matrix (F n + b).
+  Eigen::VectorXd Solve() const;
+
+  /// Diagonal blocks of the inverse of the factored matrix, and the blocks beside them, without its other blocks
+  /// (selected inversion); the border is held, so without border they are exact.
+  struct Inverse {
+    std::vector<Eigen::MatrixXd> diagonal;  ///< (F) of n x n
+    std::vector<Eigen::MatrixXd> next;      ///< (F-1), between f and f+1
+  };
+  Inverse SelectedInverse() const;
+
+ private:
+  std::size_t Square(int f) const { return static_cast<std::size_t>(f) * size_ * size_; }
+  std::size_t Edge(int f) const { return static_cast<std::size_t>(f) * size_ * border_; }
+  int panel_columns() const { return size_ + border_ + 1; }
+  std::size_t Panel(int f) const { return static_cast<std::size_t>(f) * size_ * panel_columns(); }
+
+  int blocks_;
+  int size_;
+  int border_;
+  std::vector<double> diagonal_;  ///< D_f, one after the other
+  std::vector<double> panel_;     ///< [O_f E_f g_f]
+  Eigen::MatrixXd corner_;        ///< [C g]
+  std::vector<double> factor_;    ///< upper U_f with U'U = D_f - ...
+  std::vector<double> reduced_;   ///< U_f^-T [O_f E_f g_f]
+  Eigen::MatrixXd reduced_corner_;
+};
+
+}  // namespace mocurate

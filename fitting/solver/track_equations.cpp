@@ -1,0 +1,305 @@
+#include "fitting/solver/track_equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/rotation.h"
+
+namespace mocurate {
+namespace {
+
+double Square(double value) { return value * value; }
+
+/// Huber of a squared residual, as ceres::HuberLoss: value and derivative.
+double HuberValue(double square, double sigmas) {
+  return square <= Square(sigmas) ? square : 2.0 * sigmas * std::sqrt(square) - Square(sigmas);
+}
+double HuberSlope(double square, double sigmas) { return square <= Square(sigmas) ? 1.0 : sigmas / std::sqrt(square); }
+
+double BeyondLimit(double angle, double min, double max) {
+  return angle > max ? angle - max : angle < min ? angle - min : 0.0;
+}
+
+}  // namespace
+
+TrackEquations::TrackEquations(const TrackWindow& window)
+    : window_(window),
+      size_(3),
+      border_(window.bones == Bones::kFree ? window.state.joints() - 1 : 0),
+      below_(window.state.joints()),
+      velocity_weight_(window.tracks.frames(), 0.0),
+      rotation_weight_(window.tracks.frames(), 0.0),
+      subtree_(window.state.joints()),
+      step_before_(window.state.joints()),
+      step_after_(window.state.joints()),
+      twist_(window.state.joints()),
+      twist_next_(window.state.joints()) {
+  const PoseState& state = window.state;
+  for (int j = 0; j < state.joints(); ++j) {
+    column_.push_back(state.active(j) ? size_ : -1);
+    if (!state.active(j)) continue;
+    size_ += 3;
+    below_[j].push_back(j);
+    for (int a = state.parent(j); a >= 0; a = state.parent(a)) below_[a].push_back(j);
+  }
+  for (int f = window.first(); f + 1 < window.end; ++f) {
+    if (!window.Joined(f)) continue;
+    velocity_weight_[f] = 1.0 / (Square(window.options.velocity_walk) * window.Step(f));
+    rotation_weight_[f] = 1.0 / (Square(window.options.rotation_walk) * window.Step(f));
+  }
+}
+
+double TrackEquations::Cost() const {
+  const PoseState& state = window_.state;
+  const JointTrackOptions& options = window_.options;
+  double twice = 0.0;
+  for (int f = window_.begin; f < window_.end; ++f) {
+    for (int j = 0; j < state.joints(); ++j) {
+      if (window_.tracks.seen(f, j)) {
+        const double weight = window_.tracks.confidence_at(f, j) / window_.joint_sigma[j];
+        const Vector3d away = state.position(f, j) - window_.tracks.positions.at(f, j);
+        twice += HuberValue(Square(weight) * away.squaredNorm(), options.huber_sigmas);
+      }
+      if (j == 0 || !state.active(j)) continue;
+      const Eigen::Map<const Vector3d> w(state.rotation(f, j));
+      twice += w.squaredNorm() / Square(options.rest_spread);
+      const auto& limits = window_.tracks.skeleton->joints[j].limits;
+      for (int i = 0; limits && i < 3; ++i) {
+        twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / options.limit_spread);
+      }
+    }
+  }
+  for (int f = window_.first(); f + 1 < window_.end; ++f) {
+    if (!joined(f)) continue;
+    for (int j = 0; j < state.joints(); ++j) {
+      twice += velocity_weight_[f] * (state.position(f + 1, j) - state.position(f, j)).squaredNorm();
+      if (!state.active(j)) continue;
+      twice += rotation_weight_[f] * LogMatrix(state.local(f, j).transpose() * state.local(f + 1, j)).squaredNorm();
+    }
+  }
+  for (int k = 1; k <= border_; ++k) {
+    twice += Square((*state.bone(k) - window_.bone_prior[k]) / options.bone_spread);
+  }
+  return 0.5 * twice;
+}
+
+void TrackEquations::UpdateTwists(int frame, std::vector<Twist>& twists) const {
+  for (int j = 0; j < window_.state.joints(); ++j) {
+    if (column(j) < 0) continue;
+    const Matrix3d& lever = window_.state.lever(frame, j);
+    twists[j].topRows<3>().noalias() = Hat(Relative(frame, j)) * lever;
+    twists[j].bottomRows<3>() = lever;
+  }
+}
+
+/// Subtree sums of a frame: data, and the part of both its steps that stays within the frame.
+void TrackEquations::SumFrame(int frame) {
+  const PoseState& state = window_.state;
+  const bool before = frame > window_.first() && joined(frame - 1);
+  const bool after = frame + 1 < window_.end && joined(frame);
+  for (Subtree& sum : subtree_) sum = {};
+  for (int j = state.joints() - 1; j >= 0; --j) {
+    const Vector3d& position = state.position(frame, j);
+    double weight = 0.0;
+    Vector3d pull = Vector3d::Zero();
+    if (window_.tracks.seen(frame, j)) {
+      const double inverse = Square(window_.tracks.confidence_at(frame, j) / window_.joint_sigma[j]);
+      const Vector3d away = position - window_.tracks.positions.at(frame, j);
+      weight = inverse * HuberSlope(inverse * away.squaredNorm(), window_.options.huber_sigmas);
+      pull = weight * away;
+    }
+    if (before) {
+      weight += velocity_weight_[frame - 1];
+      pull += velocity_weight_[frame - 1] * (position - state.position(frame - 1, j));
+    }
+    if (after) {
+      weight += velocity_weight_[frame];
+      pull += velocity_weight_[frame] * (position - state.position(frame + 1, j));
+    }
+    subtree_[j].at = subtree_[j].below;
+    subtree_[j].at.AddPoint(Relative(frame, j), weight, pull);
+    if (j > 0) subtree_[state.parent(j)].below += subtree_[j].at;
+  }
+}
+
+/// Subtree sums between a frame and the next.
+void TrackEquations::SumStep(int frame, std::vector<CrossSubtree>& sums) const {
+  const PoseState& state = window_.state;
+  for (CrossSubtree& sum : sums) sum.below.setZero();
+  for (int j = state.joints() - 1; j >= 0; --j) {
+    sums[j].at = sums[j].below;
+    sums[j].at += CrossInformation(Relative(frame, j), Relative(frame + 1, j), -velocity_weight_[frame]);
+    if (j > 0) sums[state.parent(j)].below += sums[j].at;
+  }
+}
+
+void TrackEquations::AddFrame(int frame, BlockTridiagonal& equations) const {
+  auto diagonal = equations.Diagonal(frame - window_.begin);
+  auto gradient = equations.Gradient(frame - window_.begin);
+  diagonal.topLeftCorner<3, 3>() += subtree_[0].at.information.topLeftCorner<3, 3>();
+  gradient.head<3>() += subtree_[0].at.gradient.head<3>();
+  for (int j = 0; j < window_.state.joints(); ++j) {
+    const int c = column(j);
+    if (c < 0) continue;
+    const Twist moved = subtree_[j].below.information * twist_[j];
+    diagonal.block<3, 3>(0, c) += moved.topRows<3>();
+    diagonal.block<3, 3>(c, c).noalias() += twist_[j].transpose() * moved;
+    for (const int a : window_.state.path(j)) {
+      diagonal.block<3, 3>(column(a), c).noalias() += twist_[a].transpose() * moved;
+    }
+    gradient.segment<3>(c).noalias() += twist_[j].transpose() * subtree_[j].below.gradient;
+  }
+}
+
+void TrackEquations::AddStep(int frame, BlockTridiagonal& equations) const {
+  auto next = equations.Next(frame - window_.begin);
+  next.topLeftCorner<3, 3>() += step_after_[0].at.topLeftCorner<3, 3>();
+  for (int j = 0; j < window_.state.joints(); ++j) {
+    const int c = column(j);
+    if (c < 0) continue;
+    const Twist moved = step_after_[j].below * twist_next_[j];
+    const Twist back = step_after_[j].below.transpose() * twist_[j];
+    next.block<3, 3>(0, c) += moved.topRows<3>();
+    next.block<3, 3>(c, 0) += back.topRows<3>().transpose();
+    next.block<3, 3>(c, c).noalias() += twist_[j].transpose() * moved;
+    for (const int a : window_.state.path(j)) {
+      next.block<3, 3>(column(a), c).noalias() += twist_[a].transpose() * moved;
+      next.block<3, 3>(c, column(a)).noalias() += back.transpose() * twist_next_[a];
+    }
+  }
+}
+
+void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
+  const PoseState& state = window_.state;
+  const double rest = 1.0 / Square(window_.options.rest_spread);
+  const double limit = 1.0 / Square(window_.options.limit_spread);
+  auto diagonal = equations.Diagonal(frame - window_.begin);
+  auto gradient = equations.Gradient(frame - window_.begin);
+  for (int j = 1; j < state.joints(); ++j) {
+    const int c = column(j);
+    if (c < 0) continue;
+    const auto& limits = window_.tracks.skeleton->joints[j].limits;
+    for (int i = 0; i < 3; ++i) {
+      const double w = state.rotation(frame, j)[i];
+      diagonal(c + i, c + i) += rest;
+      gradient[c + i] += rest * w;
+      const double beyond = limits ? BeyondLimit(w, limits->min[i], limits->max[i]) : 0.0;
+      if (beyond == 0.0) continue;
+      diagonal(c + i, c + i) += limit;
+      gradient[c + i] += limit * beyond;
+    }
+  }
+}
+
+void TrackEquations::AddRotationStep(int frame, BlockTridiagonal& equations) const {
+  const PoseState& state = window_.state;
+  const double weight = rotation_weight_[frame];
+  const int block = frame - window_.begin;  // -1: the frame before the window, held
+  for (int j = 0; j < state.joints(); ++j) {
+    const int c = column(j);
+    if (c < 0) continue;
+    const Vector3d turn = LogMatrix(state.local(frame, j).transpose() * state.local(frame + 1, j));
+    const Matrix3d inverse = RightJacobianInverse(turn);
+    const Matrix3d after = inverse * state.right_jacobian(frame + 1, j);
+    equations.Diagonal(block + 1).block<3, 3>(c, c).noalias() += weight * after.transpose() * after;
+    equations.Gradient(block + 1).segment<3>(c).noalias() += weight * after.transpose() * turn;
+    if (block < 0) continue;
+    const Matrix3d before = -inverse.transpose() * state.right_jacobian(frame, j);
+    equations.Diagonal(block).block<3, 3>(c, c).noalias() += weight * before.transpose() * before;
+    equations.Gradient(block).segment<3>(c).noalias() += weight * before.transpose() * turn;
+    equations.Next(block).block<3, 3>(c, c).noalias() += weight * before.transpose() * after;
+  }
+}
+
+/// A bone moves its joint and all below along its direction: a twist without turn.
+void TrackEquations::AddBones(int frame, BlockTridiagonal& equations) const {
+  const PoseState& state = window_.state;
+  const bool before = frame > window_.begin && joined(frame - 1);
+  const bool after = frame + 1 < window_.end && joined(frame);
+  auto border = equations.Border(frame - window_.begin);
+  auto corner = equations.Corner();
+  auto corner_gradient = equations.CornerGradient();
+  for (int k = 1; k < state.joints(); ++k) {
+    const Vector3d here = state.BoneDirection(frame, k);
+    const Vector3d there = after ? state.BoneDirection(frame + 1, k) : Vector3d(Vector3d::Zero());
+    const Vector3d earlier = before ? state.BoneDirection(frame - 1, k) : Vector3d(Vector3d::Zero());
+    const auto pulls = [&](const Matrix6d& own, const Matrix6d& step_after, const Matrix6d& step_before) {
+      Vector6d sum = own.leftCols<3>() * here;
+      if (after) sum += step_after.leftCols<3>() * there;
+      if (before) sum += step_before.topRows<3>().transpose() * earlier;
+      return sum;
+    };
+    const Vector6d at = pulls(subtree_[k].at.information, step_after_[k].at, step_before_[k].at);
+    border.block<3, 1>(0, k - 1) += at.head<3>();
+    for (const int a : state.path(k)) border.block<3, 1>(column(a), k - 1).noalias() += twist_[a].transpose() * at;
+    for (const int a : below_[k]) {
+      border.block<3, 1>(column(a), k - 1).noalias() +=
+          twist_[a].transpose() * pulls(subtree_[a].below.information, step_after_[a].below, step_before_[a].below);
+    }
+    for (const int l : state.bones(k)) {
+      const double square = at.head<3>().dot(state.BoneDirection(frame, l));
+      corner(l - 1, k - 1) += square;
+      if (l != k) corner(k - 1, l - 1) += square;
+    }
+    corner_gradient[k - 1] += here.dot(subtree_[k].at.gradient.head<3>());
+  }
+}
+
+void TrackEquations::AddBonePriors(BlockTridiagonal& equations) const {
+  const double weight = 1.0 / Square(window_.options.bone_spread);
+  for (int k = 1; k <= border_; ++k) {
+    equations.Corner()(k - 1, k - 1) += weight;
+    equations.CornerGradient()[k - 1] += weight * (*window_.state.bone(k) - window_.bone_prior[k]);
+  }
+}
+
+void TrackEquations::Linearise(BlockTridiagonal& equations) {
+  equations.SetZero();
+  if (window_.first() < window_.begin && joined(window_.first())) AddRotationStep(window_.first(), equations);
+  UpdateTwists(window_.begin, twist_);
+  for (int f = window_.begin; f < window_.end; ++f) {
+    const bool after = f + 1 < window_.end && joined(f);
+    SumFrame(f);
+    AddFrame(f, equations);
+    AddPriors(f, equations);
+    if (f + 1 < window_.end) UpdateTwists(f + 1, twist_next_);
+    if (after) {
+      SumStep(f, step_after_);
+      AddStep(f, equations);
+      AddRotationStep(f, equations);
+    }
+    if (border_ > 0) AddBones(f, equations);
+    std::swap(twist_, twist_next_);
+    std::swap(step_before_, step_after_);
+  }
+  if (border_ > 0) AddBonePriors(equations);
+}
+
+Eigen::VectorXd TrackEquations::Parameters() const {
+  const PoseState& state = window_.state;
+  Eigen::VectorXd parameters((window_.end - window_.begin) * size_ + border_);
+  for (int f = window_.begin; f < window_.end; ++f) {
+    auto frame = parameters.segment((f - window_.begin) * size_, size_);
+    frame.head<3>() = Eigen::Map<const Vector3d>(state.translation(f));
+    for (int j = 0; j < state.joints(); ++j) {
+      if (column(j) >= 0) frame.segment<3>(column(j)) = Eigen::Map<const Vector3d>(state.rotation(f, j));
+    }
+  }
+  for (int k = 1; k <= border_; ++k) parameters[parameters.size() - border_ + k - 1] = *state.bone(k);
+  return parameters;
+}
+
+void TrackEquations::SetParameters(const Eigen::VectorXd& parameters) {
+  PoseState& state = window_.state;
+  for (int f = window_.begin; f < window_.end; ++f) {
+    const auto frame = parameters.segment((f - window_.begin) * size_, size_);
+    Eigen::Map<Vector3d>(state.translation(f)) = frame.head<3>();
+    for (int j = 0; j < state.joints(); ++j) {
+      if (column(j) >= 0) Eigen::Map<Vector3d>(state.rotation(f, j)) = frame.segment<3>(column(j));
+    }
+  }
+  for (int k = 1; k <= border_; ++k) *state.bone(k) = parameters[parameters.size() - border_ + k - 1];
+  state.Update(window_.first(), window_.end, true);
+}
+
+}  // namespace mocurate

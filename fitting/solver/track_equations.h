@@ -1,0 +1,73 @@
+#pragma once
+
+#include <vector>
+
+#include "fitting/solver/block_tridiagonal.h"
+#include "fitting/solver/body_information.h"
+#include "fitting/solver/track_window.h"
+
+namespace mocurate {
+
+/// Cost and normal equations of a window at the present parameters of its state. Unknowns of a frame: translation (3),
+/// then the rotation vector of each active joint (3), root first; of the border: with free bones the length of every
+/// bone, joint 1 first. The costs are those of fitting/costs/, summed here without forming their Jacobians.
+class TrackEquations {
+ public:
+  explicit TrackEquations(const TrackWindow& window);
+
+  int size() const { return size_; }
+  int border() const { return border_; }
+
+  /// 1/2 sum of rho(|r|^2). The state's kinematics must be up to date.
+  double Cost() const;
+  /// Gauss-Newton, robust costs reweighted. The state's kinematics must be up to date, derivatives included.
+  void Linearise(BlockTridiagonal& equations);
+
+  /// Unknowns of the window, frames then border ((end - begin) * size + border).
+  Eigen::VectorXd Parameters() const;
+  /// Writes them and updates the kinematics with derivatives.
+  void SetParameters(const Eigen::VectorXd& parameters);
+
+ private:
+  using Twist = Eigen::Matrix<double, 6, 3>;
+  /// Of all points below a joint (moved by its rotation), and of those and the joint itself.
+  struct Subtree {
+    BodyInformation below;
+    BodyInformation at;
+  };
+  /// The same across a step.
+  struct CrossSubtree {
+    Matrix6d below;
+    Matrix6d at;
+  };
+
+  int column(int joint) const { return column_[joint]; }
+  bool joined(int frame) const { return velocity_weight_[frame] > 0.0; }  ///< frame and the next, both of the window
+  Vector3d Relative(int frame, int joint) const {
+    return window_.state.position(frame, joint) - window_.state.position(frame, 0);
+  }
+  void UpdateTwists(int frame, std::vector<Twist>& twists) const;
+  void SumFrame(int frame);
+  void SumStep(int frame, std::vector<CrossSubtree>& sums) const;
+  void AddFrame(int frame, BlockTridiagonal& equations) const;
+  void AddStep(int frame, BlockTridiagonal& equations) const;
+  void AddPriors(int frame, BlockTridiagonal& equations) const;
+  void AddRotationStep(int frame, BlockTridiagonal& equations) const;
+  void AddBones(int frame, BlockTridiagonal& equations) const;
+  void AddBonePriors(BlockTridiagonal& equations) const;
+
+  const TrackWindow window_;
+  int size_;
+  int border_;
+  std::vector<int> column_;              ///< first unknown of a joint's rotation in its frame; -1: not active
+  std::vector<std::vector<int>> below_;  ///< active joints at or below a joint
+  std::vector<double> velocity_weight_;  ///< squared, of a frame's step to the next; 0 where not joined. By frame
+  std::vector<double> rotation_weight_;  ///< squared, likewise
+  std::vector<Subtree> subtree_;         ///< of the frame that is being added
+  std::vector<CrossSubtree> step_before_;
+  std::vector<CrossSubtree> step_after_;
+  std::vector<Twist> twist_;  ///< dp = X(p) twist dw for a joint's rotation vector, of this frame
+  std::vector<Twist> twist_next_;
+};
+
+}  // namespace mocurate
