@@ -37,11 +37,26 @@ Expected<Inputs> ReadInputs(const StageRequest& request) {
 }
 
 nlohmann::json ToJson(const FitError& error) {
-  return {{"joint_mm", error.joint_mm},
-          {"evidence_mm", error.evidence_mm},
-          {"rotation_deg", error.rotation_deg},
-          {"bone_direction_deg", error.bone_direction_deg},
-          {"frames", error.frames}};
+  nlohmann::json json = {{"joint_mm", error.joint_mm},
+                         {"evidence_mm", error.evidence_mm},
+                         {"rotation_deg", error.rotation_deg},
+                         {"bone_direction_deg", error.bone_direction_deg},
+                         {"frames", error.frames}};
+  if (error.coverage.components > 0) {
+    json["within_one_sigma"] = error.coverage.within_one_sigma;
+    json["within_two_sigma"] = error.coverage.within_two_sigma;
+  }
+  return json;
+}
+
+/// Shares over all components of both.
+void AddCoverage(const Coverage& clip, Coverage& total) {
+  const std::int64_t components = total.components + clip.components;
+  if (clip.components == 0) return;
+  const double share = static_cast<double>(clip.components) / static_cast<double>(components);
+  total.within_one_sigma += share * (clip.within_one_sigma - total.within_one_sigma);
+  total.within_two_sigma += share * (clip.within_two_sigma - total.within_two_sigma);
+  total.components = components;
 }
 
 }  // namespace
@@ -64,6 +79,7 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
       continue;
     }
     per_clip[id] = ToJson(*error);
+    AddCoverage(error->coverage, total.coverage);
     total.frames += error->frames;
     total.joint_mm += error->joint_mm * error->frames;
     total.evidence_mm += error->evidence_mm * error->frames;

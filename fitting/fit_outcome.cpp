@@ -93,6 +93,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                      {"residual_rms_mm", Millimetres(fit.residual_rms)},
                      {"residual_p95_mm", Millimetres(fit.residual_p95)},
                      {"noise_sigma_mm", Millimetres(fit.noise_sigma)},
+                     {"variance_factor", std::round(fit.variance_factor * 1e3) / 1e3},
                      {"iterations", fit.iterations},
                      {"converged", fit.converged},
                      {"termination", fit.termination},

@@ -13,11 +13,12 @@ struct FitResult {
   Motion motion;              ///< with rotations, bone lengths, joints and states
   double residual_rms = 0.0;  ///< evidence to body, observed samples only
   double residual_p95 = 0.0;
-  double noise_sigma = 0.0;   ///< per axis, as estimated from the evidence
-  int iterations = 0;         ///< all windows together
-  bool converged = false;     ///< every window stopped at its tolerance
-  std::string termination;    ///< "converged", "iteration limit" or the solver's own words
-  double initial_cost = 0.0;  ///< whitened, 1/2 sum of rho(|r|^2)
+  double noise_sigma = 0.0;      ///< per axis, as estimated from the evidence
+  double variance_factor = 1.0;  ///< a-posteriori variance over the assumed one; the uncertainty holds it
+  int iterations = 0;            ///< all windows together
+  bool converged = false;        ///< every window stopped at its tolerance
+  std::string termination;       ///< "converged", "iteration limit" or the solver's own words
+  double initial_cost = 0.0;     ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
   std::string capsule_radii;      ///< RadiiText of the body that was fitted; empty without one
   std::vector<Finding> findings;  ///< clip id left empty

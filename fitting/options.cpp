@@ -34,6 +34,8 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Integer("max_iterations", max_iterations, {1, 1000}, "of the solver, per window");
   v.Integer("window_frames", window_frames, {10, 100000}, "longer clips are fitted in windows of this length");
   v.Integer("window_overlap", window_overlap, {1, 10000}, "frames of look-ahead that the next window fits again");
+  v.Bool("uncertainty", uncertainty,
+         "covariance of joint positions, standard deviation of rotations, by selected inversion");
 }
 
 void CloudOutlierOptions::Declare(OptionVisitor& v) {
@@ -90,6 +92,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 2, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 3, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 4, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

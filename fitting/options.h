@@ -34,6 +34,7 @@ struct JointTrackOptions {
   std::int64_t max_iterations = 100;
   std::int64_t window_frames = 600;  ///< longer clips are fitted in windows
   std::int64_t window_overlap = 60;  ///< frames of look-ahead that the next window fits again
+  bool uncertainty = true;           ///< covariance of joints, standard deviation of rotations
 
   void Declare(OptionVisitor& v);
 };

@@ -156,6 +156,13 @@ std::string TruthHtml(const ReportInput& input) {
   table.rows.push_back({"Joint position, mm", cell("evidence_mm"), cell("joint_mm")});
   table.rows.push_back({"Joint rotation, degrees", "–", cell("rotation_deg")});
   table.rows.push_back({"Bone direction, degrees", "–", cell("bone_direction_deg")});
+  const auto share = [&error](const char* key) {
+    const auto value = NumberOf(error, key);
+    return value ? FixedText(100.0 * *value, 1) : std::string("–");
+  };
+  table.rows.push_back(
+      {"Errors within one stated standard deviation, % (68.3 is right)", "–", share("within_one_sigma")});
+  table.rows.push_back({"within two, % (95.4 is right)", "–", share("within_two_sigma")});
   return table.Html() +
          Paragraph("The truth was opened by the evaluation alone; no stage before it has seen it.", "soft");
 }

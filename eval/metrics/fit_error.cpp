@@ -1,5 +1,6 @@
 #include "eval/metrics/fit_error.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "core/motion/kinematics.h"
@@ -94,6 +95,34 @@ void AddEvidenceError(const JointTracks& tracks, const Motion& truth, FitError& 
   error.evidence_mm = count == 0 ? 0.0 : sum / count;
 }
 
+Matrix3d PositionCovariance(const Motion& motion, int frame, int joint) {
+  const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint);
+  Matrix3d covariance;
+  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return covariance;
+}
+
+void AddCoverage(const Motion& fitted, const Motion& truth, const std::vector<std::pair<int, int>>& shared,
+                 FitError& error) {
+  if (fitted.position_cov.empty()) return;
+  std::int64_t one = 0;
+  std::int64_t two = 0;
+  std::int64_t count = 0;
+  for (int f = 0; f < truth.frame_count(); ++f) {
+    for (const auto& [a, b] : shared) {
+      const Eigen::LLT<Matrix3d> root(PositionCovariance(fitted, f, a));
+      if (root.info() != Eigen::Success) continue;
+      const Vector3d white = root.matrixL().solve(Vector3d(fitted.joints.at(f, a) - truth.joints.at(f, b)));
+      one += (white.array().abs() < 1.0).count();
+      two += (white.array().abs() < 2.0).count();
+      count += 3;
+    }
+  }
+  if (count == 0) return;
+  error.coverage = {static_cast<double>(one) / static_cast<double>(count),
+                    static_cast<double>(two) / static_cast<double>(count), count};
+}
+
 }  // namespace
 
 Expected<FitError> CompareWithTruth(const Clip& fitted, const Evidence& evidence, const Motion& truth) {
@@ -119,6 +148,7 @@ Expected<FitError> CompareWithTruth(const Clip& fitted, const Evidence& evidence
   error.joint_mm = sum / (static_cast<double>(shared.size()) * truth.frame_count());
   if (!motion.joints_only() && !truth.joints_only()) AddRotationErrors(motion, truth, shared, error);
   AddBoneErrors(motion, truth, shared, error);
+  AddCoverage(motion, truth, shared, error);
   if (evidence.tracks) AddEvidenceError(*evidence.tracks, truth, error);
   return error;
 }

@@ -1,10 +1,19 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/motion/clip.h"
 
 namespace mocurate {
+
+/// Whether the stated covariance of joint positions tells the truth: of the error components whitened by it (three per
+/// joint and frame), how many lie within one and two standard deviations. 68.3 and 95.4 % where it does.
+struct Coverage {
+  double within_one_sigma = 0.0;  ///< share in [0, 1]
+  double within_two_sigma = 0.0;
+  std::int64_t components = 0;  ///< 0: the fit states no covariance
+};
 
 /// How far a fit, and the evidence it was fitted to, lie from the truth. World frame, all frames, hidden ones too.
 struct FitError {
@@ -14,6 +23,7 @@ struct FitError {
   double bone_direction_deg = 0.0;  ///< mean angle between bones of at least 6 cm
   int frames = 0;
   int rotation_joints = 0;  ///< joints behind rotation_deg
+  Coverage coverage;
 };
 
 /// Joints are matched by name and synonym. Error kInconsistent if frames differ or no joint is shared.

@@ -130,30 +130,31 @@ Eigen::VectorXd BlockTridiagonal::Solve() const {
   return x;
 }
 
-BlockTridiagonal::Inverse BlockTridiagonal::SelectedInverse() const {
-  Inverse inverse;
-  inverse.diagonal.resize(blocks_);
-  inverse.next.resize(std::max(blocks_ - 1, 0));
+void BlockTridiagonal::VisitInverse(const VisitBlocks& visit) const {
+  constexpr double kZero = 0.0;
+  Eigen::MatrixXd after(size_, size_);  // inverse block of the next
+  Eigen::MatrixXd here(size_, size_);
+  Eigen::MatrixXd gain(size_, size_);
+  Eigen::MatrixXd next;
   for (int f = blocks_ - 1; f >= 0; --f) {
-    const Eigen::Map<const Eigen::MatrixXd> factor(factor_.data() + Square(f), size_, size_);
-    Eigen::MatrixXd& sigma = inverse.diagonal[f];
-    sigma = factor;
+    const double* factor = factor_.data() + Square(f);
+    here = Eigen::Map<const Eigen::MatrixXd>(factor, size_, size_);
     int info = 0;
-    dpotri_("U", &size_, sigma.data(), &size_, &info);  // (U'U)^-1, upper triangle
-    sigma.triangularView<Eigen::StrictlyLower>() = sigma.transpose();
-    if (f + 1 == blocks_) continue;
-    // With K = U^-1 (U^-T O): next = -K sigma_next, diagonal += K sigma_next K'.
-    Eigen::MatrixXd gain = Eigen::Map<const Eigen::MatrixXd>(reduced_.data() + Panel(f), size_, size_);
-    dtrsm_("L", "U", "N", "N", &size_, &size_, &kOne, factor.data(), &size_, gain.data(), &size_);
-    Eigen::MatrixXd& next = inverse.next[f];
-    next.resize(size_, size_);
-    constexpr double kZero = 0.0;
-    dgemm_("N", "N", &size_, &size_, &size_, &kMinusOne, gain.data(), &size_, inverse.diagonal[f + 1].data(), &size_,
-           &kZero, next.data(), &size_);
-    dgemm_("N", "T", &size_, &size_, &size_, &kMinusOne, next.data(), &size_, gain.data(), &size_, &kOne, sigma.data(),
-           &size_);
+    dpotri_("U", &size_, here.data(), &size_, &info);  // (U'U)^-1, upper triangle
+    here.triangularView<Eigen::StrictlyLower>() = here.transpose();
+    if (f + 1 < blocks_) {
+      // With K = U^-1 (U^-T O): next = -K after, here += K after K'.
+      next.resize(size_, size_);
+      gain = Eigen::Map<const Eigen::MatrixXd>(reduced_.data() + Panel(f), size_, size_);
+      dtrsm_("L", "U", "N", "N", &size_, &size_, &kOne, factor, &size_, gain.data(), &size_);
+      dgemm_("N", "N", &size_, &size_, &size_, &kMinusOne, gain.data(), &size_, after.data(), &size_, &kZero,
+             next.data(), &size_);
+      dgemm_("N", "T", &size_, &size_, &size_, &kMinusOne, next.data(), &size_, gain.data(), &size_, &kOne, here.data(),
+             &size_);
+    }
+    visit(f, here, next);
+    std::swap(here, after);
   }
-  return inverse;
 }
 
 }  // namespace mocurate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 namespace mocurate {
@@ -42,13 +43,11 @@ class BlockTridiagonal {
   /// x of the factored matrix (F n + b).
   Eigen::VectorXd Solve() const;
 
-  /// Diagonal blocks of the inverse of the factored matrix, and the blocks beside them, without its other blocks
-  /// (selected inversion); the border is held, so without border they are exact.
-  struct Inverse {
-    std::vector<Eigen::MatrixXd> diagonal;  ///< (F) of n x n
-    std::vector<Eigen::MatrixXd> next;      ///< (F-1), between f and f+1
-  };
-  Inverse SelectedInverse() const;
+  /// Blocks of the inverse of the factored matrix, n x n: (f, f), and (f, f + 1), which is empty for the last.
+  using VisitBlocks = std::function<void(int f, const Eigen::MatrixXd& diagonal, const Eigen::MatrixXd& next)>;
+  /// Those blocks without the others (selected inversion), last f first. The border is held: without one they are
+  /// exact.
+  void VisitInverse(const VisitBlocks& visit) const;
 
  private:
   std::size_t Square(int f) const { return static_cast<std::size_t>(f) * size_ * size_; }

@@ -8,6 +8,7 @@
 #include "fitting/evidence/outliers.h"
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/track_window.h"
+#include "fitting/uncertainty/track_uncertainty.h"
 
 namespace mocurate {
 namespace {
@@ -24,7 +25,7 @@ Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::v
   result.termination = "converged";
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= window ? frames : begin + window;
-    const auto solution = solve({tracks, state, joint_sigma, bone_prior, bones, options, begin, end});
+    const auto solution = solve({tracks, state, joint_sigma, bone_prior, bones, options, begin, end, begin > 0});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -142,6 +143,15 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   }
   result.motion = MotionOf(state, tracks.skeleton, rate);
   result.motion.state = StatesOf(tracks, rejected);
+  if (options.uncertainty) {
+    auto uncertainty =
+        UncertaintyOfTracks({tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()});
+    if (!uncertainty) return Forward(uncertainty);
+    result.motion.position_cov = std::move(uncertainty->position_cov);
+    result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);
+    result.motion.rotation_observed = std::move(uncertainty->rotation_observed);
+    result.variance_factor = uncertainty->variance_factor;
+  }
   MeasureResiduals(tracks, result);
   ReportFramesWithoutEvidence(tracks, result);
   ReportOutliers(tracks, rejected, result);

@@ -83,6 +83,12 @@ double TrackEquations::Cost() const {
   return 0.5 * twice;
 }
 
+double TrackEquations::DataWeight(int frame, int joint) const {
+  const Vector3d away = window_.state.position(frame, joint) - window_.tracks.positions.at(frame, joint);
+  const double weight = Square(window_.tracks.confidence_at(frame, joint) / window_.joint_sigma[joint]);
+  return weight * HuberSlope(weight * away.squaredNorm(), window_.options.huber_sigmas);
+}
+
 void TrackEquations::UpdateTwists(int frame, std::vector<Twist>& twists) const {
   for (int j = 0; j < window_.state.joints(); ++j) {
     if (column(j) < 0) continue;
@@ -103,10 +109,8 @@ void TrackEquations::SumFrame(int frame) {
     double weight = 0.0;
     Vector3d pull = Vector3d::Zero();
     if (window_.tracks.seen(frame, j)) {
-      const double inverse = Square(window_.tracks.confidence_at(frame, j) / window_.joint_sigma[j]);
-      const Vector3d away = position - window_.tracks.positions.at(frame, j);
-      weight = inverse * HuberSlope(inverse * away.squaredNorm(), window_.options.huber_sigmas);
-      pull = weight * away;
+      weight = DataWeight(frame, j);
+      pull = weight * (position - window_.tracks.positions.at(frame, j));
     }
     if (before) {
       weight += velocity_weight_[frame - 1];

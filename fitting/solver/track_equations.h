@@ -23,6 +23,11 @@ class TrackEquations {
   /// Gauss-Newton, robust costs reweighted. The state's kinematics must be up to date, derivatives included.
   void Linearise(BlockTridiagonal& equations);
 
+  /// First unknown of a joint's rotation in its frame; -1: it has none.
+  int column(int joint) const { return column_[joint]; }
+  /// Weight of a seen joint's observation (1 / m^2), the robust loss included, at the present parameters.
+  double DataWeight(int frame, int joint) const;
+
   /// Unknowns of the window, frames then border ((end - begin) * size + border).
   Eigen::VectorXd Parameters() const;
   /// Writes them and updates the kinematics with derivatives.
@@ -41,7 +46,6 @@ class TrackEquations {
     Matrix6d at;
   };
 
-  int column(int joint) const { return column_[joint]; }
   bool joined(int frame) const { return velocity_weight_[frame] > 0.0; }  ///< frame and the next, both of the window
   Vector3d Relative(int frame, int joint) const {
     return window_.state.position(frame, joint) - window_.state.position(frame, 0);

@@ -27,7 +27,7 @@ TrackProblem::TrackProblem(const TrackWindow& window)
     if (window.Joined(f)) AddStep(f);
   }
   if (free_bones_) AddBonePriors();
-  if (window.begin == 0) return;
+  if (!window.after_held) return;
   std::vector<double*> held{state_.translation(window.begin - 1)};
   for (int j = 0; j < state_.joints(); ++j) held.push_back(state_.rotation(window.begin - 1, j));
   for (double* block : held) {

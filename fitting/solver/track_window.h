@@ -11,8 +11,7 @@
 
 namespace mocurate {
 
-/// Frames [begin, end) of a fit, solved together: what FitJointTracks minimises, over the memory of a PoseState. Frame
-/// begin - 1, if there is one, is held and joins through smoothness; then bones must be fixed.
+/// Frames [begin, end) of a fit, solved together: what FitJointTracks minimises, over the memory of a PoseState.
 struct TrackWindow {
   const SkeletonTracks& tracks;
   PoseState& state;
@@ -22,9 +21,10 @@ struct TrackWindow {
   const JointTrackOptions& options;
   int begin = 0;
   int end = 0;
+  bool after_held = false;  ///< frame begin - 1 is held and joins through smoothness; then bones must be fixed
 
   /// First frame whose kinematics the window reads.
-  int first() const { return begin > 0 ? begin - 1 : 0; }
+  int first() const { return after_held ? begin - 1 : begin; }
   /// Seconds from a frame to the next; smoothed together only up to options.max_gap_s.
   double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
   bool Joined(int frame) const { return Step(frame) <= options.max_gap_s; }

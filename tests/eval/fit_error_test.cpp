@@ -141,6 +141,37 @@ TEST_F(FitErrors, APersonTurnedByFiveDegreesIsTurnedByFiveDegrees) {
   EXPECT_LT(scored.at("bone_direction_deg"), 5.0);  // a bone along the axis does not move
 }
 
+TEST_F(FitErrors, StatedUncertaintyCoversErrorsThatItDescribes) {
+  const Motion truth = Dancing(400, 6);
+  Motion fitted = truth;
+  fitted.rotation.clear();
+  fitted.root_translation.clear();
+  fitted.bone_length.clear();
+  Random random(5, "errors");
+  for (int f = 0; f < truth.frame_count(); ++f) {
+    for (int j = 0; j < truth.joint_count(); ++j) {
+      // Variances 1, 4 and 9 cm^2, x and y correlated by one half.
+      const double x = random.Normal();
+      const double y = 0.5 * x + std::sqrt(0.75) * random.Normal();
+      fitted.joints.at(f, j) += Vector3d(0.01 * x, 0.02 * y, 0.03 * random.Normal());
+      for (const float c : {1e-4F, 1e-4F, 0.0F, 4e-4F, 0.0F, 9e-4F}) fitted.position_cov.push_back(c);
+    }
+  }
+  const Clip fit = ClipOf(fitted, "a");
+  AddFit(fit);
+  AddTruth({{fit.id(), truth}});
+  const nlohmann::json scored = Scored();
+  EXPECT_NEAR(scored.at("within_one_sigma"), 0.683, 0.01);
+  EXPECT_NEAR(scored.at("within_two_sigma"), 0.954, 0.005);
+}
+
+TEST_F(FitErrors, AFitThatStatesNoUncertaintyHasNoCoverage) {
+  const Motion truth = Dancing(8, 6);
+  AddFit(ClipOf(truth, "a"));
+  AddTruth({{ClipOf(truth, "a").id(), truth}});
+  EXPECT_FALSE(Scored().contains("within_one_sigma"));
+}
+
 TEST_F(FitErrors, NoiseOfTheEvidenceIsMeasuredOnObservedSamplesOnly) {
   const Motion truth = Dancing(8, 3);
   const Clip fit = ClipOf(truth, "a");

@@ -47,7 +47,7 @@ class Window : public testing::TestWithParam<bool> {
   }
 
   TrackWindow Of(int begin, int end, Bones bones) {
-    return {take_.tracks, *state_, sigma_, prior_, bones, options_, begin, end};
+    return {take_.tracks, *state_, sigma_, prior_, bones, options_, begin, end, begin > 0};
   }
 
   /// Cost, gradient and J'J of the Ceres problem, unknowns in the order of TrackEquations.

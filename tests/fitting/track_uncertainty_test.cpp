@@ -1,0 +1,183 @@
+#include "fitting/uncertainty/track_uncertainty.h"
+
+#include <ceres/covariance.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "fitting/proportions.h"
+#include "fitting/solver/track_problem.h"
+#include "tests/fitting/takes.h"
+#include "tests/fitting/track_problems.h"
+
+namespace mocurate {
+namespace {
+
+Matrix3d CovarianceAt(const Motion& motion, int frame, int joint) {
+  const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint);
+  Matrix3d covariance;
+  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return covariance;
+}
+
+/// Shares of whitened error components within one and two standard deviations.
+struct Coverage {
+  int within_one = 0;
+  int within_two = 0;
+  int count = 0;
+
+  void Add(const Motion& motion, const JointPositions& truth) {
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      for (int j = 0; j < motion.joint_count(); ++j) {
+        const Eigen::LLT<Matrix3d> root(CovarianceAt(motion, f, j));
+        const Vector3d white = root.matrixL().solve(Vector3d(motion.joints.at(f, j) - truth.at(f, j)));
+        for (int i = 0; i < 3; ++i) {
+          within_one += std::abs(white[i]) < 1.0;
+          within_two += std::abs(white[i]) < 2.0;
+          ++count;
+        }
+      }
+    }
+  }
+  double one() const { return static_cast<double>(within_one) / count; }
+  double two() const { return static_cast<double>(within_two) / count; }
+};
+
+FitResult Fit(const Take& take, const JointTrackOptions& options = {}) {
+  auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  EXPECT_TRUE(fit.has_value()) << fit.error().Message();
+  return std::move(*fit);
+}
+
+float At(const std::vector<float>& values, const Motion& motion, int frame, int joint, int axis) {
+  return values[3 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint) + axis];
+}
+
+TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
+  Take take = SmoothTake(5);
+  AddNoise(take.tracks, 0.01, 8);
+  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const JointTrackOptions options;
+  PoseState state(*take.tracks.skeleton, 5, take.truth.bone_length,
+                  {true, true, true, true, true, false, true, true, false, true, false, true, false, false});
+  for (int f = 0; f < 5; ++f) {
+    Eigen::Map<Vector3d>(state.translation(f)) = take.truth.joints.at(f, 0);
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(take.truth.rotation_at(f, j));
+    }
+  }
+  const TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 5};
+  const auto uncertainty = UncertaintyOfTracks(window);
+  ASSERT_TRUE(uncertainty.has_value()) << uncertainty.error().Message();
+
+  TrackProblem problem(window);
+  ceres::Covariance::Options dense;
+  dense.algorithm_type = ceres::DENSE_SVD;
+  ceres::Covariance covariance(dense);
+  std::vector<std::pair<const double*, const double*>> blocks;
+  for (int f = 0; f < 5; ++f) {
+    blocks.emplace_back(state.translation(f), state.translation(f));
+    blocks.emplace_back(state.rotation(f, 3), state.rotation(f, 3));
+  }
+  ASSERT_TRUE(covariance.Compute(blocks, &problem.problem()));
+  for (int f = 0; f < 5; ++f) {
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
+    covariance.GetCovarianceBlock(state.translation(f), state.translation(f), block.data());
+    const float* root = uncertainty->position_cov.data() + 6 * (static_cast<std::size_t>(f) * 14);
+    EXPECT_NEAR(root[0], uncertainty->variance_factor * block(0, 0), 1e-5 * root[0]);
+    EXPECT_NEAR(root[4], uncertainty->variance_factor * block(1, 2), 1e-5 * root[0]);
+    covariance.GetCovarianceBlock(state.rotation(f, 3), state.rotation(f, 3), block.data());
+    const Matrix3d turned = state.right_jacobian(f, 3) * block * state.right_jacobian(f, 3).transpose();
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t at = 3 * (static_cast<std::size_t>(f) * 14 + 3) + i;
+      const double stated = std::pow(uncertainty->rotation_sigma[at], 2);
+      const double prior = stated / (1.0 - uncertainty->rotation_observed[at]);
+      // What the evidence adds to the prior, scaled by the a-posteriori variance.
+      const double expected = (1.0 / turned(i, i) - 1.0 / prior) / uncertainty->variance_factor;
+      EXPECT_NEAR(1.0 / stated - 1.0 / prior, expected, 1e-3 * expected);
+    }
+  }
+}
+
+TEST(TrackUncertainty, SaysThatTheTwistOfAStraightLimbIsNotObserved) {
+  Take take = SmoothTake(60);
+  for (int f = 0; f < 60; ++f) {
+    for (int j = 1; j < take.truth.joint_count(); ++j) take.truth.rotation_at(f, j).setIdentity();
+  }
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, take.truth.rotation,
+                          take.truth.bone_length);
+  take.tracks.positions = take.truth.joints;
+  const Motion motion = Fit(take).motion;
+  for (const int shoulder : {3, 6}) {  // arms straight out to the sides: twist is about x
+    EXPECT_LT(At(motion.rotation_observed, motion, 30, shoulder, 0), 0.1);
+    EXPECT_GT(At(motion.rotation_observed, motion, 30, shoulder, 1), 0.95);
+    EXPECT_GT(At(motion.rotation_observed, motion, 30, shoulder, 2), 0.95);
+    EXPECT_GT(At(motion.rotation_sigma, motion, 30, shoulder, 0), 0.3F);
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_GT(At(motion.rotation_observed, motion, 30, 0, i), 0.99);  // hips and chest fix the root
+    EXPECT_EQ(At(motion.rotation_observed, motion, 30, 5, i), 0.0F);  // nothing hangs on a wrist
+  }
+}
+
+TEST(TrackUncertainty, GrowsWhereAJointIsNotSeen) {
+  Take take = SmoothTake(90);
+  for (int f = 30; f < 60; ++f) Hide(take.tracks, f, 5);
+  AddNoise(take.tracks, 0.01, 4);
+  const Motion motion = Fit(take).motion;
+  EXPECT_GT(CovarianceAt(motion, 45, 5).trace(), 4.0 * CovarianceAt(motion, 15, 5).trace());
+  EXPECT_GT(CovarianceAt(motion, 45, 5).trace(), CovarianceAt(motion, 32, 5).trace());
+  EXPECT_LT(std::sqrt(CovarianceAt(motion, 45, 5).trace()), 0.5);  // it hangs on the elbow
+}
+
+TEST(TrackUncertainty, IsTheSameInWindows) {
+  Take take = SmoothTake(200);
+  AddNoise(take.tracks, 0.01, 4);
+  JointTrackOptions windows;
+  windows.window_frames = 70;
+  const Motion whole = Fit(take).motion;
+  const Motion parts = Fit(take, windows).motion;
+  for (int f = 0; f < 200; ++f) {
+    const double expected = CovarianceAt(whole, f, 8).trace();
+    EXPECT_NEAR(CovarianceAt(parts, f, 8).trace(), expected, 0.02 * expected) << "frame " << f;
+  }
+}
+
+TEST(TrackUncertainty, NeverExceedsThatOfAnAngleOfWhichNothingIsKnown) {
+  Take take = SmoothTake(3);
+  for (int j = 1; j < take.tracks.joints(); ++j) {
+    for (int f = 0; f < 3; ++f) Hide(take.tracks, f, j);
+  }
+  const Motion motion = Fit(take).motion;  // one joint says nothing about any rotation
+  for (const float sigma : motion.rotation_sigma) EXPECT_LE(sigma, 1.8139F);
+  for (const float observed : motion.rotation_observed) EXPECT_LT(observed, 0.01F);
+  EXPECT_TRUE(motion.Check().has_value());
+}
+
+class StatedUncertainty : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (ReferenceFolder().empty()) GTEST_SKIP() << "no reference problems: set MOCURATE_REFERENCE to their folder";
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Reference, StatedUncertainty,
+                         testing::Values("platform_seed0", "platform_seed1", "platform_seed2",
+                                         "platform_dropouts5_seed0", "platform_dropouts5_seed1"));
+
+/// A random walk allows for more than a smooth motion does: stated uncertainty is somewhat larger than the error.
+TEST_P(StatedUncertainty, CoversTheErrorWithoutExaggeration) {
+  const ReferenceProblem problem = ReadReferenceProblem(ReferenceFolder() / (std::string(GetParam()) + ".h5"));
+  const auto fit = FitJointTracks(problem.tracks, problem.rate, problem.bone_length, Bones::kFixed, {});
+  ASSERT_TRUE(fit.has_value());
+  Coverage coverage;
+  coverage.Add(fit->motion, problem.truth);
+  EXPECT_GT(coverage.one(), 0.68);
+  EXPECT_LT(coverage.one(), 0.76);
+  EXPECT_GT(coverage.two(), 0.95);
+  EXPECT_LT(coverage.two(), 0.98);
+}
+
+}  // namespace
+}  // namespace mocurate
