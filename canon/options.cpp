@@ -60,8 +60,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 7, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 8, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 5, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -38,8 +38,8 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
     auto dataset = ReadDataset(fitted->path);
     if (dataset) {
       if (dataset->clips.size() != 1) {
-        return Fail(ErrorCode::kInconsistent, std::to_string(dataset->clips.size()) + " clips, one expected",
-                    fitted->name);
+        return Fail(ErrorCode::kInconsistent,
+                    Counted(static_cast<long long>(dataset->clips.size()), "clip") + ", one expected", fitted->name);
       }
       findings = dataset->findings;
       return dataset->clips.front();
@@ -171,7 +171,7 @@ void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
   finding.value = static_cast<double>(rates.size());
   finding.message = "clips of";
   for (const auto& [rate, count] : rates) {
-    finding.message += " " + FormatDouble(rate) + " Hz (" + std::to_string(count) + ")";
+    finding.message += " " + RoundedText(rate, 6) + " Hz (" + std::to_string(count) + ")";
   }
   finding.message += " stand together: windows of equal frames last differently; canon.rate brings them to one";
   finding.action = "flagged";

@@ -1,6 +1,7 @@
 #include <map>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/store/store.h"
 #include "eval/options.h"
 #include "eval/protocols/draws.h"
@@ -52,7 +53,7 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options, const Recognise
   return {
       "Real motions: " + std::string(real[static_cast<int>(options.real)]) + ". Generated labels: " +
           (options.labels == LabelDraw::kUniform ? "uniform" : "as frequent as in the real set") + ". " +
-          std::to_string(options.repetitions) + " repetitions of " + std::to_string(options.motions) + " motions.",
+          Counted(options.repetitions, "repetition") + " of " + Counted(options.motions, "motion") + ".",
       std::string("The recogniser sees ") +
           (recogniser.input_kind() == RecogniserInputKind::kResample ? "whole clips resampled to " : "windows of ") +
           std::to_string(recogniser.input_frames()) + " frames, initial hidden state " +

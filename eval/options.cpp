@@ -16,7 +16,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");
 }
 
-StageDeclaration EvaluateDeclaration() { return {"evaluate", 4, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration EvaluateDeclaration() { return {"evaluate", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 2, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

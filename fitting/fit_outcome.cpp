@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/quality/measures.h"
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/solver/joint_track_fit.h"
@@ -78,7 +79,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   if (!fit.converged) {
     outcome.findings.push_back(
         Doubt("fit_not_converged", fit.iterations,
-              "the fit stopped after " + std::to_string(fit.iterations) + " iterations: " + fit.termination));
+              "the fit stopped after " + Counted(fit.iterations, "iteration") + ": " + fit.termination));
     outcome.kind = OutcomeKind::kDoubtful;
   }
   if (!(fit.residual_rms <= kLargeResidual)) {

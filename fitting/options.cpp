@@ -90,7 +90,7 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 2, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 3, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration FittingDeclaration() { return {"fitting", 4, "mocurate-annotate", SolverLimits()}; }
 

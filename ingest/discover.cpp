@@ -1,6 +1,7 @@
 #include "ingest/discover.h"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "core/base/file.h"
@@ -11,13 +12,35 @@
 namespace mocurate {
 namespace {
 
+constexpr std::size_t kMostCounted = 10000;  // files of a folder that is not looked into
+
 struct FolderFile {
   std::string name;  ///< below the folder, with '/', printable
   std::filesystem::path path;
+  std::string problem = {};  ///< why it cannot be read: a link that leads nowhere, a pipe
 };
 
-/// Files down to `depth` folders below `folder`, sorted by name.
-Expected<std::vector<FolderFile>> ListFiles(const std::filesystem::path& folder, int depth) {
+/// What lies below a folder down to a depth.
+struct Listing {
+  std::vector<FolderFile> files;  ///< sorted by name
+  std::map<std::string, std::size_t>
+      folders_below;  ///< folders that are deeper (and links to folders) -> files in them
+};
+
+/// At most one more than kMostCounted.
+std::size_t FilesBelow(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::size_t count = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code unknown;
+    if (!at->is_directory(unknown) && ++count > kMostCounted) break;
+  }
+  return count;
+}
+
+/// Files down to `depth` folders below `folder`. Links to folders are not followed.
+Expected<Listing> ListFiles(const std::filesystem::path& folder, int depth) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (folder.empty() || !fs::exists(folder, error)) {
@@ -28,22 +51,30 @@ Expected<std::vector<FolderFile>> ListFiles(const std::filesystem::path& folder,
     return Fail(ErrorCode::kUnreadable, "is no folder", DisplayPath(folder),
                 "ingest.path names the folder of the files");
   }
-  std::vector<FolderFile> files;
+  Listing listing;
   fs::recursive_directory_iterator at(folder, error);
   if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
   for (const fs::recursive_directory_iterator end; at != end;) {
     std::error_code unknown;
-    if (at->is_directory(unknown) && at.depth() >= depth) at.disable_recursion_pending();
-    if (at->is_regular_file(unknown)) {
-      files.push_back({DisplayPath(at->path().lexically_relative(folder)), at->path()});
+    const std::string name = DisplayPath(at->path().lexically_relative(folder));
+    const bool link = at->is_symlink(unknown);
+    if (at->is_directory(unknown)) {
+      if (at.depth() >= depth) at.disable_recursion_pending();
+      if (at.depth() >= depth || link) listing.folders_below[name] = FilesBelow(at->path());
+    } else if (link && !at->exists(unknown)) {
+      const std::string target = DisplayPath(fs::read_symlink(at->path(), unknown));
+      listing.files.push_back({name, at->path(), "is a link to '" + target + "', which does not exist"});
+    } else {
+      const bool regular = at->is_regular_file(unknown);
+      listing.files.push_back({name, at->path(), regular ? "" : "is no regular file"});
     }
     at.increment(error);
     if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
   }
-  std::sort(files.begin(), files.end(), [](const FolderFile& a, const FolderFile& b) {
+  std::sort(listing.files.begin(), listing.files.end(), [](const FolderFile& a, const FolderFile& b) {
     return a.name != b.name ? a.name < b.name : a.path.native() < b.path.native();
   });
-  return files;
+  return listing;
 }
 
 int DepthOf(const std::string& name) { return static_cast<int>(std::count(name.begin(), name.end(), '/')); }
@@ -133,10 +164,10 @@ Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& 
               "put it there, or mend ingest.source.skeleton_files");
 }
 
-ItemResult Refused(const std::string& item, const Error& why) {
+ItemResult Refused(const std::string& item, const char* code, const Error& why) {
   Finding finding;
   finding.clip = item;
-  finding.code = "skeleton_file_missing";
+  finding.code = code;
   finding.severity = Severity::kError;
   finding.message = why.what;
   finding.action = "left out";
@@ -146,6 +177,42 @@ ItemResult Refused(const std::string& item, const Error& why) {
   result.outcome.error = why;
   result.outcome.findings.push_back(std::move(finding));
   return result;
+}
+
+/// Files of a folder that lie where the pattern does not look: one line for all.
+ItemResult NotLookedAt(const std::string& folder, std::size_t files, const SourceOptions& source) {
+  const bool failed = source.other_files == OtherFiles::kError;
+  const std::string count =
+      files > kMostCounted ? "more than " + std::to_string(kMostCounted) + " files" : Counted(files, "file");
+  Finding finding;
+  finding.clip = folder;
+  finding.code = "folder_not_read";
+  finding.severity = failed ? Severity::kError : Severity::kWarning;
+  finding.value = static_cast<double>(files);
+  finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files in another place";
+  finding.action = "left out";
+  ItemResult result;
+  result.item = folder;
+  result.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kInconsistent, finding.message, folder,
+                               "links to folders are not followed; mend ingest.source.files, or set other_files"};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+/// Why there is nothing to ingest.
+Error NothingFound(const IngestOptions& options, const Discovery& discovery) {
+  const std::string where = DisplayPath(options.path);
+  const std::string none = "no file matches the pattern '" + options.source.files + "'";
+  const auto failed = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), [](const ItemResult& file) {
+    return file.outcome.kind == OutcomeKind::kRefused && file.outcome.error.code != ErrorCode::kInconsistent;
+  });
+  if (failed != discovery.left_out.end()) {
+    return {ErrorCode::kNotFound, "no file can be read; the first: " + failed->outcome.error.Message(), where, ""};
+  }
+  if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, "is it the right folder?"};
+  return {ErrorCode::kNotFound, none, where,
+          "e.g. '" + discovery.left_out.front().item + "' does not match; mend ingest.source.files or ingest.path"};
 }
 
 /// Annotations that speak of motions that are not there: one line for all.
@@ -192,8 +259,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       NamePattern::Parse(source.skeleton_files, "ingest.source.skeleton_files");
   if (!skeleton_pattern) return Forward(skeleton_pattern);
   const int depth = std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth()});
-  const Expected<std::vector<FolderFile>> files = ListFiles(options.path, depth);
-  if (!files) return Forward(files);
+  const Expected<Listing> listing = ListFiles(options.path, depth);
+  if (!listing) return Forward(listing);
+  const std::vector<FolderFile>& files = listing->files;
+  std::map<std::string, std::size_t> elsewhere = listing->folders_below;
 
   Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
   if (!babel) return Forward(babel);
@@ -201,12 +270,17 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   Discovery discovery;
   const bool has_depth = source.format == SourceFormat::kDepthSequence;
   const nlohmann::json stage_options = OptionsToJson(source);
-  for (const FolderFile& file : *files) {
+  for (const FolderFile& file : files) {
     if (only && only->count(file.name) == 0) continue;
     if (has_depth && depth_pattern->Match(file.name)) continue;
     if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
+    if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
     const bool matches = pattern->Match(file.name).has_value();
-    if (!matches && (source.other_files == OtherFiles::kIgnore || DepthOf(file.name) != pattern->depth())) continue;
+    if (!matches && source.other_files == OtherFiles::kIgnore) continue;
+    if (!matches && DepthOf(file.name) != pattern->depth()) {
+      ++elsewhere[DepthOf(file.name) == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
+      continue;
+    }
     const Expected<NamedFile> named = ReadName(source, file.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
@@ -218,28 +292,36 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       discovery.left_out.push_back(Excluded(named->item(), file.name, excluded->second));
       continue;
     }
+    if (!file.problem.empty()) {
+      const Error why{ErrorCode::kUnreadable, file.problem, file.name, "mend or remove it"};
+      discovery.left_out.push_back(Refused(named->item(), "unreadable_file", why));
+      continue;
+    }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
     if (!source.skeleton_files.empty()) {
-      if (Status added = AddSkeletonFile(*files, FillFields(source.skeleton_files, named->fields), item); !added) {
-        discovery.left_out.push_back(Refused(item.item, added.error()));
+      if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {
+        discovery.left_out.push_back(Refused(item.item, "skeleton_file_missing", added.error()));
         continue;
       }
     }
     if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
     if (has_depth) {
       discovery.truth.push_back(item);
-      AddDepthFiles(*files, *depth_pattern, *named, item);
+      AddDepthFiles(files, *depth_pattern, *named, item);
     }
     for (int body = 1; body <= named->bodies; ++body) {
+      const Expected<NamedFile> own = ReadName(source, file.name, body);
+      discovery.persons.insert(own ? own->identity.person : named->identity.person);
+      if (!named->style.empty()) discovery.styles.insert(named->style);
       discovery.items.push_back(body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body));
     }
   }
-  if (discovery.items.empty()) {
-    return Fail(ErrorCode::kNotFound, "no file matches the pattern '" + source.files + "'", DisplayPath(options.path),
-                discovery.left_out.empty() ? "is it the right folder?"
-                                           : "e.g. '" + discovery.left_out.front().item +
-                                                 "' does not match; mend ingest.source.files or ingest.path");
+  if (!only && source.other_files != OtherFiles::kIgnore) {
+    for (const auto& [folder, count] : elsewhere) {
+      if (count > 0) discovery.left_out.push_back(NotLookedAt(folder, count, source));
+    }
   }
+  if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery));
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
   const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
   std::sort(discovery.items.begin(), discovery.items.end(), by_item);

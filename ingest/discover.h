@@ -13,11 +13,14 @@ namespace mocurate {
 
 /// What a source folder holds: one item per clip for the stage `ingest` (item = clip id, input role "source"), and what
 /// became of every file that is no such item: kLeftOut when ingest.source.other_files says that such files are passed
-/// over, kRefused when it asks for an error or the name declares a label that there is not. One finding each.
+/// over, kRefused when it asks for an error or the name declares a label that there is not. One finding each; files
+/// that lie where the pattern does not look are one finding per folder, which counts them.
 struct Discovery {
   std::vector<ItemSpec> items;  ///< sorted by item
   std::vector<ItemResult> left_out;
-  std::vector<ItemSpec> truth;  ///< items for the stage `truth`, when the source knows its truth
+  std::set<std::string> persons;  ///< who performs in the items
+  std::set<std::string> styles;   ///< of the items, those that have one
+  std::vector<ItemSpec> truth;    ///< items for the stage `truth`, when the source knows its truth
 };
 
 /// Lists files; reads names, and of the contents only those of ingest.source.annotations. With `only`, files of other

@@ -57,7 +57,7 @@ Status CheckExtent(const Clip& clip, const std::string& name) {
     if (std::abs(joints.xyz[i]) <= kFarthest) continue;
     const std::size_t point = i / 3;
     return Fail(ErrorCode::kInconsistent,
-                "a joint is " + FormatDouble(joints.xyz[i]) + " m from the origin in frame " +
+                "a joint is " + RoundedText(joints.xyz[i], 6) + " m from the origin in frame " +
                     std::to_string(point / static_cast<std::size_t>(joints.joints)),
                 name, "is ingest.source.units right? Captures reach at most 1000 m");
   }

@@ -79,8 +79,8 @@ Status ScaleTraining(double budget, TrainOptions& options) {
   const double iterations = std::max(1.0, std::round(budget * static_cast<double>(options.generator.iterations)));
   if (!(iterations <= kMostIterations)) {
     return Fail(ErrorCode::kUsage,
-                FormatDouble(budget) + " times " + std::to_string(options.generator.iterations) +
-                    " iterations is more than a generator can be trained (1e8)",
+                RoundedText(budget) + " times " + Counted(options.generator.iterations, "iteration") +
+                    " is more than a generator can be trained (1e8)",
                 "--budget", "choose a smaller budget");
   }
   options.generator.iterations = static_cast<std::int64_t>(iterations);
@@ -88,11 +88,16 @@ Status ScaleTraining(double budget, TrainOptions& options) {
 }
 
 std::vector<std::string> TrainingNotes(const TrainOptions& options) {
-  if (!options.generator_enabled) return {};
+  std::vector<std::string> notes;
+  if (!options.seeds.empty()) {
+    notes.push_back("Recogniser: at most " + Counted(options.recogniser.epochs, "epoch") + " in batches of " +
+                    Counted(options.recogniser.batch, "clip") + ".");
+  }
+  if (!options.generator_enabled) return notes;
   const GeneratorOptions& generator = options.generator;
-  std::vector<std::string> notes = {
-      "Action2Motion: " + std::to_string(generator.iterations) + " iterations of " + std::to_string(generator.batch) +
-      " clips on " + (generator.all_clips ? "all clips, test clips included, as published." : "training clips only.")};
+  notes.push_back("Action2Motion: " + Counted(generator.iterations, "iteration") + " of " +
+                  Counted(generator.batch, "clip") + " on " +
+                  (generator.all_clips ? "all clips, test clips included, as published." : "training clips only."));
   if (generator.input != options.recogniser.input) {
     notes.emplace_back(
         "The generator learns windows and the recogniser sees whole clips (or the reverse): FID and accuracy of the "

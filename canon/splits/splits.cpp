@@ -7,6 +7,7 @@
 
 #include "core/base/random.h"
 #include "core/base/sha256.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -72,7 +73,7 @@ std::string RuleText(const SplitOptions& options, bool drawn) {
   std::string text = std::string("by ") + NameOf(options.by);
   if (drawn) text += ", drawn because the set has no other to test or to train";
   if (options.by == SplitBy::kPerson || options.by == SplitBy::kStyle) {
-    text += "; test: " + JoinNames(options.test);
+    text += options.test.empty() ? "; nobody tests" : "; test: " + JoinNames(options.test);
     if (!options.validation.empty()) text += "; validation: " + JoinNames(options.validation);
   }
   return text;
@@ -109,7 +110,7 @@ std::string LeakCheck(SplitBy by, const Dataset& dataset, const std::vector<Part
   if (leaks.empty() && repeated == 0) return "ok: no " + what + " and no equal clip in two parts";
   std::string text = "leaks:";
   if (!leaks.empty()) text += " in two parts: " + leaks + ";";
-  if (repeated > 0) text += " " + std::to_string(repeated) + " clips of equal content in two parts";
+  if (repeated > 0) text += " " + Counted(static_cast<long long>(repeated), "clip") + " of equal content in two parts";
   return text;
 }
 
@@ -160,8 +161,10 @@ Expected<SplitOptions> MeetGroups(const SplitOptions& options, const std::set<st
     absent.insert(absent.end(), gone, names->end());
     names->erase(gone, names->end());
   }
-  const std::string known = "the set has: " + JoinNames({groups.begin(), groups.end()});
   if (!absent.empty()) {
+    const std::vector<std::string> known_names(groups.begin(), groups.end());
+    const auto near = Nearest(absent.front(), known_names);
+    const std::string known = (near ? "did you mean '" + *near + "'? " : "") + "the set has: " + JoinNames(known_names);
     const std::string what = std::string("no clip has the ") + NameOf(options.by) + " '" + JoinNames(absent) + "'";
     if (options.absent == AbsentGroups::kRefuse) {
       return Fail(ErrorCode::kConfig, what, "assemble.splits." + options.name, known);

@@ -64,8 +64,8 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
   if (first > last) {
     const double fastest = speeds.empty() ? 0.0 : *std::max_element(speeds.begin(), speeds.end());
     findings.push_back(Dropped(clip, "never_moves", 0, motion.frame_count(), fastest,
-                               "fastest frame " + FormatDouble(fastest) + " m/s, trim.still_speed is " +
-                                   FormatDouble(options.still_speed) + " m/s"));
+                               "fastest frame " + RoundedText(fastest) + " m/s, trim.still_speed is " +
+                                   RoundedText(options.still_speed) + " m/s"));
     return {};
   }
   const int margin = static_cast<int>(std::lround(options.margin_s * motion.rate.hz()));
@@ -125,8 +125,8 @@ std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, st
     const double length_s = clip.motion->rate.FrameTime(span.end - span.begin);
     if (span.end - span.begin < 2 || length_s < options.min_length_s) {
       findings.push_back(Dropped(clip, "too_short", span.begin, span.end, length_s,
-                                 FormatDouble(length_s) + " s of '" + span.label + "', trim.min_length is " +
-                                     FormatDouble(options.min_length_s) + " s"));
+                                 RoundedText(length_s) + " s of '" + span.label + "', trim.min_length is " +
+                                     RoundedText(options.min_length_s) + " s"));
       continue;
     }
     kept.push_back(span);

@@ -75,6 +75,17 @@ std::string FormatDouble(double value) {
   return std::string(buffer, result.ptr);
 }
 
+std::string RoundedText(double value, int digits) {
+  char buffer[64];
+  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value, std::chars_format::scientific, digits - 1);
+  const std::optional<double> rounded = ParseDouble(std::string_view(buffer, result.ptr - buffer));
+  return FormatDouble(rounded.value_or(value));
+}
+
+std::string Counted(long long count, std::string_view noun) {
+  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
 std::string_view Trim(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return {};

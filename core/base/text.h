@@ -16,6 +16,12 @@ std::optional<long long> ParseInteger(std::string_view text);
 /// an exponent.
 std::string FormatDouble(double value);
 
+/// A number to be read by people, rounded to `digits` significant digits: 0.30000000000000004 -> "0.3".
+std::string RoundedText(double value, int digits = 4);
+
+/// A count with its noun in English: "1 clip", "2 clips", "0 clips".
+std::string Counted(long long count, std::string_view noun);
+
 std::string_view Trim(std::string_view text);
 std::vector<std::string_view> SplitText(std::string_view text, char separator);
 /// Fields between runs of blanks and tabs.

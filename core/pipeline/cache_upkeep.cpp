@@ -69,7 +69,7 @@ std::vector<std::string> Cache::Verify() const {
   return wrong;
 }
 
-Cache::Statistics Cache::Prune(double days) {
+Cache::Statistics Cache::Prune(double days, bool dry_run) {
   Statistics removed;
   std::set<fs::path> kept;
   std::vector<fs::path> artifacts;
@@ -80,7 +80,7 @@ Cache::Statistics Cache::Prune(double days) {
     } else if (UnusedFor(entry, days)) {
       removed.objects += 1;
       removed.bytes += BytesOf(entry);
-      fs::remove(entry, ignored);
+      if (!dry_run) fs::remove(entry, ignored);
     } else if (const std::optional<CacheRecord> record = ReadRecord(entry)) {
       kept.insert(entry.parent_path() / record->artifact);
     }
@@ -89,9 +89,9 @@ Cache::Statistics Cache::Prune(double days) {
   for (const fs::path& artifact : artifacts) {
     if (kept.count(artifact) > 0 || !UnusedFor(artifact, days)) continue;
     removed.bytes += BytesOf(artifact);
-    fs::remove_all(artifact, ignored);
+    if (!dry_run) fs::remove_all(artifact, ignored);
   }
-  PruneScratch(folder_, days);
+  if (!dry_run) PruneScratch(folder_, days);
   return removed;
 }
 

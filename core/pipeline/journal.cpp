@@ -21,19 +21,6 @@ tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, int problem
               DisplayPath(path), "free some space or make the folder writable, then run again to go on");
 }
 
-/// "2024-05-01T12:34:56.789Z"
-std::string TimeNow() {
-  struct timespec now {};
-  clock_gettime(CLOCK_REALTIME, &now);
-  struct tm parts {};
-  gmtime_r(&now.tv_sec, &parts);
-  char date[32];
-  char text[48];
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text, sizeof text, "%s.%03ldZ", date, now.tv_nsec / 1000000);
-  return text;
-}
-
 Status WriteWhole(int file, const std::filesystem::path& path, const std::string& text) {
   std::size_t done = 0;
   while (done < text.size()) {
@@ -46,6 +33,18 @@ Status WriteWhole(int file, const std::filesystem::path& path, const std::string
 }
 
 }  // namespace
+
+std::string TimeNow() {
+  struct timespec now {};
+  clock_gettime(CLOCK_REALTIME, &now);
+  struct tm parts {};
+  gmtime_r(&now.tv_sec, &parts);
+  char date[32];
+  char text[48];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text, sizeof text, "%s.%03ldZ", date, now.tv_nsec / 1000000);
+  return text;
+}
 
 Journal::Journal(Journal&& other) noexcept : file_(std::exchange(other.file_, -1)), path_(std::move(other.path_)) {}
 

@@ -2,10 +2,14 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/base/error.h"
 
 namespace mocurate {
+
+/// Now in UTC: "2024-05-01T12:34:56.789Z".
+std::string TimeNow();
 
 /// Append-only file of JSON lines; each line is one write, so that a kill leaves whole lines.
 class Journal {

@@ -53,8 +53,8 @@ Expected<FileLock> LockRunFolder(const fs::path& folder) {
 }
 
 std::string Summary(const StageReport& report) {
-  std::string text =
-      report.stage + ": " + std::to_string(report.items.size()) + " items, " + std::to_string(report.done) + " done";
+  std::string text = report.title() + ": " + Counted(static_cast<long long>(report.items.size()), "item") + ", " +
+                     std::to_string(report.done) + " done";
   const std::pair<int, const char*> parts[] = {{report.doubtful, " doubtful"},
                                                {report.left_out, " left out by rule"},
                                                {report.refused, " refused"},
@@ -94,11 +94,14 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
   return std::unique_ptr<Runner>(new Runner(std::move(impl)));
 }
 
-Expected<StageReport> Runner::Run(const StageDeclaration& stage, std::vector<ItemSpec> items) {
+Expected<StageReport> Runner::Run(const StageDeclaration& stage, std::vector<ItemSpec> items,
+                                  const std::string& branch) {
   StageRun run(*impl_, stage, std::move(items));
-  if (impl_->options.dry_run) return run.Foresee();
-  Expected<StageReport> report = run.Execute();
-  if (report) LogInfo(Summary(*report));
+  const bool dry_run = impl_->options.dry_run;
+  Expected<StageReport> report = dry_run ? run.Foresee() : run.Execute();
+  if (!report) return report;
+  report->branch = branch;
+  if (!dry_run) LogInfo(Summary(*report));
   return report;
 }
 

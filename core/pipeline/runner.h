@@ -39,9 +39,13 @@ struct ItemResult {
 
 struct StageReport {
   std::string stage;
+  std::string branch;             ///< which of several runs of the stage this is, in words; empty when there is one
   std::vector<ItemResult> items;  ///< in the order of the specs
   int done = 0, doubtful = 0, left_out = 0, refused = 0, crashed = 0, from_cache = 0;
   double seconds = 0.0;
+
+  /// "canon", or with a branch "canon (raw tracks)".
+  std::string title() const { return branch.empty() ? stage : stage + " (" + branch + ")"; }
 };
 
 /// Content-addressed cache: key -> artifact bytes + outcome. Visible means whole.
@@ -68,8 +72,8 @@ class Cache {
   Statistics Stat() const;
   /// Compares every artifact with its recorded hash; returns the keys that do not agree.
   std::vector<std::string> Verify() const;
-  /// Removes objects not used for `days`.
-  Statistics Prune(double days);
+  /// Removes objects not used for `days`; with `dry_run` only counts them.
+  Statistics Prune(double days, bool dry_run = false);
 
  private:
   std::filesystem::path folder_;
@@ -83,8 +87,9 @@ class Runner {
 
   /// Errors: kInterrupted after SIGINT/SIGTERM (items in flight are finished first), kCannotWrite, kMissingOnHost,
   /// kInternal. Failing items are in the report, not errors. With dry_run nothing is executed: `from_cache` tells which
-  /// items would be served; later stages whose inputs are unknown report zero items.
-  Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items);
+  /// items would be served; later stages whose inputs are unknown report zero items. `branch` tells several runs of one
+  /// stage apart in what people read.
+  Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items, const std::string& branch = {});
 
   const RunnerOptions& options() const;
 

@@ -2,6 +2,7 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
 #include "core/pipeline/wire.h"
 
 namespace mocurate {
@@ -208,7 +209,7 @@ Error StageRun::Interrupted() const {
   return {ErrorCode::kInterrupted,
           std::string("stopped by ") + Interruption::SignalName() + " in stage " + stage_.name + " after " +
               std::to_string(report_.done + report_.doubtful + report_.left_out + report_.refused + report_.crashed) +
-              " of " + std::to_string(items_.size()) + " items",
+              " of " + Counted(static_cast<long long>(items_.size()), "item"),
           {},
           "run the same command again to go on"};
 }

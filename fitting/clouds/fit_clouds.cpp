@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 
@@ -61,7 +62,7 @@ void ReportFramesWithoutPoints(const CloudTrack& track, FitResult& result) {
     finding.frame_begin = begin;
     finding.frame_end = end;
     finding.value = end - begin;
-    finding.message = "too few depth points in " + std::to_string(end - begin) + " frames";
+    finding.message = "too few depth points in " + Counted(end - begin, "frame");
     finding.action = "pose of the frame before, or after, kept";
     result.findings.push_back(finding);
     begin = end;

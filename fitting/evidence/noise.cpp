@@ -7,7 +7,9 @@ namespace mocurate {
 namespace {
 
 constexpr double kMadToSigma = 1.4826;
-constexpr double kSmallestSigma = 1e-4;
+/// Below, data outweigh the priors so far that the solver creeps along what they hardly determine (twist of straight
+/// limbs), and no tracker knows where a joint is to less.
+constexpr double kSmallestSigma = 1e-3;
 constexpr std::size_t kEnoughSamples = 10;
 
 /// Departures of frame f from the line between f-1 and f+1, scaled to the variance of one sample. Appends three.

@@ -16,7 +16,7 @@ struct NoiseEstimate {
 /// Noise from the tracks themselves, by medians (1.4826 MAD), the larger of two estimates per joint: what a frame
 /// departs from the line between its two neighbours in time (white noise), and what observed bones depart from
 /// `bone_length` (J, or empty: from their own median), which also sees wobble that a tracker has smoothed. Never below
-/// 0.1 mm.
+/// 1 mm, which is also what a capture without any noise gets.
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length);
 
 /// Median of numbers; 0 of none. Reorders them.

@@ -112,8 +112,8 @@ Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr&
     }
   }
   if (!anything) {
-    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + std::to_string(mapped.frames()) + " frames",
-                "tracks", "a clip without evidence cannot be fitted; drop it");
+    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + Counted(mapped.frames(), "frame"), "tracks",
+                "a clip without evidence cannot be fitted; drop it");
   }
   return mapped;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/evidence/outliers.h"
@@ -91,7 +92,7 @@ void ReportFramesWithoutEvidence(const SkeletonTracks& tracks, FitResult& result
     finding.frame_begin = begin;
     finding.frame_end = end;
     finding.value = end - begin;
-    finding.message = "no joint is seen in " + std::to_string(end - begin) + " frames";
+    finding.message = "no joint is seen in " + Counted(end - begin, "frame");
     finding.action = "interpolated";
     result.findings.push_back(finding);
     begin = end;
@@ -113,7 +114,7 @@ void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejec
     finding.severity = Severity::kInfo;
     finding.joint = tracks.skeleton->joints[j].name;
     finding.value = count;
-    finding.message = std::to_string(count) + " samples jump away from their neighbours in time";
+    finding.message = Counted(count, "sample") + " far from the neighbours in time";
     finding.action = "repaired";
     result.findings.push_back(finding);
   }

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "core/base/text.h"
 #include "ingest/sense/inspect.h"
 
 namespace mocurate {
@@ -56,7 +57,7 @@ std::string GroupText(const Json& group) {
   const Json& frames = group.at("frames");
   std::string text =
       (group.at("folder").get<std::string>().empty() ? "" : group.at("folder").get<std::string>() + "/: ") +
-      std::to_string(group.at("clips").get<std::size_t>()) + " clips, " + group.at("format").get<std::string>() + "\n";
+      Counted(group.at("clips").get<long long>(), "clip") + ", " + group.at("format").get<std::string>() + "\n";
   text += Line("frames",
                Text(frames.at("sum")) + " (" + Text(frames.at("min")) + " to " + Text(frames.at("max")) + " a clip)");
   text += Line("joints", Text(group.at("joints")));
@@ -84,8 +85,9 @@ std::string SceneText(const Json& inspection) {
   }
   for (const Json& cloud : inspection.at("clouds")) {
     text += "\n" + cloud.at("id").get<std::string>() + ": " + cloud.at("format").get<std::string>() + ", " +
-            cloud.at("points").dump() + " points, " + cloud.at("triangles").dump() + " triangles\n" +
-            Field("extent", cloud.at("extent")) + Field("units", cloud.at("units"));
+            Counted(cloud.at("points").get<long long>(), "point") + ", " +
+            Counted(cloud.at("triangles").get<long long>(), "triangle") + "\n" + Field("extent", cloud.at("extent")) +
+            Field("units", cloud.at("units"));
   }
   std::map<std::string, std::vector<const Json*>> companions;
   for (const Json& companion : inspection.at("companions")) {
@@ -124,7 +126,7 @@ std::string FindingsText(const Json& findings) {
 std::string InspectionText(const Json& inspection) {
   const Json& clips = inspection.at("clips");
   std::string text = inspection.at("path").get<std::string>() + ": " + inspection.at("format").get<std::string>() +
-                     ", " + std::to_string(clips.size()) + (clips.size() == 1 ? " clip\n" : " clips\n");
+                     ", " + Counted(static_cast<long long>(clips.size()), "clip") + "\n";
   if (clips.size() <= 2) {
     for (const Json& clip : clips) text += "\n" + ClipText(clip);
   } else {

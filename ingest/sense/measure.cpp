@@ -23,7 +23,7 @@ struct UnitOfLength {
 };
 constexpr UnitOfLength kUnits[] = {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"0.0564 m", 0.0564}};
 
-std::string Rounded(double value, double step) { return FormatDouble(std::round(value / step) * step); }
+std::string Rounded(double value, double step) { return RoundedText(std::round(value / step) * step, 9); }
 
 std::string Shown(double value) {
   if (!(value > 0.0)) return "0";

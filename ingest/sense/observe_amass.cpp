@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/npz.h"
 #include "ingest/sense/observe.h"
@@ -65,7 +66,7 @@ ObservedClip AmassClip(const Amass& amass) {
   clip.points = PointsOfMarkers(amass.marker_labels);
   if (unseen > 0) {
     clip.remarks.push_back({"markers_missing", Severity::kInfo, static_cast<double>(unseen),
-                            std::to_string(unseen) + " samples of markers are missing"});
+                            Counted(unseen, "sample") + " of markers missing"});
   }
   return clip;
 }

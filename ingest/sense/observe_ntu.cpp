@@ -43,7 +43,7 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
     }
   }
   clip.facts.emplace_back("body", std::to_string(id));
-  clip.layout_evidence = "counts of the file; the body is in " + std::to_string(present) + " frames";
+  clip.layout_evidence = "counts of the file; the body is in " + Counted(present, "frame");
   const double share = present == 0 ? 0.0 : static_cast<double>(inferred) / (present * kNtuJoints);
   if (inferred > 0) {
     clip.remarks.push_back({"inferred_joints", share > kManyInferred ? Severity::kWarning : Severity::kInfo, share,

@@ -132,8 +132,8 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
     const double end = whole ? duration_s : label.end_t.value_or(-1.0);
     if (!(begin >= 0.0 && begin < end && begin < duration_s)) {
       findings.push_back(Found("segment_times", begin,
-                               "'" + name + "' from " + FormatDouble(begin) + " s to " + FormatDouble(end) +
-                                   " s cannot be in a motion of " + FormatDouble(duration_s) + " s",
+                               "'" + name + "' from " + RoundedText(begin) + " s to " + RoundedText(end) +
+                                   " s cannot be in a motion of " + RoundedText(duration_s) + " s",
                                "left out"));
       continue;
     }
@@ -146,8 +146,7 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
     segments.push_back({begin, std::min(end, duration_s), name, CategoryOf(label), "annotated"});
   }
   if (withheld > 0) {
-    findings.push_back(
-        Found("label_withheld", withheld, std::to_string(withheld) + " labels have no name", "left out"));
+    findings.push_back(Found("label_withheld", withheld, Counted(withheld, "label") + " without a name", "left out"));
   }
   std::stable_sort(segments.begin(), segments.end(),
                    [](const Segment& a, const Segment& b) { return a.begin_s < b.begin_s; });

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
 #include "ingest/sources/source_file.h"
 
@@ -85,7 +86,7 @@ Finding BodiesLeftOut(const std::vector<Track>& tracks, const std::vector<std::s
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (std::find(chosen.begin(), chosen.end(), i) != chosen.end()) continue;
     which += (which.empty() ? "" : ", ") + std::to_string(tracks[i].id) + " in " +
-             std::to_string(tracks[i].frames.size()) + " frames";
+             Counted(static_cast<long long>(tracks[i].frames.size()), "frame");
   }
   Finding finding;
   finding.code = "bodies_left_out";
@@ -111,8 +112,8 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   if (own >= chosen.size()) {
     return Fail(ErrorCode::kInconsistent,
                 "body " + std::to_string(own + 1) + " of " + std::to_string(wanted) + " is not there: the file holds " +
-                    std::to_string(bodies.size()) + " body ids in " + std::to_string(skeleton->frames.size()) +
-                    " frames",
+                    Counted(static_cast<long long>(bodies.size()), "body id") + " in " +
+                    Counted(static_cast<long long>(skeleton->frames.size()), "frame"),
                 file.name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies");
   }
   const Track& body = bodies[chosen[own]];
@@ -139,7 +140,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
     }
   }
   if (!seen) {
-    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + std::to_string(frames) + " frames", file.name,
+    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + Counted(frames, "frame"), file.name,
                 "the tracker lost the person: leave the file out");
   }
   NoteEmptyFrames(tracks, ingested.findings);

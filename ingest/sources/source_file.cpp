@@ -111,7 +111,7 @@ void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>&
   finding.code = "rate_contradiction";
   finding.value = file_hz;
   finding.message = "the file says " + FormatDouble(std::round(file_hz * 1e4) / 1e4) + " Hz, the source declares " +
-                    FormatDouble(*source.rate_hz) + " Hz";
+                    RoundedText(*source.rate_hz, 6) + " Hz";
   finding.action = "the file's rate is used";
   findings.push_back(finding);
 }
@@ -132,7 +132,7 @@ void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings) 
     finding.frame_end = f;
     finding.value = finding.frame_end - finding.frame_begin;
     finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +
-                      std::to_string(frames) + " frames";
+                      Counted(frames, "frame");
     finding.action = "taken as missing";
     findings.push_back(std::move(finding));
   }

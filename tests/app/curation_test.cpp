@@ -104,6 +104,43 @@ TEST_F(Curated, AFileNameMayBeDeclaredAFailure) {
   EXPECT_EQ(LogOf("notes.doc")["decision"], "dropped");
 }
 
+TEST_F(Curated, ALinkThatLeadsNowhereIsAFailureOfThatFile) {
+  fs::remove(capture_ / (empty_ + ".txt"));
+  fs::create_symlink("nowhere.txt", capture_ / "wave_p09_r01.txt");
+  const Result result = Run({});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_EQ(LogOf("wave_p09_r01")["decision"], "dropped");
+  EXPECT_THAT(LogOf("wave_p09_r01")["reason"].get<std::string>(),
+              HasSubstr("is a link to 'nowhere.txt', which does not exist"));
+}
+
+TEST_F(Curated, FilesWhereThePatternDoesNotLookAreCountedByFolder) {
+  fs::remove(capture_ / (empty_ + ".txt"));
+  WriteText(capture_ / "more/day1/wave_p09_r01.txt", "");
+  WriteText(capture_ / "more/wave_p09_r02.txt", "");
+  fs::create_directory(capture_ / "empty");
+  const Result result = Run({});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json line = LogOf("more");
+  EXPECT_EQ(line["decision"], "left_out");
+  EXPECT_EQ(line["rule"], "folder_not_read");
+  EXPECT_EQ(line["findings"][0]["value"], 2.0);
+  EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("not looked at: 2 files"));
+  EXPECT_THAT(ReadText(folder_ / "r/curation_log.jsonl"), ::testing::Not(HasSubstr("\"empty\"")));
+  EXPECT_EQ(Run({"ingest.source.other_files=ignore"}, {"--json"}).Json()["left_out"], 1) << "the brief clip";
+}
+
+TEST(Capture, WithoutNoiseEveryFitConverges) {
+  const Folder folder;
+  std::vector<std::string> arguments = SmallJob(folder, "r");
+  arguments.insert(arguments.end(), {"--json", "--set", "ingest.synthetic.noise=0", "--set",
+                                     "ingest.synthetic.dropout=0", "--set", "ingest.synthetic.outlier=0"});
+  const Result result = RunProgram(folder, arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_FALSE(result.Json()["findings"].contains("fit_not_converged")) << result.Json()["findings"];
+  EXPECT_LT(result.Json()["fit_error"]["joint_mm"], 0.2);
+}
+
 TEST(Capture, FilesOfOthersInTheFolderOfARunStayAndAreNotRead) {
   const Folder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm")).exit_code, 0);

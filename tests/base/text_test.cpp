@@ -28,6 +28,20 @@ void ExpectNumbersReadAndWritten() {
   EXPECT_EQ(FormatDouble(100000.0), "100000");
 }
 
+TEST(Text, NumbersForPeopleAreRoundedToTheirSignificantDigits) {
+  EXPECT_EQ(RoundedText(0.1 + 0.2), "0.3");
+  EXPECT_EQ(RoundedText(120000.0 / 1001.0), "119.9");
+  EXPECT_EQ(RoundedText(-1234567.0), "-1235000");
+  EXPECT_EQ(RoundedText(0.0), "0");
+  EXPECT_EQ(RoundedText(2.0 / 3.0, 2), "0.67");
+}
+
+TEST(Text, CountsAgreeWithTheirNouns) {
+  EXPECT_EQ(Counted(1, "clip"), "1 clip");
+  EXPECT_EQ(Counted(0, "clip"), "0 clips");
+  EXPECT_EQ(Counted(12, "clip"), "12 clips");
+}
+
 TEST(Text, ReadsAndWritesNumbers) { ExpectNumbersReadAndWritten(); }
 
 TEST(Text, NumbersDoNotDependOnTheLocale) {

@@ -202,7 +202,7 @@ TEST(Split, EqualClipsOfTwoPersonsLeak) {
   options.test = {"p2"};
   const auto split = MakeSplit(options, dataset, findings);
   ASSERT_TRUE(split);
-  EXPECT_THAT(split->leak_check, HasSubstr("1 clips of equal content"));
+  EXPECT_THAT(split->leak_check, HasSubstr("1 clip of equal content"));
 }
 
 TEST(Split, APersonThatDoesNotExistCanBeAnErrorThatListsTheOthers) {
@@ -226,7 +226,7 @@ TEST(Split, OneFileUnderTwoPersonsNamesLeaksThoughItsFitsDiffer) {
   std::vector<Finding> findings;
   EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("ok"));
   for (Clip& clip : dataset.clips) clip.evidence_sha256 = std::string(64, 'a');
-  EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("1 clips of equal content"));
+  EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("1 clip of equal content"));
 }
 
 TEST(Split, OtherPersonsOfTheSameSourceAreDrawnAndThatIsSaid) {

@@ -105,8 +105,18 @@ TEST(TrainingBudget, MultipliesTheGeneratorsIterationsAndStaysInRange) {
   EXPECT_EQ(options.generator.iterations, 1000);
 }
 
+TEST(TrainingNotes, SayHowLongEachNetworkIsTrained) {
+  TrainOptions options;
+  options.recogniser.epochs = 1;
+  options.generator.iterations = 300;
+  const std::vector<std::string> notes = TrainingNotes(options);
+  EXPECT_EQ(notes.at(0), "Recogniser: at most 1 epoch in batches of 32 clips.");
+  EXPECT_NE(notes.at(1).find("300 iterations of 128 clips"), std::string::npos);
+}
+
 TEST(TrainingNotes, SayWhetherTestClipsWereTrainedOnAndWhetherRowsAreAlike) {
   TrainOptions options;
+  options.seeds.clear();
   options.generator.all_clips = true;
   EXPECT_NE(TrainingNotes(options).at(0).find("test clips included"), std::string::npos);
   options.generator.input = options.recogniser.input;
