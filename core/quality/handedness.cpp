@@ -6,10 +6,37 @@
 namespace mocurate {
 namespace {
 
-constexpr double kBentKnee = 0.7;      // rad: below it a tracker's straight leg bends either way by noise
+constexpr double kHinge = 0.6;         // cosine between a knee's hinge and the axis of the hips
+constexpr double kPointingFoot = 0.2;  // sine between the foot's direction and the plane of shank and hips
 constexpr double kReachingHand = 0.3;  // sine between the hand's direction and the plane of the trunk
-constexpr double kDecided = 0.4;       // least weighted sum that is an answer
+constexpr double kOpinion = 0.15;      // least share of agreement, times weight, of a part that is listened to
+constexpr double kDecided = 0.5;       // least weighted sum of parts that agree
+constexpr double kNearlyAlways = 0.95;
 constexpr double kTiny = 1e-9;
+
+/// How far joints are to be believed.
+struct Trust {
+  double bent_knee;  ///< rad, least that counts
+  int fewest_votes;  ///< of a part that is listened to
+  int many_votes;    ///< of one that is believed alone
+  double alone;      ///< part of Part::alone_share that is wanted
+};
+/// Depth trackers bend straight legs backwards by up to 0.9 rad, in many frames on end.
+constexpr Trust kTracked{1.0, 4, 30, 1.0};
+/// Motion of fixed bones: markers, sensors, fits.
+constexpr Trust kFixedBones{0.5, 2, 2, 0.5};
+constexpr double kFixed = 1e-3;  // relative change of a fixed bone's length: files round
+
+/// How much of a clip a part of the body must cover.
+struct Part {
+  const char* name;
+  double weight;
+  double full_share;   ///< of frames and sides, for the full weight
+  double alone_share;  ///< to be believed without another part
+};
+constexpr Part kFeet{"feet", 1.0, 0.5, 0.7};
+constexpr Part kKnees{"knees", 1.0, 0.2, 0.3};
+constexpr Part kHands{"hands", 0.7, 0.3, 0.4};
 
 /// Frames of a clip as seen by one part of the body.
 struct Tally {
@@ -56,15 +83,37 @@ std::optional<Vector3d> Up(const Frame& frame, const HandednessPoints& p) {
   return std::nullopt;
 }
 
+/// Whether thighs and shanks keep their length in all frames that show them, at least two.
+bool HasFixedBones(const JointPositions& positions, const HandednessPoints& p, const std::vector<double>* confidence) {
+  for (int side = 0; side < 2; ++side) {
+    for (const auto& [from, to] : {std::pair{p.hip[side], p.knee[side]}, {p.knee[side], p.ankle[side]}}) {
+      double shortest = 1e300, longest = 0.0;
+      int seen = 0;
+      for (int f = 0; f < positions.frames; ++f) {
+        const Frame frame(positions, confidence, f);
+        if (!frame.Has(from) || !frame.Has(to)) continue;
+        const double length = (frame.At(to) - frame.At(from)).norm();
+        shortest = std::min(shortest, length);
+        longest = std::max(longest, length);
+        ++seen;
+      }
+      if (seen < 2 || !(longest - shortest <= kFixed * longest)) return false;
+    }
+  }
+  return true;
+}
+
 /// A knee flexes so that thigh x shank points to the person's left in a right-handed frame.
-void AddKnees(const Frame& frame, const HandednessPoints& p, const Vector3d& right, Tally& tally) {
+void AddKnees(const Frame& frame, const HandednessPoints& p, const Vector3d& right, double bent_knee, Tally& tally) {
   for (int side = 0; side < 2; ++side) {
     if (!frame.Has(p.hip[side]) || !frame.Has(p.knee[side]) || !frame.Has(p.ankle[side])) continue;
     const auto thigh = frame.Direction(p.hip[side], p.knee[side]);
     const auto shank = frame.Direction(p.knee[side], p.ankle[side]);
     if (!thigh || !shank) continue;
     const Vector3d hinge = thigh->cross(*shank);
-    if (std::atan2(hinge.norm(), thigh->dot(*shank)) > kBentKnee) tally.Add(right.dot(hinge));
+    if (std::atan2(hinge.norm(), thigh->dot(*shank)) <= bent_knee) continue;
+    const double score = right.dot(hinge);
+    if (std::abs(score) > kHinge * hinge.norm()) tally.Add(score);
   }
 }
 
@@ -75,7 +124,7 @@ void AddFeet(const Frame& frame, const HandednessPoints& p, const Vector3d& righ
     const auto front = frame.Direction(p.ankle[side], p.toe[side]);
     if (!up || !front) continue;
     const double score = right.dot(up->cross(*front));
-    if (std::abs(score) > 0.2) tally.Add(score);
+    if (std::abs(score) > kPointingFoot) tally.Add(score);
   }
 }
 
@@ -92,15 +141,36 @@ void AddHands(const Frame& frame, const HandednessPoints& p, const Vector3d& up,
   }
 }
 
-/// `possible` is the number of votes if every frame had an opinion; a share of `full_share` gives the full weight.
-HandednessCue Cue(const char* name, const Tally& tally, int possible, double full_share, double weight) {
+/// `possible` is the number of votes if every frame and side had an opinion.
+HandednessCue Cue(const Part& part, const Tally& tally, int possible) {
   HandednessCue cue;
-  cue.name = name;
+  cue.name = part.name;
   cue.frames = tally.votes;
   if (tally.votes == 0) return cue;
+  cue.share = static_cast<double>(tally.votes) / possible;
   cue.score = tally.sum / tally.votes;
-  cue.weight = weight * std::min(1.0, tally.votes / (full_share * possible));
+  cue.weight = part.weight * std::min(1.0, cue.share / part.full_share);
   return cue;
+}
+
+bool HasOpinion(const HandednessCue& cue, const Trust& trust) {
+  return cue.frames >= trust.fewest_votes && std::abs(cue.score) * cue.weight >= kOpinion;
+}
+
+bool IsFirm(const HandednessCue& cue, const Trust& trust) {
+  return std::abs(cue.score) >= kNearlyAlways && cue.frames >= trust.many_votes;
+}
+
+bool IsOverwhelming(const HandednessCue& cue, const Trust& trust) {
+  const Part& part = cue.name == kFeet.name ? kFeet : cue.name == kKnees.name ? kKnees : kHands;
+  return IsFirm(cue, trust) && cue.share >= trust.alone * part.alone_share;
+}
+
+/// Hands may reach anywhere, behind a person who lies too: firm feet and knees that agree overrule them.
+bool OverruleHands(const std::vector<HandednessCue>& cues, const Trust& trust) {
+  const HandednessCue& feet = cues[0];
+  const HandednessCue& knees = cues[1];
+  return IsFirm(feet, trust) && IsFirm(knees, trust) && feet.score * knees.score > 0.0;
 }
 
 std::string Words(const HandednessCue& cue) {
@@ -110,6 +180,33 @@ std::string Words(const HandednessCue& cue) {
                                            : (left ? "hands reach behind the back" : "hands reach to the front");
   const int share = static_cast<int>(std::lround(50.0 * (1.0 + std::abs(cue.score))));
   return words + " (" + std::to_string(share) + " % of " + std::to_string(cue.frames) + ")";
+}
+
+/// From the cues: what is told, how sure, and why.
+void Decide(const Trust& trust, HandednessMeasure& measure) {
+  double sum[2] = {0.0, 0.0};  // for right, for left
+  int parts[2] = {0, 0};
+  bool overwhelming = false;
+  for (const HandednessCue& cue : measure.cues) {
+    if (!HasOpinion(cue, trust)) continue;
+    const int side = cue.score > 0.0 ? 1 : 0;
+    if (cue.name == kHands.name && parts[1 - side] > 0 && OverruleHands(measure.cues, trust)) continue;
+    sum[side] += std::abs(cue.score) * cue.weight;
+    ++parts[side];
+    overwhelming = overwhelming || IsOverwhelming(cue, trust);
+    measure.evidence += (measure.evidence.empty() ? "" : ", ") + Words(cue);
+  }
+  if (parts[0] > 0 && parts[1] > 0) {
+    measure.evidence += ": they contradict each other";
+    return;
+  }
+  const int side = parts[1] > 0 ? 1 : 0;
+  if (sum[side] < kDecided || (parts[side] < 2 && !overwhelming)) {
+    if (parts[side] > 0) measure.evidence += ": too little to tell";
+    return;
+  }
+  measure.confidence = std::min(1.0, sum[side]);
+  measure.handedness = side == 1 ? Handedness::kLeft : Handedness::kRight;
 }
 
 }  // namespace
@@ -136,12 +233,13 @@ HandednessPoints FindHandednessPoints(const std::function<std::optional<int>(std
 
 HandednessMeasure MeasureHandedness(const JointPositions& positions, const HandednessPoints& points,
                                     const std::vector<double>* confidence) {
+  const Trust& trust = HasFixedBones(positions, points, confidence) ? kFixedBones : kTracked;
   Tally knees, feet, hands;
   for (int f = 0; f < positions.frames; ++f) {
     const Frame frame(positions, confidence, f);
     if (frame.Has(points.hip)) {
       if (const auto right = frame.Direction(points.hip[0], points.hip[1])) {
-        AddKnees(frame, points, *right, knees);
+        AddKnees(frame, points, *right, trust.bent_knee, knees);
         AddFeet(frame, points, *right, feet);
       }
     }
@@ -149,17 +247,8 @@ HandednessMeasure MeasureHandedness(const JointPositions& positions, const Hande
   }
   const int possible = 2 * std::max(1, positions.frames);
   HandednessMeasure measure;
-  measure.cues = {Cue("feet", feet, possible, 0.5, 1.0), Cue("knees", knees, possible, 0.2, 1.0),
-                  Cue("hands", hands, possible, 0.3, 0.7)};
-  double sum = 0.0;
-  for (const HandednessCue& cue : measure.cues) sum += cue.weight * cue.score;
-  measure.confidence = std::min(1.0, std::abs(sum));
-  if (measure.confidence >= kDecided) measure.handedness = sum > 0.0 ? Handedness::kLeft : Handedness::kRight;
-  for (const HandednessCue& cue : measure.cues) {
-    if (cue.weight == 0.0 || (cue.score > 0.0) != (sum > 0.0)) continue;
-    if (!measure.evidence.empty()) measure.evidence += ", ";
-    measure.evidence += Words(cue);
-  }
+  measure.cues = {Cue(kFeet, feet, possible), Cue(kKnees, knees, possible), Cue(kHands, hands, possible)};
+  Decide(trust, measure);
   return measure;
 }
 

@@ -28,23 +28,28 @@ HandednessPoints FindHandednessPoints(const std::function<std::optional<int>(std
 /// What one part of the body says. `score` in [-1, 1]: -1 as in a right-handed frame, +1 as in a left-handed one (or
 /// with left and right exchanged); `weight` in [0, 1] grows with the share of frames in which the part says anything.
 struct HandednessCue {
-  std::string name;  ///< "feet", "knees", "hands"
-  int frames = 0;    ///< frames (times sides) with an opinion
+  std::string name;    ///< "feet", "knees", "hands"
+  int frames = 0;      ///< frames (times sides) with an opinion
+  double share = 0.0;  ///< the same, of all frames and sides
   double score = 0.0;
   double weight = 0.0;
 };
 
 struct HandednessMeasure {
   std::optional<Handedness> handedness;  ///< empty: the motion does not tell
-  double confidence = 0.0;               ///< in [0, 1]
+  double confidence = 0.0;               ///< in [0, 1]; 0 where it does not tell
   std::vector<HandednessCue> cues;
-  /// In words what speaks against a right-handed frame ("knees bend backwards (in 97 % of 312 frames)"), or for it.
+  /// In words what the parts say ("knees bend backwards (97 % of 312)"); where they contradict each other, both.
   std::string evidence;
 };
 
 /// Handedness by anatomy: with r from the left to the right hip (shoulder), u up along the trunk and f to the front,
 /// the determinant of (r, u, f) is negative in a right-handed frame. To the front point the toes, the hinge of a knee
-/// bent by more than 40 degrees, and hands that reach away from the trunk. Any rotated frame gives the same answer.
+/// bent about the axis of the hips, and hands that reach away from the trunk. Any rotated frame
+/// gives the same answer. Told is what two parts of the body say and none denies (feet and knees overrule hands), or
+/// one part nearly always and in most frames. Where thighs and shanks change their length, joints are those of a depth
+/// tracker, which bends straight legs backwards by up to 50 degrees: knees count from 57 degrees on, else from 29, and
+/// more frames are wanted.
 /// `confidence` (frames*K) may be null; points with confidence 0 are not read.
 HandednessMeasure MeasureHandedness(const JointPositions& positions, const HandednessPoints& points,
                                     const std::vector<double>* confidence = nullptr);

@@ -15,6 +15,16 @@ Expected<ObservedFile> Clips(Expected<std::vector<ObservedClip>> clips) {
   return file;
 }
 
+/// Motions on a tree, which a source of `format` has to know.
+Expected<ObservedFile> Trees(Expected<std::vector<ObservedClip>> clips, const std::optional<SourceOptions>& source,
+                             SourceFormat format) {
+  if (!clips) return Forward(clips);
+  for (ObservedClip& clip : *clips) {
+    if (source && source->format == format) CompareTree(*source, clip);
+  }
+  return Clips(std::move(clips));
+}
+
 Expected<ObservedFile> Cloud(Expected<ObservedCloud> cloud) {
   if (!cloud) return Forward(cloud);
   ObservedFile file;
@@ -79,7 +89,7 @@ Expected<ObservedFile> TableIn(const FileBytes& file, const std::optional<Source
 Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source) {
   switch (KindOf(file.bytes)) {
     case FileKind::kBvh:
-      return Clips(ObserveBvh(file.bytes, file.name));
+      return Trees(ObserveBvh(file.bytes, file.name), source, SourceFormat::kBvh);
     case FileKind::kNpy:
       return Clips(ObserveNpy(file.bytes, file.name, source));
     case FileKind::kNumbers:
@@ -89,7 +99,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kAsf:
       return ObserveAsf(file);
     case FileKind::kAmc:
-      return Clips(ObserveAmc(file));
+      return Trees(ObserveAmc(file), source, SourceFormat::kAsfAmc);
     case FileKind::kOpenSim:
       return Clips(ObserveOpenSim(file.bytes, file.name));
     case FileKind::kZip:

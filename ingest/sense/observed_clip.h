@@ -31,6 +31,7 @@ struct ObservedClip {
   JointPositions positions;        ///< empty where the file holds none, or only with what it does not hold
   std::vector<double> confidence;  ///< (frames*joints); 0: missing
   std::vector<std::string> names;  ///< (joints), or empty: unknown
+  std::vector<int> parents;        ///< (joints) where the file holds a tree; -1 for the root
   HandednessPoints points;
   std::optional<double> rate_hz;        ///< where the file says it
   std::string rate_evidence;            ///< where it says it, or what is known besides the file
@@ -63,5 +64,8 @@ void FollowFormat(const std::string& skeleton, const std::vector<std::string>& j
 /// A tree with names: a skeleton of configs/skeletons if all its names are that one's, else one of the file's own.
 /// Names and their number must be set; points are set.
 void FollowTree(const std::vector<int>& parents, const std::string& evidence, ObservedClip& clip);
+/// A remark "joints_contradiction" where the tree of the clip is not that of the source's skeleton, as ingest would
+/// need it: joints that are missing, joints that it does not have, joints that hang elsewhere.
+void CompareTree(const SourceOptions& source, ObservedClip& clip);
 
 }  // namespace mocurate

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "ingest/sense/tree_points.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -28,6 +29,19 @@ struct BodyPoints {
   }
 };
 
+/// By the names that all skeletons share, or, in a tree of a file's own, by what its names look like.
+HandednessPoints PointsOf(const Skeleton& skeleton) {
+  const HandednessPoints known = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
+  if (known.knee[0] >= 0 && known.knee[1] >= 0) return known;
+  std::vector<std::string> names;
+  std::vector<int> parents;
+  for (const Joint& joint : skeleton.joints) {
+    names.push_back(joint.name);
+    parents.push_back(joint.parent);
+  }
+  return PointsOfTree(names, parents);
+}
+
 std::optional<BodyPoints> PointsOf(const SourceOptions& source, const Clip& clip) {
   if (clip.evidence.tracks) {
     const JointTracks& tracks = *clip.evidence.tracks;
@@ -43,9 +57,7 @@ std::optional<BodyPoints> PointsOf(const SourceOptions& source, const Clip& clip
     return BodyPoints{&tracks.positions, &tracks.confidence, FindHandednessPoints(find)};
   }
   if (!clip.motion) return std::nullopt;
-  const Skeleton& skeleton = *clip.motion->skeleton;
-  const auto find = [&](std::string_view name) { return skeleton.FindJoint(name); };
-  return BodyPoints{&clip.motion->joints, nullptr, FindHandednessPoints(find)};
+  return BodyPoints{&clip.motion->joints, nullptr, PointsOf(*clip.motion->skeleton)};
 }
 
 double Median(std::vector<double> values) {

@@ -84,7 +84,8 @@ void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>&
 
 /// Compares what the body shows with the declaration, after it was brought to metres and canonical axes. Appends
 /// findings (error): "units_contradiction" (nobody is that tall), "up_contradiction" (the head is below the feet),
-/// "handedness_contradiction" (knees, feet or hands point backwards). Reads tracks, else the motion.
+/// "handedness_contradiction" (knees, feet or hands point backwards). Reads tracks, else the motion, of a tree without
+/// known names by what its names look like.
 void CheckBody(const SourceOptions& source, IngestedClip& ingested);
 
 /// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.

@@ -218,6 +218,32 @@ TEST_F(Inspection, AWrongDeclarationIsContradictedByTheMotion) {
   EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::Contains("joint_order_contradiction"));
 }
 
+TEST_F(Inspection, ATreeThatIsNotTheDeclaredOneNamesTheJointsThatDiffer) {
+  NEEDS_DATA();
+  SourceOptions source;
+  source.name = "bandai2";
+  source.format = SourceFormat::kBvh;
+  source.files = "{clip}.bvh";
+  source.units = "cm";
+  source.axes = "+x +y +z";
+  source.skeleton = "bandai22";
+  const auto contradictions = [&](const fs::path& path) {
+    std::vector<std::string> messages;
+    const Json inspection = InspectPath(path, source);
+    for (const Json& finding : inspection.at("findings")) {
+      if (finding.at("code") == "joints_contradiction") messages.push_back(finding.at("message"));
+    }
+    return messages;
+  };
+  EXPECT_THAT(contradictions(DataFolder() / "bvh/bandai2/dataset-2_walk_normal_001.bvh"), ::testing::IsEmpty());
+  const auto walk = contradictions(DataFolder() / "bvh/misc/olafhaag_walk01.bvh");
+  ASSERT_EQ(walk.size(), 1u);
+  EXPECT_THAT(walk[0], ::testing::HasSubstr("not that of the declared skeleton 'bandai22'"));
+  EXPECT_THAT(walk[0], ::testing::HasSubstr("of its 22 joints are not in the file: joint_Root"));
+  EXPECT_THAT(walk[0], ::testing::HasSubstr("of the file's 19 are not in it"));
+  EXPECT_EQ(contradictions(DataFolder() / "bvh/misc").size(), 10u);
+}
+
 TEST_F(Inspection, TheStudiosFilesAreRecognisedAsDeclared) {
   SyntheticOptions options;
   options.actions = {"squat", "kick"};

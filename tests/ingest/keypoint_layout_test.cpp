@@ -159,6 +159,9 @@ TEST_F(Trials, ReprojectAsThePlainImplementationDid) {
     std::size_t frames;
     double median_px, p90_px, share;
   };
+  // Bounds are those of the data's own description, with one exception: of static_p1 it says 9.1 px for nine in ten,
+  // plain linear triangulation gives 9.22 px here, and the bound stands at 9.3 px. What makes the difference is not
+  // known.
   for (const Numbers& expected : {Numbers{"single", 80, 8.5, 17.0, 0.79}, Numbers{"static_p1", 12, 4.6, 9.3, 0.835},
                                   Numbers{"static_p2", 12, 4.5, 6.2, 0.835}}) {
     std::vector<double> errors, thighs;

@@ -10,10 +10,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The motion is judged left-handed in so many clips of these right-handed sources: they are flagged, not mirrored.
-constexpr int kMisjudgedMsr = 1;
-constexpr int kMisjudgedFlorence = 2;
-
 /// What ingesting a whole source gives.
 struct Whole {
   int clips = 0, frames = 0, doubtful = 0, refused = 0;
@@ -71,7 +67,7 @@ TEST_F(KinectTables, MsrAction3dWithoutTheTenClipsOfItsPapers) {
   const Whole whole = IngestAll("msr_action3d");
   EXPECT_EQ(whole.clips, 440);
   EXPECT_EQ(whole.refused, 0);
-  EXPECT_LE(whole.doubtful, kMisjudgedMsr);
+  EXPECT_EQ(whole.doubtful, 0);
   EXPECT_EQ(whole.people.size(), 8u);
   EXPECT_EQ(whole.labels.size(), 20u);
 }
@@ -114,7 +110,7 @@ TEST_F(KinectTables, Florence3dIsOneHundredSeventyThreeClips) {
   EXPECT_EQ(whole.clips, 173);
   EXPECT_EQ(whole.frames, 3096);
   EXPECT_EQ(whole.refused, 0);
-  EXPECT_LE(whole.doubtful, kMisjudgedFlorence);
+  EXPECT_EQ(whole.doubtful, 0);
   EXPECT_EQ(whole.people.size(), 8u);
   EXPECT_EQ(whole.labels.size(), 9u);
   const Clip& clip = whole.by_item.at("florence3d/s1/a01_s1_id1").clip;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 namespace mocurate {
@@ -47,6 +48,22 @@ JointPositions Applied(const Matrix3d& matrix, JointPositions positions) {
   return positions;
 }
 
+/// As a depth tracker sees it: lengths change from frame to frame.
+JointPositions Tracked(JointPositions positions) {
+  for (int f = 1; f < positions.frames; f += 2) {
+    for (int j = 0; j < positions.joints; ++j) positions.at(f, j) *= 1.02;
+  }
+  return positions;
+}
+
+JointPositions Longer(const JointPositions& positions, int times) {
+  JointPositions longer(positions.frames * times, positions.joints);
+  for (int f = 0; f < longer.frames; ++f) {
+    for (int j = 0; j < positions.joints; ++j) longer.at(f, j) = positions.at(f % positions.frames, j);
+  }
+  return longer;
+}
+
 TEST(Handedness, APersonInTheCanonicalWorldIsRightHanded) {
   const HandednessMeasure measure = MeasureHandedness(Person(0.3, 0.4), Points());
   EXPECT_EQ(measure.handedness, Handedness::kRight);
@@ -82,6 +99,60 @@ TEST(Handedness, AStiffPersonWithoutToesDoesNotTell) {
   EXPECT_FALSE(measure.handedness.has_value());
   EXPECT_LT(measure.confidence, 0.4);
   EXPECT_FALSE(MeasureHandedness(Person(0.3, 0.4), HandednessPoints()).handedness.has_value());
+}
+
+TEST(Handedness, StraightLegsThatATrackerBendsBackwardsSayNothing) {
+  HandednessPoints points = Points();
+  points.toe[0] = points.toe[1] = -1;
+  const JointPositions backwards = Person(-0.4 * std::tan(0.45), 0.0);  // knees of 0.9 rad
+  EXPECT_EQ(MeasureHandedness(Tracked(backwards), points).cues[1].frames, 0);
+  EXPECT_EQ(MeasureHandedness(backwards, points).handedness, Handedness::kLeft) << "fixed bones do not bend so";
+}
+
+TEST(Handedness, PartsThatContradictEachOtherDoNotTell) {
+  HandednessPoints points = Points();
+  points.toe[0] = points.toe[1] = -1;
+  const HandednessMeasure measure = MeasureHandedness(Person(0.3, -0.4), points);
+  EXPECT_FALSE(measure.handedness.has_value());
+  EXPECT_EQ(measure.confidence, 0.0);
+  EXPECT_THAT(measure.evidence, HasSubstr("knees bend forwards"));
+  EXPECT_THAT(measure.evidence, HasSubstr("hands reach behind the back"));
+  EXPECT_THAT(measure.evidence, HasSubstr("they contradict each other"));
+  EXPECT_FALSE(MeasureHandedness(Person(0.3, 0.4, -0.15), Points()).handedness.has_value());
+}
+
+TEST(Handedness, FeetAndKneesThatAgreeOverruleHandsBehindTheBack) {
+  EXPECT_EQ(MeasureHandedness(Person(0.3, -0.4), Points()).handedness, Handedness::kRight);
+  EXPECT_FALSE(MeasureHandedness(Tracked(Person(0.4, -0.4)), Points()).handedness.has_value()) << "10 tracked frames";
+  EXPECT_EQ(MeasureHandedness(Longer(Tracked(Person(0.4, -0.4)), 2), Points()).handedness, Handedness::kRight);
+}
+
+TEST(Handedness, OnePartAloneTellsOnlyWhenItIsOverwhelming) {
+  HandednessPoints points = Points();
+  points.toe[0] = points.toe[1] = -1;
+  const JointPositions sitting = Tracked(Person(0.4, 0.0));
+  EXPECT_FALSE(MeasureHandedness(sitting, points).handedness.has_value()) << "20 votes of knees";
+  JointPositions longer = Longer(sitting, 4);
+  EXPECT_EQ(MeasureHandedness(longer, points).handedness, Handedness::kRight);
+  const JointPositions upright = Tracked(Person(0.0, 0.0));
+  for (int f = 20; f < longer.frames; ++f) {
+    for (int j = 0; j < longer.joints; ++j) longer.at(f, j) = upright.at(f % upright.frames, j);
+  }
+  EXPECT_EQ(MeasureHandedness(longer, points).handedness, Handedness::kRight) << "bent in half of the frames";
+  for (int f = 10; f < longer.frames; ++f) {
+    for (int j = 0; j < longer.joints; ++j) longer.at(f, j) = upright.at(f % upright.frames, j);
+  }
+  EXPECT_FALSE(MeasureHandedness(longer, points).handedness.has_value()) << "bent in a quarter of the frames";
+}
+
+TEST(Handedness, AKneeThatTurnsAsideSaysNothing) {
+  HandednessPoints points = Points();
+  points.toe[0] = points.toe[1] = -1;
+  JointPositions aside = Person(0.0, 0.0);
+  for (int f = 0; f < aside.frames; ++f) {
+    for (int side = 0; side < 2; ++side) aside.at(f, points.knee[side]).x() += 0.5;
+  }
+  EXPECT_EQ(MeasureHandedness(aside, points).cues[1].frames, 0);
 }
 
 TEST(Handedness, JointsThatWereNotSeenAreNotRead) {

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/file.h"
+#include "ingest/sense/inspect.h"
+
+namespace mocurate {
+
+/// What an inspection says of one thing.
+inline nlohmann::json Value(const nlohmann::json& entry, const char* field) { return entry.at(field).at("value"); }
+
+/// Codes of the findings of one severity.
+inline std::vector<std::string> Codes(const nlohmann::json& inspection, const std::string& severity) {
+  std::vector<std::string> codes;
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("severity") == severity) codes.push_back(finding.at("code"));
+  }
+  return codes;
+}
+
+inline void ExpectFrame(const nlohmann::json& clip, const nlohmann::json& units, const nlohmann::json& up,
+                        const nlohmann::json& handedness) {
+  EXPECT_EQ(Value(clip, "units"), units) << clip.at("id") << clip.at("units");
+  EXPECT_EQ(Value(clip, "up"), up) << clip.at("id") << clip.at("up");
+  EXPECT_EQ(Value(clip, "handedness"), handedness) << clip.at("id") << clip.at("handedness");
+}
+
+/// The recorded sets.
+class RecordedFormats : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+  static nlohmann::json Look(const std::string& path) {
+    return InspectPath(std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / path, std::nullopt);
+  }
+};
+
+/// Files that the test writes.
+class WrittenFormats : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              (std::string("formats_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path Written(const std::string& name, const std::string& bytes) {
+    std::filesystem::create_directories((folder_ / name).parent_path());
+    EXPECT_TRUE(WriteFile(folder_ / name, bytes));
+    return folder_ / name;
+  }
+  std::filesystem::path folder_;
+};
+
+}  // namespace mocurate
