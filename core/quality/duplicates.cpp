@@ -1,0 +1,269 @@
+#include "core/quality/duplicates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+
+#include "core/quality/swaps.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kPoseStep = 2e-4;  // metres
+
+/// Points with gaps filled linearly in time; false where a point is never seen.
+bool Fill(const TrackedPoints& points, JointPositions& filled, std::vector<double>& time) {
+  std::vector<int> frames;
+  const std::vector<BodyCentre> centres = BodyCentres(points);
+  for (int f = 0; f < points.frames(); ++f) {
+    if (centres[static_cast<std::size_t>(f)].seen) frames.push_back(f);
+  }
+  if (frames.size() < 2) return false;
+  const int begin = frames.front(), end = frames.back() + 1;
+  filled = JointPositions(end - begin, points.count());
+  for (int f = begin; f < end; ++f) time.push_back(points.time_s[f] - points.time_s[begin]);
+  for (int k = 0; k < points.count(); ++k) {
+    int last = -1;
+    for (int f = begin; f < end; ++f) {
+      if (!points.sees(f, k)) continue;
+      const Vector3d place = points.at(f, k);
+      for (int gap = last < 0 ? begin : last + 1; gap < f; ++gap) {
+        const double share = last < 0 ? 1.0 : static_cast<double>(gap - last) / (f - last);
+        const Vector3d before = last < 0 ? place : points.at(last, k);
+        filled.at(gap - begin, k) = before + share * (place - before);
+      }
+      filled.at(f - begin, k) = place;
+      last = f;
+    }
+    if (last < 0) return false;
+    for (int gap = last + 1; gap < end; ++gap) filled.at(gap - begin, k) = points.at(last, k);
+  }
+  return true;
+}
+
+/// kSignatureFrames frames of K + 1 points; `pairs` (left, right) tell the heading, -1 where it is not known.
+std::vector<float> Shape(const JointPositions& filled, const std::vector<double>& time, std::array<int, 2> hips) {
+  const int count = filled.joints;
+  const auto middle = [&](int f) -> Vector3d {
+    if (hips[0] >= 0) return 0.5 * (filled.at(f, hips[0]) + filled.at(f, hips[1]));
+    Vector3d sum = Vector3d::Zero();
+    for (int k = 0; k < count; ++k) sum += filled.at(f, k) / count;
+    return sum;
+  };
+  Vector3d mean = Vector3d::Zero(), across = Vector3d::Zero();
+  for (int f = 0; f < filled.frames; ++f) {
+    mean += middle(f) / filled.frames;
+    if (hips[0] >= 0) across += filled.at(f, hips[0]) - filled.at(f, hips[1]);
+  }
+  const double norm = std::hypot(across.x(), across.z());
+  const double c = norm > 0.0 ? across.x() / norm : 1.0;
+  const double s = norm > 0.0 ? across.z() / norm : 0.0;
+  const auto turned = [&](const Vector3d& p) { return Vector3d(c * p.x() + s * p.z(), p.y(), -s * p.x() + c * p.z()); };
+  std::vector<float> shape;
+  for (int i = 0; i < kSignatureFrames; ++i) {
+    const double at = time.back() * i / (kSignatureFrames - 1);
+    const auto next = std::upper_bound(time.begin(), time.end(), at);
+    const int to = std::min<int>(static_cast<int>(next - time.begin()), filled.frames - 1);
+    const int from = std::max(0, to - 1);
+    const double step = time[static_cast<std::size_t>(to)] - time[static_cast<std::size_t>(from)];
+    const double share = step > 0.0 ? std::clamp((at - time[static_cast<std::size_t>(from)]) / step, 0.0, 1.0) : 0.0;
+    const auto between = [&](const Vector3d& a, const Vector3d& b) -> Vector3d { return a + share * (b - a); };
+    for (int k = 0; k <= count; ++k) {
+      const Vector3d a = k < count ? Vector3d(filled.at(from, k) - middle(from)) : Vector3d(middle(from) - mean);
+      const Vector3d b = k < count ? Vector3d(filled.at(to, k) - middle(to)) : Vector3d(middle(to) - mean);
+      const Vector3d place = turned(between(a, b));
+      for (int axis = 0; axis < 3; ++axis) shape.push_back(static_cast<float>(place[axis]));
+    }
+  }
+  return shape;
+}
+
+std::uint64_t Mixed(std::uint64_t hash, std::uint64_t value) {
+  hash ^= value + 0x9e3779b97f4a7c15u + (hash << 6) + (hash >> 2);
+  hash ^= hash >> 31;
+  return hash * 0xff51afd7ed558ccdu;
+}
+
+/// Of the distances of all points from the first two that lie apart: the same after any rigid movement.
+std::uint64_t PoseHash(const TrackedPoints& points, int f) {
+  for (int k = 0; k < points.count(); ++k) {
+    if (!points.sees(f, k)) return 0;
+  }
+  std::uint64_t hash = 0x6d6f637572617465u;
+  for (int k = 1; k < points.count(); ++k) {
+    for (const int from : {0, points.count() / 2}) {
+      const double distance = (points.at(f, k) - points.at(f, from)).norm();
+      hash = Mixed(hash, static_cast<std::uint64_t>(std::llround(distance / kPoseStep)));
+    }
+  }
+  return hash == 0 ? 1 : hash;
+}
+
+double Distance(const std::vector<float>& a, const std::vector<float>& b, double limit, std::size_t points) {
+  const double most = limit * limit * static_cast<double>(points);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double d = static_cast<double>(a[i]) - b[i];
+    sum += d * d;
+    if ((i & 63u) == 63u && sum > most) break;
+  }
+  return std::sqrt(sum / static_cast<double>(points));
+}
+
+double Norm(const std::vector<float>& a) {
+  double sum = 0.0;
+  for (const float value : a) sum += static_cast<double>(value) * value;
+  return std::sqrt(sum);
+}
+
+using Pairs = std::map<std::pair<std::size_t, std::size_t>, Duplicate>;
+
+Duplicate& PairOf(Pairs& pairs, std::size_t a, std::size_t b) {
+  Duplicate& pair = pairs[{std::min(a, b), std::max(a, b)}];
+  pair.first = std::min(a, b);
+  pair.second = std::max(a, b);
+  return pair;
+}
+
+/// The norm of a signature and that of its mirror image are equal, so that one order serves both.
+void CompareShapes(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, Pairs& pairs) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!clips[i].shape.empty() && clips[i].spread >= 4.0 * limits.distance)
+      order.emplace_back(Norm(clips[i].shape), i);
+  }
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const MotionSignature& a = clips[order[i].second];
+    const std::size_t points = a.shape.size() / 3;
+    const double window = limits.distance * std::sqrt(static_cast<double>(points)) * (1.0 + 1e-6) + 1e-6;
+    for (std::size_t k = i + 1; k < order.size() && order[k].first - order[i].first <= window; ++k) {
+      const MotionSignature& b = clips[order[k].second];
+      if (a.shape.size() != b.shape.size()) continue;
+      const double same = Distance(a.shape, b.shape, limits.distance, points);
+      const bool sides = !a.mirrored.empty() && a.mirrored.size() == b.shape.size();
+      const double mirrored = sides ? Distance(a.mirrored, b.shape, limits.distance, points) : 2.0 * limits.distance;
+      if (std::min(same, mirrored) > limits.distance) continue;
+      Duplicate& pair = PairOf(pairs, order[i].second, order[k].second);
+      pair.kind = same <= mirrored ? Duplicate::Kind::kSame : Duplicate::Kind::kMirrored;
+      pair.distance = std::min(same, mirrored);
+      pair.frame_end = static_cast<int>(clips[pair.first].poses.size());
+      pair.second_end = static_cast<int>(clips[pair.second].poses.size());
+    }
+  }
+}
+
+struct Shared {
+  int count = 0;
+  int begin = 0, end = 0, second_begin = 0, second_end = 0;
+};
+
+void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, Pairs& pairs) {
+  constexpr std::size_t kCommon = 50;  // a pose of so many clips is a rest pose and tells nothing
+  std::unordered_map<std::uint64_t, std::vector<std::pair<std::size_t, int>>> holders;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    for (std::size_t f = 0; f < clips[i].poses.size(); ++f) {
+      if (clips[i].poses[f] == 0) continue;
+      auto& list = holders[clips[i].poses[f]];
+      if (list.empty() || list.back().first != i) list.emplace_back(i, static_cast<int>(f));  // each pose once a clip
+    }
+  }
+  std::map<std::pair<std::size_t, std::size_t>, Shared> shared;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    for (const std::uint64_t pose : clips[i].poses) {
+      const auto found = holders.find(pose);
+      if (pose == 0 || found == holders.end()) continue;
+      auto& list = found->second;
+      if (list.size() > 1 && list.size() <= kCommon && list.front().first == i) {
+        for (std::size_t a = 0; a < list.size(); ++a) {
+          for (std::size_t b = a + 1; b < list.size(); ++b) {
+            Shared& pair = shared[{list[a].first, list[b].first}];
+            const int f = list[a].second, g = list[b].second;
+            pair.begin = pair.count == 0 ? f : std::min(pair.begin, f);
+            pair.end = std::max(pair.end, f + 1);
+            pair.second_begin = pair.count == 0 ? g : std::min(pair.second_begin, g);
+            pair.second_end = std::max(pair.second_end, g + 1);
+            ++pair.count;
+          }
+        }
+      }
+      if (list.front().first == i) holders.erase(found);
+    }
+  }
+  for (const auto& [indices, frames] : shared) {
+    if (frames.count < limits.shared_frames) continue;
+    const bool known = pairs.count(indices) != 0;
+    Duplicate& pair = PairOf(pairs, indices.first, indices.second);
+    pair.shared = frames.count;
+    if (known) continue;
+    pair.kind = Duplicate::Kind::kOverlap;
+    pair.frame_begin = frames.begin;
+    pair.frame_end = frames.end;
+    pair.second_begin = frames.second_begin;
+    pair.second_end = frames.second_end;
+  }
+}
+
+}  // namespace
+
+MotionSignature SignatureOf(const TrackedPoints& points) {
+  MotionSignature signature;
+  signature.points = points.count();
+  for (int f = 0; f < points.frames(); ++f) signature.poses.push_back(points.count() < 3 ? 0 : PoseHash(points, f));
+  JointPositions filled;
+  std::vector<double> time;
+  if (!Fill(points, filled, time)) return signature;
+  const LimbPairs limbs = FindLimbPairs(points.names);
+  std::array<int, 2> hips{-1, -1};
+  for (const auto& pair : limbs.arms) {
+    if (points.name(pair[0]).find("houlder") != std::string::npos) hips = pair;
+  }
+  for (const auto& pair : limbs.legs) {
+    const std::string name = points.name(pair[0]);
+    if (name.find("hip") != std::string::npos || name.find("pperLeg") != std::string::npos) hips = pair;
+  }
+  signature.shape = Shape(filled, time, hips);
+  const std::size_t stride = signature.shape.size() / kSignatureFrames;
+  double spread = 0.0;
+  for (std::size_t i = 0; i < stride; ++i) {
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t f = 0; f < kSignatureFrames; ++f) {
+      const double value = signature.shape[f * stride + i];
+      sum += value / kSignatureFrames;
+      squares += value * value / kSignatureFrames;
+    }
+    spread += std::max(0.0, squares - sum * sum);
+  }
+  signature.spread = std::sqrt(spread / (static_cast<double>(stride) / 3.0));
+  if (hips[0] < 0) return signature;
+  std::vector<int> partner(static_cast<std::size_t>(points.count()) + 1);
+  std::iota(partner.begin(), partner.end(), 0);
+  for (const auto* pairs : {&limbs.arms, &limbs.legs}) {
+    for (const auto& [left, right] : *pairs)
+      std::swap(partner[static_cast<std::size_t>(left)], partner[static_cast<std::size_t>(right)]);
+  }
+  signature.mirrored.resize(signature.shape.size());
+  for (std::size_t f = 0; f < kSignatureFrames; ++f) {
+    for (std::size_t k = 0; k < partner.size(); ++k) {
+      const float* from = &signature.shape[f * stride + 3 * static_cast<std::size_t>(partner[k])];
+      float* to = &signature.mirrored[f * stride + 3 * k];
+      to[0] = -from[0];
+      to[1] = from[1];
+      to[2] = from[2];
+    }
+  }
+  return signature;
+}
+
+std::vector<Duplicate> FindDuplicates(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits) {
+  Pairs pairs;
+  CompareShapes(clips, limits, pairs);
+  ComparePoses(clips, limits, pairs);
+  std::vector<Duplicate> duplicates;
+  for (const auto& [indices, pair] : pairs) duplicates.push_back(pair);
+  return duplicates;
+}
+
+}  // namespace mocurate

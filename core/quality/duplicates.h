@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+
+/// What a motion is, whatever its place, heading, length in frames, number of decimals and file format.
+struct MotionSignature {
+  /// (kSignatureFrames, K + 1, 3): points from the middle of the hips, which itself comes last, from its mean; turned
+  /// so that the hips lie along x on average; resampled over the clip's time. Missing points are filled in time.
+  std::vector<float> shape;
+  std::vector<float> mirrored;       ///< of the mirror image, sides exchanged; empty where sides are not known
+  std::vector<std::uint64_t> poses;  ///< (F) of the distances between joints, to 0.2 mm; 0: not all are seen
+  double spread = 0.0;               ///< metres, root mean square of `shape` about its mean over time
+  int points = 0;
+};
+constexpr int kSignatureFrames = 32;
+
+/// Empty `shape` when fewer than two frames show anybody. Metres; y up as far as the heading is concerned.
+MotionSignature SignatureOf(const TrackedPoints& points);
+
+struct DuplicateLimits {
+  double distance = 0.005;  ///< metres, root mean square between signatures, below which they are one motion
+  int shared_frames = 4;    ///< equal poses, each different from the others, that two recordings do not share by chance
+};
+
+/// Two clips that show the same. `frames` are of the first.
+struct Duplicate {
+  enum class Kind { kSame, kMirrored, kOverlap };
+  std::size_t first = 0, second = 0;  ///< indices, first < second
+  Kind kind = Kind::kSame;
+  double distance = 0.0;  ///< metres; kOverlap: 0
+  int shared = 0;         ///< equal poses
+  int frame_begin = 0, frame_end = 0;
+  int second_begin = 0, second_end = 0;
+};
+
+/// Near-duplicates: every pair whose signatures (or one's mirror image) are nearer than `distance`, and every pair that
+/// shares at least `shared_frames` poses. Exact: pairs are passed over only where the triangle inequality says so.
+/// Clips with other counts of points are compared by nothing; clips that hardly move (spread below four times
+/// `distance`) by their poses alone. Sorted by (first, second).
+std::vector<Duplicate> FindDuplicates(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits = {});
+
+}  // namespace mocurate

@@ -1,0 +1,141 @@
+#include "core/quality/repeats.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace mocurate {
+namespace {
+
+constexpr double kCollapsed = 0.02;  // metres: no body is so small
+
+/// Calls with [begin, end) of each run of frames in which `holds`.
+void ForRuns(int frames, const std::function<bool(int)>& holds, const std::function<void(int, int)>& call) {
+  for (int f = 0; f < frames; ++f) {
+    if (!holds(f)) continue;
+    const int begin = f;
+    while (f < frames && holds(f)) ++f;
+    call(begin, f);
+  }
+}
+
+std::string Frames(int count) { return std::to_string(count) + (count == 1 ? " frame" : " frames"); }
+
+/// What repeats from the frame before: per joint and for the body.
+class Repeats {
+ public:
+  explicit Repeats(const TrackedPoints& points) : points_(points), moves_(static_cast<std::size_t>(points.count())) {
+    for (int k = 0; k < points.count(); ++k) {
+      for (int f = 1; f < points.frames(); ++f) {
+        if (!BothSeen(f, k) || Same(f, k)) continue;
+        moves_[static_cast<std::size_t>(k)] = 1;
+        break;
+      }
+    }
+    still_clip_ = std::none_of(moves_.begin(), moves_.end(), [](char moves) { return moves != 0; });
+  }
+
+  bool Moves(int k) const { return moves_[static_cast<std::size_t>(k)] != 0; }
+  bool Joint(int f, int k) const { return f > 0 && BothSeen(f, k) && Same(f, k); }
+
+  /// Every joint that ever moves, and the same joints are seen. In a clip where none ever does, any joint.
+  bool Body(int f) const {
+    bool any = false;
+    for (int k = 0; f > 0 && k < points_.count(); ++k) {
+      if (points_.sees(f, k) != points_.sees(f - 1, k)) return false;
+      if (!points_.sees(f, k) || (!Moves(k) && !still_clip_)) continue;
+      if (!Same(f, k)) return false;
+      any = true;
+    }
+    return any;
+  }
+
+ private:
+  bool BothSeen(int f, int k) const { return points_.sees(f, k) && points_.sees(f - 1, k); }
+  bool Same(int f, int k) const { return points_.at(f, k) == points_.at(f - 1, k); }
+
+  const TrackedPoints& points_;
+  std::vector<char> moves_;
+  bool still_clip_ = false;
+};
+
+}  // namespace
+
+std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits& limits) {
+  std::vector<Finding> findings;
+  const Repeats repeats(points);
+  const auto body = [&](int f) { return repeats.Body(f); };
+  ForRuns(points.frames(), body, [&](int begin, int end) {
+    const int count = end - begin + 1;  // with the frame that is repeated
+    if (count < limits.frozen_frames) return;
+    findings.push_back(FrameFinding("frozen_frames", begin - 1, end, "", count,
+                                    Frames(count) + " are equal to the last digit: written twice, or the stream hung"));
+    if (count == 2) findings.back().severity = Severity::kInfo;
+  });
+  for (int k = 0; k < points.count(); ++k) {
+    if (!repeats.Moves(k)) continue;
+    const auto held = [&](int f) { return repeats.Joint(f, k); };
+    ForRuns(points.frames(), held, [&](int begin, int end) {
+      const int count = end - begin + 1;
+      int others = 0;  // steps in which something else moves
+      for (int f = begin; f < end; ++f) others += repeats.Body(f) ? 0 : 1;
+      if (count < limits.held_frames || others == 0) return;
+      findings.push_back(FrameFinding("held_joint", begin - 1, end, points.name(k), count,
+                                      "'" + points.name(k) + "' stands still to the last digit for " + Frames(count) +
+                                          " while other joints move: a gap filled with the last value"));
+    });
+  }
+  return findings;
+}
+
+std::vector<Finding> FindBlanks(const TrackedPoints& points) {
+  std::vector<Finding> findings;
+  const auto zero = [&](int f, int k) { return points.sees(f, k) && points.at(f, k).isZero(0.0); };
+  const auto all_zero = [&](int f) {
+    bool any = false;
+    for (int k = 0; k < points.count(); ++k) {
+      if (points.sees(f, k) && !zero(f, k)) return false;
+      any = any || zero(f, k);
+    }
+    return any && points.count() > 1;
+  };
+  ForRuns(points.frames(), all_zero, [&](int begin, int end) {
+    findings.push_back(FrameFinding("zero_frames", begin, end, "", end - begin,
+                                    "every joint is at 0 0 0 in " + Frames(end - begin) + ": nobody was seen"));
+  });
+  const auto collapsed = [&](int f) {
+    if (all_zero(f)) return false;
+    int seen = 0;
+    Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
+    for (int k = 0; k < points.count(); ++k) {
+      if (!points.sees(f, k)) continue;
+      const Vector3d place = points.at(f, k);
+      low = seen == 0 ? place : Vector3d(low.cwiseMin(place));
+      high = seen == 0 ? place : Vector3d(high.cwiseMax(place));
+      ++seen;
+    }
+    return seen >= 3 && (high - low).norm() < kCollapsed;
+  };
+  ForRuns(points.frames(), collapsed, [&](int begin, int end) {
+    findings.push_back(FrameFinding("collapsed_frames", begin, end, "", end - begin,
+                                    "all joints lie in one point in " + Frames(end - begin) + ": no body"));
+  });
+  for (int k = 0; k < points.count(); ++k) {
+    const auto alone = [&](int f) { return zero(f, k) && !all_zero(f); };
+    int zeros = 0, seen = 0;
+    for (int f = 0; f < points.frames(); ++f) {
+      zeros += alone(f) ? 1 : 0;
+      seen += points.sees(f, k) && !all_zero(f) ? 1 : 0;
+    }
+    if (zeros == seen) continue;  // the clip's origin
+    // The first frame of a clip that starts at the origin.
+    ForRuns(points.frames(), alone, [&](int begin, int end) {
+      if (begin == 0 && end == 1) return;
+      findings.push_back(FrameFinding("zero_joint", begin, end, points.name(k), end - begin,
+                                      "'" + points.name(k) + "' is at 0 0 0 in " + Frames(end - begin) +
+                                          ": a tracker's word for a joint it does not see"));
+    });
+  }
+  return findings;
+}
+
+}  // namespace mocurate

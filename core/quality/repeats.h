@@ -1,0 +1,28 @@
+#pragma once
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+
+struct RepeatLimits {
+  int frozen_frames = 2;  ///< frames on end in which nobody moves at all
+  int held_frames = 3;    ///< frames on end in which one joint stands exactly still while others move
+};
+
+/// Places that repeat to the last digit, which no sensor gives of a living person: a frame written twice or a stream
+/// that hung, and joints that another program filled with their last value.
+///   "frozen_frames": every joint that is seen repeats; the span is the repeating frames, value their count. Two
+///                    frames are of severity info.
+///   "held_joint": one joint repeats and others do not; value the count of frames.
+/// A joint that never moves in the whole clip (the root of many a BVH file) is no held joint, and tells nothing about
+/// whether the others freeze. A clip that never moves is one frozen span.
+std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits& limits = {});
+
+/// Exact zeros that stand as if they were seen.
+///   "zero_frames": runs of frames in which every joint is at 0 0 0; value the count of frames.
+///   "zero_joint": one joint is at 0 0 0 in these frames while others are not; value the count of frames. A joint that
+///                 is there in every frame is the clip's origin.
+///   "collapsed_frames": all joints (three or more) lie within 2 cm, but elsewhere they make a body, or never do.
+std::vector<Finding> FindBlanks(const TrackedPoints& points);
+
+}  // namespace mocurate

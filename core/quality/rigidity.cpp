@@ -1,0 +1,88 @@
+#include "core/quality/rigidity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace mocurate {
+namespace {
+
+constexpr int kFewestFrames = 8;
+constexpr std::size_t kFewestBones = 3;
+constexpr double kShortestBone = 1e-3;  // metres; a joint that lies on its parent says nothing
+constexpr double kShortestRest = 0.03;  // of the rest pose: of shorter ones trackers disagree
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// One bone over the frames that show it; medians, as single frames may be far off.
+struct BoneLength {
+  double length = 0.0;
+  double spread = 0.0;  ///< standard deviation over length, from the median distance
+  int frames = 0;
+};
+
+std::optional<BoneLength> Measure(const TrackedPoints& points, int point, int parent) {
+  std::vector<double> lengths;
+  for (int f = 0; f < points.frames(); ++f) {
+    if (points.sees(f, point) && points.sees(f, parent)) {
+      lengths.push_back((points.at(f, point) - points.at(f, parent)).norm());
+    }
+  }
+  if (lengths.empty()) return std::nullopt;
+  BoneLength bone{Median(lengths), 0.0, static_cast<int>(lengths.size())};
+  if (bone.length < kShortestBone) return std::nullopt;
+  for (double& length : lengths) length = std::abs(length - bone.length);
+  bone.spread = 1.4826 * Median(lengths) / bone.length;
+  return bone;
+}
+
+/// All but the root within pi: as axis-angle vectors are.
+bool LooksLikeRotations(const TrackedPoints& points) {
+  constexpr double kPi = 3.14159265358979;
+  for (int k = 0; k < points.count(); ++k) {
+    if (points.parents[static_cast<std::size_t>(k)] < 0) continue;
+    for (int f = 0; f < points.frames(); ++f) {
+      if (points.sees(f, k) && points.at(f, k).cwiseAbs().maxCoeff() > kPi) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits) {
+  if (points.parents.empty()) return {};
+  std::vector<double> spreads, ratios;
+  for (int k = 0; k < points.count(); ++k) {
+    const int parent = points.parents[static_cast<std::size_t>(k)];
+    if (parent < 0) continue;
+    const auto bone = Measure(points, k, parent);
+    if (!bone) continue;
+    if (bone->frames >= kFewestFrames) spreads.push_back(bone->spread);
+    const double rest = points.rest_lengths.empty() ? 0.0 : points.rest_lengths[static_cast<std::size_t>(k)];
+    if (rest > kShortestRest) ratios.push_back(std::log(bone->length / rest));
+  }
+  double proportion = 0.0;
+  if (ratios.size() >= kFewestBones) {
+    const double scale = Median(ratios);
+    for (const double ratio : ratios) proportion += std::abs(ratio - scale) / static_cast<double>(ratios.size());
+  }
+  const double spread = spreads.size() >= kFewestBones ? Median(spreads) : 0.0;
+  if (proportion <= limits.proportion && spread <= limits.spread) return {};
+  const std::string why =
+      proportion > limits.proportion
+          ? "the bones' proportions are off by " + Digits(100.0 * (std::exp(proportion) - 1.0)) + " % (mean)"
+          : "bones change their length by " + Digits(100.0 * spread) + " % (median)";
+  Finding finding = FrameFinding(
+      "not_joint_positions", 0, 0, "", proportion > limits.proportion ? proportion : spread,
+      why + ", those of a body do not: no joint positions" +
+          (LooksLikeRotations(points) ? "; all numbers lie within pi, as Lie parameters do" : ", or another order"));
+  finding.severity = Severity::kError;
+  return {finding};
+}
+
+}  // namespace mocurate

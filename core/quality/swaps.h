@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+
+struct SwapLimits {
+  double ratio = 0.35;  ///< of squared steps with the sides exchanged to those without, below which they are exchanged
+  double step = 0.1;    ///< metres, root mean square of the limbs' steps in the frame; smaller ones say nothing
+  double gap_s = 0.25;  ///< longest time without the limbs over which steps are taken
+};
+
+/// Pairs (left, right) of one kind of limb, by the names of the points: "left_knee" and "right_knee", "LeftKnee",
+/// "knee_l", "Foot_L" ...
+struct LimbPairs {
+  std::vector<std::array<int, 2>> arms;  ///< shoulder, elbow, wrist, hand ...
+  std::vector<std::array<int, 2>> legs;  ///< hip, knee, ankle, foot ...
+};
+LimbPairs FindLimbPairs(const std::vector<std::string>& names);
+
+/// Sides that swap: arms or legs that within one frame jump to where those of the other side were, which costs a
+/// tracker nothing and a person a somersault. Between two such frames the sides are exchanged; which of the two states
+/// is right is told by which lasts longer in the clip, so that a clip that is wrong throughout is not found here
+/// (handedness tells). "swapped_sides": the span in the rarer state; value: the smallest ratio of squared steps at its
+/// ends. Arms and legs of one span are one finding.
+std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& limits = {});
+
+}  // namespace mocurate

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// One person's points as the detectors of this room read them: what is there must outlive the view. Metres and
+/// seconds; any axes, but where y up is asked for.
+struct TrackedPoints {
+  const JointPositions& positions;        ///< (F,K,3)
+  const std::vector<double>& confidence;  ///< (F*K), 0 is missing; empty: all are there
+  const std::vector<double>& time_s;      ///< (F) increasing
+  std::vector<std::string> names = {};    ///< (K), or empty
+  std::vector<int> parents = {};          ///< (K) the point at the other end of its bone, -1 for none; or empty
+  std::vector<double> rest_lengths = {};  ///< (K) of that bone in a rest pose, in any unit, 0 unknown; or empty
+
+  int frames() const { return positions.frames; }
+  int count() const { return positions.joints; }
+  bool sees(int frame, int point) const {
+    return confidence.empty() || confidence[static_cast<std::size_t>(frame) * positions.joints + point] > 0.0;
+  }
+  Vector3d at(int frame, int point) const { return positions.at(frame, point); }
+  std::string name(int point) const {
+    return names.empty() ? "#" + std::to_string(point) : names[static_cast<std::size_t>(point)];
+  }
+};
+
+/// Bones between the points `names` as in `skeleton`: a point that the skeleton does not know has none, and a bone
+/// skips joints that are not among the points.
+struct PointBones {
+  std::vector<int> parents;          ///< (K)
+  std::vector<double> rest_lengths;  ///< (K) metres, of the skeleton
+};
+PointBones BonesBetween(const std::vector<std::string>& names, const Skeleton& skeleton);
+
+/// Where a person is in a frame: the middle point (median of each coordinate) of all that is seen, at least three
+/// points. Nothing where fewer are.
+struct BodyCentre {
+  bool seen = false;
+  Vector3d place = Vector3d::Zero();
+};
+std::vector<BodyCentre> BodyCentres(const TrackedPoints& points);
+
+/// A finding of [begin, end) about `joint` (empty: all); severity warning, action "flagged".
+Finding FrameFinding(const char* code, int begin, int end, const std::string& joint, double value, std::string message);
+
+/// "0.87": to three significant digits.
+std::string Digits(double value);
+
+}  // namespace mocurate

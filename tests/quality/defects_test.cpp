@@ -1,0 +1,227 @@
+// Planted defects are found where they are, on people of different bodies and manners; sound takes give no finding.
+
+#include <gtest/gtest.h>
+
+#include "core/quality/checks.h"
+#include "core/quality/gravity.h"
+#include "tests/quality/people.h"
+
+namespace mocurate::test {
+namespace {
+
+constexpr std::uint64_t kSeeds = 24;
+
+TakeOptions Somebody(std::uint64_t seed) {
+  Random random(seed, "somebody", "");
+  TakeOptions options;
+  options.frames = 60 + static_cast<int>(60.0 * random.Uniform());
+  options.rate_hz = seed % 3 == 0 ? 120.0 : seed % 3 == 1 ? 30.0 : 15.0;
+  options.stature = 0.6 + 0.6 * random.Uniform();
+  options.noise = 0.001 + 0.02 * random.Uniform();
+  options.walk = 2.0 * random.Uniform();
+  return options;
+}
+
+/// The only findings of the take, or a failure that says what else there is.
+std::vector<Finding> Only(const std::string& code, const Take& take, double rate_hz) {
+  std::vector<Finding> found;
+  for (const Finding& finding : CheckPoints(take.view(), rate_hz)) {
+    if (finding.code == code) {
+      found.push_back(finding);
+    } else {
+      ADD_FAILURE() << finding.code << " in " << finding.frame_begin << "-" << finding.frame_end << " " << finding.joint
+                    << ": " << finding.message;
+    }
+  }
+  return found;
+}
+
+TEST(Defects, ASoundTakeHasNone) {
+  for (std::uint64_t seed = 0; seed < 4 * kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    EXPECT_TRUE(Only("none", Perform(seed, who), who.rate_hz).empty()) << "seed " << seed;
+  }
+}
+
+TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    Take take = Perform(seed, who);
+    const int begin = 5 + static_cast<int>(seed), length = 2 + static_cast<int>(seed % 7);
+    for (int f = begin + 1; f < begin + length; ++f) {
+      for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k) = take.positions.at(begin, k).eval();
+    }
+    const auto found = Only("frozen_frames", take, who.rate_hz);
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].frame_begin, begin);
+    EXPECT_EQ(found[0].frame_end, begin + length);
+    EXPECT_EQ(found[0].value, length);
+    EXPECT_EQ(found[0].severity, length == 2 ? Severity::kInfo : Severity::kWarning);
+  }
+}
+
+TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    Take take = Perform(seed, who);
+    const int joint = static_cast<int>(seed % 20), begin = 4 + static_cast<int>(seed);
+    const int length = 2 + static_cast<int>(seed % 6);
+    for (int f = begin + 1; f < begin + length; ++f)
+      take.positions.at(f, joint) = take.positions.at(begin, joint).eval();
+    const auto found = Only("held_joint", take, who.rate_hz);
+    ASSERT_EQ(found.size(), length >= 3 ? 1u : 0u) << "seed " << seed;
+    if (found.empty()) continue;
+    EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
+    EXPECT_EQ(found[0].frame_begin, begin);
+    EXPECT_EQ(found[0].frame_end, begin + length);
+  }
+}
+
+TEST(Defects, ZeroFramesAndZeroJointsAreFoundAndAMissingOneIsNeither) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    Take take = Perform(seed, who);
+    const int begin = 3 + static_cast<int>(seed);
+    for (int f = begin; f < begin + 4; ++f) {
+      for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k).setZero();
+    }
+    auto findings = CheckPoints(take.view(), who.rate_hz);
+    ASSERT_FALSE(findings.empty());
+    int zero_frames = 0;
+    for (const Finding& finding : findings) {
+      // Zeros are equal to each other as well, and may be far from the person.
+      EXPECT_NE(finding.code, "zero_joint");
+      if (finding.code != "zero_frames") continue;
+      ++zero_frames;
+      EXPECT_EQ(finding.frame_begin, begin);
+      EXPECT_EQ(finding.frame_end, begin + 4);
+    }
+    EXPECT_EQ(zero_frames, 1) << "seed " << seed;
+    for (int f = begin; f < begin + 4; ++f) {
+      for (int k = 0; k < take.positions.joints; ++k)
+        take.confidence[static_cast<std::size_t>(f) * 20 + static_cast<std::size_t>(k)] = 0.0;
+    }
+    EXPECT_TRUE(Only("none", take, who.rate_hz).empty()) << "what is marked as missing is no defect";
+  }
+}
+
+TEST(Defects, OneJointAtTheOriginIsFound) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    Take take = Perform(seed, {});
+    const int joint = static_cast<int>(seed % 20);
+    take.positions.at(40, joint).setZero();
+    int found = 0;
+    for (const Finding& finding : CheckPoints(take.view(), 30.0)) {
+      if (finding.code != "zero_joint") continue;
+      ++found;
+      EXPECT_EQ(finding.joint, take.names[static_cast<std::size_t>(joint)]);
+      EXPECT_EQ(finding.frame_begin, 40);
+      EXPECT_EQ(finding.frame_end, 41);
+    }
+    EXPECT_EQ(found, 1) << "seed " << seed;
+  }
+}
+
+TEST(Defects, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TakeOptions who = Somebody(seed);
+    Take take = Perform(seed, who);
+    const double far = seed % 2 == 0 ? 1000.0 : 1.5;
+    const int begin = seed % 5 == 0 ? 0 : 10 + static_cast<int>(seed), length = 1 + static_cast<int>(seed % 5);
+    for (int f = begin; f < begin + length; ++f) {
+      for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k).x() += far;
+    }
+    const auto found = Only("teleport", take, who.rate_hz);
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].frame_begin, begin);
+    EXPECT_EQ(found[0].frame_end, begin + length);
+    EXPECT_NEAR(found[0].value, far, 0.5);
+  }
+}
+
+TEST(Defects, TheRootAloneFarAwayIsAJointFarFromItsBody) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    Take take = Perform(seed, who);
+    for (int f = 20; f < 25; ++f) take.positions.at(f, 0).z() += 1000.0;
+    const auto found = Only("joint_far", take, who.rate_hz);
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].joint, "hip_center");
+    EXPECT_EQ(found[0].frame_begin, 20);
+    EXPECT_EQ(found[0].frame_end, 25);
+    EXPECT_NEAR(found[0].value, 1000.0, 2.0);
+  }
+}
+
+TEST(Defects, SidesThatSwapAreFoundInTheFramesInWhichTheyAre) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TakeOptions who = Somebody(seed);
+    who.noise = 0.01;
+    Take take = Perform(seed, who);
+    const bool arms = seed % 3 != 1, legs = seed % 3 != 0;
+    const int begin = seed % 4 == 3 ? 0 : 10 + static_cast<int>(seed % 10), length = 1 + static_cast<int>(seed % 8);
+    Exchange(take, begin, begin + length, arms, legs);
+    const auto found = Only("swapped_sides", take, who.rate_hz);
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].frame_begin, begin);
+    EXPECT_EQ(found[0].frame_end, begin + length);
+    EXPECT_EQ(found[0].message.find("arms") != std::string::npos, arms) << found[0].message;
+    EXPECT_EQ(found[0].message.find("legs") != std::string::npos, legs) << found[0].message;
+  }
+}
+
+TEST(Defects, LieParametersAreNoJointPositionsAndNothingElseIsAskedOfThem) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    Take take = Perform(seed, {});
+    Random random(seed, "lie", "");
+    std::vector<double> mean(60);
+    for (double& value : mean) value = random.Normal();
+    for (std::size_t i = 0; i < take.positions.xyz.size(); ++i) {
+      const double swing = std::sin(0.07 * static_cast<double>(i / 60) + mean[i % 60]);
+      take.positions.xyz[i] = std::remainder(mean[i % 60] + 0.1 * swing + 0.01 * random.Normal(), 6.28);
+    }
+    const auto found = Only("not_joint_positions", take, 30.0);
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].severity, Severity::kError);
+    EXPECT_NE(found[0].message.find("Lie parameters"), std::string::npos) << found[0].message;
+  }
+}
+
+TEST(Defects, WhoHopsTellsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TakeOptions who;
+    who.rate_hz = seed % 2 == 0 ? 60.0 : 30.0;
+    who.frames = static_cast<int>(3.0 * who.rate_hz);
+    who.noise = 0.002;
+    who.stature = 0.7 + 0.02 * static_cast<double>(seed);
+    who.hop_s = 0.3 + 0.01 * static_cast<double>(seed % 10);
+    Take take = Perform(seed, who);
+    EXPECT_TRUE(Only("none", take, who.rate_hz).empty()) << "seed " << seed;
+    const RateEvidence evidence = MeasureFlights(take.view());
+    EXPECT_GE(evidence.flights.size(), 2u);
+    EXPECT_NEAR(evidence.gravity, 9.81, 2.5);
+    for (const double factor : {2.0, 4.0, 0.5}) {
+      Take marked = take;
+      for (double& time : marked.time_s) time /= factor;
+      const auto found = Only("rate_doubtful", marked, factor * who.rate_hz);
+      ASSERT_EQ(found.size(), 1u) << "seed " << seed << " factor " << factor;
+      EXPECT_NEAR(found[0].value, who.rate_hz, 0.2 * who.rate_hz);
+    }
+  }
+}
+
+TEST(Defects, ManyOfAKindAreCountedNotListed) {
+  Take take = Perform(3, {});
+  for (int f = 0; f + 4 < take.positions.frames; f += 4) {
+    for (int i = 1; i < 3; ++i) take.positions.at(f + i, 7) = take.positions.at(f, 7).eval();
+  }
+  CheckLimits limits;
+  limits.most_per_code = 5;
+  const auto found = CheckPoints(take.view(), 30.0, limits);
+  ASSERT_EQ(found.size(), 6u);
+  EXPECT_EQ(found.back().value, 17.0);
+  EXPECT_NEAR(CoveredShare(found, "held_joint", 90), 88.0 / 90.0, 0.15);
+}
+
+}  // namespace
+}  // namespace mocurate::test
