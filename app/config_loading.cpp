@@ -1,8 +1,32 @@
 #include "app/config_loading.h"
 
+#include <algorithm>
+
+#include "core/base/file.h"
 #include "core/base/resources.h"
+#include "core/base/text.h"
 
 namespace mocurate {
+
+namespace {
+
+/// A configuration that is not there is a wrong command line, not unusable input. Names files beside it that are.
+Error NoConfig(const std::filesystem::path& config, const Error& reason) {
+  std::vector<std::string> beside;
+  std::error_code missing;
+  const std::filesystem::path folder = config.has_parent_path() ? config.parent_path() : ".";
+  for (std::filesystem::directory_iterator at(folder, missing), end; !missing && at != end; at.increment(missing)) {
+    if (at->path().extension() == ".yaml") beside.push_back(DisplayPath(at->path().filename()));
+  }
+  std::sort(beside.begin(), beside.end());
+  Error error{ErrorCode::kConfig, "the configuration cannot be read: " + reason.what, DisplayPath(config), reason.hint};
+  if (const auto near = Nearest(DisplayPath(config.filename()), beside)) {
+    error.hint = "did you mean '" + DisplayPath(config.parent_path() / *near) + "'?";
+  }
+  return error;
+}
+
+}  // namespace
 
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
   Expected<ConfigNode> node;
@@ -13,6 +37,9 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
                       assignments);
   } else {
     node = LoadConfig(config, assignments);
+  }
+  if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
+    return tl::unexpected<Error>(NoConfig(config, node.error()));
   }
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);

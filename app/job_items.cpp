@@ -22,9 +22,18 @@ bool HasArtifact(const ItemResult& item) { return !item.artifact.empty(); }
 bool Ended(const ItemResult& item) { return !HasArtifact(item) && !HasArtifact(item.outcome.kind); }
 
 nlohmann::json StageSummary(const StageReport& stage) {
-  return {{"stage", stage.stage},       {"items", stage.items.size()}, {"done", stage.done},
-          {"doubtful", stage.doubtful}, {"left_out", stage.left_out},  {"refused", stage.refused},
-          {"crashed", stage.crashed}};
+  return {{"stage", stage.stage},     {"branch", stage.branch},     {"items", stage.items.size()},
+          {"done", stage.done},       {"doubtful", stage.doubtful}, {"left_out", stage.left_out},
+          {"refused", stage.refused}, {"crashed", stage.crashed}};
+}
+
+/// What each network was trained with stands beside what came of it.
+nlohmann::json TrainingSummary(const TrainOptions& options, const JobResult& result) {
+  nlohmann::json training = result.training;
+  for (auto& [item, summary] : training.items()) {
+    if (summary.contains("epochs")) summary["batch"] = options.recogniser.batch;
+  }
+  return training;
 }
 
 nlohmann::json ClipSummary(const ClipRecord& clip) {
@@ -221,11 +230,12 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
                         {"created_by", CreatedBy()},
                         {"audit", result.audit},
                         {"metrics", result.metrics},
-                        {"training", result.training},
+                        {"training", TrainingSummary(options.train, result)},
                         {"untrained", nlohmann::json::object()},
                         {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
                         {"table_markdown", result.table},
+                        {"findings", result.set_findings},
                         {"stages", nlohmann::json::array()},
                         {"clips", nlohmann::json::array()},
                         {"persons", nlohmann::json::object()}};

@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/verbs.h"
+#include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 
 namespace {
@@ -38,11 +42,38 @@ int Report(const Status& status, const CommonArguments& common) {
   return exit_code;
 }
 
+/// The first word that is no option, when it is no verb either: what was meant.
+std::optional<Error> UnknownVerb(const CLI::App& app, int argc, char** argv) {
+  const auto word = std::find_if(argv + 1, argv + argc, [](const char* text) { return text[0] != '-'; });
+  if (word == argv + argc) return std::nullopt;
+  std::vector<std::string> verbs;
+  std::string list;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (verb->get_name() == *word) return std::nullopt;
+    verbs.push_back(verb->get_name());
+    list += (list.empty() ? "" : ", ") + verbs.back();
+  }
+  const std::filesystem::path path(*word);
+  const bool config = path.extension() == ".yaml" || path.extension() == ".yml";
+  std::error_code ignored;
+  const auto near = Nearest(*word, verbs);
+  std::string meant = near ? *near : "";
+  if (config) meant = "run " + DisplayPath(path);
+  if (!config && std::filesystem::exists(path, ignored)) meant = "inspect " + DisplayPath(path);
+  return Error{ErrorCode::kUsage, "there is no verb '" + DisplayPath(path) + "'", "command line",
+               meant.empty() ? "the verbs are: " + list : "did you mean 'mocurate " + meant + "'?"};
+}
+
 /// Help and version go to stdout and are no error; all else is wrong usage.
 int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (error.get_exit_code() == 0) return app.exit(error);
   const auto exit_code = static_cast<int>(ExitCode::kUsage);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
+  if (const auto verb = UnknownVerb(app, argc, argv)) {
+    if (json) PrintError(*verb, exit_code);
+    std::fprintf(stderr, "mocurate: %s\n", verb->Message().c_str());
+    return exit_code;
+  }
   if (json) PrintError({ErrorCode::kUsage, error.what(), "command line", "run with --help for more"}, exit_code);
   app.exit(error);
   return exit_code;
@@ -124,9 +155,10 @@ void AddCache(CLI::App& app, CommonArguments& common, std::function<Status()>& v
   };
   add("stat", "Count objects and bytes", "stat");
   add("verify", "Compare every object with its recorded hash", "verify");
-  add("prune", "Remove objects that were not used for some days", "prune --days 7")
-      ->add_option("--days", arguments->days, "unused for this many days (default 30)")
+  CLI::App* prune = add("prune", "Remove objects that were not used for some days", "prune --days 7");
+  prune->add_option("--days", arguments->days, "unused for this many days (default 30)")
       ->check(CLI::Range(0.0, 36500.0));
+  prune->add_flag("-n,--dry-run", arguments->dry_run, "say what would be removed, remove nothing");
 }
 
 }  // namespace

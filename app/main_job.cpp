@@ -6,6 +6,7 @@
 #include <set>
 
 #include "app/curation_log.h"
+#include "app/job_checks.h"
 #include "app/job_items.h"
 #include "app/run_outputs.h"
 #include "core/base/file.h"
@@ -17,15 +18,9 @@
 namespace mocurate {
 namespace {
 
-struct StageName {
-  const char* name;
-  JobStage stage;
-};
-
-constexpr StageName kStages[] = {
-    {"ingest", JobStage::kIngest}, {"proportions", JobStage::kProportions}, {"fitting", JobStage::kFitting},
-    {"canon", JobStage::kCanon},   {"assemble", JobStage::kAssemble},       {"audit", JobStage::kAudit},
-    {"train", JobStage::kTrain},   {"evaluate", JobStage::kEvaluate},       {"report", JobStage::kReport}};
+/// Where the unfitted tracks go through the same stages, to compare.
+constexpr const char* kFittedBranch = "fitted motion";
+constexpr const char* kRawBranch = "raw tracks";
 
 /// One run of the main job: holds what earlier stages gave to later ones.
 class MainJob {
@@ -80,15 +75,16 @@ class MainJob {
     return DryRun() ? Status() : outputs_.RemoveLeftovers(first, last);
   }
 
-  Expected<StageReport> RunStage(const StageDeclaration& stage, std::vector<ItemSpec> items) {
-    auto report = runner_.Run(stage, std::move(items));
+  Expected<StageReport> RunStage(const StageDeclaration& stage, std::vector<ItemSpec> items,
+                                 const std::string& branch = {}) {
+    auto report = runner_.Run(stage, std::move(items), branch);
     if (report) result_.stages.push_back(*report);
     return report;
   }
 
   /// Runs one item whose artifact later stages cannot do without.
-  Expected<ItemResult> RunOne(const StageDeclaration& stage, ItemSpec item) {
-    auto report = RunStage(stage, {std::move(item)});
+  Expected<ItemResult> RunOne(const StageDeclaration& stage, ItemSpec item, const std::string& branch = {}) {
+    auto report = RunStage(stage, {std::move(item)}, branch);
     if (!report) return Forward(report);
     if (report->items.empty()) return ItemResult();
     const ItemResult& result = report->items.front();
@@ -132,6 +128,9 @@ class MainJob {
     auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
     for (const ItemResult& file : discovery->left_out) LogWarning(file.item + ": " + file.outcome.error.Message());
+    if (last_ >= JobStage::kAssemble) {
+      if (Status groups = CheckSplitGroups(options_.assemble, *discovery); !groups) return groups;
+    }
     const StageInput skeleton = SkeletonInput(options_.ingest.source.skeleton);
     AddInput(skeleton, discovery->items);
     AddInput(skeleton, discovery->truth);
@@ -198,12 +197,13 @@ class MainJob {
   }
 
   Status Canonicalise() {
-    if (Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical); !done) return done;
-    if (!options_.train.baseline) return {};
-    return CanonItems("tracks", &ClipRecord::evidence, &ClipRecord::baseline);
+    const bool both = options_.train.baseline;
+    const Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical, both ? kFittedBranch : "");
+    if (!done || !both) return done;
+    return CanonItems("tracks", &ClipRecord::evidence, &ClipRecord::baseline, kRawBranch);
   }
 
-  Status CanonItems(const char* role, ItemResult ClipRecord::*from, ItemResult ClipRecord::*to) {
+  Status CanonItems(const char* role, ItemResult ClipRecord::*from, ItemResult ClipRecord::*to, const char* branch) {
     const nlohmann::json options = OptionsToJson(options_.canon);
     std::vector<ItemSpec> items;
     std::vector<ClipRecord*> records;
@@ -213,13 +213,13 @@ class MainJob {
       records.push_back(&clip);
     }
     AddInput(SkeletonInput(options_.canon.skeleton), items);
-    auto report = RunStage(CanonDeclaration(), std::move(items));
+    auto report = RunStage(CanonDeclaration(), std::move(items), branch);
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
     return {};
   }
 
-  Expected<ItemResult> AssembleFrom(const char* name, ItemResult ClipRecord::*from) {
+  Expected<ItemResult> AssembleFrom(const char* name, ItemResult ClipRecord::*from, const char* branch) {
     ItemSpec item{name, OptionsToJson(options_.assemble), {}};
     for (const ClipRecord& clip : clips_) {
       if (!(clip.*from).artifact.empty()) item.inputs.push_back(InputFrom("clip", clip.*from));
@@ -230,16 +230,17 @@ class MainJob {
       return Fail(first.code, "no clip is left for the dataset; " + first.Message(), DisplayPath(options_.ingest.path),
                   "curation_log.jsonl in the run folder says why each was dropped");
     }
-    return RunOne(AssembleDeclaration(), std::move(item));
+    return RunOne(AssembleDeclaration(), std::move(item), branch);
   }
 
   Status Assemble() {
-    const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical);
+    const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical, options_.train.baseline ? kFittedBranch : "");
     if (!dataset) return Forward(dataset);
-    for (const Finding& finding : dataset->outcome.findings) LogWarning(finding.message);
+    result_.set_findings = dataset->outcome.findings;
+    for (const Finding& finding : result_.set_findings) LogWarning(finding.message);
     dataset_ = *dataset;
     if (options_.train.baseline) {
-      const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline);
+      const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);
       if (!baseline) return Forward(baseline);
       baseline_ = *baseline;
     }
@@ -375,15 +376,6 @@ class MainJob {
 };
 
 }  // namespace
-
-Expected<JobStage> JobStageFromName(const std::string& name) {
-  std::string known;
-  for (const StageName& stage : kStages) {
-    if (name == stage.name) return stage.stage;
-    known += std::string(known.empty() ? "" : ", ") + stage.name;
-  }
-  return Fail(ErrorCode::kUsage, "there is no stage '" + name + "'", "--to", "the stages are: " + known);
-}
 
 Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner) {
   return MainJob(options, last, runner).Run();

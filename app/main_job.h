@@ -8,15 +8,10 @@
 #include <vector>
 
 #include "app/job_options.h"
+#include "app/job_stage.h"
 #include "core/pipeline/runner.h"
 
 namespace mocurate {
-
-/// Stages in order; a run may stop after any of them.
-enum class JobStage { kIngest, kProportions, kFitting, kCanon, kAssemble, kAudit, kTrain, kEvaluate, kReport };
-
-/// Error kUsage names the stages there are.
-Expected<JobStage> JobStageFromName(const std::string& name);
 
 /// What a run gave; paths are empty when the run stopped before.
 struct JobResult {
@@ -35,7 +30,8 @@ struct JobResult {
   std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;
-  std::optional<Error> unevaluated;  ///< why there is no table although networks were to be scored
+  std::vector<Finding> set_findings;  ///< what `assemble` found about the set as a whole: its splits, its rates
+  std::optional<Error> unevaluated;   ///< why there is no table although networks were to be scored
   std::vector<StageReport> stages;
 };
 

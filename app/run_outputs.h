@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/main_job.h"
+#include "app/job_stage.h"
+#include "core/base/error.h"
 
 namespace mocurate {
 

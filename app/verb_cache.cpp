@@ -3,6 +3,7 @@
 
 #include "app/verbs.h"
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/pipeline/runner.h"
 
 namespace mocurate {
@@ -20,19 +21,25 @@ Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   const std::string folder = DisplayPath(cache.folder());
   if (arguments.action == "verify") {
     const std::vector<std::string> damaged = cache.Verify();
-    std::string text = folder + ": " + std::to_string(damaged.size()) + " damaged objects";
+    const std::string count = Counted(static_cast<long long>(damaged.size()), "cache object");
+    std::string text = folder + ": damaged: " + count;
     for (const std::string& key : damaged) text += "\n  " + key;
     Print(common, {{"folder", folder}, {"damaged", damaged}}, text);
     if (damaged.empty()) return {};
-    return Fail(ErrorCode::kInconsistent, std::to_string(damaged.size()) + " cache objects differ from their hash",
-                folder, "delete them (mocurate cache prune --days 0 removes all); they are made again");
+    return Fail(ErrorCode::kInconsistent, "damaged: " + count + " of another content than recorded", folder,
+                "delete them (mocurate cache prune --days 0 removes all); they are made again");
   }
-  const Cache::Statistics statistics = arguments.action == "prune" ? cache.Prune(arguments.days) : cache.Stat();
-  Print(
-      common,
-      {{"folder", folder}, {"objects", statistics.objects}, {"bytes", statistics.bytes}, {"action", arguments.action}},
-      folder + ": " + (arguments.action == "prune" ? "removed " : "") + std::to_string(statistics.objects) +
-          " objects, " + std::to_string(statistics.bytes / 1000000) + " MB");
+  const bool prune = arguments.action == "prune";
+  const Cache::Statistics statistics = prune ? cache.Prune(arguments.days, arguments.dry_run) : cache.Stat();
+  const char* removed = !prune ? "" : arguments.dry_run ? "would remove " : "removed ";
+  Print(common,
+        {{"folder", folder},
+         {"objects", statistics.objects},
+         {"bytes", statistics.bytes},
+         {"action", arguments.action},
+         {"dry_run", arguments.dry_run}},
+        folder + ": " + removed + Counted(static_cast<long long>(statistics.objects), "object") + ", " +
+            std::to_string(statistics.bytes / 1000000) + " MB");
   return {};
 }
 

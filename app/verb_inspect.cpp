@@ -2,25 +2,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/config_loading.h"
+#include "app/inspect_made.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
-#include "core/store/store.h"
 #include "ingest/sense/inspect.h"
 
 namespace mocurate {
 namespace {
-
-constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
-
-bool IsStore(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return false;
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) return false;
-  char head[8] = {};
-  const std::size_t read = std::fread(head, 1, sizeof(head), file);
-  std::fclose(file);
-  return std::string_view(head, read) == kHdf5Signature;
-}
 
 void PrintJson(const nlohmann::json& document) {
   std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
@@ -42,10 +30,14 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   if (!std::filesystem::exists(arguments.path, ignored)) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
-  if (IsStore(arguments.path)) {
-    const auto description = DescribeStore(arguments.path);
+  if (IsMade(arguments.path)) {
+    const auto description = DescribeMade(arguments.path);
     if (!description) return Forward(description);
-    PrintJson(*description);
+    common.answered = common.json;
+    if (common.json)
+      PrintJson(*description);
+    else
+      std::printf("%s", MadeText(arguments.path, *description).c_str());
     return {};
   }
   std::optional<SourceOptions> source;

@@ -41,6 +41,7 @@ struct ConfigArguments {
 struct CacheArguments {
   std::string action;  ///< stat, verify, prune
   double days = 30.0;
+  bool dry_run = false;  ///< prune: remove nothing
 };
 
 /// Each verb prints its result and returns how it went. Runs end with the exit code of that.

@@ -56,6 +56,8 @@ std::string Verdict(const ReportInput& input) {
   const nlohmann::json& recogniser = Field(Field(input.run, "metrics"), "recogniser");
   if (const auto mean = NumberOf(recogniser, "mean"))
     text += " The recogniser is right on " + PercentText(*mean) + " of the test clips.";
+  else if (const std::string why = TextOf(recogniser, "scored"); !why.empty())
+    text += " The recogniser is not scored: " + EscapeHtml(why) + ".";
   return text;
 }
 
@@ -123,6 +125,19 @@ std::string ReasonsTable(const nlohmann::json& run) {
   return table.Html();
 }
 
+/// Persons drawn, leaks, rates that differ: what was found about the set as a whole.
+std::string SetFindingsHtml(const nlohmann::json& run) {
+  HtmlTable table{"Found about the set and its splits", {"Finding", "Severity", "Message", "Done about it"}, {}, false};
+  for (const nlohmann::json& finding : Elements(Field(run, "findings"))) {
+    const std::string clip = TextOf(finding, "clip");
+    table.rows.push_back({EscapeHtml(TextOf(finding, "code")), EscapeHtml(TextOf(finding, "severity")),
+                          EscapeHtml((clip.empty() ? "" : clip + ": ") + TextOf(finding, "message")),
+                          EscapeHtml(TextOf(finding, "action"))});
+  }
+  return table.rows.empty() ? Paragraph("Nothing was found wrong or doubtful about the set and its splits.")
+                            : table.Html();
+}
+
 }  // namespace
 
 std::string HeadHtml(const ReportInput& input) {
@@ -143,9 +158,10 @@ std::string FunnelHtml(const ReportInput& input) {
   for (const nlohmann::json& stage : Elements(Field(input.run, "stages"))) {
     const std::string name = TextOf(stage, "stage");
     const auto count = [&stage](const char* key) { return CountOf(stage, key); };
-    table.rows.push_back({EscapeHtml(name), CountText(count("items")), CountText(count("done")),
-                          CountText(count("doubtful")), CountText(count("left_out")), CountText(count("refused")),
-                          CountText(count("crashed"))});
+    const std::string branch = TextOf(stage, "branch");
+    table.rows.push_back({EscapeHtml(branch.empty() ? name : name + " (" + branch + ")"), CountText(count("items")),
+                          CountText(count("done")), CountText(count("doubtful")), CountText(count("left_out")),
+                          CountText(count("refused")), CountText(count("crashed"))});
     const bool per_clip = name == "ingest" || name == "fitting" || name == "canon";
     if (!per_clip || seen[name]++ > 0 || count("items") == 0) continue;
     const long long ruled = count("left_out");
@@ -177,11 +193,14 @@ std::string DatasetHtml(const ReportInput& input) {
   std::string html;
   HtmlTable splits{"Splits", {"Split", "Train", "Validation", "Test", "Rule", "Leak check"}, {}, false};
   for (const nlohmann::json& split : Elements(Field(audit, "splits"))) {
+    const long long test = CountOf(split, "test");
     splits.rows.push_back({EscapeHtml(TextOf(split, "name")), CountText(CountOf(split, "train")),
-                           CountText(CountOf(split, "validation")), CountText(CountOf(split, "test")),
+                           CountText(CountOf(split, "validation")),
+                           test > 0 ? CountText(test) : std::string("0: no clip tests, nothing is scored"),
                            EscapeHtml(TextOf(split, "rule")), EscapeHtml(TextOf(split, "leak_check"))});
   }
   html += splits.rows.empty() ? Paragraph("The dataset has no split.") : splits.Html();
+  html += SetFindingsHtml(input.run);
   BarChart chart;
   chart.title = "Clips per label";
   if (labels.is_object()) {
@@ -209,14 +228,20 @@ std::string FindingsHtml(const ReportInput& input) {
       if (group.clips.empty() || group.clips.back() != item) group.clips.push_back(item);
     }
   }
-  if (groups.empty()) return Paragraph("Nothing was found wrong or doubtful.");
+  const bool set = !Elements(Field(input.run, "findings")).empty();
+  const std::string elsewhere =
+      set ? Paragraph(
+                "What was found about the set and its splits stands under <a href=\"#dataset\">Labels and "
+                "splits</a>.")
+          : "";
+  if (groups.empty()) return Paragraph("Nothing was found wrong or doubtful about any clip.") + elsewhere;
   HtmlTable table{"", {"Finding", "Severity", "Times", "Clips", "Done about it", "First message", "Which"}, {}, false};
   for (const auto& [code, group] : groups) {
     table.rows.push_back({EscapeHtml(code), EscapeHtml(group.severity), CountText(group.count),
                           CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.action),
                           EscapeHtml(group.message), ClipList(group.clips)});
   }
-  return table.Html();
+  return table.Html() + elsewhere;
 }
 
 }  // namespace mocurate

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "report/html.h"
 #include "report/pictures.h"
 #include "report/run_facts.h"
@@ -231,7 +232,9 @@ std::string PersonsHtml(const ReportInput& input) {
     }
     if (known) table.rows.push_back(row);
   }
-  for (const auto& [name, key] : {std::pair("Stature, m", "stature_m"), std::pair("Clips used", "clips")}) {
+  for (const auto& [name, key] :
+       {std::pair("Height from the lowest to the highest joint, standing straight with these bones, m", "stature_m"),
+        std::pair("Clips that the lengths were read from", "clips")}) {
     std::vector<std::string> row = {name};
     for (const nlohmann::json* person : shown) {
       const auto value = NumberOf(*person, key);
@@ -240,7 +243,7 @@ std::string PersonsHtml(const ReportInput& input) {
     table.rows.push_back(row);
   }
   const int left = static_cast<int>(persons.size()) - static_cast<int>(shown.size());
-  return table.Html() + (left > 0 ? Paragraph(std::to_string(left) + " more persons are not shown.", "soft") : "");
+  return table.Html() + (left > 0 ? Paragraph("Not shown: " + Counted(left, "more person") + ".", "soft") : "");
 }
 
 }  // namespace mocurate

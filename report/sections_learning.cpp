@@ -161,8 +161,26 @@ std::string Chart(const LineChart& chart) {
   return "<figure><figcaption>" + EscapeHtml(chart.title) + "</figcaption>" + chart.Svg() + "</figure>\n";
 }
 
-std::string GeneratorCharts(const std::string& item, const nlohmann::json& history) {
-  LineChart loss{item + ": loss", "iteration", "loss", {}};
+/// " (250 iterations, batches of 64 clips)" of trainings that belong together; what differs between them, or is not
+/// known, is left out.
+std::string LengthText(const std::vector<std::pair<std::string, const nlohmann::json*>>& trainings) {
+  std::string text;
+  const auto add = [&](const char* key, const char* before, const char* noun) {
+    const auto count = NumberOf(*trainings.front().second, key);
+    const bool alike = std::all_of(trainings.begin(), trainings.end(),
+                                   [&](const auto& training) { return NumberOf(*training.second, key) == count; });
+    if (!count || !alike) return;
+    text += (text.empty() ? " (" : ", ") + (before + Counted(static_cast<long long>(*count), noun));
+  };
+  add("epochs", "", "epoch");
+  add("iterations", "", "iteration");
+  add("batch", "batches of ", "clip");
+  return text.empty() ? text : text + ")";
+}
+
+std::string GeneratorCharts(const std::string& item, const nlohmann::json& training) {
+  const nlohmann::json& history = Field(training, "history");
+  LineChart loss{item + ": loss" + LengthText({{item, &training}}), "iteration", "loss", {}};
   LineChart kl{item + ": Kullback-Leibler term", "iteration", "KL", {}};
   for (const char* column : {"loss", "reconstruction"}) {
     const std::vector<double> values = NumbersOf(Field(history, column));
@@ -176,14 +194,15 @@ std::string GeneratorCharts(const std::string& item, const nlohmann::json& histo
 
 std::string RecogniserCharts(const std::string& kind,
                              const std::vector<std::pair<std::string, const nlohmann::json*>>& seeds) {
-  LineChart loss{kind + ": training loss by seed", "epoch", "loss", {}};
+  LineChart loss{kind + ": training loss by seed" + LengthText(seeds), "epoch", "loss", {}};
   LineChart accuracy{kind + ": accuracy on the validation fold by seed", "epoch", "accuracy", {}};
-  for (const auto& [item, history] : seeds) {
-    const std::vector<double> values = NumbersOf(Field(*history, "train_loss"));
+  for (const auto& [item, training] : seeds) {
+    const nlohmann::json& history = Field(*training, "history");
+    const std::vector<double> values = NumbersOf(Field(history, "train_loss"));
     if (!values.empty()) loss.curves.push_back({"seed " + item, Thinned({}, values)});
-    const std::vector<double> checked = NumbersOf(Field(*history, "validation_accuracy"));
+    const std::vector<double> checked = NumbersOf(Field(history, "validation_accuracy"));
     if (!checked.empty())
-      accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(*history, "check_epoch")), checked)});
+      accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "check_epoch")), checked)});
   }
   return Chart(loss) + Chart(accuracy);
 }
@@ -222,7 +241,11 @@ std::string RecognisersHtml(const ReportInput& input) {
   for (const RecogniserKind& kind : kRecognisers) {
     const nlohmann::json& scored = Field(metrics, kind.key);
     const auto mean = NumberOf(scored, "mean");
-    if (!mean) continue;
+    if (!mean) {
+      const std::string why = TextOf(scored, "scored");
+      if (!why.empty()) table.rows.push_back({kind.name, "not scored: " + EscapeHtml(why), "–", "0"});
+      continue;
+    }
     std::string seeds;
     for (const double accuracy : NumbersOf(Field(scored, "test_accuracy")))
       seeds += (seeds.empty() ? "" : ", ") + FixedText(accuracy, 3);
@@ -236,8 +259,9 @@ std::string RecognisersHtml(const ReportInput& input) {
                           CountText(CountOf(nearest, "count"))});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
-  return table.Html() + "<h3>Confusion of the recogniser on the test clips</h3>\n" +
-         ConfusionTable(Field(metrics, "recogniser"));
+  const std::string confusion = ConfusionTable(Field(metrics, "recogniser"));
+  if (confusion.empty()) return table.Html();
+  return table.Html() + "<h3>Confusion of the recogniser on the test clips</h3>\n" + confusion;
 }
 
 std::string CurvesHtml(const ReportInput& input) {
@@ -247,9 +271,9 @@ std::string CurvesHtml(const ReportInput& input) {
     const nlohmann::json& history = Field(*training, "history");
     if (!history.is_object()) continue;
     if (!IsRecogniser(*training))
-      charts += GeneratorCharts(item, history);
+      charts += GeneratorCharts(item, *training);
     else
-      recognisers[item.substr(0, item.find('/'))].emplace_back(item.substr(item.find('/') + 1), &history);
+      recognisers[item.substr(0, item.find('/'))].emplace_back(item.substr(item.find('/') + 1), training);
   }
   for (const auto& [kind, seeds] : recognisers) charts += RecogniserCharts(kind, seeds);
   if (charts.empty()) return Paragraph("No training of this run left a history.");
@@ -261,7 +285,7 @@ std::string StopsHtml(const ReportInput& input) {
       "Generators", {"Item", "Iterations", "Batch", "Training clips", "Passes over the clips", "Last loss"}, {}, true};
   HtmlTable recognisers{
       "Recognisers",
-      {"Item", "Epochs", "Chosen epoch", "Validation accuracy", "Last training accuracy", "Chosen by"},
+      {"Item", "Epochs", "Batch", "Chosen epoch", "Validation accuracy", "Last training accuracy", "Chosen by"},
       {},
       false};
   const auto number = [](const nlohmann::json& json, const char* key, int digits) {
@@ -270,7 +294,7 @@ std::string StopsHtml(const ReportInput& input) {
   };
   for (const auto& [item, training] : Trainings(input.run)) {
     if (IsRecogniser(*training)) {
-      recognisers.rows.push_back({EscapeHtml(item), number(*training, "epochs", 0),
+      recognisers.rows.push_back({EscapeHtml(item), number(*training, "epochs", 0), number(*training, "batch", 0),
                                   number(*training, "chosen_epoch", 0), number(*training, "validation_accuracy", 3),
                                   number(*training, "train_accuracy", 3),
                                   EscapeHtml(TextOf(*training, "validation_rule"))});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "report/html.h"
 
 namespace mocurate {
@@ -152,7 +153,7 @@ std::string TwoSidedHistogram::Svg() const {
     for (int bin = 0; bin < kBins; ++bin) {
       if (counts[bin] == 0) continue;
       const double height = std::max(1.0, (kHalf - 4.0) * counts[bin] / most);
-      const std::string tip = std::to_string(counts[bin]) + " clips, from " +
+      const std::string tip = Counted(counts[bin], "clip") + ", from " +
                               MarkText(std::round(1e3 * frame.x_high * bin / kBins) / 1e3) + " " + unit +
                               (bin + 1 == kBins ? " up" : "");
       svg += Rect(frame.left + bin * width, upwards ? middle - 1 - height : middle + 1, width - 0.8, height,

@@ -57,7 +57,15 @@ TEST(Documents, AWholeRunAndWhatLooksAtIt) {
     break;
   }
   EXPECT_EQ(ExpectDocument(RunProgram(folder, {"cache", "verify", "--json"}), 3)["damaged"].size(), 1u);
-  EXPECT_GT(ExpectDocument(RunProgram(folder, {"cache", "prune", "--days", "0", "--json"}), 0)["objects"], 15);
+  const std::vector<std::string> prune = {"cache", "prune", "--days", "0", "--json"};
+  const nlohmann::json foreseen =
+      ExpectDocument(RunProgram(folder, {"cache", "prune", "--days", "0", "--json", "--dry-run"}), 0);
+  EXPECT_TRUE(foreseen["dry_run"].get<bool>());
+  EXPECT_GT(ExpectDocument(RunProgram(folder, {"cache", "stat", "--json"}), 0)["objects"], 15) << "nothing is removed";
+  const nlohmann::json pruned = ExpectDocument(RunProgram(folder, prune), 0);
+  EXPECT_GT(pruned["objects"], 15);
+  EXPECT_EQ(pruned["objects"], foreseen["objects"]);
+  EXPECT_EQ(pruned["bytes"], foreseen["bytes"]);
   EXPECT_EQ(ExpectDocument(RunProgram(folder, {"cache", "stat", "--json"}), 0)["objects"], 0);
 }
 
@@ -108,15 +116,16 @@ TEST(Documents, WrongUsageAndWrongConfigAreExitCode2) {
   }
 }
 
-TEST(Documents, WhatIsNotThereIsExitCode3) {
+TEST(Documents, AConfigurationThatIsNotThereIsExitCode2AndInputThatIsNotThere3) {
   const Folder folder;
   const std::string none = folder / "none.yaml";
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"run", none}, {"config", "show", none}, {"inspect", none}}) {
     std::vector<std::string> with_json = arguments;
     with_json.emplace_back("--json");
-    const nlohmann::json document = ExpectDocument(RunProgram(folder, with_json), 3);
-    EXPECT_EQ(document["error"]["code"], "not_found");
+    const bool input = arguments.front() == "inspect";
+    const nlohmann::json document = ExpectDocument(RunProgram(folder, with_json), input ? 3 : 2);
+    EXPECT_EQ(document["error"]["code"], input ? "not_found" : "config");
     EXPECT_THAT(document["error"]["where"].get<std::string>(), HasSubstr("none.yaml"));
   }
 }

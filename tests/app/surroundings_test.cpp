@@ -43,7 +43,7 @@ TEST(DryRun, OfAColdCacheSaysThatThereIsWorkAndWritesNothing) {
   const Folder folder;
   const Result result = RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("dry run: 1 items would run, and what follows from them"));
+  EXPECT_THAT(result.out, HasSubstr("dry run: 1 item would run, and what follows from it up to the stage assemble"));
   EXPECT_FALSE(fs::exists(folder / "r"));
   EXPECT_FALSE(fs::exists(folder / "cache"));
 }
@@ -55,6 +55,8 @@ TEST(DryRun, OfAWarmCacheSaysThatNothingWouldRunAndWritesNothing) {
   const Result result = RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("dry run: nothing would run: every item is in the cache"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("fitting +15 items from the cache, 0 would run"));
+  EXPECT_THAT(result.out, Not(HasSubstr("0 kept"))) << "of a run that was not";
   EXPECT_EQ(RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run", "--json"})).Json()["executed"], 0);
   EXPECT_TRUE(run == Snapshot(folder / "r"));
   EXPECT_TRUE(cache == Snapshot(folder / "cache"));

@@ -20,25 +20,27 @@ using ::testing::HasSubstr;
 /// A few synthetic clips, the smallest networks, the shortest evaluation.
 std::vector<std::string> TrainingJob(const Folder& folder, const std::vector<std::string>& assignments) {
   std::vector<std::string> arguments = {"run", "-o", (folder / "r").string(), "--json"};
-  std::vector<std::string> sets = {"ingest.synthetic.subjects=3",
-                                   "ingest.synthetic.repetitions=1",
-                                   "ingest.synthetic.duration=1.5 s",
-                                   "ingest.synthetic.actions=[wave, kick]",
-                                   "assemble.splits=[{name: s, by: fraction, test_share: 0.3, validation_share: 0}]",
-                                   "train.recogniser.split=s",
-                                   "train.generator.split=s",
-                                   "audit.split=s",
-                                   "train.seeds=[1, 2]",
-                                   "train.recogniser.frames=10",
-                                   "train.recogniser.hidden=4",
-                                   "train.recogniser.epochs=2",
-                                   "train.generator.frames=10",
-                                   "train.generator.hidden=4",
-                                   "train.generator.iterations=1",
-                                   "evaluate.repetitions=1",
-                                   "evaluate.motions=10",
-                                   "evaluate.diversity_pairs=2",
-                                   "evaluate.multimodality_quota=1"};
+  std::vector<std::string> sets = {
+      "ingest.synthetic.subjects=3",
+      "ingest.synthetic.repetitions=1",
+      "ingest.synthetic.duration=1.5 s",
+      "ingest.synthetic.actions=[wave, kick]",
+      "assemble.splits=[{name: s, by: fraction, test_share: 0.3, validation_share: 0}, {name: all_test, "
+      "by: fraction, test_share: 1, validation_share: 0}]",
+      "train.recogniser.split=s",
+      "train.generator.split=s",
+      "audit.split=s",
+      "train.seeds=[1, 2]",
+      "train.recogniser.frames=10",
+      "train.recogniser.hidden=4",
+      "train.recogniser.epochs=2",
+      "train.generator.frames=10",
+      "train.generator.hidden=4",
+      "train.generator.iterations=1",
+      "evaluate.repetitions=1",
+      "evaluate.motions=10",
+      "evaluate.diversity_pairs=2",
+      "evaluate.multimodality_quota=1"};
   sets.insert(sets.end(), assignments.begin(), assignments.end());
   for (const std::string& assignment : sets) arguments.insert(arguments.end(), {"--set", assignment});
   return arguments;
@@ -59,6 +61,11 @@ TEST(TrainingRun, OnePersonAloneIsLearntFromAndNothingIsScored) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("not scored: no clip tests"));
   EXPECT_THAT(result.err, HasSubstr("it trains and nothing tests"));
+  const std::string page = ReadText(folder / "r/report/index.html");
+  EXPECT_THAT(page, HasSubstr("The recogniser is not scored: no clip tests."));
+  EXPECT_THAT(page, HasSubstr("0: no clip tests, nothing is scored"));
+  EXPECT_THAT(page, HasSubstr("; nobody tests"));
+  EXPECT_THAT(page, HasSubstr("split_drawn"));
 }
 
 TEST(TrainingRun, AFolderThatIsGivenTakesThePlaceOfTheCapture) {
@@ -85,17 +92,18 @@ TEST(TrainingRun, AllNetworksAreItemsOfOneStage) {
 
 TEST(TrainingRun, AGeneratorThatFailsLeavesTheRecognisersAndTheReportSaysSo) {
   const Folder folder;
-  const Result result = RunProgram(folder, TrainingJob(folder, {"train.generator.split=nowhere"}));
+  const Result result = RunProgram(folder, TrainingJob(folder, {"train.generator.split=all_test"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("1 of 3 networks were not trained; Action2Motion"));
-  EXPECT_THAT(result.err, HasSubstr("nowhere"));
+  EXPECT_THAT(result.err, HasSubstr("1 of 3 networks was not trained; Action2Motion"));
+  EXPECT_THAT(result.err, HasSubstr("all_test"));
   const nlohmann::json document = result.Json();
   EXPECT_TRUE(document["untrained"].contains("Action2Motion"));
   EXPECT_EQ(document["metrics"]["recogniser"]["test_accuracy"].size(), 2u);
   EXPECT_TRUE(document["metrics"]["rows"].contains("Real"));
   const std::string page = ReadText(folder / "r/report/index.html");
   EXPECT_THAT(page, HasSubstr("Not trained"));
-  EXPECT_THAT(page, HasSubstr("nowhere"));
+  EXPECT_THAT(page, HasSubstr("all_test"));
+  EXPECT_THAT(page, HasSubstr("batches of 32 clips)"));
 }
 
 TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersStay) {
@@ -156,11 +164,44 @@ TEST(TrainingRun, AnEvaluationThatFailsLeavesTheReportWhichSaysWhyThereIsNoTable
 
 TEST(TrainingRun, RecognisersThatFailLeaveTheGenerator) {
   const Folder folder;
-  const Result result = RunProgram(folder, TrainingJob(folder, {"train.recogniser.split=nowhere"}));
+  const Result result =
+      RunProgram(folder, TrainingJob(folder, {"train.recogniser.split=all_test", "evaluate.split=s"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("2 of 3 networks were not trained; recogniser/1"));
   EXPECT_TRUE(fs::exists(folder / "r/checkpoints/Action2Motion.h5"));
   EXPECT_THAT(ReadText(folder / "r/report/index.html"), HasSubstr("recogniser/2"));
+}
+
+TEST(TrainingRun, WithoutAnyNetworkTheExitCodeIsStill1) {
+  const Folder folder;
+  const Result result =
+      RunProgram(folder, TrainingJob(folder, {"train.recogniser.split=all_test", "train.generator.split=all_test"}));
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("3 of 3 networks were not trained"));
+  EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
+}
+
+TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
+  const Folder folder;
+  std::vector<std::string> arguments = TrainingJob(folder, {"train.baseline=true"});
+  arguments.erase(std::find(arguments.begin(), arguments.end(), "--json"));
+  arguments.insert(arguments.end(), {"--to", "assemble"});
+  const Result result = RunProgram(folder, arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* title :
+       {"canon (fitted motion)", "canon (raw tracks)", "assemble (fitted motion)", "assemble (raw tracks)"}) {
+    EXPECT_THAT(result.out, HasSubstr(title));
+    EXPECT_THAT(result.err, HasSubstr(title));
+  }
+}
+
+TEST(TrainingRun, HowLongTheJobTakesIsSaidOfTheWholeJob) {
+  const Folder folder;
+  std::vector<std::string> arguments = TrainingJob(folder, {"takes=an hour"});
+  EXPECT_THAT(RunProgram(folder, arguments).err, HasSubstr("demo takes an hour\n"));
+  arguments.insert(arguments.end(), {"--to", "ingest"});
+  EXPECT_THAT(RunProgram(folder, arguments).err,
+              HasSubstr("demo as a whole takes an hour; this run ends after the stage ingest"));
 }
 
 }  // namespace

@@ -40,6 +40,10 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
   EXPECT_EQ(RunProgram(folder, {"fly"}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder, {"run", "--wings"}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder, {}).exit_code, 2);
+  EXPECT_THAT(RunProgram(folder, {"runn"}).err, HasSubstr("there is no verb 'runn' (did you mean 'mocurate run'?)"));
+  EXPECT_THAT(RunProgram(folder, {"fly"}).err, HasSubstr("the verbs are: run, inspect, config, doctor, cache"));
+  EXPECT_THAT(RunProgram(folder, {"kard.yaml"}).err, HasSubstr("did you mean 'mocurate run kard.yaml'?"));
+  EXPECT_THAT(RunProgram(folder, {"run", "--to", "asemble"}).err, HasSubstr("did you mean 'assemble'?"));
   const Result stage = RunProgram(folder, {"run", "--to", "heaven", "-o", (folder / "r").string()});
   EXPECT_EQ(stage.exit_code, 2);
   EXPECT_THAT(stage.err, HasSubstr("the stages are: ingest, proportions, fitting"));
@@ -88,8 +92,11 @@ TEST(Config, TheSchemaIsJson) {
 TEST(Errors, AMissingConfigOrFolderIsNamed) {
   const Folder folder;
   const Result config = RunProgram(folder, {"run", (folder / "none.yaml").string()});
-  EXPECT_EQ(config.exit_code, 3);
-  EXPECT_THAT(config.err, HasSubstr("none.yaml"));
+  EXPECT_EQ(config.exit_code, 2);
+  EXPECT_THAT(config.err, HasSubstr("none.yaml: the configuration cannot be read: no such file"));
+  WriteText(folder / "nine.yaml", "name: x\n");
+  EXPECT_THAT(RunProgram(folder, {"run", (folder / "none.yaml").string()}).err,
+              HasSubstr("did you mean '" + (folder / "nine.yaml").string() + "'?"));
   const Result path = RunProgram(folder, {"inspect", (folder / "none").string(), "--json"});
   EXPECT_EQ(path.exit_code, 3);
   EXPECT_EQ(path.Json()["error"]["code"], "not_found");

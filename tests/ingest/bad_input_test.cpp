@@ -47,7 +47,7 @@ TEST(BadInput, NanWithoutADeclarationAndWithOne) {
 TEST(BadInput, AClipInWhichNobodyIsSeen) {
   IngestOptions options = OneFile("nobody", "0 0 0\n0 0 0\n");
   options.source.missing = MissingValue::kZero;
-  EXPECT_THAT(RefusalOf(options, "nobody"), HasSubstr("no joint is seen in any of 1 frames"));
+  EXPECT_THAT(RefusalOf(options, "nobody"), HasSubstr("no joint is seen in any of 1 frame"));
 }
 
 TEST(BadInput, ATableOfZerosIsNoMotionAndSingleZerosAreSaid) {

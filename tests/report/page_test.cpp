@@ -127,6 +127,52 @@ TEST(ReportPage, WithoutTestClipsTheNearestNeighbourIsNotScored) {
   EXPECT_THAT(PageOf(run), HasSubstr("nothing trained</th><td>not scored</td>"));
 }
 
+TEST(ReportPage, ARecogniserWithoutTestClipsIsNotScoredAndHasNoConfusion) {
+  SmallRun run;
+  EXPECT_THAT(PageOf(run), HasSubstr("<h3>Confusion"));
+  run.run["metrics"]["recogniser"] = {{"test_clips", 0}, {"scored", "no clip tests"}};
+  run.run["audit"]["splits"] = {{{"name", "s"}, {"train", 3}, {"validation", 0}, {"test", 0}, {"rule", "by person"}}};
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("Fitted motion</th><td>not scored: no clip tests</td>"));
+  EXPECT_THAT(page, HasSubstr("The recogniser is not scored: no clip tests."));
+  EXPECT_THAT(page, HasSubstr("0: no clip tests, nothing is scored"));
+  EXPECT_THAT(page, Not(HasSubstr("<h3>Confusion")));
+}
+
+TEST(ReportPage, ShowsWhatWasFoundAboutTheSplits) {
+  SmallRun run;
+  EXPECT_THAT(PageOf(run), HasSubstr("Nothing was found wrong or doubtful about the set and its splits."));
+  run.run["findings"] = {{{"clip", ""},
+                          {"code", "split_drawn"},
+                          {"severity", "warning"},
+                          {"message", "split 's': drawn instead: p<2 tests"},
+                          {"action", "replaced"}},
+                         {{"clip", ""},
+                          {"code", "split_leak"},
+                          {"severity", "error"},
+                          {"message", "split 's': leaks: 1 clip of equal content in two parts"},
+                          {"action", "flagged"}}};
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("drawn instead: p&lt;2 tests"));
+  EXPECT_THAT(page, HasSubstr("leaks: 1 clip of equal content in two parts"));
+}
+
+TEST(ReportPage, SaysHowLongAndInWhichBatchesNetworksWereTrained) {
+  SmallRun run;
+  run.run["training"] = {
+      {"recogniser/1",
+       {{"kind", "gru_recogniser"}, {"epochs", 40}, {"batch", 32}, {"history", {{"train_loss", {2.0, 1.0}}}}}}};
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("recogniser: training loss by seed (40 epochs, batches of 32 clips)"));
+  EXPECT_THAT(page, HasSubstr("loss (300 iterations, batches of 8 clips)"));
+}
+
+TEST(ReportPage, TheRunsOfAStageOnRawTracksBearTheirName) {
+  SmallRun run;
+  run.run["stages"].push_back({{"stage", "canon"}, {"branch", "raw tracks"}, {"items", 3}, {"done", 3}});
+  EXPECT_THAT(PageOf(run), HasSubstr("canon (raw tracks)</th>"));
+}
+
 TEST(ReportPage, AnEvaluationThatFailedSaysWhyInPlaceOfTheTable) {
   SmallRun run;
   run.run["metrics"] = nullptr;

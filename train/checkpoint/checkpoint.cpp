@@ -6,6 +6,7 @@
 #include "core/base/file.h"
 #include "core/base/version.h"
 #include "core/store/hdf5_file.h"
+#include "train/checkpoint/describe.h"
 #include "train/checkpoint/skeleton_json.h"
 
 namespace mocurate {
@@ -42,16 +43,18 @@ std::string ContentHash(const Fields& fields) {
   return store::ContentSha256(lines);
 }
 
+/// A text attribute of the file; empty when there is none.
+std::string AttributeText(const store::Hdf5Reader& reader, const char* name) {
+  if (!reader.Has(name)) return {};
+  const Expected<store::Array> array = reader.Read(name, store::FieldType::kText);
+  return array && array->size() == 1 ? array->as<std::string>()[0] : std::string();
+}
+
 Expected<Fields> ReadFields(const std::filesystem::path& path) {
   Expected<store::Hdf5Reader> reader = store::Hdf5Reader::Open(path);
   if (!reader) return Forward(reader);
   const std::string where = DisplayPath(path);
-  const auto text = [&](const char* name) -> std::string {
-    if (!reader->Has(name)) return {};
-    const Expected<store::Array> array = reader->Read(name, store::FieldType::kText);
-    return array && array->size() == 1 ? array->as<std::string>()[0] : std::string();
-  };
-  const std::string schema = text("/@schema");
+  const std::string schema = AttributeText(*reader, "/@schema");
   if (schema != kSchema) {
     return Fail(
         ErrorCode::kInconsistent,
@@ -67,7 +70,7 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
     if (!array) return Forward(array);
     fields[field] = std::move(*array);
   }
-  const std::string expected = text("/@content_sha256");
+  const std::string expected = AttributeText(*reader, "/@content_sha256");
   fields.erase("/@content_sha256");
   if (ContentHash(fields) != expected) {
     return Fail(ErrorCode::kMalformed, "the content does not agree with its content_sha256", where,
@@ -187,6 +190,33 @@ Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std
   } catch (const nlohmann::json::exception& error) {
     return Fail(ErrorCode::kMalformed, std::string("/about cannot be read: ") + error.what(), where);
   }
+}
+
+bool IsCheckpoint(const std::filesystem::path& path) {
+  const Expected<store::Hdf5Reader> reader = store::Hdf5Reader::Open(path);
+  return reader && AttributeText(*reader, "/@schema") == kSchema;
+}
+
+Expected<nlohmann::json> DescribeCheckpoint(const std::filesystem::path& path) {
+  const Expected<Checkpoint> checkpoint = ReadCheckpoint(path);
+  if (!checkpoint) return Forward(checkpoint);
+  std::size_t numbers = 0;
+  for (const Parameter& parameter : checkpoint->parameters) numbers += parameter.value.size();
+  nlohmann::json json = {{"schema", kSchema},
+                         {"network", checkpoint->kind},
+                         {"steps", checkpoint->step},
+                         {"step", checkpoint->kind == kGruRecogniserKind ? "epoch" : "iteration"},
+                         {"finished", checkpoint->finished},
+                         {"labels", checkpoint->labels},
+                         {"skeleton", nullptr},
+                         {"parameters", numbers},
+                         {"dataset_sha256", checkpoint->dataset_sha256},
+                         {"facts", checkpoint->facts},
+                         {"options", checkpoint->options}};
+  if (checkpoint->skeleton != nullptr) {
+    json["skeleton"] = {{"name", checkpoint->skeleton->name}, {"joints", checkpoint->skeleton->joint_count()}};
+  }
+  return json;
 }
 
 }  // namespace mocurate

@@ -1,0 +1,100 @@
+#include "app/job_checks.h"
+
+#include <algorithm>
+
+#include "core/base/text.h"
+#include "core/motion/skeleton.h"
+#include "ingest/synthetic/actions.h"
+
+namespace mocurate {
+namespace {
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list.empty() ? "none" : list;
+}
+
+Error Unknown(const std::string& what, const std::string& name, const std::string& option,
+              const std::vector<std::string>& known, const std::string& known_is) {
+  const auto near = Nearest(name, known);
+  return {ErrorCode::kConfig, "there is no " + what + " '" + name + "'", option,
+          near ? "did you mean '" + *near + "'?" : known_is + Listed(known)};
+}
+
+Status CheckSkeletons(const JobOptions& options) {
+  const std::pair<const char*, const std::string*> named[] = {
+      {"skeleton", &options.skeleton},
+      {"ingest.source.skeleton", &options.ingest.source.skeleton},
+      {"proportions.skeleton", &options.proportions.skeleton},
+      {"fitting.skeleton", &options.fitting.skeleton},
+      {"canon.skeleton", &options.canon.skeleton}};
+  for (const auto& [option, name] : named) {
+    if (name->empty()) continue;
+    const auto skeleton = LoadSkeleton(*name);
+    if (skeleton) continue;
+    Error error = skeleton.error();
+    error.code = ErrorCode::kConfig;
+    error.where = option + (error.where.empty() ? std::string() : ": " + error.where);
+    return tl::unexpected<Error>(error);
+  }
+  return {};
+}
+
+Status CheckActions(const IngestOptions& options) {
+  if (!options.synthetic.enabled || !options.path.empty()) return {};
+  for (const std::string& action : options.synthetic.actions) {
+    if (Status known = CheckAction(action); !known) return known;
+  }
+  return {};
+}
+
+Status CheckSplitNames(const JobOptions& options, JobStage last) {
+  struct Asked {
+    const char* option;
+    const std::string* split;
+    bool used;
+  };
+  const bool recognises = !options.train.seeds.empty();
+  const Asked asked[] = {
+      {"audit.split", &options.audit.split, last >= JobStage::kAudit},
+      {"train.recogniser.split", &options.train.recogniser.split, last >= JobStage::kTrain && recognises},
+      {"train.generator.split", &options.train.generator.split,
+       last >= JobStage::kTrain && options.train.generator_enabled},
+      {"evaluate.split", &options.evaluate.split, last >= JobStage::kEvaluate && recognises}};
+  std::vector<std::string> known;
+  for (const SplitOptions& split : options.assemble.splits) known.push_back(split.name);
+  for (const Asked& name : asked) {
+    if (!name.used || name.split->empty()) continue;
+    if (std::find(known.begin(), known.end(), *name.split) != known.end()) continue;
+    return tl::unexpected<Error>(Unknown("split", *name.split, name.option, known, "assemble.splits has: "));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status CheckNames(const JobOptions& options, JobStage last) {
+  if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
+  if (Status actions = CheckActions(options.ingest); !actions) return actions;
+  return CheckSplitNames(options, last);
+}
+
+Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery) {
+  for (const SplitOptions& split : options.splits) {
+    const bool by_person = split.by == SplitBy::kPerson;
+    if (split.absent != AbsentGroups::kRefuse || (!by_person && split.by != SplitBy::kStyle)) continue;
+    const std::set<std::string>& there = by_person ? discovery.persons : discovery.styles;
+    const std::vector<std::string> known(there.begin(), there.end());
+    for (const auto* names : {&split.test, &split.validation}) {
+      for (const std::string& name : *names) {
+        if (there.count(name) != 0) continue;
+        return tl::unexpected<Error>(Unknown(by_person ? "person" : "style", name, "assemble.splits." + split.name,
+                                             known, "the captures have: "));
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "app/job_options.h"
+#include "app/job_stage.h"
+#include "ingest/discover.h"
+
+namespace mocurate {
+
+/// What a configuration names must exist before any work begins: skeletons, actions of the studio, and the splits that
+/// stages up to `last` ask for. Error kConfig with the option, and the nearest name there is.
+Status CheckNames(const JobOptions& options, JobStage last);
+
+/// The same for persons and styles of splits that refuse to draw others (assemble.splits.absent: refuse), once the
+/// names of the files are known.
+Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery);
+
+}  // namespace mocurate
