@@ -55,11 +55,12 @@ class MainJob {
       return Forward(done);
     }
     for (const ClipRecord& clip : clips_) {
+      for (const std::string& code : FindingCodes(clip)) ++result_.findings[code];
+      if (clip.left_out() && clip.reason() == kFolderNotRead) continue;
       ++result_.clips;
       result_.kept += clip.kept() ? 1 : 0;
       result_.left_out += clip.left_out() ? 1 : 0;
       result_.failed += clip.failed() ? 1 : 0;
-      for (const std::string& code : FindingCodes(clip)) ++result_.findings[code];
     }
     return result_;
   }

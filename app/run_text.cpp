@@ -32,9 +32,11 @@ void PrintFigures(const JobResult& result) {
     std::printf("joints %.1f mm after fitting, rotations %.1f degrees\n", result.fit_error.value("joint_mm", 0.0),
                 result.fit_error.value("rotation_deg", 0.0));
     if (result.fit_error.contains("within_one_sigma")) {
-      std::printf("stated uncertainty: %.1f %% of errors within one standard deviation (68.3 is right), %.1f %% within two (95.4)\n",
-                  100.0 * result.fit_error.value("within_one_sigma", 0.0),
-                  100.0 * result.fit_error.value("within_two_sigma", 0.0));
+      std::printf(
+          "stated uncertainty: %.1f %% of errors within one standard deviation (68.3 is right), %.1f %% within two "
+          "(95.4)\n",
+          100.0 * result.fit_error.value("within_one_sigma", 0.0),
+          100.0 * result.fit_error.value("within_two_sigma", 0.0));
     }
   }
 }

@@ -186,7 +186,7 @@ ItemResult NotLookedAt(const std::string& folder, std::size_t files, const Sourc
       files > kMostCounted ? "more than " + std::to_string(kMostCounted) + " files" : Counted(files, "file");
   Finding finding;
   finding.clip = folder;
-  finding.code = "folder_not_read";
+  finding.code = kFolderNotRead;
   finding.severity = failed ? Severity::kError : Severity::kWarning;
   finding.value = static_cast<double>(files);
   finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files in another place";

@@ -236,7 +236,7 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
       EXPECT_TRUE(flagged.empty());
       continue;
     }
-    EXPECT_GE(flagged.size(), 5u);
+    EXPECT_GE(flagged.size(), 4u);  // of the others feet, knees and hips do not agree: nothing is said
     ExpectMistakenAxes(flagged, "+x +y +z");
   }
   const Result told = RunProgram(

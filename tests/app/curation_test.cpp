@@ -126,6 +126,7 @@ TEST_F(Curated, FilesWhereThePatternDoesNotLookAreCountedByFolder) {
   EXPECT_EQ(line["rule"], "folder_not_read");
   EXPECT_EQ(line["findings"][0]["value"], 2.0);
   EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("not looked at: 2 files"));
+  EXPECT_THAT(result.out, HasSubstr("left out by rule: 2,")) << "the brief clip and notes.doc; a folder is no clip";
   EXPECT_THAT(ReadText(folder_ / "r/curation_log.jsonl"), ::testing::Not(HasSubstr("\"empty\"")));
   EXPECT_EQ(Run({"ingest.source.other_files=ignore"}, {"--json"}).Json()["left_out"], 1) << "the brief clip";
 }

@@ -127,8 +127,9 @@ TEST(BadInput, ANameThatDoesNotMatchIsAFindingOrAFailureAndTheOthersStay) {
   auto discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 1u);
-  ASSERT_EQ(discovery->left_out.size(), 1u);
+  ASSERT_EQ(discovery->left_out.size(), 2u);
   EXPECT_EQ(discovery->left_out[0].item, "notes.txt");
+  EXPECT_EQ(discovery->left_out[1].item, "deeper");
   const StageOutcome passed_over = discovery->left_out[0].outcome;
   EXPECT_EQ(passed_over.kind, OutcomeKind::kLeftOut);
   ASSERT_EQ(passed_over.findings.size(), 1u);

@@ -21,7 +21,8 @@ TEST_F(Kard, IsFourHundredThirtyTwoClipsOfEightPeople) {
   const auto discovery = Discover(Declared("kard"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 432u);
-  EXPECT_TRUE(discovery->left_out.empty());
+  ASSERT_EQ(discovery->left_out.size(), 1u);
+  EXPECT_EQ(discovery->left_out[0].item, "screen");  // image coordinates of some clips: not looked into, and said so
   EXPECT_EQ(discovery->items[0].item, "kard/s01/a01_s01_e01");
   EXPECT_EQ(discovery->items[0].inputs[0].name, "a01_s01_e01_realworld.txt");
   EXPECT_EQ(discovery->items[0].options.dump().find(TestData()), std::string::npos) << "options name the folder";
