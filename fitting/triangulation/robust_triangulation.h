@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/geometry/camera.h"
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// Triangulation that survives wrong detections. Lengths in pixels of the original images.
+struct TriangulationOptions {
+  double min_confidence = 0.1;  ///< detections below are not read
+  double outlier = 30.0;        ///< px; a view further off than this from the others' point is left out
+  double noise = 4.0;           ///< px, standard deviation per axis of a detection of confidence 1
+  std::int64_t min_views = 2;   ///< that must agree; and always most of those that see the point
+
+  void Declare(OptionVisitor& v);
+};
+
+/// A camera with what triangulation asks of it over and over, computed once.
+struct TriangulationView {
+  explicit TriangulationView(const Camera& calibrated);
+
+  Camera camera;
+  Matrix3d rotation;  ///< camera_from_world
+  Vector3d centre;    ///< of projection, world, metres
+};
+
+/// What one view says of a point: a ray in the world, and how far off in pixels a point is.
+struct ViewRay {
+  const TriangulationView* view = nullptr;
+  int index = 0;                           ///< of the view
+  Vector3d direction = Vector3d::UnitZ();  ///< world, unit length
+  Vector2d normalised = Vector2d::Zero();  ///< at depth 1, without lens distortion
+  double weight = 1.0;                     ///< confidence
+
+  ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& pixel, double confidence);
+};
+
+struct TriangulatedPoint {
+  Vector3d position = Vector3d::Zero();    ///< world, metres
+  Matrix3d covariance = Matrix3d::Zero();  ///< m^2, of detections with the stated noise over their confidence
+  std::uint64_t views = 0;                 ///< bit v: view v agrees (views beyond 63 are counted, not marked)
+  int view_count = 0;
+  double error_px = 0.0;  ///< mean over the agreeing views
+};
+
+/// The point that most rays agree on: least squares of pixel errors under the loss of Geman and McClure (scale a third
+/// of options.outlier), Gauss-Newton from all rays; where one is further off than that scale, also from points of pairs
+/// of rays, the best by the same loss (16 pairs at most, spread over the views, so that cost grows linearly with their
+/// number). Empty when fewer than min_views or not more than half of the views agree, or their rays are parallel to
+/// within 1 degree.
+std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& rays,
+                                                   const TriangulationOptions& options);
+
+/// Detections of one person's K keypoints in one camera over F frames; confidence 0: missed, the pixel is not read.
+struct ViewKeypoints {
+  Camera camera;
+  std::vector<Vector2d> pixel;     ///< (F*K)
+  std::vector<double> confidence;  ///< (F*K) in [0, 1]
+};
+
+/// How a camera agrees with the others.
+struct CameraAgreement {
+  int detections = 0;      ///< that belong to a triangulated point
+  int left_out = 0;        ///< of them further off than the limit
+  double median_px = 0.0;  ///< median distance of all of them from the point that the agreeing views gave
+  bool disagrees = false;  ///< most are left out, at least four times the share of the other cameras
+};
+
+struct TriangulatedTracks {
+  JointPositions positions;        ///< (F,K,3) world; 0 where not found
+  std::vector<double> confidence;  ///< (F*K) 0 where not found; 1 for the median precision of the take, less for worse
+  std::vector<int> view_count;     ///< (F*K)
+  std::vector<double> error_px;    ///< (F*K) mean over the agreeing views
+  std::vector<CameraAgreement> cameras;
+};
+
+/// Every keypoint of every frame. All views have F*K entries.
+TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
+                                    const TriangulationOptions& options);
+
+}  // namespace mocurate
