@@ -112,7 +112,7 @@ Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr&
     }
   }
   if (!anything) {
-    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + Counted(mapped.frames(), "frame"), "tracks",
+    return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(mapped.frames(), "frame"), "tracks",
                 "a clip without evidence cannot be fitted; drop it");
   }
   return mapped;

@@ -73,7 +73,7 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   }
   const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
   if (!any) {
-    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + Counted(rows->frames, "frame"), file.name,
+    return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(rows->frames, "frame"), file.name,
                 "the tracker lost the person: leave the file out");
   }
   NoteEmptyFrames(tracks, ingested.findings);

@@ -140,7 +140,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
     }
   }
   if (!seen) {
-    return Fail(ErrorCode::kInconsistent, "no joint is seen in any of " + Counted(frames, "frame"), file.name,
+    return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(frames, "frame"), file.name,
                 "the tracker lost the person: leave the file out");
   }
   NoteEmptyFrames(tracks, ingested.findings);

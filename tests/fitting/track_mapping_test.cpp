@@ -69,7 +69,7 @@ TEST(TrackMapping, RefusesShapesThatDisagree) {
 TEST(TrackMapping, RefusesAClipInWhichNothingIsSeen) {
   JointTracks tracks = AsSource(SmoothTake(5).tracks);
   std::fill(tracks.confidence.begin(), tracks.confidence.end(), 0.0);
-  EXPECT_EQ(ErrorOf(tracks).what, "no joint is seen in any of 5 frames");
+  EXPECT_EQ(ErrorOf(tracks).what, "no joint is seen at all in 5 frames");
 }
 
 TEST(FitOfClip, NeedsTracks) {

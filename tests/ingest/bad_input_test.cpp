@@ -47,7 +47,7 @@ TEST(BadInput, NanWithoutADeclarationAndWithOne) {
 TEST(BadInput, AClipInWhichNobodyIsSeen) {
   IngestOptions options = OneFile("nobody", "0 0 0\n0 0 0\n");
   options.source.missing = MissingValue::kZero;
-  EXPECT_THAT(RefusalOf(options, "nobody"), HasSubstr("no joint is seen in any of 1 frame"));
+  EXPECT_THAT(RefusalOf(options, "nobody"), HasSubstr("no joint is seen at all in 1 frame"));
 }
 
 TEST(BadInput, ATableOfZerosIsNoMotionAndSingleZerosAreSaid) {
@@ -130,6 +130,8 @@ TEST(BadInput, ANameThatDoesNotMatchIsAFindingOrAFailureAndTheOthersStay) {
   ASSERT_EQ(discovery->left_out.size(), 2u);
   EXPECT_EQ(discovery->left_out[0].item, "notes.txt");
   EXPECT_EQ(discovery->left_out[1].item, "deeper");
+  EXPECT_EQ(discovery->left_out[1].outcome.findings.at(0).code, "folder_not_read");
+  EXPECT_EQ(discovery->left_out[1].outcome.findings.at(0).value, 1.0);
   const StageOutcome passed_over = discovery->left_out[0].outcome;
   EXPECT_EQ(passed_over.kind, OutcomeKind::kLeftOut);
   ASSERT_EQ(passed_over.findings.size(), 1u);
