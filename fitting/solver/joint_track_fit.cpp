@@ -10,6 +10,7 @@
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/track_window.h"
 #include "fitting/uncertainty/track_uncertainty.h"
+#include "fitting/uncertainty/walk_scale.h"
 
 namespace mocurate {
 namespace {
@@ -141,6 +142,16 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   ClosedFormStart(tracks, state);
   if (Status solved = SolveWindows(tracks, state, joint_sigma, bone_length, bones, walks, result); !solved) {
     return tl::unexpected<Error>(solved.error());
+  }
+  for (std::int64_t i = 0; i < options.walk_refits; ++i) {
+    const auto scale = WalkScale({tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()});
+    if (!scale) return Forward(scale);
+    walks.rotation_walk *= *scale;
+    walks.velocity_walk *= *scale;
+    result.initial_cost = result.final_cost = 0.0;
+    if (Status solved = SolveWindows(tracks, state, joint_sigma, bone_length, bones, walks, result); !solved) {
+      return tl::unexpected<Error>(solved.error());
+    }
   }
   result.motion = MotionOf(state, tracks.skeleton, rate);
   result.motion.state = StatesOf(tracks, rejected);

@@ -12,7 +12,8 @@ namespace mocurate {
 namespace {
 
 constexpr double kUnknownAngle = 3.289868133696453;  ///< variance of a uniform angle, pi^2 / 3
-constexpr double kSmallestShare = 0.2;  ///< of an observation's three coordinates that count as left over, at least
+constexpr double kSmallestFactor = 0.25;  ///< tracks without noise are not taken for better than half their floor
+constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as left over, at least
 
 /// Frames whose inverse is taken together: [begin, end) of a wider window that reaches `context` further on both sides.
 struct Part {
@@ -189,7 +190,8 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole) {
       if (frame >= part.begin && frame < part.end) reader.Read(frame, covariance);
     });
   }
-  if (freedom.numbers > 0.0) Scale(whole.tracks, prior, freedom.squares / freedom.numbers, uncertainty);
+  if (freedom.numbers > 0.0)
+    Scale(whole.tracks, prior, std::max(freedom.squares / freedom.numbers, kSmallestFactor), uncertainty);
   return uncertainty;
 }
 

@@ -28,6 +28,8 @@ void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& p
   options.solver = solver;
   options.relative_tolerance = tolerance;
   options.max_iterations = 200;
+  options.walk_refits = 0;  // one solve of one stated problem
+  options.uncertainty = false;
   double rms = 0.0;
   FitResult fit;
   for (auto _ : state) {
@@ -70,6 +72,8 @@ void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, Track
   options.solver = solver;
   options.relative_tolerance = tolerance;
   options.max_iterations = 200;
+  options.walk_refits = 0;  // one solve of one stated problem
+  options.uncertainty = false;
   double frames = 0.0;
   double square = 0.0;
   double cost = 0.0;

@@ -121,6 +121,7 @@ JointTrackOptions With(TrackSolver solver) {
   options.solver = solver;
   options.relative_tolerance = 1e-9;
   options.max_iterations = 300;
+  options.walk_refits = 0;
   return options;
 }
 

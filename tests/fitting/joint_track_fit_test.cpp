@@ -27,7 +27,7 @@ JointTrackOptions Tight() {
 TEST(JointTrackFit, RecoversNoiseFreeTracks) {
   const Take take = SmoothTake(60);
   const FitResult fit = Fit(take, Tight());
-  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 1e-4);
+  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);
   EXPECT_TRUE(fit.converged);
   EXPECT_TRUE(fit.motion.Check().has_value()) << fit.motion.Check().error().Message();
   EXPECT_EQ(fit.motion.bone_length, take.truth.bone_length);
@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(JointTrackFit, AnyPosture,
 TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
   Take take = SmoothTake(40, ExpQuaternion(GetParam()));
   const FitResult clean = Fit(take, Tight());
-  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 1e-4);
+  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 2e-4);
   AddNoise(take.tracks, 0.01, 5);
   EXPECT_LT(RmsError(Fit(take).motion.joints, take.truth.joints), 0.012);
 }
@@ -211,6 +211,28 @@ TEST(JointTrackFit, PlacesARootThatNoTrackGives) {
   for (int f = 0; f < 40; ++f) Hide(take.tracks, f, 0);
   const FitResult fit = Fit(take, Tight());
   EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);
+}
+
+JointTrackOptions Refits(int count) {
+  JointTrackOptions options;
+  options.walk_refits = count;
+  return options;
+}
+
+TEST(JointTrackFit, SmoothsByHowMuchThePersonMoves) {
+  for (const double noise : {0.005, 0.02}) {
+    Take calm = SmoothTake(120);
+    AddNoise(calm.tracks, noise, 6);
+    const double as_given = RmsError(Fit(calm, Refits(0)).motion.joints, calm.truth.joints);
+    const double fitted = RmsError(Fit(calm, Refits(2)).motion.joints, calm.truth.joints);
+    EXPECT_LT(fitted, 0.95 * as_given) << "noise " << noise;
+
+    Take spinning = SmoothTake(120, Quaterniond::Identity(), 30.0, 9.0);
+    AddNoise(spinning.tracks, noise, 6);
+    const double spin_as_given = RmsError(Fit(spinning, Refits(0)).motion.joints, spinning.truth.joints);
+    const double spin_fitted = RmsError(Fit(spinning, Refits(2)).motion.joints, spinning.truth.joints);
+    EXPECT_LT(spin_fitted, 1.02 * spin_as_given) << "noise " << noise;
+  }
 }
 
 }  // namespace
