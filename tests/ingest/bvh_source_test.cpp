@@ -202,7 +202,8 @@ TEST(BvhSource, OtherExportersAreReadOnTheirOwnSkeletons) {
     }
   }
   // All are declared in centimetres.
-  EXPECT_THAT(doubted["units_contradiction"], ElementsAre("small/unknown/dme_xia_angry_13", "small/unknown/omimo_AV_8Walk_HVHA"));
+  EXPECT_THAT(doubted["units_contradiction"],
+              ElementsAre("small/unknown/dme_xia_angry_13", "small/unknown/omimo_AV_8Walk_HVHA"));
   EXPECT_THAT(doubted["up_contradiction"], ElementsAre("small/unknown/nlarion_mediapipe_walking"));
 }
 
