@@ -114,7 +114,7 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
 void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<ConfigArguments>();
   CLI::App* config =
-      app.add_subcommand("config", "Show a resolved config, its JSON Schema, or the reference of options");
+      app.add_subcommand("config", "Show a resolved config, write one for captures, its JSON Schema, all options");
   config->require_subcommand(1);
   CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
   show->add_option("config", arguments->config, "YAML file; without one the embedded default");
@@ -125,6 +125,14 @@ void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   show->footer("Example:\n  mocurate config show configs/kard.yaml --origins");
   show->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
+  auto making = std::make_shared<InitConfigArguments>();
+  CLI::App* init = config->add_subcommand("init", "Write the declaration of a source from what its files show");
+  init->add_option("path", making->path, "file or folder with captures")->required();
+  init->add_option("-o,--output", making->output, "file to write (default: stdout)");
+  init->add_option("--name", making->name, "name of the source (default: of the folder)");
+  init->add_flag("--force", making->force, "overwrite the file");
+  init->footer("Example:\n  mocurate config init /data/my_kinect -o my.yaml");
+  init->callback([&common, &verb, making] { verb = [&common, making] { return InitConfigVerb(common, *making); }; });
   CLI::App* schema = config->add_subcommand("schema", "JSON Schema of configs, for editors");
   schema->footer("Example:\n  mocurate config schema > mocurate.schema.json");
   schema->callback([&common, &verb] { verb = [&common] { return ConfigSchemaVerb(common); }; });
@@ -135,9 +143,18 @@ void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& 
 }
 
 void AddDoctor(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<DoctorArguments>();
   CLI::App* doctor = app.add_subcommand("doctor", "Check this machine: programs, libraries, BLAS, threads, space");
-  doctor->footer("Example:\n  mocurate doctor");
-  doctor->callback([&common, &verb] { verb = [&common] { return DoctorVerb(common); }; });
+  CLI::Option* source = doctor->add_option(
+      "--source", arguments->source,
+      "a recipe of configs/sources, or a config: which files it expects, where, under which licence, what is missing");
+  doctor->add_option("--path", arguments->path, "folder with the captures of --source")->needs(source);
+  doctor->footer("Examples:\n  mocurate doctor\n  mocurate doctor --source uestc --path /data/uestc");
+  doctor->callback([&common, &verb, arguments] {
+    verb = [&common, arguments] {
+      return arguments->source.empty() ? DoctorVerb(common) : DoctorSourceVerb(common, *arguments);
+    };
+  });
 }
 
 void AddCache(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {

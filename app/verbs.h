@@ -38,6 +38,18 @@ struct ConfigArguments {
   bool origins = false;
 };
 
+struct InitConfigArguments {
+  std::filesystem::path path;
+  std::filesystem::path output;  ///< empty: stdout
+  std::string name;              ///< of the source; empty: of the folder
+  bool force = false;
+};
+
+struct DoctorArguments {
+  std::string source;          ///< recipe or config whose captures are asked for; empty: the machine
+  std::filesystem::path path;  ///< where they lie; empty: where the recipe says
+};
+
 struct CacheArguments {
   std::string action;  ///< stat, verify, prune
   double days = 30.0;
@@ -50,7 +62,9 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);
 Status ConfigSchemaVerb(CommonArguments& common);
 Status ConfigReferenceVerb(CommonArguments& common);
+Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& arguments);
 Status DoctorVerb(CommonArguments& common);
+Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& arguments);
 Status CacheVerb(CommonArguments& common, const CacheArguments& arguments);
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "ingest/sources/babel_segments.h"
+#include "ingest/sources/container.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -121,12 +122,13 @@ Status CheckFields(const SourceOptions& source, const NamePattern& pattern) {
 
 /// `matches`: the name is as declared, but its label is not.
 ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
+  const bool by_rule = matches && source.other_labels == OtherLabels::kLeaveOut;
   const bool failed =
-      source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore);
+      !by_rule && (source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore));
   Finding finding;
   finding.clip = name;
-  finding.code = matches ? "label_unknown" : "name_mismatch";
-  finding.severity = failed ? Severity::kError : Severity::kWarning;
+  finding.code = by_rule ? "label_left_out" : matches ? "label_unknown" : "name_mismatch";
+  finding.severity = failed ? Severity::kError : by_rule ? Severity::kInfo : Severity::kWarning;
   finding.message = why.what + (why.hint.empty() ? "" : " (" + why.hint + ")");
   finding.action = "left out";
   ItemResult file;
@@ -215,6 +217,36 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery) {
           "e.g. '" + discovery.left_out.front().item + "' does not match; mend ingest.source.files or ingest.path"};
 }
 
+/// ingest.source.label_table: motion -> label text. Error kMalformed "name:line".
+Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions& options) {
+  std::map<std::string, std::string> table;
+  const std::string& name = options.source.label_table;
+  if (name.empty()) return table;
+  const Expected<std::string> bytes = ReadFile(options.path / name);
+  if (!bytes) {
+    return Fail(bytes.error().code, "the table of labels cannot be read: " + bytes.error().what, name,
+                "put it there, or mend ingest.source.label_table");
+  }
+  const std::vector<std::string_view> lines = SplitText(*bytes, '\n');
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string_view> cells = SplitText(Trim(lines[i]), ',');
+    if (cells.size() == 1 && cells[0].empty()) continue;
+    const std::string where = name + ":" + std::to_string(i + 1);
+    if (cells.size() != 2) {
+      return Fail(ErrorCode::kMalformed, "a line has " + std::to_string(cells.size()) + " cells", where,
+                  "each is 'motion,label'");
+    }
+    if (!table.emplace(Trim(cells[0]), Trim(cells[1])).second) {
+      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' stands twice", where,
+                  "a motion has one label");
+    }
+  }
+  return table;
+}
+
+/// The file's name without folders and ending.
+std::string StemOf(const std::string& name) { return std::filesystem::path(name).stem().string(); }
+
 /// Annotations that speak of motions that are not there: one line for all.
 ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files) {
   const std::vector<std::string> unused = babel.Unused();
@@ -241,6 +273,69 @@ ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& n
   return item;
 }
 
+/// Items that several files or entries would give under one name. Error kConfig.
+Status SortItems(Discovery& discovery) {
+  const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
+  std::sort(discovery.items.begin(), discovery.items.end(), by_item);
+  std::sort(discovery.truth.begin(), discovery.truth.end(), by_item);
+  for (std::size_t i = 1; i < discovery.items.size(); ++i) {
+    const ItemSpec& a = discovery.items[i - 1];
+    const ItemSpec& b = discovery.items[i];
+    if (b.item != a.item) continue;
+    const auto name = [](const ItemSpec& item) { return item.options.value("entry_name", item.inputs[0].name); };
+    return Fail(ErrorCode::kConfig, "'" + name(a) + "' and '" + name(b) + "' are both '" + b.item + "'",
+                "ingest.source.recording", "take more fields of the name into `recording`");
+  }
+  return {};
+}
+
+/// The clips of a file that holds them all: one item each, which says its place in the file.
+Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
+  const SourceOptions& source = options.source;
+  const std::filesystem::path path = options.path / source.container;
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "the file that holds all clips is not there", DisplayPath(path),
+                "set ingest.path (--set ingest.path=DIR), or mend ingest.source.container");
+  }
+  const Expected<std::vector<ContainerEntry>> entries = EntriesOf(source, options.path);
+  if (!entries) return Forward(entries);
+  Discovery discovery;
+  const nlohmann::json stage_options = OptionsToJson(source);
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const ContainerEntry& entry = (*entries)[i];
+    const Expected<NamedFile> named = ReadName(source, entry.name);
+    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
+    if (!named) {
+      discovery.left_out.push_back(LeftOut(entry.name, source, true, named.error()));
+      continue;
+    }
+    if (!entry.left_out.empty()) {
+      discovery.left_out.push_back(Excluded(named->item(), entry.name, entry.left_out));
+      continue;
+    }
+    ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};
+    item.options["entry"] = i;
+    item.options["entry_name"] = entry.name;
+    if (entry.frames > 0) item.options["most_frames"] = entry.frames;
+    if (!entry.label.empty()) {
+      const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
+      if (!label) {
+        discovery.left_out.push_back(LeftOut(entry.name, source, true, label.error()));
+        continue;
+      }
+      item.options["told_label"] = *label;
+    }
+    discovery.items.push_back(std::move(item));
+  }
+  if (discovery.items.empty()) {
+    return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source.files + "'",
+                DisplayPath(path), "mend ingest.source.files");
+  }
+  if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
+  return discovery;
+}
+
 }  // namespace
 
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only) {
@@ -253,6 +348,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
   if (!pattern) return Forward(pattern);
   if (Status fields = CheckFields(source, *pattern); !fields) return Forward(fields);
+  if (!source.container.empty()) return DiscoverContainer(options);
+  const Expected<std::map<std::string, std::string>> table = ReadLabelTable(options);
+  if (!table) return Forward(table);
   const Expected<NamePattern> depth_pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
   if (!depth_pattern) return Forward(depth_pattern);
   const Expected<NamePattern> skeleton_pattern =
@@ -275,6 +373,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (has_depth && depth_pattern->Match(file.name)) continue;
     if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
     if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
+    if (file.name == source.label_table) continue;
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && source.other_files == OtherFiles::kIgnore) continue;
     if (!matches && DepthOf(file.name) != pattern->depth()) {
@@ -298,6 +397,18 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
+    if (!source.label_table.empty()) {
+      const auto row = table->find(StemOf(file.name));
+      const Expected<std::string> label =
+          row != table->end() ? LabelOf(source, row->second, file.name)
+                              : Fail(ErrorCode::kInconsistent, "'" + source.label_table + "' does not name it",
+                                     file.name, "add a line, or take the file out");
+      if (!label) {
+        discovery.left_out.push_back(LeftOut(file.name, source, true, label.error()));
+        continue;
+      }
+      item.options["told_label"] = *label;
+    }
     if (!source.skeleton_files.empty()) {
       if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {
         discovery.left_out.push_back(Refused(item.item, "skeleton_file_missing", added.error()));
@@ -323,16 +434,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery));
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
-  const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
-  std::sort(discovery.items.begin(), discovery.items.end(), by_item);
-  std::sort(discovery.truth.begin(), discovery.truth.end(), by_item);
-  for (std::size_t i = 1; i < discovery.items.size(); ++i) {
-    if (discovery.items[i].item != discovery.items[i - 1].item) continue;
-    return Fail(ErrorCode::kConfig,
-                "'" + discovery.items[i - 1].inputs[0].name + "' and '" + discovery.items[i].inputs[0].name +
-                    "' are both '" + discovery.items[i].item + "'",
-                "ingest.source.recording", "take more fields of the name into `recording`");
-  }
+  if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
   return discovery;
 }
 

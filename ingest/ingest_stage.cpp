@@ -27,6 +27,16 @@ Expected<IngestedClip> ReadClip(const SourceFile& file) {
       return ReadAsfAmcClip(file);
     case SourceFormat::kAmass:
       return ReadAmassClip(file);
+    case SourceFormat::kExpmap:
+      return ReadExpmapClip(file);
+    case SourceFormat::kPhspd:
+      return ReadPhspdClip(file);
+    case SourceFormat::kVibeTracks:
+      return ReadVibeTrackClip(file);
+    case SourceFormat::kUestc:
+      return ReadUestcClip(file);
+    case SourceFormat::kHumanAct12Pickle:
+      return ReadHumanAct12Clip(file);
     case SourceFormat::kNone:
       break;
   }
@@ -67,6 +77,29 @@ Status CheckExtent(const Clip& clip, const std::string& name) {
 int JointCount(const Clip& clip) {
   if (clip.evidence.tracks) return clip.evidence.tracks->positions.joints;
   return clip.motion ? clip.motion->joint_count() : 0;
+}
+
+/// What `Discover` says of an item beside the source's declaration.
+struct ItemFacts {
+  int body = 1;
+  std::string annotation;
+  std::string entry_name;  ///< in a container; empty: the item is a file of its own
+  int entry = -1;
+  int most_frames = 0;
+  std::optional<std::string> label;  ///< where the file's name does not tell it
+};
+
+/// Takes them out of the item's options: the declaration is left.
+ItemFacts TakeFacts(nlohmann::json& options) {
+  ItemFacts facts;
+  facts.body = options.value("body", 1);
+  facts.annotation = options.value("annotation", std::string());
+  facts.entry_name = options.value("entry_name", std::string());
+  facts.entry = options.value("entry", -1);
+  facts.most_frames = options.value("most_frames", 0);
+  if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
+  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label"}) options.erase(key);
+  return facts;
 }
 
 /// Of the source file, followed by its .asf if it has one; with depth views, of the hashes of that file and of every
@@ -112,22 +145,24 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
 
 Expected<StageOutcome> IngestStage(const StageRequest& request) {
   nlohmann::json declared = request.options;
-  const int body = declared.value("body", 1);
-  const std::string annotation = declared.value("annotation", std::string());
-  declared.erase("body");
-  declared.erase("annotation");
+  const ItemFacts facts = TakeFacts(declared);
   const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(declared);
   if (!source) return Forward(source);
   if (Status ok = CheckSource(*source); !ok) return Forward(ok);
   const auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
                                   [](const StageInput& candidate) { return candidate.role == "source"; });
   if (input == request.inputs.end()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
-  const Expected<NamedFile> named = ReadName(*source, input->name, body);
+  const std::string& name = facts.entry_name.empty() ? input->name : facts.entry_name;
+  Expected<NamedFile> named = ReadName(*source, name, facts.body);
   if (!named) return Forward(named);
-  const Expected<std::string> bytes = ReadFile(input->path);
+  if (facts.label) named->label = *facts.label;
+  const Expected<std::string> bytes = source->container.empty() ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
-  SourceFile file{*source, *named, input->name, *bytes, {}};
-  file.annotation = annotation;
+  SourceFile file{*source, *named, name, *bytes, {}};
+  file.annotation = facts.annotation;
+  file.container = input->path;
+  file.entry = facts.entry;
+  file.most_frames = facts.most_frames;
   std::string read = *bytes;
   for (const StageInput& candidate : request.inputs) {
     if (candidate.role == "depth") file.depth_files.push_back(candidate);
@@ -140,9 +175,9 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   }
   Expected<IngestedClip> ingested = ReadClip(file);
   if (!ingested) return Forward(ingested);
-  if (Status near = CheckExtent(ingested->clip, input->name); !near) return Forward(near);
+  if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
   CheckBody(*source, *ingested);
-  Complete(*source, *named, read, *ingested);
+  Complete(*source, *named, ingested->content.empty() ? read : ingested->content, *ingested);
 
   StageOutcome outcome;
   outcome.findings = ingested->findings;
@@ -150,7 +185,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != "refused") continue;
-    return Fail(ErrorCode::kInconsistent, finding.message, input->name,
+    return Fail(ErrorCode::kInconsistent, finding.message, name,
                 "set ingest.source.on_contradiction: flag to keep such clips");
   }
   if (Status written = WriteEvidence(ingested->clip, request.output, outcome.findings); !written)

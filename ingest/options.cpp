@@ -12,9 +12,20 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"depth_sequence", SourceFormat::kDepthSequence},
             {"ntu_skeleton", SourceFormat::kNtuSkeleton},
             {"asf_amc", SourceFormat::kAsfAmc},
-            {"amass", SourceFormat::kAmass}},
+            {"amass", SourceFormat::kAmass},
+            {"expmap", SourceFormat::kExpmap},
+            {"phspd", SourceFormat::kPhspd},
+            {"vibe_tracks", SourceFormat::kVibeTracks},
+            {"uestc", SourceFormat::kUestc},
+            {"humanact12_pickle", SourceFormat::kHumanAct12Pickle}},
            "what the files are");
   v.Text("files", files, "pattern of the file names with {fields}; {field:4} is four characters wide");
+  v.Text("container", container,
+         "uestc, humanact12_pickle: the one file that holds all clips; `files` is the pattern of their names");
+  v.Text(
+      "label_table", label_table,
+      "table below the folder, a header and 'motion,label' lines: label of the file whose name without ending is the "
+      "motion; `labels` may rename");
   v.Choice("other_files", other_files,
            {{"ignore", OtherFiles::kIgnore}, {"finding", OtherFiles::kFinding}, {"error", OtherFiles::kError}},
            "what becomes of files whose name does not match");
@@ -23,7 +34,7 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("axes", axes, "where +x +y +z of the source point in the canonical world (right-handed, y up, facing +z)");
   v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5}, "frame rate, where the files do not say it");
   v.Text("skeleton", skeleton, "skeleton that the joints belong to");
-  v.Texts("joints", joints, "joint names in the order of the file");
+  v.Texts("joints", joints, "joint names in the order of the file; '-' is passed over");
   v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4},
             "joint_table: rows of one frame; 0 is one per joint, with `layout` one in all");
   v.Texts("columns", columns, "joint_table: numbers of one joint: x, y, z, confidence, skip");
@@ -42,6 +53,7 @@ void SourceOptions::Declare(OptionVisitor& v) {
            "ntu_skeleton: confidence of a joint that the sensor inferred; one that it tracked has 1, any other 0");
   v.Text("skeleton_files", skeleton_files,
          "asf_amc: name of the .asf of a motion, from the fields of the motion's name, e.g. '{person}.asf'");
+  v.Text("track", track, "vibe_tracks: which of a file's tracks is the person");
   v.Texts("annotations", annotations,
           "amass: BABEL's .json files below the folder; where two speak of one motion, the first");
   v.Choice("missing", missing,
@@ -60,7 +72,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("session", session, "recording session, from the fields of the name");
   v.Text("view", view, "camera or view, from the fields of the name");
   v.Text("style", style, "style of the performance, from the fields of the name");
-  v.TextMap("labels", labels, "names of the labels; a label that is not listed is an error");
+  v.TextMap("labels", labels, "names of the labels");
+  v.Choice("other_labels", other_labels, {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}},
+           "what becomes of a file whose label is not listed under `labels`");
   v.TextMap("roles", roles, "person -> train, validation or test, where the source prescribes it");
   v.TextMap("exclude", exclude, "recordings that are left out, each with the reason");
   v.Choice("on_contradiction", on_contradiction,
@@ -83,6 +97,9 @@ void SyntheticOptions::Declare(OptionVisitor& v) {
 
 void IngestOptions::Declare(OptionVisitor& v) {
   v.Path("path", path, "folder with the captures");
+  v.Text("obtain", obtain, "where the captures come from and what has to be signed; told by `doctor --source`");
+  v.TextMap("expected", expected,
+            "path below the folder -> what lies there, beside the files of the pattern; told by `doctor --source`");
   v.Group("source", source, "what the captures are");
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }

@@ -15,11 +15,27 @@ namespace mocurate {
 
 struct JointLayout;
 
-enum class SourceFormat { kNone, kJointTable, kBvh, kNpy, kDepthSequence, kNtuSkeleton, kAsfAmc, kAmass };
+enum class SourceFormat {
+  kNone,
+  kJointTable,
+  kBvh,
+  kNpy,
+  kDepthSequence,
+  kNtuSkeleton,
+  kAsfAmc,
+  kAmass,
+  kExpmap,
+  kPhspd,
+  kVibeTracks,
+  kUestc,
+  kHumanAct12Pickle
+};
 /// What to do with files of the folder that the pattern does not match.
 enum class OtherFiles { kIgnore, kFinding, kError };
 /// How a joint table says that a joint was not seen.
 enum class MissingValue { kNone, kZero, kNan };
+/// What becomes of a file whose label is not listed under `labels`.
+enum class OtherLabels { kError, kLeaveOut };
 /// What a contradiction between declaration and motion does to a clip.
 enum class OnContradiction { kFlag, kRefuse };
 
@@ -30,6 +46,8 @@ struct SourceOptions {
   std::string name;
   SourceFormat format = SourceFormat::kNone;
   std::string files;  ///< pattern of the path below the folder: "a{action}_s{person}.txt", "{id:4}.npy" (exact width)
+  std::string container;    ///< the one file that holds all clips; `files` is then the pattern of their names in it
+  std::string label_table;  ///< csv below the folder, "motion, label" after a header; `label` then says nothing
   OtherFiles other_files = OtherFiles::kFinding;
   std::string licence;
 
@@ -37,7 +55,7 @@ struct SourceOptions {
   std::string axes;   ///< AxisConvention
   std::optional<double> rate_hz;
   std::string skeleton;
-  std::vector<std::string> joints;                  ///< names in the order of the file
+  std::vector<std::string> joints;                  ///< names in the order of the file; "-" is passed over
   std::int64_t rows_per_frame = 0;                  ///< joint_table; see RowsPerFrame
   std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence skip
   std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
@@ -45,6 +63,7 @@ struct SourceOptions {
   std::map<std::string, std::string> bodies;  ///< ntu_skeleton: label text -> people in the file, "2"; others have one
   double inferred_confidence = 0.3;           ///< ntu_skeleton: of a joint that the sensor inferred; tracked is 1
   std::string skeleton_files;                 ///< asf_amc: "{subject}.asf", filled from the fields of the motion's name
+  std::string track = "1";                    ///< vibe_tracks: key of the person in a file
   std::vector<std::string> annotations;       ///< amass: BABEL files below the folder
   double least_confidence = 0.0;              ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kRefuse;
@@ -59,7 +78,8 @@ struct SourceOptions {
   std::string session;
   std::string view;
   std::string style;
-  std::map<std::string, std::string> labels;   ///< label text -> name; other texts are refused
+  std::map<std::string, std::string> labels;  ///< label text -> name
+  OtherLabels other_labels = OtherLabels::kError;
   std::map<std::string, std::string> roles;    ///< person -> role
   std::map<std::string, std::string> exclude;  ///< recording -> why its file is left out
   OnContradiction on_contradiction = OnContradiction::kFlag;
@@ -85,6 +105,8 @@ struct SyntheticOptions {
 
 struct IngestOptions {
   std::filesystem::path path;  ///< folder of the source; empty with synthetic.enabled: the capture's folder
+  std::string obtain;          ///< where the set comes from and what has to be signed
+  std::map<std::string, std::string> expected;  ///< path below the folder -> what lies there, beside source.files
   SourceOptions source;
   SyntheticOptions synthetic;
 
@@ -93,6 +115,9 @@ struct IngestOptions {
 
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
 Status CheckSource(const SourceOptions& source);
+
+/// Text that stands where a value has to be written: "FILL_IN: why it is not known". Refused by CheckSource.
+inline constexpr const char* kFillIn = "FILL_IN";
 
 /// The numbers of a frame of a joint table: `layout`, or `columns` for each of the joints. Error kConfig.
 Expected<JointLayout> TableLayout(const SourceOptions& source);

@@ -32,6 +32,16 @@ std::string FormatName(SourceFormat format) {
       return "asf_amc";
     case SourceFormat::kAmass:
       return "amass";
+    case SourceFormat::kExpmap:
+      return "expmap";
+    case SourceFormat::kPhspd:
+      return "phspd";
+    case SourceFormat::kVibeTracks:
+      return "vibe_tracks";
+    case SourceFormat::kUestc:
+      return "uestc";
+    case SourceFormat::kHumanAct12Pickle:
+      return "humanact12_pickle";
     case SourceFormat::kNone:
       break;
   }
@@ -39,7 +49,9 @@ std::string FormatName(SourceFormat format) {
 }
 
 Status CheckUnits(const SourceOptions& s) {
-  const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass;
+  const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass ||
+                             s.format == SourceFormat::kPhspd || s.format == SourceFormat::kVibeTracks ||
+                             s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle;
   if (by_definition && !s.units.empty() && s.units != "m") {
     return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
                 Place("units"), "take `units` out");
@@ -102,6 +114,28 @@ Status CheckTable(const SourceOptions& s) {
                 std::to_string(layout->NumbersPerFrame()) + " numbers of the layout do not fill " +
                     std::to_string(rows) + " rows per frame",
                 Place("rows_per_frame"), "each row holds the same count of numbers");
+  }
+  return {};
+}
+
+/// A declaration that was written by `config init` says by name what is still to be filled in.
+Status CheckFilledIn(const SourceOptions& s) {
+  const auto open = [](const std::string& text) { return text.rfind(kFillIn, 0) == 0; };
+  const std::pair<const char*, const std::string*> texts[] = {{"files", &s.files},
+                                                              {"units", &s.units},
+                                                              {"axes", &s.axes},
+                                                              {"skeleton", &s.skeleton},
+                                                              {"skeleton_files", &s.skeleton_files},
+                                                              {"depth_files", &s.depth_files}};
+  for (const auto& [option, text] : texts) {
+    if (!open(*text)) continue;
+    return Fail(ErrorCode::kConfig, "'" + *text + "' is still to be filled in", Place(option),
+                "nothing in the files tells it: write what the set's documentation says");
+  }
+  for (const std::string& joint : s.joints) {
+    if (!open(joint)) continue;
+    return Fail(ErrorCode::kConfig, "'" + joint + "' is still to be filled in", Place("joints"),
+                "name the joints in the order of the file, '-' for one that is none");
   }
   return {};
 }
@@ -171,13 +205,16 @@ Expected<JointLayout> TableLayout(const SourceOptions& s) {
 }
 
 Status CheckSource(const SourceOptions& s) {
+  if (Status written = CheckFilledIn(s); !written) return written;
   if (s.name.empty()) return Fail(ErrorCode::kConfig, "the source has no name", Place("name"));
   if (s.name.find_first_of("/#") != std::string::npos) {
     return Fail(ErrorCode::kConfig, "the name '" + s.name + "' holds '/' or '#'", Place("name"));
   }
   if (s.format == SourceFormat::kNone) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
-                "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc or amass");
+    return Fail(
+        ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
+        "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc, amass, expmap, phspd, vibe_tracks, uestc "
+        "or humanact12_pickle");
   }
   if (s.files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", Place("files"),
@@ -188,9 +225,9 @@ Status CheckSource(const SourceOptions& s) {
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckUnits(s); !units) return units;
-  const bool rate_unknown = s.format == SourceFormat::kJointTable || s.format == SourceFormat::kNpy ||
-                            s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAsfAmc;
-  if (rate_unknown && !s.rate_hz) {
+  const bool rate_known =
+      s.format == SourceFormat::kBvh || s.format == SourceFormat::kDepthSequence || s.format == SourceFormat::kAmass;
+  if (!rate_known && !s.rate_hz) {
     return Fail(
         ErrorCode::kConfig,
         "source '" + s.name + "' does not say its frame rate, and " + FormatName(s.format) + " files do not either",
@@ -206,9 +243,19 @@ Status CheckSource(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which .asf belongs to an .amc",
                 Place("skeleton_files"), "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");
   }
-  if (s.format == SourceFormat::kNpy && s.skeleton.empty()) {
+  const bool names_no_joint = s.format == SourceFormat::kNpy || s.format == SourceFormat::kExpmap ||
+                              s.format == SourceFormat::kVibeTracks || s.format == SourceFormat::kUestc ||
+                              s.format == SourceFormat::kHumanAct12Pickle;
+  if (names_no_joint && s.skeleton.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", Place("skeleton"),
-                "an array of positions needs one, e.g. humanact12");
+                "an array needs one, e.g. humanact12");
+  }
+  const bool all_in_one = s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle;
+  if (all_in_one != !s.container.empty()) {
+    return Fail(ErrorCode::kConfig,
+                all_in_one ? "source '" + s.name + "' does not say which file holds its clips"
+                           : FormatName(s.format) + " files hold one clip each, not all in '" + s.container + "'",
+                Place("container"), all_in_one ? "e.g. 'humanact12poses.pkl'" : "take `container` out");
   }
   if (s.format == SourceFormat::kDepthSequence && s.depth_files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where its depth images are",

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kTypicalBody = 1.5;
 constexpr double kDecided = 0.5;        // least confidence of a direction that is told
+constexpr double kSureOrder = 0.1;      // least confidence of a guessed order whose left and right are believed
 constexpr double kUpright = 0.7;        // mean of head above feet, below which people lie or bend most of the time
 constexpr double kFirmFloor = 0.7;      // spread of the floor against that of the next axis
 constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
@@ -286,7 +287,12 @@ ClipMeasures Measure(const ObservedClip& clip) {
       MeasureHandedness(clip.positions, clip.points, clip.confidence.empty() ? nullptr : &clip.confidence);
   m.handedness.confidence = handedness.confidence;
   m.handedness.evidence = handedness.evidence.empty() ? "neither knees, feet nor hands tell" : handedness.evidence;
-  if (handedness.handedness) m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
+  const bool guessed = clip.skeleton_from == "measured" && clip.skeleton_confidence < kSureOrder;
+  if (guessed) {
+    m.handedness = {"", 0.0, "the order of the joints is not sure, and with it their sides; " + m.handedness.evidence};
+  } else if (handedness.handedness) {
+    m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
+  }
   MeasureFacing(body, m);
   for (const UnitOfLength& unit : kUnits) {
     if (m.units.value == unit.name && !clip.rate_hz) m.rate = StepEvidence(clip, unit.metres);

@@ -26,6 +26,34 @@ struct Layout {
 
 bool IsMissing(const Vector3d& value) { return !value.allFinite() || value.isZero(0.0); }
 
+constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
+
+/// How a source would declare the layout; a fourth number that lies in 0..1 throughout is a confidence.
+void AddLayoutFacts(const JointTable& rows, const Layout& layout, ObservedClip& clip) {
+  if (!layout.x_columns.empty()) {
+    clip.facts.emplace_back("layout", kCad60);
+    return;
+  }
+  std::string fourth;
+  if (layout.columns_per_joint == 4) {
+    bool confidence = true;
+    for (int row = 0; row < rows.frames && confidence; ++row) {
+      for (int c = layout.first_column + 3; c < rows.columns && confidence; c += 4) {
+        const double value = rows.at(row, 0, c);
+        confidence = value >= 0.0 && value <= 1.0;
+      }
+    }
+    fourth = confidence ? "confidence" : "skip";
+  }
+  if (layout.rows_per_frame > 1) {
+    clip.facts.emplace_back("columns", "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
+    return;
+  }
+  clip.facts.emplace_back("layout", std::string(layout.first_column > 0 ? "frame " : "") +
+                                        std::to_string(layout.joints) + "*(x y z" +
+                                        (fourth.empty() ? "" : " " + fourth) + ")");
+}
+
 ObservedClip Read(const JointTable& rows, const Layout& layout) {
   ObservedClip clip;
   clip.format = "joint_table";
@@ -47,6 +75,7 @@ ObservedClip Read(const JointTable& rows, const Layout& layout) {
     }
   }
   clip.layout_evidence = layout.words;
+  AddLayoutFacts(rows, layout, clip);
   return clip;
 }
 
@@ -222,6 +251,7 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
                         });
   Expected<ObservedClip> clip = declared ? DeclaredReading(*rows, *source, name) : BestReading(*rows, name);
   if (!clip) return Forward(clip);
+  if (bytes.find("\nEND") != std::string_view::npos) clip->facts.emplace_back("end_word", "END");
   if (std::none_of(clip->confidence.begin(), clip->confidence.end(), [](double c) { return c > 0.0; })) {
     clip->remarks.push_back({"no_joint_seen", Severity::kError, 1.0, "every joint of every frame is missing"});
   }

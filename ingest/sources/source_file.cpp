@@ -25,8 +25,9 @@ std::string IdPart(std::string text) {
   return text;
 }
 
-Expected<std::string> LabelOf(const SourceOptions& source, const NameFields& fields, const std::string& name) {
-  const std::string text = FillFields(source.label, fields);
+}  // namespace
+
+Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name) {
   if (source.labels.empty()) return text;
   const auto found = source.labels.find(text);
   if (found != source.labels.end()) return found->second;
@@ -37,7 +38,9 @@ Expected<std::string> LabelOf(const SourceOptions& source, const NameFields& fie
               near ? "did you mean '" + *near + "'?" : "add it, or mend the file name");
 }
 
-}  // namespace
+std::string BytesOf(const std::vector<double>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
+}
 
 std::string NamedFile::item() const { return identity.source + "/" + identity.person + "/" + identity.recording; }
 
@@ -68,7 +71,9 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   named.identity.view = FillFields(source.view, named.fields);
   named.identity.licence = source.licence;
   named.style = FillFields(source.style, named.fields);
-  Expected<std::string> label = LabelOf(source, named.fields, relative_name);
+  const std::string text = FillFields(source.label, named.fields);
+  const bool told_elsewhere = text.empty() && (!source.label_table.empty() || !source.container.empty());
+  Expected<std::string> label = told_elsewhere ? Expected<std::string>() : LabelOf(source, text, relative_name);
   if (!label) return Forward(label);
   named.label = std::move(*label);
   const auto role = source.roles.find(person);
@@ -87,6 +92,7 @@ Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
     const std::string& name = source.joints[i];
     const bool twice = std::find(source.joints.begin(), source.joints.begin() + static_cast<std::ptrdiff_t>(i), name) !=
                        source.joints.begin() + static_cast<std::ptrdiff_t>(i);
+    if (name == "-") continue;
     if (twice) return Fail(ErrorCode::kConfig, "joint '" + name + "' is listed twice", "ingest.source.joints");
     if ((*skeleton)->FindJoint(name) || std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::optional<std::string> near = Nearest(name, known);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,18 @@ struct NamedFile {
 /// match or a label that is not listed. A role is that of the person as named without {body}.
 Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body = 1);
 
+/// The label that a text stands for. Error kInconsistent where `labels` lists others only; `name` for messages.
+Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name);
+
 /// One file turned into a clip. Findings carry no clip id yet.
 struct IngestedClip {
   Clip clip;
   std::vector<Finding> findings;
+  std::string content;  ///< what was read of a file that holds other clips too; empty: all of the file
 };
+
+/// The bytes of numbers, as they lie in memory.
+std::string BytesOf(const std::vector<double>& values);
 
 /// What a reader of one format gets. `bytes` of the file, `name` for messages.
 struct SourceFile {
@@ -44,7 +52,10 @@ struct SourceFile {
   std::vector<StageInput> depth_files;
   std::string skeleton_name = {};  ///< asf_amc: the .asf
   std::string skeleton_bytes = {};
-  std::string annotation = {};  ///< amass: JSON of one BABEL sequence, or empty
+  std::string annotation = {};           ///< amass: JSON of one BABEL sequence, or empty
+  std::filesystem::path container = {};  ///< the file that holds this clip among others; `bytes` is empty then
+  int entry = -1;                        ///< which of them
+  int most_frames = 0;                   ///< of the clip; 0: all
 };
 
 /// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
@@ -78,6 +89,25 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file);
 /// out. Without a body model rest offsets are the skeleton's, and the pelvis lies at `trans`: a finding says so. With
 /// `annotations`, BABEL's labels are the segments.
 Expected<IngestedClip> ReadAmassClip(const SourceFile& file);
+
+/// Exponential maps -> given motion. The file names no joint: `joints` does, in its order. Rotations are those of rows:
+/// a place is multiplied from the left, so that parent_from_joint is the rotation by the negative vector.
+Expected<IngestedClip> ReadExpmapClip(const SourceFile& file);
+
+/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames that nobody annotated are missing, in their place.
+Expected<IngestedClip> ReadPhspdClip(const SourceFile& file);
+
+/// One track of VIBE. On a skeleton with SMPL's joints its rotations, with the pelvis where the middle of the hips is;
+/// on another the places of `joints`, without rotations.
+Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file);
+
+/// One video of UESTC's cache, as VIBE's tracks, moved by the camera's estimate: (tx, ty, 500 / (270 sx)) of ACTOR.
+/// Side 2 is turned back by the view's angle.
+Expected<IngestedClip> ReadUestcClip(const SourceFile& file);
+
+/// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
+/// places recorded; on another the places alone.
+Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file);
 
 /// Appends a finding "rate_contradiction" where the file's rate is not the declared one.
 void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings);

@@ -144,6 +144,15 @@ TEST_F(Inspection, OtherKinectSetsAreRecognised) {
   }
 }
 
+TEST_F(Inspection, AClipWhoseOrderOfJointsIsNotSureTellsNoHandednessOfItsOwn) {
+  NEEDS_DATA();
+  const Json inspection = InspectPath(DataFolder() / "kinect/utkinect/pickUp_s04_e01.txt", std::nullopt);
+  const Json& clip = inspection.at("clips").at(0);
+  EXPECT_LT(clip.at("skeleton").at("confidence"), 0.1);
+  EXPECT_TRUE(Value(clip, "handedness").is_null());
+  EXPECT_THAT(clip.at("handedness").at("evidence").get<std::string>(), ::testing::HasSubstr("order of the joints"));
+}
+
 TEST_F(Inspection, BandaiFilesAreRightHandedInCentimetres) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "bvh/bandai2", std::nullopt);

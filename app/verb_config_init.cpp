@@ -1,0 +1,58 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "ingest/sense/inspect.h"
+#include "ingest/sense/source_declaration.h"
+
+namespace mocurate {
+namespace {
+
+/// A short name for ids: of the folder or the file, letters, digits, '_' and '-' alone.
+std::string NameFor(const std::filesystem::path& path) {
+  std::error_code unknown;
+  const std::filesystem::path whole = std::filesystem::absolute(path, unknown).lexically_normal();
+  const std::filesystem::path last = whole.filename().empty() ? whole.parent_path().filename() : whole.filename();
+  std::string name;
+  for (const char c : DisplayPath(std::filesystem::is_directory(path, unknown) ? last : last.stem())) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+    name += plain ? c : '_';
+  }
+  return name.empty() ? "source" : name;
+}
+
+}  // namespace
+
+Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& arguments) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(arguments.path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
+  }
+  if (!arguments.output.empty() && std::filesystem::exists(arguments.output, unknown) && !arguments.force) {
+    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
+                "--force overwrites it, -o names another");
+  }
+  const nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
+  const std::string name = arguments.name.empty() ? NameFor(arguments.path) : arguments.name;
+  const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, name);
+  if (!written) return Forward(written);
+  if (!arguments.output.empty()) {
+    if (Status saved = WriteFile(arguments.output, written->yaml); !saved) return saved;
+  }
+  std::string unknowns;
+  for (const std::string& option : written->unknown) unknowns += (unknowns.empty() ? "" : ", ") + option;
+  if (common.json) {
+    std::printf("%s\n", nlohmann::json{{"declaration", written->yaml},
+                                       {"unknown", written->unknown},
+                                       {"output", DisplayPath(arguments.output)}}
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  } else if (arguments.output.empty()) {
+    std::printf("%s", written->yaml.c_str());
+  }
+  if (!unknowns.empty() && !common.quiet) std::fprintf(stderr, "to be filled in before a run: %s\n", unknowns.c_str());
+  return {};
+}
+
+}  // namespace mocurate

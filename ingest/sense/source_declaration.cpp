@@ -1,0 +1,358 @@
+#include "ingest/sense/source_declaration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "ingest/options.h"
+#include "ingest/sense/clip_votes.h"
+#include "ingest/sense/file_names.h"
+#include "ingest/sources/pattern.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kFacingHabit = 0.6;  // share of votes that face one way, below which facing is no habit of the source
+constexpr double kOneRate = 0.99;     // share of files that say the same rate
+constexpr std::size_t kTextWidth = 116;
+constexpr std::size_t kMostFindings = 10;
+
+/// Format of an inspection -> ingest.source.format.
+const std::map<std::string, std::string>& Formats() {
+  static const std::map<std::string, std::string> formats = {{"joint_table", "joint_table"},
+                                                             {"bvh", "bvh"},
+                                                             {"npy", "npy"},
+                                                             {"ntu_skeleton", "ntu_skeleton"},
+                                                             {"amc", "asf_amc"},
+                                                             {"amass", "amass"},
+                                                             {"expmap_table", "expmap"},
+                                                             {"depth_sequence", "depth_sequence"},
+                                                             {"vibe_tracks", "vibe_tracks"},
+                                                             {"vibe_cache", "uestc"},
+                                                             {"humanact12_pickle", "humanact12_pickle"}};
+  return formats;
+}
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string Rounded(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
+
+class Writer {
+ public:
+  explicit Writer(WrittenDeclaration& out) : out_(out) {}
+
+  void Line(const std::string& text) { out_.yaml += text + "\n"; }
+  /// A long comment stands above the value.
+  void Value(const std::string& key, const std::string& value, const std::string& comment) {
+    const std::string line = "    " + key + ": " + value;
+    if (comment.empty()) return Line(line);
+    if (line.size() + comment.size() + 4 <= kTextWidth) return Line(line + "  # " + comment);
+    Comment(comment);
+    Line(line);
+  }
+  void Comment(const std::string& text) {
+    std::string line = "    #";
+    for (const std::string_view word : SplitBlanks(text)) {
+      if (line.size() + word.size() + 1 > kTextWidth) {
+        Line(line);
+        line = "    #";
+      }
+      line += " " + std::string(word);
+    }
+    Line(line);
+  }
+  /// What has to be said and nobody says.
+  void Unknown(const std::string& key, const std::string& why) {
+    out_.unknown.push_back(key);
+    Value(key, Quoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
+  }
+  void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
+    Comment(comment);
+    std::string line = "    " + key + ": [";
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const std::string word = (texts[i] == "-" ? "\"-\"" : texts[i]) + (i + 1 < texts.size() ? "," : "]");
+      if (line.size() + word.size() + 1 > kTextWidth) {
+        Line(line);
+        line = "            ";
+      }
+      line += (line.back() == '[' || line.back() == ' ' ? "" : " ") + word;
+    }
+    Line(line);
+  }
+
+ private:
+  WrittenDeclaration& out_;
+};
+
+/// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
+std::optional<std::string> AxesFrom(const std::string& up, bool right) {
+  static const std::map<std::string, std::string> turned = {{"+y", "+x +y +z"}, {"-y", "+x -y -z"}, {"+z", "+x -z +y"},
+                                                            {"-z", "+x +z -y"}, {"+x", "+y -x +z"}, {"-x", "-y +x +z"}};
+  const auto axes = turned.find(up);
+  if (axes == turned.end()) return std::nullopt;
+  std::string text = axes->second;
+  if (!right) text[0] = text[0] == '+' ? '-' : '+';
+  return text;
+}
+
+void WriteAxes(const ClipVotes& source, Writer& writer) {
+  const Vote axes = source.Ask("axes");
+  const Vote up = source.Ask("up");
+  const Vote hand = source.Ask("handedness");
+  if (!axes.value.is_null() && axes.share >= kFacingHabit) {
+    writer.Value("axes", Quoted(axes.value), axes.comment);
+    return;
+  }
+  const std::optional<std::string> turned =
+      up.value.is_null() || hand.value.is_null() ? std::nullopt : AxesFrom(up.value, hand.value == "right");
+  if (turned) {
+    writer.Comment("Up: " + up.comment + ".");
+    writer.Comment("Handedness: " + hand.comment + ".");
+    writer.Value("axes", Quoted(*turned), "people face no one way: which way is front is a choice");
+    return;
+  }
+  writer.Unknown("axes",
+                 "up " + (up.value.is_null() ? "is not told (" + up.comment + ")" : up.value.get<std::string>()) +
+                     ", handedness " +
+                     (hand.value.is_null() ? "is not told (" + hand.comment + ")" : hand.value.get<std::string>()));
+}
+
+void WriteUnits(const ClipVotes& source, const std::string& format, Writer& writer) {
+  const bool by_format = format == "ntu_skeleton" || format == "amass" || format == "vibe_tracks" ||
+                         format == "uestc" || format == "humanact12_pickle" || format == "depth_sequence";
+  if (by_format) return writer.Line("    # units: metres, declared by the format");
+  const Vote units = source.Ask("units");
+  if (units.value.is_null()) return writer.Unknown("units", units.comment);
+  writer.Value("units", Quoted(units.value), units.comment);
+}
+
+void WriteRate(const ClipVotes& source, const std::string& format, Writer& writer) {
+  const Vote rate = source.Ask("rate_hz");
+  if (!rate.value.is_null() && rate.share < kOneRate) {
+    return writer.Comment("rate: each file says its own, most " + FormatDouble(rate.value.get<double>()) + " Hz");
+  }
+  if (!rate.value.is_null()) {
+    return writer.Value("rate", FormatDouble(rate.value.get<double>()) + " Hz", rate.comment);
+  }
+  if (format == "bvh" || format == "amass" || format == "depth_sequence") return;
+  writer.Unknown("rate", rate.comment);
+}
+
+/// Names of the joints as they stand in the file.
+std::vector<std::string> JointsOf(const Json& clip) {
+  std::vector<std::string> joints;
+  const Json& first = clip.at("first_frame").at("value");
+  if (!first.is_array()) return joints;
+  for (const Json& point : first)
+    joints.push_back(point.at("joint").is_null() ? "" : point.at("joint").get<std::string>());
+  return joints;
+}
+
+void WriteSkeleton(const ClipVotes& source, const std::string& format, Writer& writer) {
+  const Vote skeleton = source.Ask("skeleton");
+  const bool own = skeleton.value.is_string() && skeleton.value.get<std::string>().rfind("own tree", 0) == 0;
+  if (format == "bvh" || format == "asf_amc") {
+    const bool known = skeleton.value.is_string() && !own;
+    return writer.Value("skeleton", Quoted(known ? skeleton.value.get<std::string>() : ""),
+                        known ? skeleton.comment : "the files' own tree: its joints are those of no known skeleton");
+  }
+  if (format == "amass" || format == "humanact12_pickle" || format == "uestc") {
+    return writer.Value("skeleton", "smpl24", "declared by the format");
+  }
+  if (skeleton.value.is_null()) {
+    writer.Unknown("skeleton", skeleton.comment);
+    if (format != "ntu_skeleton")
+      writer.List("joints", {std::string(kFillIn)}, "unknown: names in the order of the file");
+    return;
+  }
+  writer.Value("skeleton", Quoted(skeleton.value), skeleton.comment);
+  if (format == "ntu_skeleton" || format == "depth_sequence") return;
+  writer.List("joints", JointsOf(source.Surest("skeleton")), "in the order of the file, as for the skeleton");
+}
+
+void WriteTable(const ClipVotes& source, Writer& writer) {
+  const auto fact = [&](const char* key) {
+    for (const std::string& text : source.Facts(key)) {
+      if (!text.empty()) return text;
+    }
+    return std::string();
+  };
+  const std::string how = source.Surest("skeleton").at("frames").value("evidence", "");
+  if (const std::string layout = fact("layout"); !layout.empty()) {
+    writer.Value("layout", Quoted(layout), "measured: " + how);
+  } else {
+    writer.Value("columns", "[" + fact("columns") + "]", "measured: " + how);
+  }
+  if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
+  double missing = 0.0;
+  for (const Json* clip : source.clips()) {
+    const Json& share = clip->at("missing_share").at("value");
+    if (share.is_number()) missing = std::max(missing, share.get<double>());
+  }
+  if (missing > 0.0) {
+    writer.Value("missing", "zero",
+                 "measured: up to " + Rounded(100.0 * missing) + " % of a clip's joints are at the origin");
+  }
+}
+
+/// NTU's names say everything; how many people a file holds is declared per action.
+void WriteNtuNames(const ClipVotes& source, Writer& writer) {
+  writer.Value("files", "\"S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton\"",
+               "declared by the format");
+  writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} tells several people of a file apart");
+  writer.Value("label", "\"A{action}\"", "declared by the format");
+  std::string bodies;
+  std::set<std::string> told;
+  for (const Json* clip : source.clips()) {
+    const std::string file = clip->at("file");
+    const std::size_t at = file.rfind('A');
+    const int people = clip->at("people").at("value");
+    if (people < 2 || at == std::string::npos || !told.insert(file.substr(at, 4)).second) continue;
+    bodies += (bodies.empty() ? "" : ", ") + file.substr(at, 4) + ": " + std::to_string(people);
+  }
+  if (!bodies.empty()) writer.Value("bodies", "{" + bodies + "}", "measured: most people in a frame of such files");
+}
+
+void Rename(GuessedNames& guessed, std::string& text, const std::string& from, const std::string& to) {
+  for (std::string* pattern : {&guessed.pattern, &text}) {
+    const std::size_t at = pattern->find("{" + from + "}");
+    if (at != std::string::npos) pattern->replace(at + 1, from.size(), to);
+  }
+  std::replace(guessed.fields.begin(), guessed.fields.end(), from, to);
+}
+
+/// A skeleton file is a person's: the field that names it is {person}, and words after it are the action.
+void NamePerson(GuessedNames& guessed, std::string& skeletons) {
+  const std::vector<std::string> fields = FieldsOf(skeletons);
+  if (fields.size() != 1 || guessed.Has("person")) return;
+  const bool was_action = fields[0] == "action";
+  Rename(guessed, skeletons, fields[0], "person");
+  if (was_action && guessed.Has("style")) Rename(guessed, skeletons, "style", "action");
+}
+
+void WriteNames(const ClipVotes& source, const std::string& format, Writer& writer) {
+  std::vector<std::string> names;
+  for (const Json* clip : source.clips()) {
+    const std::string file = clip->at("file");
+    if (std::find(names.begin(), names.end(), file) == names.end()) names.push_back(file);
+  }
+  if (format == "humanact12_pickle" || format == "uestc") {
+    const bool uestc = format == "uestc";
+    writer.Value("container", Quoted(names.front()), "declared by the file: all clips are in it");
+    writer.Value("files", Quoted(uestc ? "a{action}_d{view}_p{person:3}_c{side}_color.avi" : "c{clip:4}_y{action:2}"),
+                 "declared by the format");
+    writer.Value("person", Quoted(uestc ? "p{person}" : "unknown"), uestc ? "" : "unknown: the file does not say it");
+    writer.Value("label", Quoted(uestc ? "" : "{action}"), "declared by the format");
+    return;
+  }
+  if (format == "ntu_skeleton") return WriteNtuNames(source, writer);
+  GuessedNames guessed = GuessNames(names);
+  std::optional<std::string> skeletons;
+  if (format == "asf_amc") {
+    std::vector<std::string> files;
+    for (const Json* clip : source.clips()) files.push_back(clip->at("file"));
+    skeletons = GuessBelonging(guessed, files, source.Facts("skeleton_file"));
+    if (skeletons) NamePerson(guessed, *skeletons);
+  }
+  writer.Value("files", Quoted(guessed.pattern),
+               guessed.common ? "guessed from " + std::to_string(names.size()) + " names: look at the fields"
+                              : "the names have no form in common");
+  if (skeletons) {
+    writer.Value("skeleton_files", Quoted(*skeletons), "as they lie beside the motions");
+  } else if (format == "asf_amc") {
+    writer.Unknown("skeleton_files", "no .asf lies beside a motion whose name begins like it");
+  }
+  const bool person = guessed.Has("person");
+  writer.Value("person", Quoted(person ? "{person}" : "unknown"),
+               !person     ? "unknown: write who performs, from the fields, where the names say it"
+               : skeletons ? "guessed: whose skeleton file it is"
+                           : "guessed from the names");
+  const bool action = guessed.Has("action");
+  writer.Value("label", Quoted(action ? "{action}" : ""),
+               action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not say it");
+  if (format == "depth_sequence") writer.Unknown("depth_files", "the images are not named in the file");
+}
+
+std::string FormatToDeclare(const Json& inspection) {
+  std::map<std::string, std::size_t> counts;
+  for (const Json& clip : inspection.at("clips")) {
+    if (Formats().count(clip.at("format")) != 0) counts[clip.at("format")] += 1;
+  }
+  std::string best;
+  for (const auto& [format, count] : counts) {
+    if (best.empty() || count > counts[best]) best = format;
+  }
+  return best;
+}
+
+}  // namespace
+
+Expected<WrittenDeclaration> DeclareSource(const Json& inspection, const std::filesystem::path& path,
+                                           const std::string& name) {
+  const std::string observed = FormatToDeclare(inspection);
+  if (observed.empty()) {
+    std::string why = "no file holds motion in a format that a source can declare";
+    for (const Json& finding : inspection.at("findings")) {
+      if (finding.at("severity") == "error") {
+        why += ": " + finding.at("message").get<std::string>();
+        break;
+      }
+    }
+    return Fail(ErrorCode::kUnsupported, why, DisplayPath(path), "`mocurate inspect` says what is there");
+  }
+  const std::string& format = Formats().at(observed);
+  const ClipVotes source(inspection, observed);
+  WrittenDeclaration written;
+  Writer writer(written);
+  std::error_code unknown;
+  const bool folder = std::filesystem::is_directory(path, unknown);
+  writer.Line("# Made by `mocurate config init` from " + std::to_string(source.clips().size()) + " clips of format " +
+              observed + ".");
+  writer.Line("# Every value says where it comes from. " + std::string(kFillIn) + " has to be replaced before a run.");
+  for (const auto& [what, count] : source.others()) {
+    writer.Line("# Not of this source: " + std::to_string(count) + " clips of format " + what + ".");
+  }
+  writer.Line("ingest:");
+  writer.Line("  path: " + Quoted(DisplayPath(std::filesystem::absolute(folder ? path : path.parent_path(), unknown))));
+  writer.Line("  source:");
+  writer.Value("name", Quoted(name), "a choice: the first part of every clip's id");
+  writer.Value("format", format, "declared by the file");
+  WriteNames(source, format, writer);
+  writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
+  writer.Value("licence", "\"\"", "unknown: no file says it");
+  WriteUnits(source, format, writer);
+  WriteAxes(source, writer);
+  WriteRate(source, format, writer);
+  WriteSkeleton(source, format, writer);
+  if (format == "joint_table") WriteTable(source, writer);
+  std::map<std::string, std::pair<std::size_t, std::string>> findings;
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("severity") == "info") continue;
+    auto& entry = findings[finding.at("code")];
+    if (entry.first++ == 0) {
+      entry.second = finding.at("where").get<std::string>() + ": " + finding.at("message").get<std::string>();
+    }
+  }
+  std::size_t told = 0;
+  for (const auto& [code, entry] : findings) {
+    if (told++ == kMostFindings) break;
+    writer.Comment("Finding " + code + " (" + std::to_string(entry.first) + "), first " + entry.second);
+  }
+  return written;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,172 @@
+#include "ingest/sources/container.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "core/base/file.h"
+#include "core/formats/uestc_info.h"
+
+namespace mocurate {
+namespace {
+
+/// A file in memory as long as somebody looks at it.
+class MappedFile {
+ public:
+  static Expected<std::shared_ptr<const MappedFile>> Open(const std::filesystem::path& path) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat facts {};
+    if (file < 0 || fstat(file, &facts) != 0 || facts.st_size == 0) {
+      if (file >= 0) close(file);
+      return Fail(file < 0 ? ErrorCode::kUnreadable : ErrorCode::kMalformed,
+                  file < 0 ? "the file cannot be opened" : "the file is empty", DisplayPath(path),
+                  "was it copied whole?");
+    }
+    const auto size = static_cast<std::size_t>(facts.st_size);
+    void* bytes = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+    close(file);
+    if (bytes == MAP_FAILED) {
+      return Fail(ErrorCode::kUnreadable, "the file cannot be mapped", DisplayPath(path), "is there memory left?");
+    }
+    return std::shared_ptr<const MappedFile>(new MappedFile(bytes, size));
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  ~MappedFile() { munmap(bytes_, size_); }
+  std::string_view bytes() const { return {static_cast<const char*>(bytes_), size_}; }
+
+ private:
+  MappedFile(void* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
+  void* bytes_;
+  std::size_t size_;
+};
+
+/// What a container looked like when it was opened: another file under its name is opened again.
+struct Version {
+  std::filesystem::path path;
+  std::uintmax_t size = 0;
+  std::filesystem::file_time_type written;
+};
+
+bool operator==(const Version& a, const Version& b) {
+  return a.path == b.path && a.size == b.size && a.written == b.written;
+}
+
+Version VersionOf(const std::filesystem::path& path) {
+  std::error_code unknown;
+  return {path, std::filesystem::file_size(path, unknown), std::filesystem::last_write_time(path, unknown)};
+}
+
+/// UESTC's cache with the bytes that it points into.
+struct OpenCache {
+  Version version;
+  std::shared_ptr<const MappedFile> file;
+  VibeCache cache;
+};
+
+struct OpenPickle {
+  Version version;
+  std::vector<HumanAct12Clip> clips;
+};
+
+Expected<std::string> ReadBeside(const std::filesystem::path& folder, const std::string& name) {
+  Expected<std::string> bytes = ReadFile(folder / name);
+  if (!bytes && bytes.error().code == ErrorCode::kNotFound) {
+    return Fail(ErrorCode::kNotFound, "the file is not in the folder: the container does not say whose its clips are",
+                name, "put it beside the container; `mocurate doctor --source NAME` lists what is needed");
+  }
+  return bytes;
+}
+
+Expected<std::vector<ContainerEntry>> UestcEntries(const std::filesystem::path& folder) {
+  const Expected<std::string> names = ReadBeside(folder, "info/names.txt");
+  if (!names) return Forward(names);
+  const Expected<std::vector<UestcVideo>> videos = ParseUestcNames(*names, "info/names.txt");
+  if (!videos) return Forward(videos);
+  const Expected<std::string> counts = ReadBeside(folder, "info/num_frames_min.txt");
+  if (!counts) return Forward(counts);
+  const Expected<std::vector<int>> frames = ParseUestcFrameCounts(*counts, "info/num_frames_min.txt", videos->size());
+  if (!frames) return Forward(frames);
+  const Expected<std::string> words = ReadBeside(folder, "info/action_classes.txt");
+  if (!words) return Forward(words);
+  const Expected<std::vector<std::string>> actions = ParseUestcActions(*words, "info/action_classes.txt");
+  if (!actions) return Forward(actions);
+  std::vector<ContainerEntry> entries;
+  for (std::size_t i = 0; i < videos->size(); ++i) {
+    const UestcVideo& video = (*videos)[i];
+    ContainerEntry entry{video.Name(), (*actions)[static_cast<std::size_t>(video.action)], (*frames)[i], ""};
+    if (video.side == 2 && video.view == 8) entry.left_out = "the second camera moves in view 8";
+    if ((*frames)[i] == 0) entry.left_out = "info/num_frames_min.txt says that it has no frame";
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+Expected<std::shared_ptr<const OpenPickle>> HumanAct12Of(const std::filesystem::path& path) {
+  static std::shared_ptr<const OpenPickle> last;
+  const Version version = VersionOf(path);
+  if (last && last->version == version) return last;
+  last.reset();
+  const auto file = MappedFile::Open(path);
+  if (!file) return Forward(file);
+  Expected<std::vector<HumanAct12Clip>> clips = ParseHumanAct12Pickle((*file)->bytes(), DisplayPath(path.filename()));
+  if (!clips) return Forward(clips);
+  last = std::make_shared<const OpenPickle>(OpenPickle{version, std::move(*clips)});
+  return last;
+}
+
+Expected<std::vector<ContainerEntry>> HumanAct12Entries(const std::filesystem::path& path) {
+  const auto pickle = HumanAct12Of(path);
+  if (!pickle) return Forward(pickle);
+  std::vector<ContainerEntry> entries;
+  for (std::size_t i = 0; i < (*pickle)->clips.size(); ++i) {
+    char name[48];
+    std::snprintf(name, sizeof(name), "c%04zu_y%02d", i + 1, (*pickle)->clips[i].label + 1);
+    entries.push_back({name, "", 0, ""});
+  }
+  return entries;
+}
+
+tl::unexpected<Error> NoEntry(int entry, std::size_t count, const std::string& name) {
+  return Fail(ErrorCode::kInconsistent,
+              "clip " + std::to_string(entry) + " is asked for, the file holds " + std::to_string(count), name,
+              "does what stands beside the container belong to it?");
+}
+
+}  // namespace
+
+Expected<std::vector<ContainerEntry>> EntriesOf(const SourceOptions& source, const std::filesystem::path& folder) {
+  return source.format == SourceFormat::kUestc ? UestcEntries(folder) : HumanAct12Entries(folder / source.container);
+}
+
+Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int entry, const std::string& name) {
+  static std::optional<OpenCache> last;
+  const Version version = VersionOf(container);
+  if (!last || !(last->version == version)) {
+    last.reset();
+    auto file = MappedFile::Open(container);
+    if (!file) return Forward(file);
+    Expected<VibeCache> cache = VibeCache::Open((*file)->bytes(), DisplayPath(container.filename()));
+    if (!cache) return Forward(cache);
+    last = OpenCache{version, std::move(*file), std::move(*cache)};
+  }
+  if (entry < 0 || static_cast<std::size_t>(entry) >= last->cache.size())
+    return NoEntry(entry, last->cache.size(), name);
+  return last->cache.Track(static_cast<std::size_t>(entry));
+}
+
+Expected<HumanAct12Clip> ReadHumanAct12Entry(const std::filesystem::path& container, int entry,
+                                             const std::string& name) {
+  const auto pickle = HumanAct12Of(container);
+  if (!pickle) return Forward(pickle);
+  const auto& clips = (*pickle)->clips;
+  if (entry < 0 || static_cast<std::size_t>(entry) >= clips.size()) return NoEntry(entry, clips.size(), name);
+  return clips[static_cast<std::size_t>(entry)];
+}
+
+}  // namespace mocurate

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/motion/kinematics.h"
+#include "ingest/sources/container.h"
+#include "ingest/sources/smpl_motion.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kFits = 1e-3;  // metres; as far as the places that were recorded may lie off those of the rotations
+
+/// Median distance of each joint from its parent.
+std::vector<double> BoneLengths(const JointPositions& joints, const Skeleton& skeleton) {
+  std::vector<double> lengths(skeleton.joints.size(), 0.0);
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    std::vector<double> frames;
+    for (int f = 0; f < joints.frames; ++f) {
+      frames.push_back((joints.at(f, j) - joints.at(f, skeleton.joints[j].parent)).norm());
+    }
+    const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+    std::nth_element(frames.begin(), middle, frames.end());
+    lengths[j] = *middle;
+  }
+  return lengths;
+}
+
+/// SMPL's bones point elsewhere at rest than the skeleton's: the places of the file come out displaced.
+void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::vector<Finding>& findings) {
+  std::vector<double> distances;
+  for (int f = 0; f < recorded.frames; ++f) {
+    for (int j = 0; j < recorded.joints; ++j) {
+      distances.push_back((recorded.at(f, j) - motion.joints.at(f, j)).norm());
+    }
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  if (*middle <= kFits) return;
+  Finding finding;
+  finding.code = "joints_displaced";
+  finding.severity = Severity::kInfo;
+  finding.value = *middle;
+  finding.message = "joints lie " + FormatDouble(std::round(1e4 * *middle) / 10.0) +
+                    " mm (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
+                    "the subject's body";
+  finding.action = "rotations kept; the skeleton of joints alone (npy) keeps the places";
+  findings.push_back(std::move(finding));
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
+  if (!world_from_file) return Forward(world_from_file);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
+  if (!columns) return Forward(columns);
+  const Expected<HumanAct12Clip> clip = ReadHumanAct12Entry(file.container, file.entry, file.name);
+  if (!clip) return Forward(clip);
+
+  JointPositions joints(static_cast<int>(clip->frames), (*skeleton)->joint_count());
+  std::vector<Vector3d> root_translation;
+  for (int f = 0; f < joints.frames; ++f) {
+    for (int j = 0; j < joints.joints; ++j) {
+      const double* place = &clip->joints[static_cast<std::size_t>(f) * 3 * kSmplJoints + (*columns)[j]];
+      joints.at(f, j) = *world_from_file * Vector3d(place[0], place[1], place[2]);
+    }
+    root_translation.push_back(joints.at(f, 0));
+  }
+  const SmplRotations rotations{clip->poses, clip->frames};
+  Expected<std::vector<Quaterniond>> rotation = SmplLocalRotations(**skeleton, rotations, *world_from_file);
+  if (!rotation) return Forward(rotation);
+  IngestedClip ingested;
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
+                                    BoneLengths(joints, **skeleton));
+  NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
+  ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
+  return ingested;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,53 @@
+#include "core/formats/phspd_text.h"
+#include "ingest/sources/smpl_motion.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kLongestGap = 10000;  // frames; a recording of minutes has some thousands
+
+}  // namespace
+
+Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<SkeletonPtr> skeleton = LoadSkeleton("smpl24");
+  if (!skeleton) return Forward(skeleton);
+  const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
+  if (!columns) return Forward(columns);
+  const Expected<PhspdPose> pose = ParsePhspdPose(file.bytes, file.name);
+  if (!pose) return Forward(pose);
+  if (pose->frame.empty()) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
+
+  const int first = pose->frame.front();
+  for (std::size_t i = 1; i < pose->frame.size(); ++i) {
+    if (pose->frame[i] - pose->frame[i - 1] <= kLongestGap) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "frame " + std::to_string(pose->frame[i]) + " follows " + std::to_string(pose->frame[i - 1]), file.name,
+                "a gap of more than " + std::to_string(kLongestGap) + " frames is no recording");
+  }
+  const int frames = pose->frame.back() - first + 1;
+  IngestedClip ingested;
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  JointTracks tracks;
+  tracks.positions = JointPositions(frames, kPhspdJoints);
+  tracks.confidence.assign(static_cast<std::size_t>(frames) * kPhspdJoints, 0.0);
+  for (const Joint& joint : (*skeleton)->joints) tracks.names.push_back(joint.name);
+  for (int f = 0; f < frames; ++f) tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
+  for (std::size_t i = 0; i < pose->frame.size(); ++i) {
+    const int f = pose->frame[i] - first;
+    for (int j = 0; j < kPhspdJoints; ++j) {
+      const double* place = &pose->position_m[i * 3 * kPhspdJoints + static_cast<std::size_t>((*columns)[j])];
+      tracks.positions.at(f, j) = axes->canonical_from_source * Vector3d(place[0], place[1], place[2]);
+      tracks.confidence[static_cast<std::size_t>(f) * kPhspdJoints + j] = 1.0;
+    }
+  }
+  NoteEmptyFrames(tracks, ingested.findings);
+  ingested.clip.provenance["first_frame"] = std::to_string(first);
+  ingested.clip.evidence.tracks = std::move(tracks);
+  return ingested;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ingest/options.h"
+
+namespace mocurate {
+
+/// One kind of files that a source's declaration names below its folder.
+struct WantedFile {
+  std::string pattern;
+  std::string what;
+  std::size_t found = 0;  ///< files of that name
+};
+
+/// Everything that a declaration names: clips, or what holds them, skeletons, depth images, annotations, tables, and
+/// what ingest.expected lists. With `count` the files below ingest.path are counted. Error kConfig for a broken
+/// pattern.
+Expected<std::vector<WantedFile>> WantedFiles(const IngestOptions& ingest, bool count);
+
+}  // namespace mocurate

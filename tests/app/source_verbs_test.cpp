@@ -1,0 +1,219 @@
+// A source from files nobody declared: `config init` writes its declaration, `run` takes it; `doctor --source` says
+// what a recipe lacks.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::WriteText;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class Declarations : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    data_ = std::getenv("MOCURATE_TEST_DATA");
+  }
+
+  /// Writes the declaration of some files of a recorded set, each at its place; gives what is to be filled in.
+  std::vector<std::string> Declare(const std::string& set, const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+      fs::create_directories((folder_ / set / file).parent_path());
+      fs::copy_file(data_ / set / file, folder_ / set / file);
+    }
+    const Result result = RunProgram(
+        folder_, {"config", "init", (folder_ / set).string(), "-o", (folder_ / "made.yaml").string(), "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    text_ = ReadText(folder_ / "made.yaml");
+    EXPECT_EQ(result.Json()["declaration"], text_);
+    return result.Json()["unknown"];
+  }
+  void Fill(const std::string& key, const std::string& value) {
+    const std::size_t at = text_.find("    " + key + ": ");
+    ASSERT_NE(at, std::string::npos) << text_;
+    const std::size_t begin = at + 6 + key.size();
+    text_.replace(begin, text_.find('\n', begin) - begin, value);
+    WriteText(folder_ / "made.yaml", text_);
+  }
+  Result Ingest() {
+    return RunProgram(
+        folder_, {"run", (folder_ / "made.yaml").string(), "-o", (folder_ / "r").string(), "--to", "ingest", "--json"});
+  }
+  /// Clips that were read, from the log of the run; nothing contradicts the declaration.
+  int Kept() {
+    int kept = 0;
+    std::ifstream log(folder_ / "r/curation_log.jsonl");
+    for (std::string line; std::getline(log, line);) {
+      const nlohmann::json clip = nlohmann::json::parse(line);
+      EXPECT_THAT(clip["findings"].dump(), Not(HasSubstr("contradiction"))) << clip.dump(1);
+      kept += clip.contains("evidence_sha256") ? 1 : 0;
+    }
+    return kept;
+  }
+
+  Folder folder_;
+  fs::path data_;
+  std::string text_;
+};
+
+TEST_F(Declarations, Bandai2IsRunAsItIsWritten) {
+  const std::vector<std::string> unknown = Declare(
+      "bvh/bandai2", {"dataset-2_walk_normal_001.bvh", "dataset-2_walk_active_001.bvh", "dataset-2_run_normal_001.bvh",
+                      "dataset-2_run_normal_002.bvh", "dataset-2_wave-both-hands_active_002.bvh"});
+  EXPECT_THAT(unknown, IsEmpty());
+  EXPECT_THAT(text_, HasSubstr("files: \"dataset-2_{action}_{style}_{repetition}.bvh\""));
+  EXPECT_THAT(text_, HasSubstr("units: \"cm\""));
+  EXPECT_THAT(text_, HasSubstr("# measured: 5 of 5 clips say so"));
+  EXPECT_THAT(text_, HasSubstr("axes: \"+x +y +z\""));
+  EXPECT_THAT(text_, HasSubstr("rate: 30 Hz  # declared by the file: Frame Time"));
+  EXPECT_THAT(text_, HasSubstr("skeleton: \"bandai22\""));
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 5);
+}
+
+TEST_F(Declarations, KardLacksItsRateAloneAndIsRefusedByThatNameUntilItIsFilledIn) {
+  const std::vector<std::string> unknown =
+      Declare("kinect/kard", {"a17_s01_e01_realworld.txt", "a17_s02_e01_realworld.txt", "a18_s01_e02_realworld.txt",
+                              "a12_s03_e01_realworld.txt", "a01_s01_e01_realworld.txt"});
+  EXPECT_THAT(unknown, ElementsAre("rate"));
+  EXPECT_THAT(text_, HasSubstr("files: \"a{action}_s{person}_e{repetition}_realworld.txt\""));
+  EXPECT_THAT(text_, HasSubstr("axes: \"+x +y -z\""));
+  EXPECT_THAT(text_, HasSubstr("units: \"mm\""));
+  EXPECT_THAT(text_, HasSubstr("skeleton: \"openni15\""));
+  const Result refused = Ingest();
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("rate"));
+  EXPECT_THAT(refused.err, HasSubstr("FILL_IN"));
+  Fill("rate", "30 Hz");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 5);
+}
+
+TEST_F(Declarations, Florence3DsClipsHaveNumbersOfTheirOwn) {
+  const std::vector<std::string> unknown =
+      Declare("kinect/florence3d",
+              {"a06_s1_id18.txt", "a06_s1_id19.txt", "a07_s1_id20.txt", "a07_s1_id21.txt", "a01_s1_id1.txt"});
+  EXPECT_THAT(unknown, ElementsAre("rate"));
+  EXPECT_THAT(text_, HasSubstr("files: \"a{action}_s1_id{clip}.txt\""));
+  Fill("rate", "15 Hz");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 5);
+}
+
+TEST_F(Declarations, NtusNamesAndPeopleAreKnownByTheFormat) {
+  const std::vector<std::string> unknown =
+      Declare("ntu", {"S001C001P001R001A011.skeleton", "S001C003P008R002A058.skeleton", "S002C001P003R001A003.skeleton",
+                      "S004C002P003R001A017.skeleton"});
+  EXPECT_THAT(unknown, ElementsAre("rate"));
+  EXPECT_THAT(text_, HasSubstr("bodies: {A058: 2}"));
+  EXPECT_THAT(text_, HasSubstr("axes: \"-x +y -z\""));
+  Fill("rate", "30 Hz");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 5);
+}
+
+TEST_F(Declarations, CmusMotionsFindTheirSkeletons) {
+  const std::vector<std::string> unknown = Declare("cmu/asf_amc", {"01.asf", "01_01.amc", "12.asf", "02_01.amc"});
+  EXPECT_THAT(unknown, ElementsAre("rate"));
+  EXPECT_THAT(text_, HasSubstr("skeleton_files: \"{person}.asf\""));
+  EXPECT_THAT(text_, HasSubstr("person: \"{person}\""));
+  EXPECT_THAT(text_, HasSubstr("units: \"0.0564 m\""));
+  Fill("rate", "120 Hz");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 1) << "02_01.amc has no skeleton: " << run.err << text_;
+  EXPECT_EQ(Kept(), 1);
+}
+
+TEST_F(Declarations, AFileThatIsThereIsNotOverwrittenUnlessAsked) {
+  const Folder folder;
+  WriteText(folder / "mine.yaml", "name: mine\n");
+  const std::string data = (data_ / "ntu").string();
+  const std::string mine = (folder / "mine.yaml").string();
+  const Result kept = RunProgram(folder, {"config", "init", data, "-o", mine});
+  EXPECT_EQ(kept.exit_code, 2);
+  EXPECT_THAT(kept.err, HasSubstr("--force"));
+  EXPECT_EQ(ReadText(folder / "mine.yaml"), "name: mine\n");
+  EXPECT_EQ(RunProgram(folder, {"config", "init", data, "-o", mine, "--force"}).exit_code, 0);
+  EXPECT_THAT(ReadText(folder / "mine.yaml"), HasSubstr("format: ntu_skeleton"));
+  const Result shown = RunProgram(folder, {"config", "init", data});
+  EXPECT_EQ(shown.exit_code, 0);
+  EXPECT_EQ(shown.out, ReadText(folder / "mine.yaml"));
+}
+
+TEST(DeclarationsOfNothing, AFolderWithoutMotionIsToldSo) {
+  const Folder folder;
+  WriteText(folder / "data/note.txt", "nothing here\n");
+  const Result result = RunProgram(folder, {"config", "init", (folder / "data").string()});
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("no file holds motion"));
+  EXPECT_THAT(result.out, IsEmpty());
+}
+
+TEST(DoctorOfASource, NamesWhatIsMissingWhereAndUnderWhichLicence) {
+  const Folder folder;
+  WriteText(folder / "uestc/info/names.txt", "a00_d0_p001_c1_color.avi\n");
+  const Result some =
+      RunProgram(folder, {"doctor", "--source", "uestc", "--path", (folder / "uestc").string(), "--json"});
+  EXPECT_EQ(some.exit_code, 4);
+  const nlohmann::json document = some.Json();
+  EXPECT_EQ(document["licence"], "research only");
+  EXPECT_THAT(document["obtain"].get<std::string>(), HasSubstr("DATASETS.md"));
+  EXPECT_EQ(document["path"], (folder / "uestc").string());
+  std::map<std::string, int> found;
+  for (const auto& file : document["files"]) found[file["pattern"]] = file["found"];
+  EXPECT_EQ(found, (std::map<std::string, int>{{"vibe_cache_refined.pkl", 0},
+                                               {"info/names.txt", 1},
+                                               {"info/num_frames_min.txt", 0},
+                                               {"info/action_classes.txt", 0}}));
+  const Result text = RunProgram(folder, {"doctor", "--source", "uestc", "--path", (folder / "uestc").string()});
+  EXPECT_THAT(text.out, HasSubstr("MISSING  vibe_cache_refined.pkl: VIBE's tracks"));
+  EXPECT_THAT(text.err, HasSubstr("3 of 4 kinds of files are missing"));
+}
+
+TEST(DoctorOfASource, KnowsEveryRecipeAndSaysWhereEachComesFrom) {
+  const Folder folder;
+  for (const auto& entry : fs::directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / "configs/sources")) {
+    const std::string name = entry.path().stem().string();
+    const Result result =
+        RunProgram(folder, {"doctor", "--source", name, "--path", (folder / "nowhere").string(), "--json"});
+    EXPECT_EQ(result.exit_code, 4) << name << result.err;
+    EXPECT_FALSE(result.Json()["obtain"].get<std::string>().empty()) << name;
+    EXPECT_FALSE(result.Json()["licence"].get<std::string>().empty()) << name;
+    EXPECT_FALSE(result.Json()["files"].empty()) << name;
+  }
+  const Result unknown = RunProgram(folder, {"doctor", "--source", "kardd"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'kard'?"));
+}
+
+TEST(DoctorOfASource, IsContentWithAFolderThatHasItAll) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const Folder folder;
+  const Result result = RunProgram(folder, {"doctor", "--source", "kard"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("(432 files)"));
+}
+
+}  // namespace
+}  // namespace mocurate

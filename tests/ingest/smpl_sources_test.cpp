@@ -1,0 +1,290 @@
+// Recipes of SMPL's rotations and joints, each on a folder written in the source's own layout and read back to the
+// truth.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/formats/humanact12_pickle.h"
+#include "core/formats/phspd_text.h"
+#include "core/formats/uestc_info.h"
+#include "core/formats/vibe_pickle.h"
+#include "core/motion/kinematics.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kJoints = 24;
+
+/// Somebody on `smpl24` who moves every joint; in the canonical world.
+Motion Somebody(int frames, int seed) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  std::vector<Vector3d> root;
+  std::vector<Quaterniond> rotation;
+  for (int f = 0; f < frames; ++f) {
+    root.emplace_back(0.02 * f, 0.9 + 0.01 * seed, -0.03 * f);
+    for (int j = 0; j < kJoints; ++j) {
+      const double phase = 0.3 * f + 0.7 * j + seed;
+      rotation.push_back(ExpQuaternion(0.3 * Vector3d(std::sin(phase), std::cos(1.3 * phase), std::sin(2.1 * phase))));
+    }
+  }
+  return MakeMotion(skeleton, FrameRate{30, 1}, root, rotation, {});
+}
+
+/// From the canonical world to a camera's frame, y down, and back: half a turn about x.
+const Quaterniond kHalfTurn(0.0, 1.0, 0.0, 0.0);
+
+/// Rotation vectors (F, 72) in a frame that `file_from_world` leads to.
+std::vector<double> Vectors(const Motion& motion, const Quaterniond& file_from_world) {
+  std::vector<double> vectors;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < kJoints; ++j) {
+      const Quaterniond local = motion.rotation[static_cast<std::size_t>(f) * kJoints + j];
+      const Vector3d vector = LogQuaternion(j == 0 ? file_from_world * local : local);
+      vectors.insert(vectors.end(), {vector.x(), vector.y(), vector.z()});
+    }
+  }
+  return vectors;
+}
+
+std::vector<double> Places(const Motion& motion, const Quaterniond& file_from_world) {
+  std::vector<double> places;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < kJoints; ++j) {
+      const Vector3d at = file_from_world * Vector3d(motion.joints.at(f, j));
+      places.insert(places.end(), {at.x(), at.y(), at.z()});
+    }
+  }
+  return places;
+}
+
+double WorstAngle(const Motion& a, const Motion& b) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < a.rotation.size(); ++i)
+    worst = std::max(worst, AngleBetween(a.rotation[i], b.rotation[i]));
+  return worst;
+}
+
+double WorstPlace(const JointPositions& a, const JointPositions& b) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < a.xyz.size(); ++i) worst = std::max(worst, std::abs(a.xyz[i] - b.xyz[i]));
+  return worst;
+}
+
+IngestOptions Recipe(const std::string& name, const std::filesystem::path& folder) {
+  IngestOptions options = Declared(name, {"ingest.path=" + folder.string()});
+  return options;
+}
+
+TEST(HumanAct12Pickle, EveryClipIsAnItemAndItsRotationsAndPlacesAreTheFilesOwn) {
+  const std::filesystem::path folder = FreshFolder("humanact12_pickle");
+  std::vector<Motion> truth = {Somebody(9, 1), Somebody(14, 2), Somebody(11, 3)};
+  std::vector<HumanAct12Clip> clips;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    clips.push_back({static_cast<std::size_t>(truth[i].frame_count()), Vectors(truth[i], kHalfTurn),
+                     Places(truth[i], kHalfTurn), static_cast<int>(4 * i)});
+  }
+  Put(folder / "humanact12poses.pkl", *EncodeHumanAct12Pickle(clips, "humanact12poses.pkl"));
+  const auto discovery = Discover(Recipe("humanact12_poses", folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 3u);
+  EXPECT_EQ(discovery->items[1].item, "humanact12/unknown/c0002");
+  const char* const labels[] = {"warm_up", "drink", "turn_steering_wheel"};
+  std::set<std::string> evidence;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Ingested ingested = RunIngest(discovery->items[i], "humanact12");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    EXPECT_TRUE(ingested.outcome->findings.empty()) << ingested.outcome->findings[0].message;
+    ASSERT_TRUE(ingested.clip.motion);
+    EXPECT_LT(WorstAngle(*ingested.clip.motion, truth[i]), 1e-6);
+    EXPECT_LT(WorstPlace(ingested.clip.motion->joints, truth[i].joints), 2e-6);
+    EXPECT_EQ(ingested.clip.rate, (FrameRate{15, 1}));
+    EXPECT_EQ(ingested.clip.label, labels[i]) << i;
+    evidence.insert(ingested.clip.evidence_sha256);
+  }
+  EXPECT_EQ(evidence.size(), 3u) << "clips of one file are told apart by what they hold";
+}
+
+TEST(HumanAct12Pickle, BonesThatRestElsewhereAreToldAndRotationsKept) {
+  const std::filesystem::path folder = FreshFolder("humanact12_displaced");
+  const Motion truth = Somebody(9, 1);
+  std::vector<double> places = Places(truth, kHalfTurn);
+  for (std::size_t i = 2; i < places.size(); i += 6) places[i] += 0.05;
+  Put(folder / "humanact12poses.pkl", *EncodeHumanAct12Pickle({{9, Vectors(truth, kHalfTurn), places, 0}}, "x"));
+  const auto discovery = Discover(Recipe("humanact12_poses", folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "humanact12_displaced");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+  EXPECT_EQ(ingested.outcome->findings[0].code, "joints_displaced");
+  EXPECT_LT(WorstAngle(*ingested.clip.motion, truth), 1e-6);
+}
+
+/// A track of 49 points of which those named by SPIN as SMPL's hips and more are placed by the joint's number.
+VibeTrack Track(const Motion& motion, const Quaterniond& file_from_world) {
+  VibeTrack track;
+  track.id = 1;
+  track.frames = static_cast<std::size_t>(motion.frame_count());
+  track.joints = 49;
+  track.pose = Vectors(motion, file_from_world);
+  for (std::size_t f = 0; f < track.frames; ++f) {
+    for (int k = 0; k < 49; ++k) {
+      const double height = k == 8 ? 0.0 : 0.02 * k - 0.5;
+      track.joints3d.insert(track.joints3d.end(), {0.01 * k, height, 0.001 * static_cast<double>(f)});
+    }
+    track.original_camera.insert(track.original_camera.end(),
+                                 {0.7 + 0.01 * static_cast<double>(f), 0.9, 0.1 * static_cast<double>(f), -0.2});
+    track.frame_ids.push_back(static_cast<std::int64_t>(f));
+  }
+  return track;
+}
+
+TEST(Uestc, VideosAreTurnedBackByTheirViewAndMovedByTheCamera) {
+  const std::filesystem::path folder = FreshFolder("uestc");
+  const std::vector<UestcVideo> videos = {{7, 0, 1, 1}, {7, 3, 1, 2}, {12, 8, 3, 2}, {39, 8, 3, 1}};
+  const Motion truth = Somebody(12, 5);
+  std::vector<VibeTrack> tracks;
+  std::vector<Quaterniond> world_from_file;
+  for (const UestcVideo& video : videos) {
+    const double angle = video.side == 1 ? 0.0 : -0.25 * EIGEN_PI * video.view;
+    world_from_file.push_back(kHalfTurn * ExpQuaternion(Vector3d(0.0, angle, 0.0)));
+    tracks.push_back(Track(truth, world_from_file.back().conjugate()));
+  }
+  Put(folder / "vibe_cache_refined.pkl", *EncodeVibeCache(tracks, "cache"));
+  Put(folder / "info/names.txt", WriteUestcNames(videos));
+  Put(folder / "info/num_frames_min.txt", WriteUestcFrameCounts({12, 10, 12, 12}));
+  std::string classes;
+  for (int a = 0; a < 40; ++a) classes += "action " + std::to_string(a) + "\n";
+  Put(folder / "info/action_classes.txt", classes);
+  const auto discovery = Discover(Recipe("uestc", folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 3u);
+  ASSERT_EQ(discovery->left_out.size(), 1u);
+  EXPECT_EQ(discovery->left_out[0].outcome.kind, OutcomeKind::kLeftOut);
+  EXPECT_THAT(discovery->left_out[0].outcome.error.what, HasSubstr("the second camera moves"));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Ingested ingested = RunIngest(discovery->items[i], "uestc");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    const Motion& motion = *ingested.clip.motion;
+    EXPECT_EQ(motion.frame_count(), i == 0 ? 12 : 10) << "as info/num_frames_min.txt says";
+    EXPECT_EQ(ingested.clip.label, "action 7");
+    EXPECT_EQ(ingested.clip.role, "train");
+    EXPECT_EQ(ingested.clip.identity.person, "p001");
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      const double z = 500.0 / 270.0 * (1.0 / (0.7 + 0.01 * f) - 1.0 / 0.7);
+      const Vector3d wanted = world_from_file[i] * Vector3d(0.1 * f + 0.08, 0.0, z + 0.001 * f);
+      EXPECT_LT((motion.root_translation[static_cast<std::size_t>(f)] - wanted).norm(), 1e-6) << i << " frame " << f;
+      for (int j = 0; j < kJoints; ++j) {
+        const std::size_t at = static_cast<std::size_t>(f) * kJoints + j;
+        EXPECT_LT(AngleBetween(motion.rotation[at], truth.rotation[at]), 1e-6) << i;
+      }
+    }
+  }
+  const auto last = RunIngest(discovery->items[2], "uestc");
+  ASSERT_TRUE(last.outcome) << last.outcome.error().Message();
+  EXPECT_EQ(last.clip.role, "test");
+  EXPECT_EQ(last.clip.identity.recording, "a39_d8_p003_c1");
+}
+
+TEST(Uestc, WithoutWhatStandsBesideItTheFileThatIsMissingIsNamed) {
+  const std::filesystem::path folder = FreshFolder("uestc_bare");
+  EXPECT_THAT(Discover(Recipe("uestc", folder)).error().Message(), HasSubstr("vibe_cache_refined.pkl"));
+  Put(folder / "vibe_cache_refined.pkl", *EncodeVibeCache({Track(Somebody(4, 1), kHalfTurn)}, "cache"));
+  EXPECT_THAT(Discover(Recipe("uestc", folder)).error().Message(), HasSubstr("info/names.txt"));
+  Put(folder / "info/names.txt", WriteUestcNames({{0, 0, 1, 1}, {1, 0, 1, 1}}));
+  Put(folder / "info/num_frames_min.txt", WriteUestcFrameCounts({4, 4}));
+  std::string classes;
+  for (int a = 0; a < 40; ++a) classes += "action " + std::to_string(a) + "\n";
+  Put(folder / "info/action_classes.txt", classes);
+  const auto discovery = Discover(Recipe("uestc", folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(1), "uestc_bare");
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("clip 1 is asked for, the file holds 1"));
+}
+
+TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
+  const std::filesystem::path folder = FreshFolder("ntu13_vibe");
+  const VibeTrack track = Track(Somebody(8, 2), kHalfTurn.conjugate());
+  VibeTrack other = track;
+  other.id = 4;
+  for (const char* action : {"A006", "A038", "A102", "A058"}) {
+    Put(folder / ("S001C002P003R001" + std::string(action) + ".pkl"), *EncodeVibeTracks({track, other}, "tracks"));
+  }
+  Put(folder / "S001C002P003R002A006.pkl", *EncodeVibeTracks({other}, "tracks"));
+  Put(folder / "ntu_vibe_list.txt", "S001C002P003R001A006.pkl\n");
+  const auto discovery = Discover(Recipe("ntu13_vibe", folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 4u);
+  ASSERT_EQ(discovery->left_out.size(), 1u);
+  EXPECT_EQ(discovery->left_out[0].outcome.findings.at(0).code, "label_left_out");
+  EXPECT_EQ(discovery->left_out[0].outcome.kind, OutcomeKind::kLeftOut);
+  const Ingested ingested = RunIngest(discovery->items[0], "ntu13");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.label, "pick_up");
+  const Motion& motion = *ingested.clip.motion;
+  EXPECT_TRUE(motion.rotation.empty());
+  const int order[] = {8, 1, 2, 3, 4, 5, 6, 7, 0, 9, 10, 11, 12, 13, 14, 21, 24, 38};
+  ASSERT_EQ(motion.joint_count(), 18);
+  for (int j = 0; j < 18; ++j) {
+    const std::size_t at = static_cast<std::size_t>(3 * (49 + order[j]));
+    const Vector3d file(track.joints3d[at], track.joints3d[at + 1], track.joints3d[at + 2]);
+    EXPECT_LT((motion.joints.at(1, j) - kHalfTurn * file).norm(), 1e-6) << j;
+  }
+  const Ingested without = RunIngest(discovery->items[3], "ntu13_without");
+  ASSERT_FALSE(without.outcome);
+  EXPECT_THAT(without.outcome.error().Message(), HasSubstr("the file has no track 1"));
+  EXPECT_THAT(without.outcome.error().Message(), HasSubstr("its tracks are 4"));
+}
+
+TEST(Ntu13Vibe, OnSmplsTreeItsRotationsAreRead) {
+  const std::filesystem::path folder = FreshFolder("ntu13_rotations");
+  const Motion truth = Somebody(8, 2);
+  Put(folder / "S001C002P003R001A006.pkl", *EncodeVibeTracks({Track(truth, kHalfTurn)}, "tracks"));
+  const auto discovery = Discover(Declared(
+      "ntu13_vibe", {"ingest.path=" + folder.string(), "ingest.source.skeleton=smpl24", "ingest.source.joints=[]"}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "ntu13_rotations");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_LT(WorstAngle(*ingested.clip.motion, truth), 1e-6);
+}
+
+TEST(Phspd, FramesThatNobodyAnnotatedAreMissingInTheirPlace) {
+  const std::filesystem::path folder = FreshFolder("phspd");
+  const Motion truth = Somebody(3, 4);
+  PhspdPose pose;
+  pose.frame = {17, 18, 21};
+  pose.position_m = Places(truth, kHalfTurn);
+  Put(folder / "pose/subject03_group2_time4/pose.txt", WritePhspdPose(pose));
+  Put(folder / "pose/subject03_group2_time4/shape_smpl.txt", "");
+  const auto discovery = Discover(Recipe("phspd", folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 1u);
+  EXPECT_EQ(discovery->items[0].item, "phspd/P03/subject03_group2_time4");
+  const Ingested ingested = RunIngest(discovery->items[0], "phspd");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  const JointTracks& tracks = *ingested.clip.evidence.tracks;
+  ASSERT_EQ(tracks.positions.frames, 5);
+  EXPECT_NEAR(tracks.time_s[4], 4.0 / 15.0, 1e-12);
+  const int frame_of[] = {0, 1, 4};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < kJoints; ++j) {
+      EXPECT_LT((tracks.positions.at(frame_of[i], j) - truth.joints.at(i, j)).norm(), 1e-6);
+      EXPECT_EQ(tracks.confidence[static_cast<std::size_t>(frame_of[i] * kJoints + j)], 1.0);
+    }
+  }
+  EXPECT_EQ(tracks.confidence[2 * kJoints], 0.0);
+  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+  EXPECT_EQ(ingested.outcome->findings[0].code, "no_joint_seen");
+  EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 2);
+  EXPECT_EQ(ingested.outcome->findings[0].frame_end, 4);
+  EXPECT_EQ(ingested.clip.provenance.at("first_frame"), "17");
+}
+
+}  // namespace
+}  // namespace mocurate
