@@ -111,6 +111,30 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
       [&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
 }
 
+void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<SynthesizeArguments>();
+  CLI::App* synthesize = app.add_subcommand(
+      "synthesize", "Write a synthetic capture in the files of a real set, with the truth beside it");
+  synthesize->add_option("config", arguments->config, "YAML file with the studio's options; without one its defaults");
+  synthesize->add_option("--layout", arguments->layout,
+                         "whose files: humanact12 phspd ntu kard uestc ntu_vibe openpose amass rendered_seq");
+  synthesize->add_option("-o,--output", arguments->output, "folder to write, empty or not there yet");
+  synthesize->add_option("--seed", arguments->seed, "of everything random");
+  synthesize->add_option("--set", arguments->assignments, "override an option, e.g. --set depth.noise=3mm")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  synthesize->add_option("-j,--jobs", arguments->jobs, "threads (default: one per core); the bytes do not depend on it")
+      ->check(CLI::Range(0, 1024));
+  synthesize->add_flag("--show", arguments->show, "print all options with their values, write nothing");
+  synthesize->footer(
+      "Examples:\n  mocurate synthesize --layout ntu -o studio_ntu --seed 3 --set depth.every=10\n"
+      "  mocurate synthesize --layout humanact12 -o studio_ha12 --set subjects=0 --set clips=0\n"
+      "  mocurate synthesize --layout phspd -o studio_phspd --set actions='[walk]' --set body=body_cc0.h5\n"
+      "  mocurate synthesize --layout openpose --show");
+  synthesize->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return SynthesizeVerb(common, *arguments); }; });
+}
+
 void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<ConfigArguments>();
   CLI::App* config =
@@ -193,6 +217,7 @@ int main(int argc, char** argv) {
   app.footer(kFooter);
   AddRun(app, common, verb);
   AddInspect(app, common, verb);
+  AddSynthesize(app, common, verb);
   AddConfig(app, common, verb);
   AddDoctor(app, common, verb);
   AddCache(app, common, verb);

@@ -3,6 +3,7 @@
 
 #include "app/config_loading.h"
 #include "app/verbs.h"
+#include "ingest/synthetic/studio_options.h"
 
 namespace mocurate {
 
@@ -22,7 +23,8 @@ Status ConfigSchemaVerb(CommonArguments&) {
 }
 
 Status ConfigReferenceVerb(CommonArguments& common) {
-  const std::string reference = OptionsReference<JobOptions>("Options of a job");
+  const std::string reference = OptionsReference<JobOptions>("Options of a job") + "\n" +
+                                OptionsReference<StudioOptions>("Options of `mocurate synthesize`");
   if (common.json)
     std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
   else

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -32,6 +33,16 @@ struct InspectArguments {
   std::filesystem::path source;  ///< config with a source declaration, or empty
 };
 
+struct SynthesizeArguments {
+  std::filesystem::path config;  ///< options of the studio; empty: defaults
+  std::string layout;            ///< empty: as the config says
+  std::filesystem::path output;
+  std::optional<std::int64_t> seed;
+  std::vector<std::string> assignments;
+  int jobs = 0;       ///< 0: one per core
+  bool show = false;  ///< print the options instead
+};
+
 struct ConfigArguments {
   std::filesystem::path config;
   std::vector<std::string> assignments;
@@ -59,6 +70,7 @@ struct CacheArguments {
 /// Each verb prints its result and returns how it went. Runs end with the exit code of that.
 Status RunVerb(CommonArguments& common, const RunArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
+Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);
 Status ConfigSchemaVerb(CommonArguments& common);
 Status ConfigReferenceVerb(CommonArguments& common);

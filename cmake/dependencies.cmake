@@ -17,6 +17,12 @@ add_library(mocurate_zip INTERFACE)
 target_include_directories(mocurate_zip SYSTEM INTERFACE ${MOCURATE_ZIP_INCLUDE})
 target_link_libraries(mocurate_zip INTERFACE ${MOCURATE_ZIP_LIBRARY})
 
+find_path(MOCURATE_ZLIB_INCLUDE zlib.h REQUIRED)
+find_library(MOCURATE_ZLIB_LIBRARY z REQUIRED)
+add_library(mocurate_zlib INTERFACE)
+target_include_directories(mocurate_zlib SYSTEM INTERFACE ${MOCURATE_ZLIB_INCLUDE})
+target_link_libraries(mocurate_zlib INTERFACE ${MOCURATE_ZLIB_LIBRARY})
+
 find_package(yaml-cpp REQUIRED)
 if(NOT MOCURATE_SLICE STREQUAL "learn")
   find_package(CLI11 REQUIRED)

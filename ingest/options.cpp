@@ -90,9 +90,7 @@ void SyntheticOptions::Declare(OptionVisitor& v) {
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "takes of each action by each subject");
   v.Number("duration", duration_s, Unit::kSecond, {0.2, 600.0}, "mean length of a take");
   v.Number("rate", rate_hz, Unit::kHertz, {1.0, 1000.0}, "frames per second of the tracker");
-  v.Number("noise", noise, Unit::kMetre, {0.0, 1.0}, "root mean square error of a tracked joint");
-  v.Number("dropout", dropout_share, Unit::kNone, {0.0, 0.9}, "share of joints that are not seen");
-  v.Number("outlier", outlier_share, Unit::kNone, {0.0, 0.9}, "share of joints that are grossly wrong");
+  tracker.Declare(v);
 }
 
 void IngestOptions::Declare(OptionVisitor& v) {

@@ -10,6 +10,7 @@
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
+#include "ingest/synthetic/tracker_options.h"
 
 namespace mocurate {
 
@@ -96,9 +97,7 @@ struct SyntheticOptions {
   std::int64_t repetitions = 6;
   double duration_s = 3.0;
   double rate_hz = 30.0;
-  double noise = 0.030;         ///< metres, root mean square in 3D
-  double dropout_share = 0.05;  ///< joints not seen
-  double outlier_share = 0.02;  ///< joints grossly wrong
+  TrackerOptions tracker;  ///< its options stand among these
 
   void Declare(OptionVisitor& v);
 };

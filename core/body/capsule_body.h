@@ -57,6 +57,18 @@ struct SurfaceSample {
 /// capsules are left out.
 std::vector<SurfaceSample> SampleSurface(const CapsuleBody& body, const Vector3d* joints, double spacing);
 
+/// A capsule wherever it is: two ends and a radius, metres.
+struct PosedCapsule {
+  Vector3d begin = Vector3d::Zero();
+  Vector3d end = Vector3d::Zero();
+  double radius = 0.0;
+};
+
+/// The least t > 0 at which t * `direction` from the origin enters one of the capsules, whatever the length of
+/// `direction`; infinity where it enters none. A capsule that contains the origin is passed over, as is the one of
+/// index `but`.
+double FirstEntry(const std::vector<PosedCapsule>& capsules, const Vector3d& direction, int but = -1);
+
 /// Direction of each pixel's ray in the camera's frame, scaled to z = 1: (height*width), row-major. Worth keeping when
 /// many frames of one camera with lens distortion are rendered.
 std::vector<Vector2d> PixelRays(const Camera& camera);
@@ -70,6 +82,9 @@ struct DepthRendering {
 /// Exact intersection of every pixel's ray with every capsule; capsules that contain the camera are not drawn.
 DepthRendering RenderBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera,
                           const std::vector<Vector2d>& rays);
+/// The same for capsules in the world.
+DepthRendering RenderCapsules(const std::vector<PosedCapsule>& capsules, const Camera& camera,
+                              const std::vector<Vector2d>& rays);
 std::vector<float> RenderDepth(const CapsuleBody& body, const Vector3d* joints, const Camera& camera);
 
 }  // namespace mocurate

@@ -128,19 +128,38 @@ std::vector<Vector2d> PixelRays(const Camera& camera) {
   return rays;
 }
 
-DepthRendering RenderBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera,
-                          const std::vector<Vector2d>& rays) {
+double FirstEntry(const std::vector<PosedCapsule>& capsules, const Vector3d& direction, int but) {
+  double first = kNone;
+  for (std::size_t i = 0; i < capsules.size(); ++i) {
+    const PosedCapsule& capsule = capsules[i];
+    if (static_cast<int>(i) == but) continue;
+    if (SignedDistance(capsule.begin, capsule.end, capsule.radius, Vector3d::Zero()) <= 0.0) continue;
+    first = std::min(first, PlacedCapsule(capsule.begin, capsule.end, capsule.radius).Enter(direction));
+  }
+  return first;
+}
+
+DepthRendering RenderCapsules(const std::vector<PosedCapsule>& capsules, const Camera& camera,
+                              const std::vector<Vector2d>& rays) {
   DepthRendering rendering;
   rendering.depth.assign(rays.size(), 0.0F);
   rendering.capsule.assign(rays.size(), -1);
-  for (std::size_t i = 0; i < body.capsules.size(); ++i) {
-    const Capsule& capsule = body.capsules[i];
-    const Vector3d parent_end = camera.camera_from_world * joints[capsule.parent];
-    const Vector3d joint_end = camera.camera_from_world * joints[capsule.joint];
-    if (SignedDistance(parent_end, joint_end, capsule.radius, Vector3d::Zero()) <= 0.0) continue;
-    DrawCapsule(PlacedCapsule(parent_end, joint_end, capsule.radius), static_cast<int>(i), camera, rays, rendering);
+  for (std::size_t i = 0; i < capsules.size(); ++i) {
+    const Vector3d begin = camera.camera_from_world * capsules[i].begin;
+    const Vector3d end = camera.camera_from_world * capsules[i].end;
+    if (SignedDistance(begin, end, capsules[i].radius, Vector3d::Zero()) <= 0.0) continue;
+    DrawCapsule(PlacedCapsule(begin, end, capsules[i].radius), static_cast<int>(i), camera, rays, rendering);
   }
   return rendering;
+}
+
+DepthRendering RenderBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera,
+                          const std::vector<Vector2d>& rays) {
+  std::vector<PosedCapsule> capsules;
+  for (const Capsule& capsule : body.capsules) {
+    capsules.push_back({joints[capsule.parent], joints[capsule.joint], capsule.radius});
+  }
+  return RenderCapsules(capsules, camera, rays);
 }
 
 std::vector<float> RenderDepth(const CapsuleBody& body, const Vector3d* joints, const Camera& camera) {

@@ -176,6 +176,17 @@ CapsuleEnds EndsOf(const FleshCapsule& capsule, const Matrix3d& world_from_frame
   return {frame_joint + world_from_frame * capsule.begin_offset, end_joint + world_from_frame * capsule.end_offset};
 }
 
+std::vector<PosedCapsule> PosedCapsules(const FleshBody& body, const Vector3d* joints,
+                                        const Quaterniond* world_from_joint) {
+  std::vector<PosedCapsule> posed;
+  for (const FleshCapsule& capsule : body.capsules) {
+    const CapsuleEnds ends = EndsOf(capsule, world_from_joint[capsule.frame].toRotationMatrix(), joints[capsule.frame],
+                                    joints[capsule.end_joint]);
+    posed.push_back({ends.begin, ends.end, capsule.radius});
+  }
+  return posed;
+}
+
 double BodyScale(const Skeleton& skeleton, const std::vector<double>& bone_length) {
   const std::vector<double> rest = skeleton.RestBoneLengths();
   double length = 0.0;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/body/capsule_body.h"
 #include "core/motion/skeleton.h"
 
 namespace mocurate {
@@ -43,6 +44,10 @@ struct CapsuleEnds {
 /// `frame_joint` and `end_joint` are world positions of the joints that the capsule names.
 CapsuleEnds EndsOf(const FleshCapsule& capsule, const Matrix3d& world_from_frame, const Vector3d& frame_joint,
                    const Vector3d& end_joint);
+
+/// All capsules of a body in the world. `joints` and `world_from_joint` (J) as ForwardKinematics gives them.
+std::vector<PosedCapsule> PosedCapsules(const FleshBody& body, const Vector3d* joints,
+                                        const Quaterniond* world_from_joint);
 
 /// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated: what Clip::provenance keeps of a fitted body
 /// (key kCapsuleRadii).

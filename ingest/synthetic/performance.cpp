@@ -1,21 +1,16 @@
 #include "ingest/synthetic/performance.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <set>
 
 #include "core/base/random.h"
-#include "core/motion/kinematics.h"
-#include "ingest/synthetic/actions.h"
+#include "ingest/synthetic/action_parts.h"
+#include "ingest/synthetic/standing.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kSole = 0.055;         // metres from ankle to floor in a standing skeleton
-constexpr double kSupportSoft = 0.012;  // metres over which the weight goes from one foot to the other
 
 std::string TwoDigits(int number) { return (number < 10 ? "0" : "") + std::to_string(number); }
 
@@ -68,54 +63,10 @@ Staging Stage(const SyntheticOptions& options, const Take& take, const Subject& 
 }
 
 Pose PoseAt(const Take& take, const Subject& subject, const Staging& staging, double time_s) {
-  Pose pose;
-  const double sway = std::sin(2.0 * kPi * 0.3 * time_s + staging.sway_phase);
-  const double breath = std::sin(2.0 * kPi * 0.25 * time_s + 1.7 * staging.sway_phase);
-  for (int side = 0; side < 2; ++side) {
-    pose.arm[side] = {0.05, subject.arm_abduct + 0.015 * breath, 0.0, subject.elbow, 0.0};
-    pose.leg[side] = {0.05, subject.stance, 0.08, 0.08, 0.0};
-  }
-  pose.trunk_bend = subject.stoop + 0.01 * breath;
-  pose.trunk_side = 0.012 * sway;
-  pose.head_turn = 0.05 * sway;
+  Pose pose = StandingPose(subject, time_s, staging.sway_phase);
   pose.yaw = staging.heading;
   Perform(take.action, std::clamp((time_s - staging.lead_s) / staging.manner.active_s, 0.0, 1.0), staging.manner, pose);
   return pose;
-}
-
-/// The four points a person stands on: heels and toes, relative to the root.
-std::array<Vector3d, 4> Soles(const Skeleton& skeleton, const std::vector<Vector3d>& joints, double scale) {
-  std::array<Vector3d, 4> soles;
-  soles.fill(Vector3d::Zero());
-  int next = 0;
-  for (const char* name : {"left_ankle", "right_ankle", "left_foot", "right_foot"}) {
-    soles[next] = joints[*skeleton.FindJoint(name)] - joints[0];
-    if (next < 2) soles[next].y() -= kSole * scale;
-    ++next;
-  }
-  return soles;
-}
-
-/// Share of the weight on each point: almost all of it on the lowest ones.
-std::array<double, 4> Weights(const std::array<Vector3d, 4>& soles) {
-  double lowest = soles[0].y();
-  for (const Vector3d& sole : soles) lowest = std::min(lowest, sole.y());
-  std::array<double, 4> weights{};
-  double sum = 0.0;
-  for (int i = 0; i < 4; ++i) sum += weights[i] = std::exp((lowest - soles[i].y()) / kSupportSoft);
-  for (double& weight : weights) weight /= sum;
-  return weights;
-}
-
-/// Share of the weight on each point when the left foot carries `left`: heel and toe of a foot as they are low.
-std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double left) {
-  std::array<double, 4> weights = lowest;
-  for (int side = 0; side < 2; ++side) {
-    const double foot = lowest[side] + lowest[side + 2] + 1e-9;
-    const double share = side == 0 ? left : 1.0 - left;
-    for (const int point : {side, side + 2}) weights[point] = share * (lowest[point] + 0.5e-9) / foot;
-  }
-  return weights;
 }
 
 }  // namespace
@@ -136,9 +87,23 @@ std::vector<Take> Takes(const SyntheticOptions& options) {
   return takes;
 }
 
-std::vector<Subject> Cast(const SyntheticOptions& options, const Skeleton& skeleton) {
-  const auto seed = static_cast<std::uint64_t>(options.seed);
-  const auto count = static_cast<std::size_t>(options.subjects);
+Pose StandingPose(const Subject& subject, double time_s, double sway_phase) {
+  Pose pose;
+  const double sway = std::sin(2.0 * kPi * 0.3 * time_s + sway_phase);
+  const double breath = std::sin(2.0 * kPi * 0.25 * time_s + 1.7 * sway_phase);
+  for (int side = 0; side < 2; ++side) {
+    pose.arm[side] = {0.05, subject.arm_abduct + 0.015 * breath, 0.0, subject.elbow, 0.0};
+    pose.leg[side] = {0.05, subject.stance, 0.08, 0.08, 0.0};
+  }
+  pose.trunk_bend = subject.stoop + 0.01 * breath;
+  pose.trunk_side = 0.012 * sway;
+  pose.head_turn = 0.05 * sway;
+  return pose;
+}
+
+std::vector<Subject> Cast(std::int64_t options_seed, std::int64_t subjects, const Skeleton& skeleton) {
+  const auto seed = static_cast<std::uint64_t>(options_seed);
+  const auto count = static_cast<std::size_t>(subjects);
   std::vector<std::size_t> step(count);
   std::iota(step.begin(), step.end(), std::size_t{0});
   Random order(seed, "studio.cast");
@@ -169,35 +134,9 @@ Motion PerformTake(const SyntheticOptions& options, const Take& take, const Subj
                    const SkeletonPtr& skeleton) {
   const Staging staging = Stage(options, take, subject);
   const FrameRate rate = FrameRate::FromHz(options.rate_hz);
-  const double scale = subject.bone_length[*skeleton->FindJoint("left_ankle")] /
-                       skeleton->joints[*skeleton->FindJoint("left_ankle")].rest_offset.norm();
-  const auto joint_count = static_cast<std::size_t>(skeleton->joint_count());
-  std::vector<Vector3d> root;
-  std::vector<Quaterniond> rotation;
-  std::vector<Vector3d> joints(joint_count);
-  std::array<Vector3d, 4> before;
-  before.fill(Vector3d::Zero());
-  Vector3d place = staging.place;
-  for (int f = 0; f < staging.frames; ++f) {
-    const Pose pose = PoseAt(take, subject, staging, rate.FrameTime(f));
-    const std::vector<Quaterniond> local = RotationsOf(pose, *skeleton);
-    ForwardKinematics(*skeleton, Vector3d::Zero(), local.data(), subject.bone_length, joints.data());
-    const std::array<Vector3d, 4> soles = Soles(*skeleton, joints, scale);
-    const std::array<double, 4> weights = Weights(soles);
-    const std::array<double, 4> support = pose.left_support < 0.0 ? weights : SharedWeights(weights, pose.left_support);
-    double height = staging.floor + pose.height;
-    for (int i = 0; i < 4; ++i) {
-      height -= weights[i] * soles[i].y();
-      if (f > 0) place -= support[i] * (soles[i] - before[i]);
-    }
-    before = soles;
-    root.emplace_back(place.x(), height, place.z());
-    rotation.insert(rotation.end(), local.begin(), local.end());
-  }
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(staging.frames), joint_count);
-  }
-  return MakeMotion(skeleton, rate, std::move(root), std::move(rotation), subject.bone_length);
+  std::vector<Pose> poses;
+  for (int f = 0; f < staging.frames; ++f) poses.push_back(PoseAt(take, subject, staging, rate.FrameTime(f)));
+  return MoveBody(skeleton, subject.bone_length, rate, poses, {staging.place.x(), staging.floor, staging.place.z()});
 }
 
 }  // namespace mocurate

@@ -5,13 +5,14 @@
 
 #include "core/motion/motion.h"
 #include "ingest/options.h"
+#include "ingest/synthetic/pose.h"
 
 namespace mocurate {
 
 /// One of the studio's people: a body and habits.
 struct Subject {
   std::string name;                 ///< "p01"
-  std::vector<double> bone_length;  ///< (J) of skeleton kinect20, metres
+  std::vector<double> bone_length;  ///< (J) of the skeleton it was made for, metres
   double amplitude = 1.0;
   double tempo = 1.0;
   double stance = 0.05;      ///< legs apart, radians
@@ -35,7 +36,10 @@ std::vector<Take> Takes(const SyntheticOptions& options);
 
 /// The bodies differ in stature (0.90 to 1.10 of the skeleton's, one step of it each) and in the proportions of legs,
 /// arms, trunk, width and head (5 % each).
-std::vector<Subject> Cast(const SyntheticOptions& options, const Skeleton& skeleton);
+std::vector<Subject> Cast(std::int64_t seed, std::int64_t subjects, const Skeleton& skeleton);
+
+/// How the subject stands at a moment: never quite still, and breathing.
+Pose StandingPose(const Subject& subject, double time_s, double sway_phase);
 
 /// What really happens in a take: in the sensor's own place, canonical axes (right-handed, y up, origin at the sensor,
 /// the person in front of it at -z). The standing foot stays where it is.

@@ -37,9 +37,11 @@ struct Pose {
   double yaw = 0.0;            ///< of the whole body about +y
   double left_support = -1.0;  ///< share of the weight on the left foot; negative: on the lower one
   double height = 0.0;         ///< of the lowest foot above the floor, metres
+  double homing = 0.0;         ///< share of the way back to where the take began that is gone from the frame before
 };
 
-/// Rotations (J) of skeleton "kinect20", parent_from_joint; for the root world_from_root with the person facing +z.
+/// Rotations (J) of skeleton "kinect20" or "smpl24", parent_from_joint; for the root world_from_root with the person
+/// facing +z.
 std::vector<Quaterniond> RotationsOf(const Pose& pose, const Skeleton& skeleton);
 
 }  // namespace mocurate

@@ -22,7 +22,7 @@ Status ForEachTake(const SyntheticOptions& options, const std::function<Status(c
   }
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(StudioSource().skeleton);
   if (!skeleton) return Forward(skeleton);
-  const std::vector<Subject> cast = Cast(options, **skeleton);
+  const std::vector<Subject> cast = Cast(options.seed, options.subjects, **skeleton);
   for (const Take& take : Takes(options)) {
     if (Status used = use(take, PerformTake(options, take, cast[take.subject], *skeleton)); !used) return used;
   }

@@ -10,11 +10,6 @@ namespace mocurate {
 namespace {
 
 constexpr double kMillimetres = 1000.0;
-constexpr double kLostFrames = 4.0;       // mean length of a gap
-constexpr double kNearestOutlier = 0.15;  // metres
-constexpr double kFarthestOutlier = 0.50;
-constexpr double kSwapsPerOutlierShare = 10.0;  // chance of a clip that limbs are exchanged once
-constexpr int kSwapFrames = 2;
 
 /// Rounded to a tenth of a millimetre, never -0.
 double Written(double metres) { return std::round(metres * kMillimetres * 10.0) / 10.0 + 0.0; }
@@ -27,42 +22,53 @@ Vector3d RandomDirection(Random& random) {
   return direction.normalized();
 }
 
-/// Joints lost for some frames on end: a two-state chain whose long-run share is `share`.
-std::vector<bool> LostSamples(int frames, std::size_t joints, double share, Random& random) {
-  std::vector<bool> lost(static_cast<std::size_t>(frames) * joints, false);
-  if (share <= 0.0) return lost;
-  const double found_again = 1.0 / kLostFrames;
-  const double gets_lost = std::min(1.0, found_again * share / (1.0 - share));
+/// Joints in a state for some frames on end: a two-state chain whose long-run share is `share`.
+std::vector<bool> Spells(int frames, std::size_t joints, double share, double mean_frames, Random& random) {
+  std::vector<bool> in_state(static_cast<std::size_t>(frames) * joints, false);
+  if (share <= 0.0) return in_state;
+  const double leaves = 1.0 / mean_frames;
+  const double enters = std::min(1.0, leaves * share / (1.0 - share));
   for (std::size_t k = 0; k < joints; ++k) {
-    bool is_lost = random.Uniform() < share;
+    bool is_in = random.Uniform() < share;
     for (int f = 0; f < frames; ++f) {
-      lost[static_cast<std::size_t>(f) * joints + k] = is_lost;
-      is_lost = is_lost ? random.Uniform() >= found_again : random.Uniform() < gets_lost;
+      in_state[static_cast<std::size_t>(f) * joints + k] = is_in;
+      is_in = is_in ? random.Uniform() >= leaves : random.Uniform() < enters;
     }
   }
-  return lost;
+  return in_state;
 }
 
-/// Which joint each listed joint is taken for in a frame: itself, or its partner while limbs are exchanged.
+/// Position in `names` of the same point on the other side; its own where there is none.
+int PartnerOf(const std::vector<std::string>& names, int point) {
+  std::string other = names[point];
+  for (const auto& [side, opposite] : {std::pair("left", "right"), std::pair("right", "left")}) {
+    const std::size_t at = names[point].find(side);
+    if (at != std::string::npos) other.replace(at, std::string(side).size(), opposite);
+  }
+  const auto found = std::find(names.begin(), names.end(), other);
+  return found == names.end() ? point : static_cast<int>(found - names.begin());
+}
+
+/// Which point each listed point is taken for in a frame: itself, or its partner while limbs are exchanged.
 class Exchange {
  public:
-  Exchange(const Skeleton& skeleton, int frames, double chance, Random& random) : skeleton_(skeleton) {
-    const bool happens = random.Uniform() < chance;
-    begin_ = static_cast<int>(random.Below(static_cast<std::uint64_t>(frames)));
+  Exchange(const std::vector<std::string>& names, int frames, const TrackerOptions& options, Random& random)
+      : names_(names) {
+    const bool happens = random.Uniform() < options.swap_share;
+    begin_ = static_cast<int>(random.Below(static_cast<std::uint64_t>(std::max(1, frames))));
     arms_ = random.Uniform() < 0.5;
-    end_ = happens ? begin_ + kSwapFrames : begin_;
+    end_ = happens ? begin_ + static_cast<int>(options.swap_frames) : begin_;
   }
-  int Seen(int frame, int joint) const {
-    if (frame < begin_ || frame >= end_ || skeleton_.joints[joint].mirror < 0) return joint;
-    const std::string& name = skeleton_.joints[joint].name;
-    const auto has = [&](const char* word) { return name.find(word) != std::string::npos; };
-    const bool exchanged =
-        arms_ ? has("elbow") || has("wrist") || has("hand") : has("knee") || has("ankle") || has("foot");
-    return exchanged ? skeleton_.joints[joint].mirror : joint;
+  int Seen(int frame, int point) const {
+    if (frame < begin_ || frame >= end_) return point;
+    const auto has = [&](const char* word) { return names_[point].find(word) != std::string::npos; };
+    const bool exchanged = arms_ ? has("elbow") || has("wrist") || has("hand") || has("thumb")
+                                 : has("knee") || has("ankle") || has("foot");
+    return exchanged ? PartnerOf(names_, point) : point;
   }
 
  private:
-  const Skeleton& skeleton_;
+  const std::vector<std::string>& names_;
   int begin_ = 0;
   int end_ = 0;
   bool arms_ = false;
@@ -78,34 +84,70 @@ const std::vector<std::string>& TrackedJoints() {
   return joints;
 }
 
-std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item) {
-  const Skeleton& skeleton = *truth.skeleton;
-  const std::vector<std::string>& names = TrackedJoints();
-  const auto seed = static_cast<std::uint64_t>(options.seed);
+JointPositions PointsOf(const Motion& motion, const std::vector<std::string>& names) {
+  JointPositions points(motion.frame_count(), static_cast<int>(names.size()));
+  for (int k = 0; k < points.joints; ++k) {
+    const int joint = motion.skeleton->FindJoint(names[k]).value_or(0);
+    for (int f = 0; f < points.frames; ++f) points.at(f, k) = motion.joints.at(f, joint);
+  }
+  return points;
+}
+
+TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
+                    std::int64_t options_seed, const std::string& item) {
+  const auto seed = static_cast<std::uint64_t>(options_seed);
+  const std::size_t count = names.size();
   Random noise(seed, "studio.noise", item);
   Random gross(seed, "studio.outlier", item);
   Random hidden(seed, "studio.dropout", item);
+  Random still(seed, "studio.frozen", item);
   Random swap(seed, "studio.swap", item);
   const double per_axis = options.noise / std::sqrt(3.0);
-  const std::vector<bool> lost = LostSamples(truth.frame_count(), names.size(), options.dropout_share, hidden);
-  const Exchange exchange(skeleton, truth.frame_count(), kSwapsPerOutlierShare * options.outlier_share, swap);
+  const double farthest = std::max(options.outlier_nearest, options.outlier_farthest);
+  const auto lost = Spells(truth.frames, count, options.dropout_share, options.dropout_frames, hidden);
+  const auto frozen = Spells(truth.frames, count, options.frozen_share, options.frozen_frames, still);
+  const Exchange exchange(names, truth.frames, options, swap);
+  std::vector<Vector3d> bias(count, Vector3d::Zero());
+  for (std::size_t k = 0; k < count && options.bias > 0.0; ++k) {
+    Random offset(seed, "studio.bias", names[k]);
+    bias[k] = options.bias / std::sqrt(3.0) * Vector3d(offset.Normal(), offset.Normal(), offset.Normal());
+  }
 
+  TrackedPoints tracked{JointPositions(truth.frames, truth.joints), {}, {}};
+  for (int f = 0; f < truth.frames; ++f) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto point = static_cast<int>(k);
+      const std::size_t sample = static_cast<std::size_t>(f) * count + k;
+      Vector3d position = truth.at(f, exchange.Seen(f, point));
+      position += per_axis * Vector3d(noise.Normal(), noise.Normal(), noise.Normal());
+      position += bias[k];
+      const bool wrong = gross.Uniform() < options.outlier_share;
+      const Vector3d error = gross.Uniform(options.outlier_nearest, farthest) * RandomDirection(gross);
+      if (wrong) position += error;
+      const bool repeats = frozen[sample] && f > 0;
+      if (repeats) position = tracked.positions.at(f - 1, point);
+      tracked.positions.at(f, point) = position;
+      tracked.seen.push_back(lost[sample] ? 0 : 1);
+      tracked.frozen.push_back(repeats ? 1 : 0);
+    }
+  }
+  return tracked;
+}
+
+std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item) {
+  const std::vector<std::string>& names = TrackedJoints();
+  const TrackedPoints tracked = Track(PointsOf(truth, names), names, options.tracker, options.seed, item);
   JointTable table;
   table.frames = truth.frame_count();
   table.rows_per_frame = static_cast<int>(names.size());
   table.columns = 4;
-  for (int f = 0; f < truth.frame_count(); ++f) {
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const int joint = exchange.Seen(f, skeleton.FindJoint(names[k]).value_or(0));
-      Vector3d position = truth.joints.at(f, joint);
-      position += per_axis * Vector3d(noise.Normal(), noise.Normal(), noise.Normal());
-      const bool wrong = gross.Uniform() < options.outlier_share;
-      const Vector3d error = gross.Uniform(kNearestOutlier, kFarthestOutlier) * RandomDirection(gross);
-      if (wrong) position += error;
-      if (lost[static_cast<std::size_t>(f) * names.size() + k]) {
+  for (int f = 0; f < table.frames; ++f) {
+    for (int k = 0; k < table.rows_per_frame; ++k) {
+      if (tracked.seen[static_cast<std::size_t>(f) * names.size() + k] == 0) {
         table.values.insert(table.values.end(), 4, 0.0);
         continue;
       }
+      const Vector3d position = tracked.positions.at(f, k);
       table.values.insert(table.values.end(),
                           {Written(position.x()), Written(position.y()), Written(-position.z()), 1.0});
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,13 +9,27 @@
 
 namespace mocurate {
 
+/// What a tracker says of some points.
+struct TrackedPoints {
+  JointPositions positions;          ///< (F,K,3), metres; of what was not seen: not to be read
+  std::vector<std::uint8_t> seen;    ///< (F*K)
+  std::vector<std::uint8_t> frozen;  ///< (F*K) repeats an earlier value
+};
+
+/// Adds a tracker's errors to true positions (F,K,3). `names` (K) tell left from right. Each seen point is off by white
+/// noise and its bias; points are lost or frozen for some frames on end; some are grossly wrong, and now and then left
+/// and right limbs are exchanged. `item` keys the randomness; a bias is the same for every item.
+TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
+                    std::int64_t seed, const std::string& item);
+
+/// Positions of named joints or synonyms (K) of a motion's skeleton, (F,K,3).
+JointPositions PointsOf(const Motion& motion, const std::vector<std::string>& names);
+
 /// The order in which the tracker lists joints: its own names, each a name or synonym of skeleton kinect20.
 const std::vector<std::string>& TrackedJoints();
 
 /// What the studio's tracker writes of a take: per frame one row "x y z confidence" per joint, millimetres, sensor axes
-/// (x to the right of the image, y up, z away from the sensor: left-handed). Each seen joint is off by white noise of
-/// `noise` metres root mean square; joints are lost for a few frames on end (row "0 0 0 0"); some are grossly wrong,
-/// and now and then left and right limbs are exchanged for two frames. `item` keys the randomness.
+/// (x to the right of the image, y up, z away from the sensor: left-handed), "0 0 0 0" for what was not seen.
 std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item);
 
 }  // namespace mocurate

@@ -18,6 +18,7 @@ TEST(Help, EveryVerbHasAnExample) {
   const Folder folder;
   for (const auto& verb : std::vector<std::vector<std::string>>{{"run"},
                                                                 {"inspect"},
+                                                                {"synthesize"},
                                                                 {"config", "show"},
                                                                 {"config", "schema"},
                                                                 {"config", "reference"},

@@ -269,7 +269,7 @@ TEST_F(Inspection, TheStudiosFilesAreRecognisedAsDeclared) {
     EXPECT_EQ(clip.at("up").at("measured").at("value"), "+y");
     EXPECT_EQ(clip.at("handedness").at("measured").at("value"), "left");
     EXPECT_EQ(clip.at("units").at("measured").at("value"), "mm");
-    EXPECT_NEAR(Value(clip, "missing_share").get<double>(), options.dropout_share, 0.03);
+    EXPECT_NEAR(Value(clip, "missing_share").get<double>(), options.tracker.dropout_share, 0.03);
   }
 }
 

@@ -27,9 +27,10 @@ SyntheticOptions SmallCapture() {
 }
 
 SyntheticOptions PerfectTracker(SyntheticOptions options) {
-  options.noise = 0.0;
-  options.dropout_share = 0.0;
-  options.outlier_share = 0.0;
+  options.tracker.noise = 0.0;
+  options.tracker.dropout_share = 0.0;
+  options.tracker.outlier_share = 0.0;
+  options.tracker.swap_share = 0.0;
   return options;
 }
 
@@ -95,7 +96,7 @@ TEST_F(Studio, OneTakeDoesNotDependOnTheOthers) {
 TEST_F(Studio, PeopleDifferInStatureAndProportions) {
   const auto skeleton = LoadSkeleton("kinect20");
   ASSERT_TRUE(skeleton);
-  const auto cast = Cast(SmallCapture(), **skeleton);
+  const auto cast = Cast(SmallCapture().seed, SmallCapture().subjects, **skeleton);
   const int knee = *(*skeleton)->FindJoint("left_knee");
   const int elbow = *(*skeleton)->FindJoint("left_elbow");
   for (std::size_t a = 0; a < cast.size(); ++a) {
@@ -156,9 +157,9 @@ TEST_F(Studio, TheTrackerIsAsBadAsItsOptionsSay) {
       }
     }
   }
-  EXPECT_NEAR(std::sqrt(squares / near), options.noise, 0.001);
-  EXPECT_NEAR(static_cast<double>(lost) / samples, options.dropout_share, 0.01);
-  EXPECT_NEAR(static_cast<double>(gross) / (samples - lost), options.outlier_share, 0.005);
+  EXPECT_NEAR(std::sqrt(squares / near), options.tracker.noise, 0.001);
+  EXPECT_NEAR(static_cast<double>(lost) / samples, options.tracker.dropout_share, 0.01);
+  EXPECT_NEAR(static_cast<double>(gross) / (samples - lost), options.tracker.outlier_share, 0.005);
 }
 
 TEST_F(Studio, PeopleMoveLikePeople) {

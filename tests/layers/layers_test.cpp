@@ -79,6 +79,7 @@ const std::map<std::string, std::set<std::string>> kHeavy = {
     {"yaml-cpp/", {"core/base/"}},
     {"hdf5", {"core/store/", "train/", "tests/"}},
     {"zip.h", {"core/formats/"}},
+    {"zlib.h", {"core/formats/"}},
     {"CLI/", {"app/"}},
 };
 

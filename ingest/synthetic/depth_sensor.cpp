@@ -1,0 +1,137 @@
+#include "ingest/synthetic/depth_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kEdge = 0.06;     // metres between neighbours that are not of one surface
+constexpr double kFarthest = 8.0;  // metres; nothing comes back from farther away
+constexpr double kNearest = 0.4;
+constexpr double kMillimetres = 1000.0;
+
+class Surface {
+ public:
+  Surface(std::vector<float> depth, const Camera& camera, const std::vector<Vector2d>& rays)
+      : depth_(std::move(depth)), camera_(camera), rays_(rays) {}
+
+  float at(int x, int y) const {
+    if (x < 0 || y < 0 || x >= camera_.width || y >= camera_.height) return 0.0F;
+    return depth_[static_cast<std::size_t>(y) * camera_.width + x];
+  }
+
+  /// A neighbour that lies on another surface, or in the void: its depth, 0 for the void, negative: there is none.
+  float Across(int x, int y) const {
+    const float own = at(x, y);
+    for (const auto& [dx, dy] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
+      if (x + dx < 0 || y + dy < 0 || x + dx >= camera_.width || y + dy >= camera_.height) continue;
+      const float other = at(x + dx, y + dy);
+      if (std::abs(other - own) > kEdge) return other;
+    }
+    return -1.0F;
+  }
+
+  /// Cosine of the angle between the ray and the surface's normal; 1 where the surface cannot be told.
+  double Incidence(int x, int y) const {
+    const auto point = [&](int px, int py) {
+      const Vector2d& ray = rays_[static_cast<std::size_t>(py) * camera_.width + px];
+      return Vector3d(at(px, py) * Vector3d(ray.x(), ray.y(), 1.0));
+    };
+    if (x + 1 >= camera_.width || y + 1 >= camera_.height) return 1.0;
+    if (at(x + 1, y) == 0.0F || at(x, y + 1) == 0.0F) return 1.0;
+    const Vector3d here = point(x, y);
+    const Vector3d normal = (point(x + 1, y) - here).cross(point(x, y + 1) - here);
+    return normal.norm() > 0.0 ? std::abs(normal.normalized().dot(here.normalized())) : 1.0;
+  }
+
+ private:
+  std::vector<float> depth_;
+  const Camera& camera_;
+  const std::vector<Vector2d>& rays_;
+};
+
+/// The nearest of the sensor's levels. They are even in the integral of distance^-growth: of disparities for 2.
+double Stepped(double metres, const DepthSensorOptions& options) {
+  const double step = options.quantisation;
+  if (step <= 0.0) return metres;
+  const double power = 1.0 - options.quantisation_growth;
+  if (std::abs(power) < 1e-9) return std::exp(std::round(std::log(metres) / step) * step);
+  const double level = std::round(std::pow(metres, power) / power / step) * step;
+  return std::pow(std::max(1e-9, level * power), 1.0 / power);
+}
+
+std::uint16_t Quantised(double metres, const DepthSensorOptions& options) {
+  if (metres < kNearest || metres > kFarthest) return 0;
+  return static_cast<std::uint16_t>(std::clamp(std::lround(Stepped(metres, options) * kMillimetres), 0L, 65535L));
+}
+
+}  // namespace
+
+std::vector<float> RoomDepth(const Camera& camera, const std::vector<Vector2d>& rays, double wall) {
+  const RigidTransform world_from_camera = Inverse(camera.camera_from_world);
+  const Vector3d centre = world_from_camera.translation;
+  std::vector<float> depth;
+  depth.reserve(rays.size());
+  for (const Vector2d& ray : rays) {
+    const Vector3d direction = world_from_camera.rotation * Vector3d(ray.x(), ray.y(), 1.0);
+    double nearest = 0.0;
+    const auto meet = [&](double t) {
+      if (t > 0.0 && (nearest == 0.0 || t < nearest)) nearest = t;
+    };
+    if (direction.y() != 0.0) meet(-centre.y() / direction.y());
+    if (direction.z() != 0.0) meet((-wall - centre.z()) / direction.z());
+    depth.push_back(nearest <= kFarthest ? static_cast<float>(nearest) : 0.0F);
+  }
+  return depth;
+}
+
+DepthImage Sensed(const std::vector<float>& body, const std::vector<float>& background, const Camera& camera,
+                  const std::vector<Vector2d>& rays, const DepthSensorOptions& options, std::int64_t seed,
+                  const std::string& item) {
+  std::vector<float> depth = body;
+  for (std::size_t i = 0; i < background.size(); ++i) {
+    if (background[i] > 0.0F && (depth[i] == 0.0F || background[i] < depth[i])) depth[i] = background[i];
+  }
+  const Surface surface(depth, camera, rays);
+  Random random(static_cast<std::uint64_t>(seed), "studio.depth", item);
+  DepthImage image{camera.width, camera.height, std::vector<std::uint16_t>(depth.size(), 0)};
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * camera.width + x;
+      if (depth[pixel] == 0.0F) continue;
+      const bool is_hole = options.hole_share > 0.0 && random.Uniform() < options.hole_share;
+      const double grain = options.noise > 0.0 ? random.Normal() : 0.0;
+      double metres = depth[pixel];
+      const float across = surface.Across(x, y);
+      if (across >= 0.0F && options.flying_share > 0.0 && random.Uniform() < options.flying_share) {
+        // Light from both sides mixes; beside the void half of it is too weak to be seen at all.
+        const double part = random.Uniform();
+        if (across == 0.0F && part < 0.5) continue;
+        metres = across == 0.0F ? metres + 0.05 * part : metres + part * (across - metres);
+      }
+      if (is_hole) continue;
+      if (options.grazing > 0.0 && across < 0.0F && surface.Incidence(x, y) < options.grazing) continue;
+      image.values[pixel] = Quantised(metres + options.noise * metres * metres * grain, options);
+    }
+  }
+  return image;
+}
+
+DepthImage SensedMasked(const std::vector<float>& body, const Camera& camera, const std::vector<Vector2d>& rays,
+                        const DepthSensorOptions& options, std::int64_t seed, const std::string& item) {
+  return Sensed(body, {}, camera, rays, options, seed, item);
+}
+
+DepthImage Mirrored(const DepthImage& image) {
+  DepthImage mirrored = image;
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = mirrored.values.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
+    std::reverse(row, row + image.width);
+  }
+  return mirrored;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ingest/synthetic/script.h"
+
+namespace mocurate {
+
+constexpr int kHumanAct12Subjects = 12;
+
+/// One of HumanAct12's 34 fine classes: what is performed, and how often and how long in the real set.
+struct HumanAct12Variant {
+  const char* code;                            ///< "0102"; its first two characters are the coarse class, 01 to 12
+  const char* label;                           ///< of the coarse class
+  const char* action;                          ///< of the studio
+  int group;                                   ///< of PHSPD's recordings that it was cut from
+  double seated;                               ///< share of clips on a chair; inferred from what its group holds
+  std::array<int, 7> frames;                   ///< last - first + 1: least, 10, 25, 50, 75, 90 %, most
+  std::array<int, kHumanAct12Subjects> clips;  ///< of subjects 1 to 12
+};
+
+/// Counted over the names of the set's 1,191 clips (index of HumanML3D).
+const std::vector<HumanAct12Variant>& HumanAct12Variants();
+
+/// Frames of a clip at the given share of the distribution, linear between its quantiles.
+int SpanAt(const HumanAct12Variant& variant, double share);
+
+/// A clip of a recording, frames first and last included.
+struct CutClip {
+  const HumanAct12Variant* variant = nullptr;
+  int first = 0;
+  int last = 0;
+};
+
+/// A recording of PHSPD: what a subject performs in it, one action after the other, and HumanAct12's clips of it.
+struct PlannedRecording {
+  int subject = 1;  ///< 1 to 12
+  int group = 1;    ///< 1 to 3
+  int time = 1;     ///< 1 to 4
+  Script script;
+  std::vector<CutClip> clips;
+};
+
+/// What is asked of the set. 0: as much as the real set has.
+struct HumanAct12Plan {
+  std::int64_t seed = 1;
+  std::int64_t subjects = 0;
+  std::int64_t clips = 0;            ///< at most so many of each variant and subject
+  std::vector<std::string> actions;  ///< coarse labels or actions; empty: all
+};
+
+/// Recordings sorted by subject, group, time. Clips of each variant are spread over the real set's lengths; with
+/// nothing left out there are as many of each subject and variant as in the real set.
+std::vector<PlannedRecording> PlanHumanAct12(const HumanAct12Plan& plan);
+
+}  // namespace mocurate

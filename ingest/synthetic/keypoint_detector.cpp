@@ -1,0 +1,45 @@
+#include "ingest/synthetic/keypoint_detector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+
+namespace mocurate {
+namespace {
+
+double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
+
+}  // namespace
+
+OpenPosePerson Detected(const std::vector<ImagePoint>& points, const KeypointOptions& options, std::int64_t seed,
+                        const std::string& item) {
+  Random random(static_cast<std::uint64_t>(seed), "studio.keypoints", item);
+  OpenPosePerson person;
+  for (const ImagePoint& point : points) {
+    // The same draws whatever becomes of the point: one option does not move the errors of another.
+    const double missed = random.Uniform();
+    const double wrong = random.Uniform();
+    const double sure = random.Uniform();
+    const Vector2d error(random.Normal(), random.Normal());
+    const double distance = random.Uniform(0.3, 1.0) * options.wrong_px;
+    const double way = random.Uniform(0.0, 6.283185307179586);
+    const double miss_share = point.hidden ? 1.0 - options.hidden_share : options.miss_share;
+    if (!point.pixel || missed < miss_share) {
+      person.pose.push_back({});
+      continue;
+    }
+    double confidence = point.hidden ? 0.25 + 0.35 * sure : 0.6 + 0.35 * sure;
+    const bool exact = options.noise == 0.0;
+    Vector2d pixel = *point.pixel + options.noise / std::max(0.2, confidence) * 0.8 * error;
+    if (wrong < options.wrong_share) {
+      pixel += distance * Vector2d(std::cos(way), std::sin(way));
+      confidence *= 0.8;
+    }
+    person.pose.push_back(
+        {Rounded(pixel.x(), exact ? 1e6 : 1e3), Rounded(pixel.y(), exact ? 1e6 : 1e3), Rounded(confidence, 1e6)});
+  }
+  return person;
+}
+
+}  // namespace mocurate

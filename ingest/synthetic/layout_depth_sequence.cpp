@@ -1,0 +1,123 @@
+#include <nlohmann/json.hpp>
+
+#include "core/base/random.h"
+#include "core/formats/png.h"
+#include "ingest/synthetic/body_view.h"
+#include "ingest/synthetic/depth_sensor.h"
+#include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sequence_plan.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::int64_t kRateHz = 15;
+constexpr int kActions = 4;
+
+nlohmann::json Json(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Camera from the rig's frame: x right, y down, z forward, where PHSPD's polarisation camera stands.
+nlohmann::json ViewJson(const Camera& camera) {
+  const RigidTransform camera_from_rig = camera.camera_from_world * Inverse(PhspdPolarFromWorld());
+  const Matrix3d r = camera_from_rig.rotation.toRotationMatrix();
+  nlohmann::json rows = nlohmann::json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back(Json(r.row(i)));
+  return {{"R_p_to_d", rows},
+          {"t_m", Json(camera_from_rig.translation)},
+          {"fx_fy_cx_cy", {camera.fx, camera.fy, camera.cx, camera.cy}},
+          {"size", {camera.width, camera.height}}};
+}
+
+/// What happens frame by frame, in the rig's frame.
+nlohmann::json TruthJson(const Actor& actor, const Motion& seen) {
+  const Vector3d pelvis = actor.body == nullptr ? Vector3d(Vector3d::Zero()) : actor.rest.joints[0];
+  nlohmann::json frames = nlohmann::json::array();
+  for (int f = 0; f < seen.frame_count(); ++f) {
+    nlohmann::json vectors = nlohmann::json::array(), joints = nlohmann::json::array();
+    for (int j = 0; j < seen.joint_count(); ++j) {
+      vectors.push_back(Json(LogQuaternion(seen.rotation_at(f, j))));
+      joints.push_back(Json(seen.joints.at(f, j)));
+    }
+    frames.push_back({{"frame", f},
+                      {"rotvec24", vectors},
+                      {"translation_added", Json(seen.root_translation[f] - pelvis)},
+                      {"joints_m", joints}});
+  }
+  return frames;
+}
+
+nlohmann::json LabelsJson(const PlannedSequence& sequence) {
+  nlohmann::json labels = nlohmann::json::array();
+  int done = 0;
+  const auto add = [&](const std::string& action, int begin, int end) {
+    if (end > begin) labels.push_back({{"action", action}, {"first", begin}, {"last", end - 1}});
+  };
+  for (const ScriptedAction& action : sequence.script.actions) {
+    add("idle", done, action.begin);
+    add(action.action, action.begin, action.end);
+    done = action.end;
+  }
+  add("idle", done, sequence.script.frames);
+  return labels;
+}
+
+Status WriteViews(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                  const std::string& person, StudioFolder& folder) {
+  const std::vector<Vector2d> rays = PixelRays(camera);
+  const BodyView body(actor);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const std::string item = person + "/" + camera.name + "/" + std::to_string(f);
+    const DepthImage image =
+        SensedMasked(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item);
+    const Expected<std::string> png = EncodePng(image);
+    if (!png) return Forward(png);
+    const std::string name = "rendered_seq/" + person + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
+    if (Status written = folder.Write(name, *png); !written) return written;
+  }
+  return {};
+}
+
+}  // namespace
+
+Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  if (Status wanted = CheckVariants(options.actions); !wanted) return wanted;
+  const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kDepth);
+  const RigFaults faults = FaultsOf(options.rig, rig, options.seed);
+  for (const Camera& camera : rig) {
+    if (camera.distortion.IsZero()) continue;
+    return Fail(ErrorCode::kConfig, "camera '" + camera.name + "' has a lens that the layout cannot tell", "rig.kind",
+                "choose ring or phspd");
+  }
+  const int actions = options.clips > 0 ? static_cast<int>(options.clips) : kActions;
+  const std::size_t parts = rig.size() + 1;
+  return folder.ForEach(parts * actors.size(), [&](std::size_t i) -> Status {
+    const Actor& actor = actors[i / parts];
+    PlannedSequence sequence = PlanSequence(options, static_cast<int>(i / parts) + 1, 1, actions, actions, kRateHz);
+    // Before depth cameras people face the first of them, more or less.
+    sequence.script.heading = 0.1 * sequence.script.heading;
+    const Motion motion = PerformScript(sequence.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const std::string person = sequence.Person();
+    if (i % parts > 0) {
+      const std::size_t k = i % parts - 1;
+      return WriteViews(options, actor, Later(motion, faults.clock_s[k]), faults.real[k], person, folder);
+    }
+    const Motion seen = Seen(motion, PhspdPolarFromWorld());
+    nlohmann::json document = {{"body", actor.body == nullptr ? "capsules" : "body_cc0"},
+                               {"fps", kRateHz},
+                               {"frames", motion.frame_count()},
+                               {"frame", "PHSPD polarisation camera (x right, y down, z forward), metres"},
+                               {"floor", "y = 1.1 m"},
+                               {"labels", LabelsJson(sequence)},
+                               {"frames_data", TruthJson(actor, seen)}};
+    for (const Camera& camera : rig) document["views"][camera.name] = ViewJson(camera);
+    ClipIdentity identity;
+    identity.source = "rendered_seq";
+    identity.person = person;
+    identity.recording = "seq_" + person;
+    identity.end_frame = motion.frame_count();
+    folder.AddTruth(person, identity.id(), Seen(seen, HalfTurnAboutX()));
+    return folder.Write("rendered_seq/" + person + "/seq_" + person + ".json", document.dump(1) + "\n");
+  });
+}
+
+}  // namespace mocurate

@@ -1,0 +1,68 @@
+#include <cmath>
+
+#include "core/base/random.h"
+#include "core/formats/joint_table.h"
+#include "ingest/synthetic/body_points.h"
+#include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/take_plan.h"
+#include "ingest/synthetic/tracker.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::int64_t kRateHz = 30;
+constexpr double kMillimetres = 1000.0;
+
+/// Eight digits, as the set's own files have.
+double Written(double metres) {
+  const double value = metres * kMillimetres;
+  if (value == 0.0) return 0.0;
+  const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 7.0);
+  return std::round(value / step) * step;
+}
+
+}  // namespace
+
+Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  const auto takes = PlanTakes(options, KardClasses(), {10, 3, static_cast<double>(kRateHz), 0.5, 1.0});
+  if (!takes) return Forward(takes);
+  Random room(static_cast<std::uint64_t>(options.seed), "studio.room");
+  const double height = room.Uniform(0.7, 1.0);
+  const double away = room.Uniform(2.4, 2.9);
+  // The sensor's own place in canonical axes: the subject in front of it at -z.
+  const RigidTransform sensor_from_world{Quaterniond::Identity(), Vector3d(0.0, -height, -away)};
+  return folder.ForEach(takes->size(), [&](std::size_t i) -> Status {
+    const PlannedTake& take = (*takes)[i];
+    const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
+    const std::string person = "s" + Digits(take.subject, 2);
+    const std::string recording = "a" + Digits(take.kind->id, 2) + "_" + person + "_e" + Digits(take.repetition, 2);
+    const Motion motion =
+        Seen(PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1}), sensor_from_world);
+    const std::vector<std::string> names = NamesOf(KardPlaces());
+    TrackedPoints tracked = Track(PlacesOf(motion, KardPlaces()), names, options.tracker, options.seed, recording);
+    JointTable table;
+    table.frames = motion.frame_count();
+    table.rows_per_frame = static_cast<int>(names.size());
+    table.columns = 3;
+    for (int f = 0; f < table.frames; ++f) {
+      for (int k = 0; k < table.rows_per_frame; ++k) {
+        // The set has no word for a joint that was not seen: its tracker repeats where it saw it last.
+        const bool seen = tracked.seen[static_cast<std::size_t>(f) * names.size() + k] != 0;
+        if (!seen && f > 0) tracked.positions.at(f, k) = tracked.positions.at(f - 1, k);
+        const Vector3d at = tracked.positions.at(f, k);
+        table.values.insert(table.values.end(), {Written(at.x()), Written(at.y()), Written(-at.z())});
+      }
+    }
+    Status written = folder.Write("kard/" + recording + "_realworld.txt", WriteJointTable(table));
+    if (!written) return written;
+    ClipIdentity identity;
+    identity.source = "kard";
+    identity.person = person;
+    identity.recording = recording;
+    identity.end_frame = table.frames;
+    folder.AddTruth(person, identity.id(), motion);
+    return {};
+  });
+}
+
+}  // namespace mocurate

@@ -1,0 +1,146 @@
+#include "ingest/synthetic/script.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/synthetic/action_parts.h"
+#include "ingest/synthetic/standing.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kSeatS = 1.5;       // sitting down or standing up takes at least so long
+constexpr double kTurnRate = 2.2;    // rad/s, of a standing person who turns
+constexpr double kLeastTurn = 0.25;  // radians that are turned without a step
+constexpr double kStepHz = 1.6;
+
+double Blend(double a, double b, double part) { return a + part * (b - a); }
+
+ArmPose Blend(const ArmPose& a, const ArmPose& b, double part) {
+  ArmPose arm = a;
+  Toward(arm, b, part);
+  return arm;
+}
+
+LegPose Blend(const LegPose& a, const LegPose& b, double part) {
+  return {Blend(a.flex, b.flex, part), Blend(a.abduct, b.abduct, part), Blend(a.twist, b.twist, part),
+          Blend(a.knee, b.knee, part), Blend(a.point, b.point, part)};
+}
+
+/// Part 0 gives `a`. The weight is on the lower foot.
+Pose Blend(const Pose& a, const Pose& b, double part) {
+  Pose pose;
+  for (int side : {kLeftSide, kRightSide}) {
+    pose.arm[side] = Blend(a.arm[side], b.arm[side], part);
+    pose.leg[side] = Blend(a.leg[side], b.leg[side], part);
+  }
+  pose.trunk_bend = Blend(a.trunk_bend, b.trunk_bend, part);
+  pose.trunk_twist = Blend(a.trunk_twist, b.trunk_twist, part);
+  pose.trunk_side = Blend(a.trunk_side, b.trunk_side, part);
+  pose.head_nod = Blend(a.head_nod, b.head_nod, part);
+  pose.head_turn = Blend(a.head_turn, b.head_turn, part);
+  pose.lean = Blend(a.lean, b.lean, part);
+  pose.yaw = Blend(a.yaw, b.yaw, part);
+  pose.height = Blend(a.height, b.height, part);
+  return pose;
+}
+
+class Performer {
+ public:
+  Performer(const Script& script, const Subject& subject, FrameRate rate)
+      : script_(script), subject_(subject), rate_(rate) {
+    double yaw = script.heading;
+    for (const ScriptedAction& action : script.actions) {
+      // The way back to the heading is the shorter one.
+      yaw += std::remainder(script.heading - yaw, 2.0 * kPi);
+      yaw_.push_back(yaw);
+      Pose end;
+      Perform(action.action, 1.0, action.manner, end);
+      yaw += end.yaw;
+    }
+  }
+
+  Pose During(std::size_t k, int frame) const {
+    const ScriptedAction& action = script_.actions[k];
+    Pose pose = StandingPose(subject_, rate_.FrameTime(frame), script_.sway_phase);
+    pose.yaw = yaw_[k];
+    const double span = std::max(1, action.end - 1 - action.begin);
+    Perform(action.action, std::clamp((frame - action.begin) / span, 0.0, 1.0), action.manner, pose);
+    return pose;
+  }
+
+  /// From the end of action k to the begin of the next.
+  Pose Between(std::size_t k, const ScriptSpan& way, int frame) const {
+    const double at = way.end > way.begin ? (frame - way.begin + 1.0) / (way.end - way.begin + 1.0) : 1.0;
+    const Pose from = During(k, frame);
+    const Pose to = During(k + 1, frame);
+    const double part = MinimumJerk(at, 0.0, 1.0);
+    Pose pose = Blend(from, to, part);
+    const double before = MinimumJerk(at - 1.0 / (way.end - way.begin + 1.0), 0.0, 1.0);
+    pose.homing = before < 1.0 ? (part - before) / (1.0 - before) : 0.0;
+    const double turned = std::abs(to.yaw - from.yaw);
+    const double stepping = std::min(1.0, turned / 1.5) * Pulse(at, 0.0, 0.2, 0.8, 1.0);
+    if (turned < kLeastTurn) return pose;
+    const double phase = 2.0 * kPi * kStepHz * rate_.FrameTime(frame - way.begin);
+    for (int side : {kLeftSide, kRightSide}) {
+      const double lift = std::max(0.0, std::sin(phase + (side == kLeftSide ? 0.0 : kPi)));
+      pose.leg[side].flex += 0.35 * stepping * lift * lift;
+      pose.leg[side].knee += 0.60 * stepping * lift * lift;
+    }
+    return pose;
+  }
+
+  int WayFrames(std::size_t k) const {
+    const Pose from = During(k, script_.actions[k].end);
+    const Pose to = During(k + 1, script_.actions[k].end);
+    double seconds = std::max(script_.transition_s, std::abs(to.yaw - from.yaw) / kTurnRate);
+    if (std::abs(to.leg[kLeftSide].knee - from.leg[kLeftSide].knee) > 0.8) seconds = std::max(seconds, kSeatS);
+    return static_cast<int>(std::ceil(seconds * rate_.hz()));
+  }
+
+ private:
+  const Script& script_;
+  const Subject& subject_;
+  FrameRate rate_;
+  std::vector<double> yaw_;
+};
+
+std::vector<ScriptSpan> Ways(const Script& script, const Performer& performer) {
+  std::vector<ScriptSpan> ways;
+  for (std::size_t k = 0; k + 1 < script.actions.size(); ++k) {
+    const int begin = script.actions[k].end;
+    ways.push_back({begin, std::min(script.actions[k + 1].begin, begin + performer.WayFrames(k))});
+  }
+  return ways;
+}
+
+}  // namespace
+
+std::vector<ScriptSpan> Transitions(const Script& script, FrameRate rate) {
+  const Subject anybody;
+  return Ways(script, Performer(script, anybody, rate));
+}
+
+std::vector<Pose> PosesOf(const Script& script, const Subject& subject, FrameRate rate) {
+  const Performer performer(script, subject, rate);
+  const std::vector<ScriptSpan> ways = Ways(script, performer);
+  std::vector<Pose> poses;
+  std::size_t k = 0;
+  for (int f = 0; f < script.frames; ++f) {
+    if (script.actions.empty()) {
+      poses.push_back(StandingPose(subject, rate.FrameTime(f), script.sway_phase));
+      poses.back().yaw = script.heading;
+      continue;
+    }
+    while (k + 1 < script.actions.size() && f >= ways[k].end) ++k;
+    const bool on_the_way = k < ways.size() && f >= ways[k].begin;
+    poses.push_back(on_the_way ? performer.Between(k, ways[k], f) : performer.During(k, f));
+  }
+  return poses;
+}
+
+Motion PerformScript(const Script& script, const Subject& subject, const SkeletonPtr& skeleton, FrameRate rate) {
+  return MoveBody(skeleton, subject.bone_length, rate, PosesOf(script, subject, rate), Vector3d::Zero());
+}
+
+}  // namespace mocurate

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ingest/synthetic/actions.h"
+#include "ingest/synthetic/performance.h"
+
+namespace mocurate {
+
+/// An action of a longer performance, frames [begin, end).
+struct ScriptedAction {
+  std::string action;
+  int begin = 0;
+  int end = 0;
+  Manner manner;
+};
+
+/// What somebody performs, one action after the other. Between two actions, and before the first and after the last,
+/// they stand or sit as the actions ask for; they go from one to the next with minimum jerk, step back to where they
+/// began and turn to the heading again. Also a single action that begins with the first frame and ends with the last.
+struct Script {
+  int frames = 0;
+  std::vector<ScriptedAction> actions;  ///< sorted, not overlapping
+  double sway_phase = 0.0;
+  double heading = 0.0;  ///< radians about +y, 0: facing +z
+  double transition_s = 1.1;
+};
+
+/// A span of a script that is no action: the way to the next one.
+struct ScriptSpan {
+  int begin = 0;
+  int end = 0;
+};
+
+/// Frames in which the subject is on the way from an action to the next. (actions - 1), at most the gap between them.
+std::vector<ScriptSpan> Transitions(const Script& script, FrameRate rate);
+
+/// Poses of every frame of the script.
+std::vector<Pose> PosesOf(const Script& script, const Subject& subject, FrameRate rate);
+
+/// MoveBody of these poses from (0, 0, 0).
+Motion PerformScript(const Script& script, const Subject& subject, const SkeletonPtr& skeleton, FrameRate rate);
+
+}  // namespace mocurate

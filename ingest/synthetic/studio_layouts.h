@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "ingest/synthetic/studio_folder.h"
+#include "ingest/synthetic/studio_options.h"
+
+namespace mocurate {
+
+/// Writes a folder in the layout of a real set, per subject the truth beside it (truth/SUBJECT.h5 by the id that the
+/// set's declaration in configs/sources gives a clip, in that clip's world), and studio.json, what it was made with.
+/// The same options give the same bytes for any number of jobs. Errors: kCannotWrite where the folder holds something
+/// already, kConfig for an unknown action, those of ReadBodyTemplate.
+Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
+                                                 int jobs);
+
+}  // namespace mocurate

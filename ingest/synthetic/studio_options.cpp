@@ -1,0 +1,91 @@
+#include "ingest/synthetic/studio_options.h"
+
+namespace mocurate {
+namespace {
+
+const std::vector<std::pair<std::string, StudioLayout>>& Layouts() {
+  static const std::vector<std::pair<std::string, StudioLayout>> layouts = {
+      {"humanact12", StudioLayout::kHumanAct12},
+      {"phspd", StudioLayout::kPhspd},
+      {"ntu", StudioLayout::kNtu},
+      {"kard", StudioLayout::kKard},
+      {"uestc", StudioLayout::kUestc},
+      {"ntu_vibe", StudioLayout::kNtuVibe},
+      {"openpose", StudioLayout::kOpenPose},
+      {"amass", StudioLayout::kAmass},
+      {"rendered_seq", StudioLayout::kDepthSequence}};
+  return layouts;
+}
+
+}  // namespace
+
+std::vector<std::string> StudioLayoutNames() {
+  std::vector<std::string> names;
+  for (const auto& [name, layout] : Layouts()) names.push_back(name);
+  return names;
+}
+
+void RigOptions::Declare(OptionVisitor& v) {
+  v.Choice(
+      "kind", kind,
+      {{"own", RigKind::kOwn}, {"phspd", RigKind::kPhspd}, {"human36m", RigKind::kHuman36m}, {"ring", RigKind::kRing}},
+      "openpose, rendered_seq: PHSPD's three depth or colour cameras, Human3.6M's four, or a ring; own: PHSPD's for "
+      "depth, a ring for keypoints");
+  v.Integer("cameras", cameras, {1.0, 64.0}, "ring: number of cameras");
+  v.Number("radius", radius, Unit::kMetre, {0.5, 100.0}, "ring: distance of the cameras from the subject");
+  v.Number("height", height, Unit::kMetre, {0.0, 20.0}, "ring: height of the cameras above the floor");
+  v.Number("focal", focal_px, Unit::kPixel, {0.0, 20000.0}, "ring: focal length; 0: 1150 px, of depth cameras 365 px");
+  v.Integer("width", width, {0.0, 8192.0}, "ring: width of the images in pixels; 0: 1280, of depth cameras 512");
+  v.Integer("image_height", height_px, {0.0, 8192.0},
+            "ring: height of the images in pixels; 0: 960, of depth cameras 424");
+  v.Number("clock_offset", clock_offset_s, Unit::kSecond, {0.0, 10.0},
+           "each camera but the first sees the subject earlier or later by up to so much");
+  v.Number("moved", moved, Unit::kMetre, {0.0, 10.0},
+           "distance by which the last camera was moved after it was calibrated");
+}
+
+void DepthSensorOptions::Declare(OptionVisitor& v) {
+  v.Bool("enabled", enabled, "write depth images");
+  v.Bool("room", room, "a floor and a wall behind the subject where the images are not masked");
+  v.Number("noise", noise, Unit::kMetre, {0.0, 1.0},
+           "standard deviation of depth at 1 m; it grows with the square of the distance");
+  v.Number("quantisation", quantisation, Unit::kMetre, {0.0, 1.0},
+           "step of depth at 1 m; values are whole millimetres");
+  v.Number("quantisation_growth", quantisation_growth, Unit::kNone, {0.0, 4.0},
+           "the step grows with this power of the distance: 2 for structured light (Kinect v1), 0 for time of flight");
+  v.Number("flying", flying_share, Unit::kNone, {0.0, 1.0},
+           "share of the pixels at an edge whose depth lies between both sides");
+  v.Number("hole", hole_share, Unit::kNone, {0.0, 1.0}, "share of pixels without a value");
+  v.Number("grazing", grazing, Unit::kNone, {0.0, 1.0},
+           "a surface seen at an angle whose cosine is smaller than this gives no value");
+  v.Integer("every", every, {1.0, 1e4}, "only each so-many-th frame gets depth images");
+}
+
+void KeypointOptions::Declare(OptionVisitor& v) {
+  v.Number("noise", noise, Unit::kPixel, {0.0, 500.0}, "standard deviation of a keypoint per axis at full confidence");
+  v.Number("miss", miss_share, Unit::kNone, {0.0, 1.0}, "share of visible keypoints that are not found");
+  v.Number("wrong", wrong_share, Unit::kNone, {0.0, 1.0}, "share of keypoints that are found in a wrong place");
+  v.Number("wrong_distance", wrong_px, Unit::kPixel, {0.0, 5000.0}, "how far away a wrong place is, at most");
+  v.Number("hidden", hidden_share, Unit::kNone, {0.0, 1.0},
+           "share of hidden keypoints that are found all the same, less surely");
+  v.Number("bystander", bystander_share, Unit::kNone, {0.0, 1.0},
+           "share of images in which a person who is not the subject is found too");
+}
+
+void StudioOptions::Declare(OptionVisitor& v) {
+  v.Choice("layout", layout, Layouts(), "the set whose files are written");
+  v.Integer("seed", seed, {}, "of everything random in the folder");
+  v.Integer("subjects", subjects, {0.0, 1000.0}, "number of people, each with a body of its own; 0: as the set has");
+  v.Integer("clips", clips, {0.0, 1000.0}, "most clips of each action by each subject; 0: as the set has");
+  v.Texts("actions", actions, "labels or actions that are performed; empty: all of the set's");
+  v.Path("body", body, "skinned body (body_cc0.h5) that depth is rendered of; empty: capsules");
+  v.Number("missing", missing_share, Unit::kNone, {0.0, 0.9}, "humanact12, phspd: share of frames without annotation");
+  v.Number("ghost", ghost_share, Unit::kNone, {0.0, 1.0},
+           "ntu: share of files in which the sensor followed a body that is nobody");
+  v.Group("tracker", tracker, "ntu, kard, uestc, ntu_vibe: errors of the joints");
+  v.Group("rig", rig, "cameras");
+  v.Group("depth", depth, "phspd, ntu, rendered_seq: errors of the depth images");
+  v.Group("keypoints", keypoints, "openpose: errors of the keypoints");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/random.h"
+#include "ingest/synthetic/script.h"
+#include "ingest/synthetic/studio_options.h"
+
+namespace mocurate {
+
+/// A class of a set, and what the studio performs for it: the action itself or the nearest that it has.
+struct SetClass {
+  int id = 0;
+  const char* label = "";
+  const char* action = "";
+  double seated = 0.0;  ///< share of takes on a chair
+};
+
+/// KARD's 18 activities. Stand-ins: the throws, catches and drawings are waves, throws and fists.
+const std::vector<SetClass>& KardClasses();
+/// The actions of NTU RGB+D that the studio has, NTU-13 among them.
+const std::vector<SetClass>& NtuClasses();
+/// NTU-13, in the order of Action2Motion's classes.
+const std::vector<SetClass>& Ntu13Classes();
+/// UESTC's 40 exercises, each performed as the nearest one.
+const std::vector<SetClass>& UestcClasses();
+
+struct PlannedTake {
+  const SetClass* kind = nullptr;
+  int subject = 1;
+  int repetition = 1;
+  Script script;
+
+  std::string Key() const;
+};
+
+/// How takes of a set are: who and how often where the options leave it open, and how long somebody stands before.
+struct TakeRules {
+  std::int64_t subjects = 2;
+  std::int64_t repetitions = 2;
+  double rate_hz = 30.0;
+  double least_rest_s = 0.1;
+  double most_rest_s = 0.4;
+};
+
+/// Sorted by class, subject, repetition. Every action takes its natural time, faster or slower by the take. Error
+/// kConfig: options.actions names none of the classes.
+Expected<std::vector<PlannedTake>> PlanTakes(const StudioOptions& options, const std::vector<SetClass>& classes,
+                                             const TakeRules& rules);
+
+/// How an action is performed once, and its seconds.
+Manner NaturalManner(const std::string& action, double seated_share, Random& random);
+
+/// Error kConfig for a wanted action that is none of `known`, with the nearest.
+Status CheckWanted(const std::vector<std::string>& wanted, const std::vector<std::string>& known);
+
+}  // namespace mocurate

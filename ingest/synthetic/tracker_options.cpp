@@ -1,0 +1,20 @@
+#include "ingest/synthetic/tracker_options.h"
+
+namespace mocurate {
+
+void TrackerOptions::Declare(OptionVisitor& v) {
+  v.Number("noise", noise, Unit::kMetre, {0.0, 1.0}, "root mean square error of a tracked joint");
+  v.Number("bias", bias, Unit::kMetre, {0.0, 1.0}, "root mean square of an offset that a joint always has");
+  v.Number("dropout", dropout_share, Unit::kNone, {0.0, 0.9}, "share of joints that are not seen");
+  v.Number("dropout_frames", dropout_frames, Unit::kNone, {1.0, 1e4}, "mean frames until a lost joint is found again");
+  v.Number("outlier", outlier_share, Unit::kNone, {0.0, 0.9}, "share of joints that are grossly wrong");
+  v.Number("outlier_nearest", outlier_nearest, Unit::kMetre, {0.0, 10.0}, "least error of a grossly wrong joint");
+  v.Number("outlier_farthest", outlier_farthest, Unit::kMetre, {0.0, 10.0}, "largest error of a grossly wrong joint");
+  v.Number("swap", swap_share, Unit::kNone, {0.0, 1.0},
+           "share of takes in which left and right arms or legs are exchanged once");
+  v.Integer("swap_frames", swap_frames, {1.0, 1e4}, "frames for which limbs are exchanged");
+  v.Number("frozen", frozen_share, Unit::kNone, {0.0, 0.9}, "share of joints that repeat an earlier value exactly");
+  v.Number("frozen_frames", frozen_frames, Unit::kNone, {1.0, 1e4}, "mean frames for which a joint is frozen");
+}
+
+}  // namespace mocurate

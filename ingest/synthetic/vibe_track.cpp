@@ -1,0 +1,58 @@
+#include "ingest/synthetic/vibe_track.h"
+
+#include <algorithm>
+
+#include "ingest/synthetic/body_points.h"
+#include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/tracker.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kFocal = 500.0;
+constexpr double kHalfImage = 270.0;
+constexpr double kBoxMargin = 1.1;
+constexpr double kCropScale = 0.9;  // of a box, that the person fills in VIBE's crop
+
+}  // namespace
+
+VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::int64_t seed, const std::string& item) {
+  VibeTrack track;
+  track.id = 1;
+  track.frames = static_cast<std::size_t>(motion.frame_count());
+  const std::vector<std::string> names = NamesOf(Vibe49Places());
+  track.joints = names.size();
+  const JointPositions truth = PlacesOf(motion, Vibe49Places());
+  TrackedPoints tracked = Track(truth, names, options, seed, item);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const std::vector<double> pose = RotationVectors(motion, f);
+    track.pose.insert(track.pose.end(), pose.begin(), pose.end());
+    const Vector3d root = motion.root_translation[f];
+    Vector2d low = Vector2d::Constant(1e9), high = Vector2d::Constant(-1e9);
+    for (int k = 0; k < truth.joints; ++k) {
+      const bool seen = tracked.seen[static_cast<std::size_t>(f) * names.size() + k] != 0;
+      if (!seen && f > 0) {
+        tracked.positions.at(f, k) = tracked.positions.at(f - 1, k) + (root - motion.root_translation[f - 1]);
+      }
+      const Vector3d at = tracked.positions.at(f, k) - root;
+      track.joints3d.insert(track.joints3d.end(), at.data(), at.data() + 3);
+      const Vector3d place = truth.at(f, k);
+      const Vector2d pixel = kFocal * place.head<2>() / place.z() + Vector2d::Constant(kHalfImage);
+      low = low.cwiseMin(pixel);
+      high = high.cwiseMax(pixel);
+    }
+    track.betas.insert(track.betas.end(), 10, 0.0);
+    const double scale = kFocal / (kHalfImage * root.z());
+    track.original_camera.insert(track.original_camera.end(), {scale, scale, root.x(), root.y()});
+    const Vector2d centre = 0.5 * (low + high);
+    const double side = kBoxMargin * (high - low).maxCoeff();
+    const double crop = kCropScale * scale * 2.0 * kHalfImage / side;
+    const Vector2d shift = (kFocal * root.head<2>() / root.z() + Vector2d::Constant(kHalfImage) - centre) / side;
+    track.predicted_camera.insert(track.predicted_camera.end(), {crop, 2.0 * shift.x() / crop, 2.0 * shift.y() / crop});
+    track.boxes.insert(track.boxes.end(), {centre.x(), centre.y(), side, side});
+    track.frame_ids.push_back(f);
+  }
+  return track;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,70 @@
+// The studio writes the folder of a real set, and the job that reads the set runs on it unchanged.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::WriteText;
+using ::testing::HasSubstr;
+
+TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
+  const Folder folder;
+  const std::string studio = (folder / "studio").string();
+  const Result written = RunProgram(folder, {"synthesize", "--layout", "kard", "-o", studio, "--seed", "3", "--set",
+                                             "actions=[walk, drink]", "--json"});
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+  EXPECT_EQ(written.Json()["clips"], 4);
+  EXPECT_TRUE(fs::exists(folder / "studio/kard/a14_s01_e01_realworld.txt"));
+  EXPECT_TRUE(fs::exists(folder / "studio/truth/s01.h5"));
+  const Result run = RunProgram(
+      folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "--set",
+               "ingest.path=" + studio + "/kard", "--to", "assemble", "-o", (folder / "r").string(), "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.Json()["kept"], 4);
+}
+
+TEST(Synthesize, OptionsComeFromAFileAndAreShown) {
+  const Folder folder;
+  WriteText(folder / "studio.yaml", "layout: ntu\nseed: 7\ndepth: {noise: 3 mm}\n");
+  const Result shown =
+      RunProgram(folder, {"synthesize", (folder / "studio.yaml").string(), "--set", "clips=2", "--show", "--json"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_EQ(shown.Json()["layout"], "ntu");
+  EXPECT_EQ(shown.Json()["seed"], 7);
+  EXPECT_EQ(shown.Json()["clips"], 2);
+  EXPECT_DOUBLE_EQ(shown.Json()["depth"]["noise"].get<double>(), 0.003);
+}
+
+TEST(Synthesize, WhatIsWrongIsNamed) {
+  const Folder folder;
+  const Result layout = RunProgram(folder, {"synthesize", "--layout", "kardd", "-o", (folder / "s").string()});
+  EXPECT_EQ(layout.exit_code, 2);
+  EXPECT_THAT(layout.err, HasSubstr("kard"));
+  const Result option = RunProgram(folder, {"synthesize", "--layout", "kard", "--set", "depth.noize=1 mm"});
+  EXPECT_EQ(option.exit_code, 2);
+  EXPECT_THAT(option.err, HasSubstr("noise"));
+  const Result nowhere = RunProgram(folder, {"synthesize", "--layout", "kard"});
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("-o"));
+  fs::create_directories(folder / "full");
+  WriteText(folder / "full/mine.txt", "mine");
+  const Result full = RunProgram(folder, {"synthesize", "--layout", "kard", "-o", (folder / "full").string()});
+  EXPECT_EQ(full.exit_code, 74);
+  EXPECT_EQ(ReadText(folder / "full/mine.txt"), "mine");
+  const Result body = RunProgram(folder, {"synthesize", "--layout", "kard", "-o", (folder / "b").string(), "--set",
+                                          "body=" + (folder / "none.h5").string()});
+  EXPECT_EQ(body.exit_code, 3);
+  EXPECT_THAT(body.err, HasSubstr("none.h5"));
+}
+
+}  // namespace
+}  // namespace mocurate

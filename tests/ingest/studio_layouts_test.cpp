@@ -1,0 +1,236 @@
+// The studio writes the files of real sets: our readers read them back to the truth that stands beside them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/formats/humanact12_pickle.h"
+#include "core/formats/ntu_skeleton.h"
+#include "core/formats/uestc_info.h"
+#include "core/formats/vibe_pickle.h"
+#include "ingest/synthetic/body_points.h"
+#include "tests/ingest/studio_folders.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+double FarthestOff(const JointPositions& a, const JointPositions& b) {
+  EXPECT_EQ(a.frames, b.frames);
+  EXPECT_EQ(a.joints, b.joints);
+  double most = 0.0;
+  for (std::size_t i = 0; i < std::min(a.xyz.size(), b.xyz.size()); ++i) {
+    most = std::max(most, std::abs(a.xyz[i] - b.xyz[i]));
+  }
+  return most;
+}
+
+constexpr double kStored = 2e-6;  // truth is stored in float32
+
+TEST_F(Layouts, HumanAct12IsReadBackToTheTruth) {
+  StudioOptions options = Perfect(StudioLayout::kHumanAct12);
+  Write(options);
+  const auto clips = Ingested("humanact12_npy", "HumanAct12");
+  ASSERT_EQ(clips.size(), truth.size());
+  EXPECT_GT(clips.size(), 50u);
+  for (const auto& [id, clip] : clips) {
+    ASSERT_EQ(truth.count(id), 1u) << id;
+    EXPECT_LT(FarthestOff(clip.motion->joints, truth.at(id).joints), kStored) << id;
+  }
+  const std::string bytes = Bytes("humanact12poses.pkl");
+  const auto pickle = ParseHumanAct12Pickle(bytes, "humanact12poses.pkl");
+  ASSERT_TRUE(pickle) << pickle.error().Message();
+  ASSERT_EQ(pickle->size(), clips.size());
+  // The pickle holds the same clips sorted by name, and SMPL's rotations that put the joints there.
+  std::size_t i = 0;
+  for (const auto& [id, motion] : truth) {
+    const HumanAct12Clip& clip = (*pickle)[i++];
+    ASSERT_EQ(static_cast<int>(clip.frames), motion.frame_count());
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      for (int j = 1; j < 24; ++j) {
+        const double* vector = &clip.poses[static_cast<std::size_t>(f) * 72 + 3 * j];
+        const Quaterniond rotation = ExpQuaternion(Vector3d(vector[0], vector[1], vector[2]));
+        ASSERT_LT(rotation.angularDistance(motion.rotation_at(f, j)), 1e-5) << id;
+      }
+    }
+  }
+}
+
+TEST_F(Layouts, KardIsReadBackToTheTruth) {
+  StudioOptions options = Perfect(StudioLayout::kKard);
+  options.actions = {"walk", "sit_down", "drink"};
+  Write(options);
+  const auto clips = Ingested("kard", "kard");
+  ASSERT_EQ(clips.size(), 6u);
+  ASSERT_EQ(truth.size(), 6u);
+  for (const auto& [id, clip] : clips) {
+    ASSERT_EQ(truth.count(id), 1u) << id;
+    const JointPositions points = PlacesOf(truth.at(id), KardPlaces());
+    EXPECT_LT(FarthestOff(clip.evidence.tracks->positions, points), 1e-5) << id;
+    EXPECT_EQ(clip.evidence.tracks->names, NamesOf(KardPlaces()));
+  }
+}
+
+TEST_F(Layouts, NtuSkeletonsAreReadBackToTheTruthFromAllThreeSensors) {
+  StudioOptions options = Perfect(StudioLayout::kNtu);
+  options.actions = {"throw"};
+  Write(options);
+  const auto clips = Ingested("ntu", "nturgb+d_skeletons");
+  ASSERT_EQ(clips.size(), 6u);
+  for (const auto& [id, clip] : clips) {
+    ASSERT_EQ(truth.count(id), 1u) << id;
+    const JointPositions points = PlacesOf(truth.at(id), Kinect25Places());
+    EXPECT_LT(FarthestOff(clip.evidence.tracks->positions, points), 5e-6) << id;
+  }
+  // The pixels that a file gives are those of the depth image: C002 sees the front of the first repetition.
+  const std::string text = Bytes("nturgb+d_skeletons/S001C002P001R001A007.skeleton");
+  const auto skeleton = ParseNtuSkeleton(text, "S001C002P001R001A007.skeleton");
+  ASSERT_TRUE(skeleton);
+  int inferred = 0, joints = 0;
+  for (const auto& bodies : skeleton->frames) {
+    for (const NtuJoint& joint : bodies.at(0).joints) {
+      EXPECT_NEAR(joint.depth_u, 255.5 + 365.0 * joint.x_m / joint.z_m, 1e-3);
+      EXPECT_NEAR(joint.depth_v, 211.5 - 365.0 * joint.y_m / joint.z_m, 1e-3);
+      inferred += joint.tracking == 1 ? 1 : 0;
+      ++joints;
+    }
+  }
+  EXPECT_LT(inferred, joints / 4) << "from the front most joints are seen";
+}
+
+TEST_F(Layouts, VibeTracksOfNtu13AreReadBackToTheTruth) {
+  Write(Perfect(StudioLayout::kNtuVibe));
+  const std::string list = Bytes("ntu13/ntu_vibe_list.txt");
+  EXPECT_EQ(std::count(list.begin(), list.end(), '\n'), 26);
+  ASSERT_EQ(truth.size(), 26u);
+  for (const auto& [id, motion] : truth) {
+    const std::string recording = id.substr(id.rfind('/') + 1, 20);
+    ASSERT_NE(list.find(recording + ".pkl\n"), std::string::npos) << recording;
+    const std::string bytes = Bytes("ntu13/" + recording + ".pkl");
+    const auto tracks = ParseVibeTracks(bytes, recording);
+    ASSERT_TRUE(tracks) << tracks.error().Message();
+    ASSERT_EQ(tracks->size(), 1u);
+    const VibeTrack& track = tracks->front();
+    EXPECT_EQ(track.id, 1);
+    ASSERT_EQ(static_cast<int>(track.frames), motion.frame_count());
+    const JointPositions points = PlacesOf(motion, Vibe49Places());
+    for (int f = 0; f < points.frames; ++f) {
+      for (int k = 0; k < 49; ++k) {
+        const double* at = &track.joints3d[(static_cast<std::size_t>(f) * 49 + k) * 3];
+        const Vector3d canonical(at[0], -at[1], -at[2]);
+        ASSERT_LT((canonical - (points.at(f, k) - motion.root_translation[f])).norm(), 1e-5);
+      }
+      // z = 500 / (270 sx), x and y as the camera says: the pelvis.
+      const double* camera = &track.original_camera[4 * static_cast<std::size_t>(f)];
+      const Vector3d pelvis(camera[2], camera[3], 500.0 / (270.0 * camera[0]));
+      ASSERT_LT((Vector3d(pelvis.x(), -pelvis.y(), -pelvis.z()) - motion.root_translation[f]).norm(), 1e-5);
+    }
+  }
+}
+
+TEST_F(Layouts, UestcTurnedBackByItsOwnRuleIsSeenFromTheFront) {
+  StudioOptions options = Perfect(StudioLayout::kUestc);
+  options.subjects = 1;
+  options.actions = {"punching", "squatting"};
+  Write(options);
+  const std::string names_text = Bytes("uestc/info/names.txt");
+  const auto names = ParseUestcNames(names_text, "names.txt");
+  ASSERT_TRUE(names);
+  ASSERT_EQ(names->size(), 4u);
+  const std::string frames_text = Bytes("uestc/info/num_frames_min.txt");
+  const auto frames = ParseUestcFrameCounts(frames_text, "num_frames_min.txt", 4);
+  ASSERT_TRUE(frames) << frames.error().Message();
+  ASSERT_TRUE(ParseUestcActions(Bytes("uestc/info/action_classes.txt"), "action_classes.txt"));
+  const std::string bytes = Bytes("uestc/vibe_cache_refined.pkl");
+  const auto cache = VibeCache::Open(bytes, "vibe_cache_refined.pkl");
+  ASSERT_TRUE(cache) << cache.error().Message();
+  ASSERT_EQ(cache->size(), 4u);
+  for (std::size_t i = 0; i < 4; i += 2) {
+    const auto front = cache->Track(i);
+    const auto side = cache->Track(i + 1);
+    ASSERT_TRUE(front && side);
+    EXPECT_EQ(static_cast<int>(front->frames), (*frames)[i]);
+    ASSERT_EQ((*names)[i + 1].side, 2);
+    ASSERT_GT((*names)[i + 1].view, 0);
+    const double angle = -0.25 * 3.14159265358979323846 * (*names)[i + 1].view;
+    const Quaterniond back(Eigen::AngleAxisd(angle, Vector3d::UnitY()));
+    for (std::size_t k = 0; k < front->joints3d.size(); k += 3) {
+      const Vector3d seen(side->joints3d[k], side->joints3d[k + 1], side->joints3d[k + 2]);
+      const Vector3d expected(front->joints3d[k], front->joints3d[k + 1], front->joints3d[k + 2]);
+      ASSERT_LT((back * seen - expected).norm(), 1e-9);
+    }
+  }
+}
+
+TEST_F(Layouts, AmassAndBabelAreReadBackToTheTruth) {
+  StudioOptions options = Perfect(StudioLayout::kAmass);
+  options.clips = 2;
+  Write(options);
+  const auto clips = Ingested("amass", "amass");
+  ASSERT_EQ(clips.size(), 4u);
+  for (const auto& [id, clip] : clips) {
+    ASSERT_EQ(truth.count(id), 1u) << id;
+    const Motion& motion = truth.at(id);
+    ASSERT_EQ(clip.motion->frame_count(), motion.frame_count());
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      ASSERT_LT((clip.motion->root_translation[f] - motion.root_translation[f]).norm(), kStored);
+      // AMASS's body ends at the wrists: the hands are other joints.
+      for (int j = 0; j < 22; ++j) {
+        ASSERT_LT(clip.motion->rotation_at(f, j).angularDistance(motion.rotation_at(f, j)), 1e-5) << j;
+      }
+    }
+    ASSERT_GE(clip.segments.size(), 5u) << "several actions and the ways between them";
+    EXPECT_TRUE(std::any_of(clip.segments.begin(), clip.segments.end(),
+                            [](const Segment& segment) { return segment.label == "transition"; }));
+    for (const Segment& segment : clip.segments) EXPECT_LE(segment.end_s, clip.motion->duration() + 0.01);
+  }
+}
+
+TEST_F(Layouts, TheSameSeedGivesTheSameBytesForAnyNumberOfJobs) {
+  for (const StudioLayout layout :
+       {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard, StudioLayout::kNtuVibe,
+        StudioLayout::kOpenPose, StudioLayout::kAmass, StudioLayout::kDepthSequence}) {
+    StudioOptions options;
+    options.layout = layout;
+    options.subjects = 1;
+    options.rig.cameras = 2;
+    options.depth.every = 50;
+    if (layout == StudioLayout::kNtu) options.actions = {"throw"};
+    if (layout == StudioLayout::kOpenPose) options.actions = {"throw"};
+    if (layout == StudioLayout::kDepthSequence) options.actions = {"throw"};
+    const fs::path again = folder.string() + "_again", other = folder.string() + "_other";
+    for (const fs::path& path : {folder, again, other}) fs::remove_all(path);
+    ASSERT_TRUE(WriteStudioLayout(options, folder, 1));
+    ASSERT_TRUE(WriteStudioLayout(options, again, 3));
+    options.seed = 2;
+    ASSERT_TRUE(WriteStudioLayout(options, other, 1));
+    const auto first = BytesOf(folder);
+    EXPECT_EQ(first, BytesOf(again));
+    EXPECT_NE(first, BytesOf(other));
+    for (const fs::path& path : {again, other}) fs::remove_all(path);
+  }
+}
+
+TEST_F(Layouts, AFolderThatHoldsSomethingIsLeftAlone) {
+  fs::create_directories(folder);
+  Put(folder / "mine.txt", "mine");
+  const auto counts = WriteStudioLayout(Perfect(StudioLayout::kKard), folder, 1);
+  ASSERT_FALSE(counts);
+  EXPECT_EQ(counts.error().code, ErrorCode::kCannotWrite);
+  EXPECT_EQ(BytesOf(folder).size(), 1u);
+}
+
+TEST_F(Layouts, AnActionThatTheLayoutLacksIsNamedWithTheNearest) {
+  StudioOptions options = Perfect(StudioLayout::kHumanAct12);
+  options.actions = {"boxin"};
+  const auto counts = WriteStudioLayout(options, folder, 1);
+  ASSERT_FALSE(counts);
+  EXPECT_THAT(counts.error().Message(), ::testing::HasSubstr("did you mean 'boxing'?"));
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+}  // namespace
+}  // namespace mocurate
