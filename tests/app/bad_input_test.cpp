@@ -237,7 +237,7 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
       EXPECT_TRUE(flagged.empty());
       continue;
     }
-    EXPECT_GE(flagged.size(), 5u);
+    EXPECT_GE(flagged.size(), 4u) << "those who sit down and stand up; who bends shows hands alone";
     ExpectMistakenAxes(flagged, "+x +y +z");
   }
   const Result told = RunProgram(
