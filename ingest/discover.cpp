@@ -129,18 +129,20 @@ ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool ma
   finding.clip = name;
   finding.code = by_rule ? "label_left_out" : matches ? "label_unknown" : "name_mismatch";
   finding.severity = failed ? Severity::kError : by_rule ? Severity::kInfo : Severity::kWarning;
-  finding.message = why.what + (why.hint.empty() ? "" : " (" + why.hint + ")");
+  finding.message = why.what + (why.hint.empty() || by_rule ? "" : " (" + why.hint + ")");
   finding.action = "left out";
   ItemResult file;
   file.item = name;
   file.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
-  file.outcome.error = Error{ErrorCode::kInconsistent, why.what, name, why.hint};
+  const std::string hint = by_rule ? "as ingest.source.other_labels asks" : why.hint;
+  file.outcome.error = Error{ErrorCode::kInconsistent, why.what, name, hint};
   file.outcome.findings.push_back(std::move(finding));
   return file;
 }
 
 /// What the declaration excludes by the recording's name.
-ItemResult Excluded(const std::string& item, const std::string& file, const std::string& why) {
+ItemResult Excluded(const std::string& item, const std::string& file, const std::string& why,
+                    const std::string& hint = "ingest.source.exclude names it") {
   Finding finding;
   finding.clip = item;
   finding.code = "excluded";
@@ -150,7 +152,7 @@ ItemResult Excluded(const std::string& item, const std::string& file, const std:
   ItemResult result;
   result.item = item;
   result.outcome.kind = OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, "ingest.source.exclude names it"};
+  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, hint};
   result.outcome.findings.push_back(std::move(finding));
   return result;
 }
@@ -311,7 +313,7 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
       continue;
     }
     if (!entry.left_out.empty()) {
-      discovery.left_out.push_back(Excluded(named->item(), entry.name, entry.left_out));
+      discovery.left_out.push_back(Excluded(named->item(), entry.name, entry.left_out, "as the set's papers do"));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};

@@ -90,6 +90,7 @@ Vote ClipVotes::Ask(const char* field) const {
   vote.value = clearest->at("value");
   vote.from = clearest->at("from");
   vote.share = most->second / all;
+  vote.voters = static_cast<double>(counts[most->first]) / static_cast<double>(clips_.size());
   const std::string evidence = clearest->value("evidence", "");
   if (vote.from == "declared") {
     vote.comment = "declared by the file: " + evidence;

@@ -11,7 +11,8 @@ namespace mocurate {
 struct Vote {
   nlohmann::json value;  ///< null: unknown
   std::string from;      ///< declared, measured, unknown
-  double share = 0.0;
+  double share = 0.0;    ///< of the votes
+  double voters = 0.0;   ///< share of the clips that say this
   std::string comment;
 };
 

@@ -19,8 +19,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kFacingHabit = 0.6;  // share of votes that face one way, below which facing is no habit of the source
-constexpr double kOneRate = 0.99;     // share of files that say the same rate
+constexpr double kFacingHabit = 0.6;   // share of votes that face one way, below which facing is no habit of the source
+constexpr double kFewestVoters = 0.1;  // share of clips that must show something, to be believed of all
+constexpr double kOneRate = 0.99;      // share of files that say the same rate
 constexpr std::size_t kTextWidth = 116;
 constexpr std::size_t kMostFindings = 10;
 
@@ -80,6 +81,10 @@ class Writer {
     out_.unknown.push_back(key);
     Value(key, Quoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
   }
+  void UnknownJoints() {
+    out_.unknown.emplace_back("joints");
+    List("joints", {std::string(kFillIn)}, "unknown: names in the order of the file, \"-\" for what is no joint");
+  }
   void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
     Comment(comment);
     std::string line = "    " + key + ": [";
@@ -113,12 +118,14 @@ void WriteAxes(const ClipVotes& source, Writer& writer) {
   const Vote axes = source.Ask("axes");
   const Vote up = source.Ask("up");
   const Vote hand = source.Ask("handedness");
-  if (!axes.value.is_null() && axes.share >= kFacingHabit) {
+  if (!axes.value.is_null() && axes.share >= kFacingHabit && axes.voters >= kFewestVoters) {
     writer.Value("axes", Quoted(axes.value), axes.comment);
     return;
   }
   const std::optional<std::string> turned =
-      up.value.is_null() || hand.value.is_null() ? std::nullopt : AxesFrom(up.value, hand.value == "right");
+      up.value.is_null() || hand.value.is_null() || std::min(up.voters, hand.voters) < kFewestVoters
+          ? std::nullopt
+          : AxesFrom(up.value, hand.value == "right");
   if (turned) {
     writer.Comment("Up: " + up.comment + ".");
     writer.Comment("Handedness: " + hand.comment + ".");
@@ -170,17 +177,17 @@ void WriteSkeleton(const ClipVotes& source, const std::string& format, Writer& w
     return writer.Value("skeleton", Quoted(known ? skeleton.value.get<std::string>() : ""),
                         known ? skeleton.comment : "the files' own tree: its joints are those of no known skeleton");
   }
-  if (format == "amass" || format == "humanact12_pickle" || format == "uestc") {
-    return writer.Value("skeleton", "smpl24", "declared by the format");
+  if (format == "amass" || format == "humanact12_pickle" || format == "uestc" || format == "vibe_tracks") {
+    return writer.Value("skeleton", "smpl24", "declared by the format: its rotations are SMPL's");
   }
+  if (format == "depth_sequence") return writer.Value("skeleton", "\"\"", "unknown, and not needed to read images");
   if (skeleton.value.is_null()) {
     writer.Unknown("skeleton", skeleton.comment);
-    if (format != "ntu_skeleton")
-      writer.List("joints", {std::string(kFillIn)}, "unknown: names in the order of the file");
+    if (format != "ntu_skeleton") writer.UnknownJoints();
     return;
   }
   writer.Value("skeleton", Quoted(skeleton.value), skeleton.comment);
-  if (format == "ntu_skeleton" || format == "depth_sequence") return;
+  if (format == "ntu_skeleton") return;
   writer.List("joints", JointsOf(source.Surest("skeleton")), "in the order of the file, as for the skeleton");
 }
 

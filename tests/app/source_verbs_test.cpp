@@ -144,6 +144,23 @@ TEST_F(Declarations, CmusMotionsFindTheirSkeletons) {
   EXPECT_EQ(Kept(), 1);
 }
 
+TEST_F(Declarations, WhatNothingTellsIsRefusedByItsNameOneAfterTheOther) {
+  EXPECT_THAT(Declare("cmu/expmap", {"train/walking/walking_4.txt", "train/running/running_5.txt"}),
+              ElementsAre("units", "axes", "rate", "skeleton", "joints"));
+  Fill("rate", "120 Hz");
+  for (const auto& [key, value] : {std::pair<std::string, std::string>{"units", "m"},
+                                   {"axes", "\"+x +y +z\""},
+                                   {"skeleton", "cmu31"},
+                                   {"joints", "[root]"}}) {
+    const Result refused = Ingest();
+    EXPECT_EQ(refused.exit_code, 2) << key;
+    EXPECT_THAT(refused.err, HasSubstr("FILL_IN"));
+    EXPECT_THAT(refused.err, HasSubstr("ingest.source." + key));
+    Fill(key, value);
+  }
+  EXPECT_THAT(Ingest().err, Not(HasSubstr("FILL_IN")));
+}
+
 TEST_F(Declarations, AFileThatIsThereIsNotOverwrittenUnlessAsked) {
   const Folder folder;
   WriteText(folder / "mine.yaml", "name: mine\n");

@@ -223,6 +223,7 @@ TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
   ASSERT_EQ(discovery->items.size(), 4u);
   ASSERT_EQ(discovery->left_out.size(), 1u);
   EXPECT_EQ(discovery->left_out[0].outcome.findings.at(0).code, "label_left_out");
+  EXPECT_EQ(discovery->left_out[0].outcome.error.hint, "as ingest.source.other_labels asks");
   EXPECT_EQ(discovery->left_out[0].outcome.kind, OutcomeKind::kLeftOut);
   const Ingested ingested = RunIngest(discovery->items[0], "ntu13");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
