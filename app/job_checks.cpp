@@ -31,6 +31,7 @@ Status CheckSkeletons(const JobOptions& options) {
       {"canon.skeleton", &options.canon.skeleton}};
   for (const auto& [option, name] : named) {
     if (name->empty()) continue;
+    if (name->rfind(kFillIn, 0) == 0) continue;  // the source's own check names it
     const auto skeleton = LoadSkeleton(*name);
     if (skeleton) continue;
     Error error = skeleton.error();

@@ -36,7 +36,6 @@ ingest:
 )";
 
 constexpr const char* kBvh = R"(name: bad
-skeleton: a.yaml
 fitting: {method: none}
 ingest:
   path: data
