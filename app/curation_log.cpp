@@ -15,6 +15,10 @@ const char* Decision(const ClipRecord& clip) {
 
 nlohmann::json LineOf(const ClipRecord& clip) {
   nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
+  if (const auto source = clip.evidence.outcome.summary.find("source_sha256");
+      source != clip.evidence.outcome.summary.end()) {
+    line["source_sha256"] = *source;
+  }
   if (!clip.evidence.sha256.empty()) line["evidence_sha256"] = clip.evidence.sha256;
   if (!clip.motion.sha256.empty()) line["motion_sha256"] = clip.motion.sha256;
   if (!clip.canonical.sha256.empty()) line["canonical_sha256"] = clip.canonical.sha256;
@@ -22,6 +26,10 @@ nlohmann::json LineOf(const ClipRecord& clip) {
     line["stage"] = clip.ended_at();
     line["rule"] = clip.reason();
     line["reason"] = stage->outcome.error.Message();
+    if (clip.left_out() && !stage->outcome.findings.empty()) {
+      line["value"] = nlohmann::json(stage->outcome.findings.back()).at("value");
+      if (stage->outcome.summary.contains("threshold")) line["threshold"] = stage->outcome.summary["threshold"];
+    }
   }
   nlohmann::json findings = nlohmann::json::array();
   for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical}) {

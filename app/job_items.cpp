@@ -111,6 +111,35 @@ StageInput SkeletonInput(const std::string& name_or_path) {
   return {"skeleton", name_or_path, name_or_path, Sha256Hex(content)};
 }
 
+std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {
+  ItemSpec item{"duplicates", options, {}};
+  for (const ClipRecord& clip : clips) {
+    if (HasArtifact(clip.evidence)) item.inputs.push_back(InputFrom("evidence", clip.evidence));
+  }
+  if (item.inputs.size() < 2) return std::nullopt;
+  return item;
+}
+
+void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
+  const nlohmann::json items = found.outcome.summary.value("items", nlohmann::json::array());
+  const nlohmann::json dropped = found.outcome.summary.value("dropped", nlohmann::json::object());
+  std::map<std::string, ClipRecord*> by_item;
+  for (ClipRecord& clip : clips) by_item[clip.item] = &clip;
+  for (std::size_t i = 0; i < items.size() && i < found.outcome.findings.size(); ++i) {
+    const auto record = by_item.find(items[i].get<std::string>());
+    if (record == by_item.end()) continue;
+    StageOutcome& outcome = record->second->evidence.outcome;
+    const Finding& finding = found.outcome.findings[i];
+    outcome.findings.push_back(finding);
+    if (finding.action != "dropped" || !HasArtifact(record->second->evidence)) continue;
+    record->second->evidence.artifact.clear();
+    outcome.kind = OutcomeKind::kLeftOut;
+    outcome.summary["threshold"] = dropped.value(record->first, 0.0);
+    outcome.error = Error{ErrorCode::kInconsistent, finding.message, record->first,
+                          "ingest.source.checks.actions." + finding.code + ": report keeps such clips"};
+  }
+}
+
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {
   std::map<std::string, std::map<std::string, const ClipRecord*>> persons;
   for (const ClipRecord& clip : clips) {

@@ -49,6 +49,12 @@ StageInput InputFrom(const char* role, const ItemResult& item);
 /// content hash for a file that does not exist: the stage says so.
 StageInput SkeletonInput(const std::string& name_or_path);
 
+/// All evidence, to be searched for clips that show the same; nothing when there are fewer than two clips.
+std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const nlohmann::json& options);
+
+/// Brings what that stage found to the clips: findings, and no artifact for those that are to be left out.
+void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips);
+
 /// One item per person with the evidence of at most 30 of their clips, chosen by hash of the clip ids so that other
 /// clips do not move the choice.
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options);

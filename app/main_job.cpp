@@ -30,17 +30,13 @@ class MainJob {
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
-    const std::pair<JobStage, Step> steps[] = {{JobStage::kIngest, &MainJob::Capture},
-                                               {JobStage::kIngest, &MainJob::Ingest},
-                                               {JobStage::kProportions, &MainJob::Proportions},
-                                               {JobStage::kFitting, &MainJob::Fit},
-                                               {JobStage::kFitting, &MainJob::ScoreFits},
-                                               {JobStage::kCanon, &MainJob::Canonicalise},
-                                               {JobStage::kAssemble, &MainJob::Assemble},
-                                               {JobStage::kAudit, &MainJob::Audit},
-                                               {JobStage::kTrain, &MainJob::Train},
-                                               {JobStage::kEvaluate, &MainJob::Evaluate},
-                                               {JobStage::kReport, &MainJob::Report}};
+    const std::pair<JobStage, Step> steps[] = {
+        {JobStage::kIngest, &MainJob::Capture},        {JobStage::kIngest, &MainJob::Ingest},
+        {JobStage::kIngest, &MainJob::FindDuplicates}, {JobStage::kProportions, &MainJob::Proportions},
+        {JobStage::kFitting, &MainJob::Fit},           {JobStage::kFitting, &MainJob::ScoreFits},
+        {JobStage::kCanon, &MainJob::Canonicalise},    {JobStage::kAssemble, &MainJob::Assemble},
+        {JobStage::kAudit, &MainJob::Audit},           {JobStage::kTrain, &MainJob::Train},
+        {JobStage::kEvaluate, &MainJob::Evaluate},     {JobStage::kReport, &MainJob::Report}};
     if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
@@ -163,6 +159,17 @@ class MainJob {
     return {};
   }
 
+  /// Clips that show the same.
+  Status FindDuplicates() {
+    auto item = DuplicatesItem(clips_, OptionsToJson(options_.ingest.source.checks));
+    if (!item) return {};
+    const auto found = RunOne(DuplicatesDeclaration(), *std::move(item));
+    if (!found) return Forward(found);
+    NoteDuplicates(*found, clips_);
+    if (!found->outcome.findings.empty()) duplicates_ = InputFrom("findings", *found);
+    return {};
+  }
+
   bool Fits() const { return options_.fitting.method != FitMethod::kNone; }
 
   Status Proportions() {
@@ -231,6 +238,7 @@ class MainJob {
       return Fail(first.code, "no clip is left for the dataset; " + first.Message(), DisplayPath(options_.ingest.path),
                   "curation_log.jsonl in the run folder says why each was dropped");
     }
+    if (duplicates_) item.inputs.push_back(*duplicates_);
     return RunOne(AssembleDeclaration(), std::move(item), branch);
   }
 
@@ -371,6 +379,7 @@ class MainJob {
   std::vector<ClipRecord> clips_;
   std::optional<std::set<std::string>> captured_;  ///< files of the synthetic capture: others are not ours
   std::map<std::string, ItemResult> persons_;
+  std::optional<StageInput> duplicates_;  ///< findings about clips that show the same
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;
   ItemResult dataset_, baseline_;

@@ -178,6 +178,18 @@ void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
   findings.push_back(finding);
 }
 
+/// What was found about clips as a set, before they came here: a JSON list.
+Status ReadFindings(const StageInput& input, std::vector<Finding>& findings) {
+  const auto text = ReadFile(input.path);
+  if (!text) return Forward(text);
+  try {
+    for (const nlohmann::json& finding : nlohmann::json::parse(*text)) findings.push_back(finding.get<Finding>());
+  } catch (const nlohmann::json::exception& problem) {
+    return Fail(ErrorCode::kMalformed, std::string("no list of findings: ") + problem.what(), input.name);
+  }
+  return {};
+}
+
 nlohmann::json SplitSummary(const Split& split) {
   return {{"name", split.name},        {"train", split.train.size()}, {"validation", split.validation.size()},
           {"test", split.test.size()}, {"rule", split.rule},          {"leak_check", split.leak_check}};
@@ -219,7 +231,12 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   Dataset dataset;
   dataset.created_by = CreatedBy();
   dataset.recipe = options->recipe;
+  std::vector<Finding> noted;
   for (const StageInput& input : request.inputs) {
+    if (input.role == "findings") {
+      if (Status read = ReadFindings(input, noted); !read) return Forward(read);
+      continue;
+    }
     auto part = ReadDataset(input.path);
     if (!part) return Forward(part);
     if (dataset.clips.empty()) dataset.joints_only = part->joints_only;
@@ -232,6 +249,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     for (Clip& clip : part->clips) dataset.clips.push_back(std::move(clip));
     dataset.findings.insert(dataset.findings.end(), part->findings.begin(), part->findings.end());
   }
+  dataset.findings.insert(dataset.findings.end(), noted.begin(), noted.end());
   if (dataset.clips.empty()) {
     return Fail(ErrorCode::kInconsistent, "no clip is left to assemble", "assemble",
                 "curation_log.jsonl says why each was dropped");

@@ -6,6 +6,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/known_issues.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/source_file.h"
@@ -140,12 +141,12 @@ ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool ma
   return file;
 }
 
-/// What the declaration excludes by the recording's name.
-ItemResult Excluded(const std::string& item, const std::string& file, const std::string& why,
-                    const std::string& hint = "ingest.source.exclude names it") {
+/// What the declaration excludes by the recording's name, or a list of known issues does.
+ItemResult Excluded(const std::string& item, const std::string& file, const char* code, const std::string& why,
+                    const std::string& hint) {
   Finding finding;
   finding.clip = item;
-  finding.code = "excluded";
+  finding.code = code;
   finding.severity = Severity::kInfo;
   finding.message = why;
   finding.action = "left out";
@@ -156,6 +157,8 @@ ItemResult Excluded(const std::string& item, const std::string& file, const std:
   result.outcome.findings.push_back(std::move(finding));
   return result;
 }
+
+std::string TextOf(const KnownIssue& issue) { return issue.kind + ": " + issue.note + " (" + issue.source + ")"; }
 
 /// The .asf of a motion.
 Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& name, ItemSpec& item) {
@@ -313,7 +316,7 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
       continue;
     }
     if (!entry.left_out.empty()) {
-      discovery.left_out.push_back(Excluded(named->item(), entry.name, entry.left_out, "as the set's papers do"));
+      discovery.left_out.push_back(Excluded(named->item(), entry.name, "excluded", entry.left_out, "as the set's papers do"));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};
@@ -364,6 +367,8 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   const std::vector<FolderFile>& files = listing->files;
   std::map<std::string, std::size_t> elsewhere = listing->folders_below;
 
+  const Expected<KnownIssues> known_issues = KnownIssues::Load(source.known_issue_lists);
+  if (!known_issues) return Forward(known_issues);
   Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
   if (!babel) return Forward(babel);
 
@@ -390,7 +395,14 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     }
     const auto excluded = source.exclude.find(named->identity.recording);
     if (excluded != source.exclude.end()) {
-      discovery.left_out.push_back(Excluded(named->item(), file.name, excluded->second));
+      discovery.left_out.push_back(
+          Excluded(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
+      continue;
+    }
+    const std::optional<KnownIssue> issue = known_issues->Find(named->identity.recording);
+    if (issue && source.known_issues == KnownIssueAction::kDrop) {
+      discovery.left_out.push_back(Excluded(named->item(), file.name, "known_issue", TextOf(*issue),
+                                            "ingest.source.known_issues: report keeps such clips"));
       continue;
     }
     if (!file.problem.empty()) {
@@ -417,6 +429,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
         continue;
       }
     }
+    if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
     if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
     if (has_depth) {
       discovery.truth.push_back(item);

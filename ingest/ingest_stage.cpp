@@ -5,6 +5,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
+#include "ingest/clip_checks.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
 
@@ -56,22 +57,26 @@ double MissingShare(const Clip& clip) {
   return static_cast<double>(missing) / static_cast<double>(std::max<std::size_t>(1, confidence.size()));
 }
 
-/// Farther from the origin than any capture volume: the unit is wrong, or the number is.
+/// Farther from the origin than any capture volume in most frames: the unit is wrong. In fewer it is a teleport.
 Status CheckExtent(const Clip& clip, const std::string& name) {
   constexpr double kFarthest = 1000.0;
   const JointPositions none;
   const JointPositions& joints = clip.evidence.tracks ? clip.evidence.tracks->positions
                                  : clip.motion        ? clip.motion->joints
                                                       : none;
-  for (std::size_t i = 0; i < joints.xyz.size(); ++i) {
-    if (std::abs(joints.xyz[i]) <= kFarthest) continue;
-    const std::size_t point = i / 3;
-    return Fail(ErrorCode::kInconsistent,
-                "a joint is " + RoundedText(joints.xyz[i], 6) + " m from the origin in frame " +
-                    std::to_string(point / static_cast<std::size_t>(joints.joints)),
-                name, "is ingest.source.units right? Captures reach at most 1000 m");
+  int far = 0, first = -1;
+  double value = 0.0;
+  for (int f = 0; f < joints.frames; ++f) {
+    const auto begin = joints.xyz.begin() + static_cast<std::ptrdiff_t>(f) * joints.joints * 3;
+    const auto found = std::find_if(begin, begin + joints.joints * 3, [](double x) { return std::abs(x) > kFarthest; });
+    if (found == begin + joints.joints * 3) continue;
+    if (first < 0) first = f, value = *found;
+    ++far;
   }
-  return {};
+  if (2 * far <= joints.frames) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "a joint is " + RoundedText(value, 6) + " m from the origin in frame " + std::to_string(first), name,
+              "is ingest.source.units right? Captures reach at most 1000 m");
 }
 
 int JointCount(const Clip& clip) {
@@ -87,6 +92,7 @@ struct ItemFacts {
   int entry = -1;
   int most_frames = 0;
   std::optional<std::string> label;  ///< where the file's name does not tell it
+  std::string known_issue;           ///< what a list says of the recording
 };
 
 /// Takes them out of the item's options: the declaration is left.
@@ -98,7 +104,11 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.entry = options.value("entry", -1);
   facts.most_frames = options.value("most_frames", 0);
   if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
-  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label"}) options.erase(key);
+  facts.known_issue = options.value("known_issue", std::string());
+  for (const char* key :
+       {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue"}) {
+    options.erase(key);
+  }
   return facts;
 }
 
@@ -141,6 +151,20 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
   return summary;
 }
 
+/// No artifact: the last finding names the rule.
+StageOutcome LeftOut(const DroppedClip& dropped, const std::string& name, StageOutcome outcome) {
+  Finding rule = dropped.finding;
+  rule.clip = outcome.findings.empty() ? name : outcome.findings.front().clip;
+  const auto at = std::find(outcome.findings.begin(), outcome.findings.end(), rule);
+  if (at != outcome.findings.end()) outcome.findings.erase(at);
+  outcome.findings.push_back(rule);
+  outcome.kind = OutcomeKind::kLeftOut;
+  outcome.summary["threshold"] = dropped.threshold;
+  outcome.error = Error{ErrorCode::kInconsistent, rule.message, name,
+                        "ingest.source.checks.actions." + rule.code + ": report keeps such clips"};
+  return outcome;
+}
+
 }  // namespace
 
 Expected<StageOutcome> IngestStage(const StageRequest& request) {
@@ -177,11 +201,17 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   if (!ingested) return Forward(ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
   CheckBody(*source, *ingested);
+  const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested);
+  if (!facts.known_issue.empty()) {
+    ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
+  }
   Complete(*source, *named, ingested->content.empty() ? read : ingested->content, *ingested);
 
   StageOutcome outcome;
   outcome.findings = ingested->findings;
   outcome.summary = Summary(ingested->clip, named->style);
+  outcome.summary["source_sha256"] = ingested->clip.evidence_sha256;
+  if (dropped) return LeftOut(*dropped, input->name, std::move(outcome));
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != "refused") continue;

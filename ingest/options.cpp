@@ -49,6 +49,7 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.TextMap(
       "bodies", bodies,
       "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
+  v.Group("people", people, "ntu_skeleton: which of the bodies that the sensor followed");
   v.Number("inferred_confidence", inferred_confidence, Unit::kNone, {0.0, 1.0},
            "ntu_skeleton: confidence of a joint that the sensor inferred; one that it tracked has 1, any other 0");
   v.Text("skeleton_files", skeleton_files,
@@ -80,6 +81,33 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
            "what becomes of a clip whose motion contradicts the declared axes");
+  v.Texts(
+      "known_issue_lists", known_issue_lists,
+      "lists of clips that others found something wrong with: names in configs/known_issues, or files of that form");
+  v.Choice(
+      "known_issues", known_issues,
+      {{"drop", KnownIssueAction::kDrop}, {"report", KnownIssueAction::kReport}, {"ignore", KnownIssueAction::kIgnore}},
+      "what becomes of the clips that those lists name");
+  v.Text("frames_in_name", frames_in_name,
+         "first and last frame that the name speaks of, e.g. '{first}-{last}': a clip that is longer is a finding");
+  v.Group("checks", checks, "limits of what is found wrong in a clip, and what is done about it");
+}
+
+void PeopleOptions::Declare(OptionVisitor& v) {
+  v.Choice(
+      "rule", rule,
+      {{"motion", TrackRule::kMotion},
+       {"official", TrackRule::kOfficial},
+       {"presence", TrackRule::kPresence},
+       {"nearest", TrackRule::kNearest}},
+      "who is taken: motion (who moves most of those there for half as long as the longest), official (NTU's: "
+      "largest summed variance, neither stitched nor freed of ghosts), presence (longest), nearest (to the sensor)");
+  v.Bool("stitch", stitch, "join ids that are one person: lost and found again with the same bones, or interleaved");
+  v.Bool("ghosts", ghosts, "set aside what is nobody: short, frozen, furniture, a second body in one place");
+  v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
+  v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0}, "that somebody may have had meanwhile");
+  v.Number("max_signature", max_signature, Unit::kNone, {0.0, 10.0},
+           "mean difference of log bone lengths of what may be one person");
 }
 
 void SyntheticOptions::Declare(OptionVisitor& v) {
@@ -102,7 +130,8 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 7, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 8, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration DuplicatesDeclaration() { return {"duplicates", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -10,6 +10,7 @@
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
+#include "ingest/check_options.h"
 #include "ingest/synthetic/tracker_options.h"
 
 namespace mocurate {
@@ -37,6 +38,28 @@ enum class OtherFiles { kIgnore, kFinding, kError };
 enum class MissingValue { kNone, kZero, kNan };
 /// What becomes of a file whose label is not listed under `labels`.
 enum class OtherLabels { kError, kLeaveOut };
+/// By what the people of a file are told from the others that the tracker followed.
+enum class TrackRule {
+  kMotion,    ///< those there in half as many frames as the longest, by how much they move; then the others by length
+  kOfficial,  ///< NTU's: by the summed variance of the joints, however short they are there
+  kPresence,  ///< by how long they are there
+  kNearest,   ///< by how near they stand to the sensor (median distance of their middle)
+};
+
+/// Who of those that a tracker followed is a clip.
+struct PeopleOptions {
+  TrackRule rule = TrackRule::kMotion;
+  bool stitch = true;
+  bool ghosts = true;
+  double max_gap_s = 2.0;
+  double max_speed = 3.0;
+  double max_signature = 0.12;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// What becomes of a clip that a list of known issues names.
+enum class KnownIssueAction { kDrop, kReport, kIgnore };
 /// What a contradiction between declaration and motion does to a clip.
 enum class OnContradiction { kFlag, kRefuse };
 
@@ -62,6 +85,7 @@ struct SourceOptions {
   std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
   std::string end_word;  ///< joint_table: line that closes the table, where there is one
   std::map<std::string, std::string> bodies;  ///< ntu_skeleton: label text -> people in the file, "2"; others have one
+  PeopleOptions people;                       ///< ntu_skeleton: which of the bodies that the sensor followed
   double inferred_confidence = 0.3;           ///< ntu_skeleton: of a joint that the sensor inferred; tracked is 1
   std::string skeleton_files;                 ///< asf_amc: "{subject}.asf", filled from the fields of the motion's name
   std::string track = "1";                    ///< vibe_tracks: key of the person in a file
@@ -83,7 +107,11 @@ struct SourceOptions {
   OtherLabels other_labels = OtherLabels::kError;
   std::map<std::string, std::string> roles;    ///< person -> role
   std::map<std::string, std::string> exclude;  ///< recording -> why its file is left out
+  std::vector<std::string> known_issue_lists;  ///< of configs/known_issues, or paths
+  KnownIssueAction known_issues = KnownIssueAction::kReport;
+  std::string frames_in_name;  ///< "{first}-{last}": frames that the name speaks of, both ends included
   OnContradiction on_contradiction = OnContradiction::kFlag;
+  CheckOptions checks;
 
   void Declare(OptionVisitor& v);
 };
@@ -131,6 +159,7 @@ int BodiesOf(const SourceOptions& source, const std::string& label);
 Expected<double> MetresPerUnit(const std::string& units);
 
 StageDeclaration IngestDeclaration();
+StageDeclaration DuplicatesDeclaration();
 StageDeclaration TruthDeclaration();
 StageDeclaration CaptureDeclaration();
 

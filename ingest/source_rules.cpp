@@ -239,6 +239,7 @@ Status CheckSource(const SourceOptions& s) {
   if (s.format == SourceFormat::kNtuSkeleton) {
     if (Status bodies = CheckBodies(s); !bodies) return bodies;
   }
+  if (Status actions = CheckActions(s.checks); !actions) return actions;
   if (s.format == SourceFormat::kAsfAmc && s.skeleton_files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which .asf belongs to an .amc",
                 Place("skeleton_files"), "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");

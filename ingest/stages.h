@@ -8,6 +8,11 @@ namespace mocurate {
 /// rate_hz, missing_share.
 Expected<StageOutcome> IngestStage(const StageRequest& request);
 
+/// All evidence of a source (inputs of role "evidence", named by their items) -> a JSON list of findings: clips that
+/// show what another, earlier by name, shows (core/quality/duplicates.h). Options: CheckOptions. Summary: "items", the
+/// item of each finding; "dropped", items that are to be left out with the threshold of the rule.
+Expected<StageOutcome> DuplicatesStage(const StageRequest& request);
+
 /// The truth that a source carries beside its evidence -> truth artifact (ReadTruth). Only `evaluate` reads it.
 Expected<StageOutcome> TruthStage(const StageRequest& request);
 

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   return RunWorker({{CaptureDeclaration().name, CaptureStage},
                     {TruthDeclaration().name, TruthStage},
                     {IngestDeclaration().name, IngestStage},
+                    {DuplicatesDeclaration().name, DuplicatesStage},
                     {ProportionsDeclaration().name, ProportionsStage},
                     {FittingDeclaration().name, FittingStage},
                     {CanonDeclaration().name, CanonStage},

@@ -45,13 +45,29 @@ std::vector<Finding> Fewer(std::vector<Finding> findings, std::size_t most) {
   return kept;
 }
 
+/// Confidences in which what FindBlanks found is missing: one defect is told once.
+std::vector<double> WithoutBlanks(const TrackedPoints& points, const std::vector<Finding>& blanks) {
+  std::vector<double> confidence = points.confidence;
+  if (confidence.empty()) confidence.assign(static_cast<std::size_t>(points.frames()) * points.count(), 1.0);
+  for (const Finding& blank : blanks) {
+    for (int k = 0; k < points.count(); ++k) {
+      if (!blank.joint.empty() && blank.joint != points.name(k)) continue;
+      for (int f = blank.frame_begin; f < blank.frame_end; ++f)
+        confidence[static_cast<std::size_t>(f) * points.count() + static_cast<std::size_t>(k)] = 0.0;
+    }
+  }
+  return confidence;
+}
+
 }  // namespace
 
-std::vector<Finding> CheckPoints(const TrackedPoints& points, double rate_hz, const CheckLimits& limits) {
-  std::vector<Finding> findings = FindBlanks(points);
+std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, const CheckLimits& limits) {
+  std::vector<Finding> findings = FindBlanks(given);
+  const std::vector<double> confidence = WithoutBlanks(given, findings);
+  const TrackedPoints points{given.positions, confidence, given.time_s, given.names, given.parents, given.rest_lengths};
   Append(FindRepeats(points, limits.repeats), findings);
   std::vector<Finding> no_body = FindNoBody(points, limits.rigidity);
-  if (no_body.empty()) {
+  if (no_body.empty() && limits.metres) {
     Append(FindTeleports(points, limits.teleports), findings);
     Append(FindSwaps(points, limits.swaps), findings);
     Append(FindWrongRate(points, rate_hz), findings);

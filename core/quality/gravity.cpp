@@ -18,7 +18,7 @@ constexpr double kVertical = 0.004;  // metres, root mean square from a parabola
 constexpr double kHorizontal = 0.010;
 constexpr double kLeastSag = 0.01;                    // metres that the parabola bends over the flight, against noise
 constexpr double kHighFlight = 0.08;                  // metres; tells alone
-constexpr double kWeakest = 0.5, kStrongest = 250.0;  // m/s2 that a wrong rate could show
+constexpr double kWeakest = 1.8, kStrongest = 250.0;  // m/s2: times wrong by 2.3 to 0.2; slower paths are no flights
 constexpr double kAgree = 1.6;                        // quartiles of the flights' gravity
 constexpr double kSlowest = 0.75, kFastest = 1.33;
 

@@ -6,6 +6,7 @@
 namespace mocurate {
 namespace {
 
+constexpr double kAbrupt = 1e-3;  // metres: who stands still by intent sets out more softly, and no sensor is so sure
 constexpr double kCollapsed = 0.02;  // metres: no body is so small
 
 /// Calls with [begin, end) of each run of frames in which `holds`.
@@ -49,8 +50,32 @@ class Repeats {
     return any;
   }
 
+  /// Whether a stillness of [begin, end) begins or ends with a step that is no soft start: more than kAbrupt, and more
+  /// than half of the step beyond. One without either end in sight does.
+  bool Abrupt(int begin, int end, int k) const {
+    bool known = false;
+    for (const bool after : {false, true}) {
+      const int f = after ? end : begin;  // the step into f
+      if (f < 1 || f >= points_.frames() || !BothSeen(f, k)) continue;
+      known = true;
+      const double step = Step(f, k);
+      const int beyond = after ? f + 1 : f - 1;
+      const bool seen = beyond >= 1 && beyond < points_.frames() && BothSeen(beyond, k);
+      if (step > kAbrupt && (!seen || step > 0.5 * Step(beyond, k))) return true;
+    }
+    return !known;
+  }
+
+  bool AbruptBody(int begin, int end) const {
+    for (int k = 0; k < points_.count(); ++k) {
+      if (Abrupt(begin, end, k)) return true;
+    }
+    return false;
+  }
+
  private:
   bool BothSeen(int f, int k) const { return points_.sees(f, k) && points_.sees(f - 1, k); }
+  double Step(int f, int k) const { return (points_.at(f, k) - points_.at(f - 1, k)).norm(); }
   bool Same(int f, int k) const { return points_.at(f, k) == points_.at(f - 1, k); }
 
   const TrackedPoints& points_;
@@ -66,7 +91,7 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
   const auto body = [&](int f) { return repeats.Body(f); };
   ForRuns(points.frames(), body, [&](int begin, int end) {
     const int count = end - begin + 1;  // with the frame that is repeated
-    if (count < limits.frozen_frames) return;
+    if (count < limits.frozen_frames || !repeats.AbruptBody(begin - 1, end)) return;
     findings.push_back(FrameFinding("frozen_frames", begin - 1, end, "", count,
                                     Frames(count) + " are equal to the last digit: written twice, or the stream hung"));
     if (count == 2) findings.back().severity = Severity::kInfo;
@@ -78,7 +103,7 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
       const int count = end - begin + 1;
       int others = 0;  // steps in which something else moves
       for (int f = begin; f < end; ++f) others += repeats.Body(f) ? 0 : 1;
-      if (count < limits.held_frames || others == 0) return;
+      if (count < limits.held_frames || others == 0 || !repeats.Abrupt(begin - 1, end, k)) return;
       findings.push_back(FrameFinding("held_joint", begin - 1, end, points.name(k), count,
                                       "'" + points.name(k) + "' stands still to the last digit for " + Frames(count) +
                                           " while other joints move: a gap filled with the last value"));
@@ -121,15 +146,15 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
   });
   for (int k = 0; k < points.count(); ++k) {
     const auto alone = [&](int f) { return zero(f, k) && !all_zero(f); };
+    const bool root = !points.parents.empty() && points.parents[static_cast<std::size_t>(k)] < 0;
     int zeros = 0, seen = 0;
     for (int f = 0; f < points.frames(); ++f) {
       zeros += alone(f) ? 1 : 0;
       seen += points.sees(f, k) && !all_zero(f) ? 1 : 0;
     }
-    if (zeros == seen) continue;  // the clip's origin
-    // The first frame of a clip that starts at the origin.
+    if (root && zeros == seen) continue;  // the clip's origin
     ForRuns(points.frames(), alone, [&](int begin, int end) {
-      if (begin == 0 && end == 1) return;
+      if (root && begin == 0 && end == 1) return;  // a clip that starts there
       findings.push_back(FrameFinding("zero_joint", begin, end, points.name(k), end - begin,
                                       "'" + points.name(k) + "' is at 0 0 0 in " + Frames(end - begin) +
                                           ": a tracker's word for a joint it does not see"));

@@ -14,14 +14,15 @@ struct RepeatLimits {
 ///   "frozen_frames": every joint that is seen repeats; the span is the repeating frames, value their count. Two
 ///                    frames are of severity info.
 ///   "held_joint": one joint repeats and others do not; value the count of frames.
-/// A joint that never moves in the whole clip (the root of many a BVH file) is no held joint, and tells nothing about
-/// whether the others freeze. A clip that never moves is one frozen span.
+/// Stillness that is entered and left softly (by steps below 1 mm, or that grow to more than twice) is meant: authored
+/// and simulated motion stands so. A joint that never moves in the whole clip (the root of many a BVH file) is no held
+/// joint, and tells nothing about whether the others freeze. A clip that never moves is one frozen span.
 std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits& limits = {});
 
 /// Exact zeros that stand as if they were seen.
 ///   "zero_frames": runs of frames in which every joint is at 0 0 0; value the count of frames.
-///   "zero_joint": one joint is at 0 0 0 in these frames while others are not; value the count of frames. A joint that
-///                 is there in every frame is the clip's origin.
+///   "zero_joint": one joint is at 0 0 0 in these frames while others are not; value the count of frames. The root
+///                 may be there in all frames, or in the first: it is the clip's origin.
 ///   "collapsed_frames": all joints (three or more) lie within 2 cm, but elsewhere they make a body, or never do.
 std::vector<Finding> FindBlanks(const TrackedPoints& points);
 

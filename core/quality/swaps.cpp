@@ -5,9 +5,12 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace mocurate {
 namespace {
+
+constexpr double kWeakRatio = 0.6;  // where the other limbs change sides in the same frame
 
 std::string Plain(const std::string& name) {
   std::string plain;
@@ -55,36 +58,43 @@ struct Exchange {
   double ratio = 1.0;
 };
 
+/// `also`: frames in which a weaker sign is enough.
 std::vector<Exchange> Exchanges(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
-                                const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits) {
+                                const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits,
+                                const std::set<int>& also) {
   std::vector<Exchange> exchanges;
   if (pairs.size() < 2) return exchanges;  // one pair alone crosses in any clap
-  const auto seen = [&](int f) {
-    return centres[static_cast<std::size_t>(f)].seen && std::all_of(pairs.begin(), pairs.end(), [&](const auto& pair) {
-             return points.sees(f, pair[0]) && points.sees(f, pair[1]);
-           });
+  const auto seen = [&](int f, const std::array<int, 2>& pair) {
+    return centres[static_cast<std::size_t>(f)].seen && points.sees(f, pair[0]) && points.sees(f, pair[1]);
   };
   const auto at = [&](int f, int k) -> Vector3d {
     return points.at(f, k) - centres[static_cast<std::size_t>(f)].place;
   };
-  const auto repeats = [&](int f, int before) {
-    return std::all_of(pairs.begin(), pairs.end(), [&](const auto& pair) {
-      return points.at(f, pair[0]) == points.at(before, pair[0]) && points.at(f, pair[1]) == points.at(before, pair[1]);
-    });
+  const auto repeats = [&](int f, int before, const std::array<int, 2>& pair) {
+    return points.at(f, pair[0]) == points.at(before, pair[0]) && points.at(f, pair[1]) == points.at(before, pair[1]);
   };
-  int last = -1;
+  std::vector<int> last(pairs.size(), -1);  // where each pair was last seen; a repeated frame is as old as its first
   for (int f = 0; f < points.frames(); ++f) {
-    if (!seen(f) || (last >= 0 && repeats(f, last))) continue;  // a repeated frame is as old as its first
-    const int before = last;
-    last = f;
-    if (before < 0 || points.time_s[f] - points.time_s[before] > limits.gap_s) continue;
     double straight = 0.0, crossed = 0.0;
-    for (const auto& [left, right] : pairs) {
+    std::size_t compared = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto& [left, right] = pairs[i];
+      if (!seen(f, pairs[i]) || (last[i] >= 0 && repeats(f, last[i], pairs[i]))) continue;
+      const int before = last[i];
+      last[i] = f;
+      if (before < 0 || points.time_s[f] - points.time_s[before] > limits.gap_s) continue;
       straight += (at(f, left) - at(before, left)).squaredNorm() + (at(f, right) - at(before, right)).squaredNorm();
       crossed += (at(f, left) - at(before, right)).squaredNorm() + (at(f, right) - at(before, left)).squaredNorm();
+      ++compared;
     }
-    const double rms = std::sqrt(straight / (2.0 * static_cast<double>(pairs.size())));
-    if (rms > limits.step && crossed < limits.ratio * straight) exchanges.push_back({f, crossed / straight});
+    if (compared < 2) continue;
+    const double rms = std::sqrt(straight / (2.0 * static_cast<double>(compared)));
+    const double ratio = also.count(f) != 0 ? std::max(limits.ratio, kWeakRatio) : limits.ratio;
+    if (rms <= limits.step || crossed >= ratio * straight) continue;
+    exchanges.push_back({f, crossed / straight});
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (!seen(f, pairs[i])) last[i] = -1;  // of the old state
+    }
   }
   return exchanges;
 }
@@ -140,8 +150,13 @@ std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& li
   const LimbPairs pairs = FindLimbPairs(points.names);
   const std::vector<BodyCentre> centres = BodyCentres(points);
   std::map<std::pair<int, int>, std::pair<double, std::string>> spans;
+  std::set<int> frames_of[2];
   for (const bool legs : {false, true}) {
-    const auto exchanges = Exchanges(points, centres, legs ? pairs.legs : pairs.arms, limits);
+    for (const Exchange& exchange : Exchanges(points, centres, legs ? pairs.legs : pairs.arms, limits, {}))
+      frames_of[legs ? 1 : 0].insert(exchange.frame);
+  }
+  for (const bool legs : {false, true}) {
+    const auto exchanges = Exchanges(points, centres, legs ? pairs.legs : pairs.arms, limits, frames_of[legs ? 0 : 1]);
     if (exchanges.empty()) continue;
     for (const Span& span : Rarer(exchanges, points.frames())) {
       auto& [ratio, limbs] = spans.emplace(std::pair(span.begin, span.end), std::pair(1.0, "")).first->second;

@@ -25,7 +25,7 @@ LimbPairs FindLimbPairs(const std::vector<std::string>& names);
 /// tracker nothing and a person a somersault. Between two such frames the sides are exchanged; which of the two states
 /// is right is told by which lasts longer in the clip, so that a clip that is wrong throughout is not found here
 /// (handedness tells). "swapped_sides": the span in the rarer state; value: the smallest ratio of squared steps at its
-/// ends. Arms and legs of one span are one finding.
+/// ends. Arms and legs of one span are one finding; where the ones change sides, 0.6 is enough for the others.
 std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& limits = {});
 
 }  // namespace mocurate

@@ -5,6 +5,7 @@
 
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
+#include "ingest/sense/check_report.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -200,6 +201,8 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   Compare("up_contradiction", "up", said.up, m.up, Severity::kError, where, findings);
   Compare("handedness_contradiction", "the frame", said.handedness, m.handedness, Severity::kError, where, findings);
   if (source) CompareRate(clip, *source, where, findings);
+  ReportChecks(clip, said.units.empty() ? m.units.value : said.units, said.up.empty() ? m.up.value : said.up, where,
+               findings);
   return json;
 }
 

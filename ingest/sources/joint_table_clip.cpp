@@ -61,16 +61,6 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
     return Fail(ErrorCode::kInconsistent, "every joint of every frame is 0 0 0", file.name,
                 "the tracker never saw the person: leave the file out");
   }
-  if (zeros > 0) {
-    Finding finding;
-    finding.code = "zero_joints";
-    finding.value = static_cast<double>(zeros);
-    finding.message = std::to_string(zeros) + " of " + std::to_string(tracks.confidence.size()) +
-                      " positions are exactly 0 0 0 and are taken as seen there; if that is the tracker's word for a "
-                      "missing joint, set ingest.source.missing: zero";
-    finding.action = "flagged";
-    ingested.findings.push_back(std::move(finding));
-  }
   const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
   if (!any) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(rows->frames, "frame"), file.name,

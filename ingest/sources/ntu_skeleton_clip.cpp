@@ -1,14 +1,13 @@
 #include <algorithm>
-#include <map>
 
 #include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
+#include "core/quality/tracked_points.h"
+#include "ingest/people/choose_people.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kPresent = 0.5;  // share of the frames of the body that is there longest
 
 /// Names of skeleton ntu25 in the order of the file.
 const char* const kJointNames[kNtuJoints] = {
@@ -17,110 +16,84 @@ const char* const kJointNames[kNtuJoints] = {
     "left_ankle",    "left_foot",      "right_hip",      "right_knee",  "right_ankle",   "right_foot", "spine_shoulder",
     "left_hand_tip", "left_thumb",     "right_hand_tip", "right_thumb"};
 
-/// One id of the file.
-struct Track {
-  std::uint64_t id = 0;
-  std::map<int, const NtuBody*> frames;
-  double energy = 0.0;  ///< summed variance of its joints, m2
-};
-
-double Energy(const Track& track) {
-  double energy = 0.0;
-  for (int j = 0; j < kNtuJoints; ++j) {
-    Vector3d sum = Vector3d::Zero();
-    double squares = 0.0, count = 0.0;
-    for (const auto& [frame, body] : track.frames) {
-      const NtuJoint& joint = body->joints[static_cast<std::size_t>(j)];
-      if (joint.tracking == 0) continue;
-      const Vector3d place(joint.x_m, joint.y_m, joint.z_m);
-      sum += place;
-      squares += place.squaredNorm();
-      count += 1.0;
-    }
-    if (count > 0.0) energy += squares / count - (sum / count).squaredNorm();
-  }
-  return energy;
-}
-
-/// In the order in which they appear.
-std::vector<Track> TracksOf(const NtuSkeleton& skeleton) {
-  std::vector<Track> tracks;
-  for (std::size_t f = 0; f < skeleton.frames.size(); ++f) {
-    for (const NtuBody& body : skeleton.frames[f]) {
-      auto track = std::find_if(tracks.begin(), tracks.end(), [&](const Track& t) { return t.id == body.id; });
-      if (track == tracks.end()) track = tracks.insert(track, Track{body.id, {}, 0.0});
-      track->frames[static_cast<int>(f)] = &body;
-    }
-  }
-  for (Track& track : tracks) track.energy = Energy(track);
-  return tracks;
-}
-
-/// Indices of the `count` people: those there for half as long as the longest before the others, by what they move;
-/// the others by how long they are there. Given in the order in which they appear.
-std::vector<std::size_t> Choose(const std::vector<Track>& tracks, std::size_t count) {
-  std::size_t longest = 0;
-  for (const Track& track : tracks) longest = std::max(longest, track.frames.size());
-  const auto present = [&](std::size_t i) {
-    return static_cast<double>(tracks[i].frames.size()) >= kPresent * static_cast<double>(longest);
-  };
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < tracks.size(); ++i) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (present(a) != present(b)) return present(a);
-    return present(a) ? tracks[a].energy > tracks[b].energy : tracks[a].frames.size() > tracks[b].frames.size();
-  });
-  order.resize(std::min(count, order.size()));
-  std::sort(order.begin(), order.end());
-  return order;
-}
-
 double ConfidenceOf(const NtuJoint& joint, double inferred) {
   const bool nowhere = joint.x_m == 0.0 && joint.y_m == 0.0 && joint.z_m == 0.0;
   if (nowhere || joint.tracking == 0) return 0.0;
   return joint.tracking == 1 ? inferred : 1.0;
 }
 
-Finding BodiesLeftOut(const std::vector<Track>& tracks, const std::vector<std::size_t>& chosen) {
-  std::string which;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    if (std::find(chosen.begin(), chosen.end(), i) != chosen.end()) continue;
-    which += (which.empty() ? "" : ", ") + std::to_string(tracks[i].id) + " in " +
-             Counted(static_cast<long long>(tracks[i].frames.size()), "frame");
+/// The ids of a file in metres and canonical axes, in the order in which they appear.
+std::vector<PersonTrack> TracksOf(const NtuSkeleton& skeleton, const Matrix3d& canonical_from_source, double inferred) {
+  std::vector<PersonTrack> tracks;
+  for (std::size_t f = 0; f < skeleton.frames.size(); ++f) {
+    for (const NtuBody& body : skeleton.frames[f]) {
+      auto track =
+          std::find_if(tracks.begin(), tracks.end(), [&](const PersonTrack& t) { return t.ids[0] == body.id; });
+      if (track == tracks.end()) {
+        track = tracks.insert(track, PersonTrack{{body.id}, {}, {}, {}});
+        track->positions.joints = kNtuJoints;
+      }
+      track->frames.push_back(static_cast<int>(f));
+      ++track->positions.frames;
+      for (const NtuJoint& joint : body.joints) {
+        const double confidence = ConfidenceOf(joint, inferred);
+        const Vector3d raw(joint.x_m, joint.y_m, joint.z_m);
+        const Vector3d place = confidence > 0.0 ? Vector3d(canonical_from_source * raw) : Vector3d(Vector3d::Zero());
+        track->positions.xyz.insert(track->positions.xyz.end(), place.data(), place.data() + 3);
+        track->confidence.push_back(confidence);
+      }
+    }
   }
-  Finding finding;
-  finding.code = "bodies_left_out";
-  finding.value = static_cast<double>(tracks.size() - chosen.size());
-  finding.message = "the file holds " + std::to_string(tracks.size()) + " body ids, ingest.source.bodies asks for " +
-                    std::to_string(chosen.size()) + "; not taken: " + which;
-  finding.action = "left out";
-  return finding;
+  return tracks;
+}
+
+/// Who is who in the file.
+Expected<People> PeopleOf(const NtuSkeleton& skeleton, const SourceOptions& source, std::size_t wanted) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<SkeletonPtr> tree = LoadSkeleton("ntu25");
+  if (!tree) return Forward(tree);
+  const PointBones bones =
+      BonesBetween(std::vector<std::string>(std::begin(kJointNames), std::end(kJointNames)), **tree);
+  const FrameRate rate = FrameRate::FromHz(*source.rate_hz);
+  std::vector<double> time_s;
+  for (std::size_t f = 0; f < skeleton.frames.size(); ++f) time_s.push_back(rate.FrameTime(static_cast<int>(f)));
+  const PeopleOptions& options = source.people;
+  const bool official = options.rule == TrackRule::kOfficial;
+  std::vector<Finding> stitched;
+  std::vector<PersonTrack> tracks = TracksOf(skeleton, axes->canonical_from_source, source.inferred_confidence);
+  if (options.stitch && !official) {
+    const StitchOptions limits{options.max_gap_s, options.max_speed, StitchOptions().slack, options.max_signature};
+    tracks = StitchTracks(std::move(tracks), bones.parents, time_s, limits, stitched);
+  }
+  People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.ghosts, GhostLimits(), bones.parents,
+                               bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
+  people.findings.insert(people.findings.begin(), stitched.begin(), stitched.end());
+  return people;
 }
 
 }  // namespace
 
 Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (!axes) return Forward(axes);
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, file.name, source.damaged_rows);
   if (!skeleton) return Forward(skeleton);
-  const std::vector<Track> bodies = TracksOf(*skeleton);
   const std::size_t wanted = static_cast<std::size_t>(std::max(1, file.named.bodies));
-  const std::vector<std::size_t> chosen = Choose(bodies, wanted);
+  const Expected<People> people = PeopleOf(*skeleton, source, wanted);
+  if (!people) return Forward(people);
   const std::size_t own = static_cast<std::size_t>(std::max(1, file.named.body)) - 1;
-  if (own >= chosen.size()) {
+  if (own >= people->chosen.size()) {
     return Fail(ErrorCode::kInconsistent,
                 "body " + std::to_string(own + 1) + " of " + std::to_string(wanted) + " is not there: the file holds " +
-                    Counted(static_cast<long long>(bodies.size()), "body id") + " in " +
+                    Counted(static_cast<long long>(people->chosen.size()), "body id") + " in " +
                     Counted(static_cast<long long>(skeleton->frames.size()), "frame"),
                 file.name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies");
   }
-  const Track& body = bodies[chosen[own]];
+  const PersonTrack& body = people->chosen[own];
 
   IngestedClip ingested;
   ingested.findings = std::move(skeleton->findings);
-  if (bodies.size() > chosen.size()) ingested.findings.push_back(BodiesLeftOut(bodies, chosen));
+  ingested.findings.insert(ingested.findings.end(), people->findings.begin(), people->findings.end());
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   const int frames = static_cast<int>(skeleton->frames.size());
   JointTracks tracks;
@@ -129,14 +102,14 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   tracks.confidence.assign(static_cast<std::size_t>(frames) * kNtuJoints, 0.0);
   for (int f = 0; f < frames; ++f) tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
   bool seen = false;
-  for (const auto& [f, observed] : body.frames) {
+  for (std::size_t row = 0; row < body.frames.size(); ++row) {
     for (int j = 0; j < kNtuJoints; ++j) {
-      const NtuJoint& joint = observed->joints[static_cast<std::size_t>(j)];
-      const double confidence = ConfidenceOf(joint, source.inferred_confidence);
-      if (confidence <= 0.0) continue;
+      if (!body.sees(row, j)) continue;
       seen = true;
+      const int f = body.frames[row];
+      const double confidence = body.confidence[row * kNtuJoints + static_cast<std::size_t>(j)];
       tracks.confidence[static_cast<std::size_t>(f) * kNtuJoints + static_cast<std::size_t>(j)] = confidence;
-      tracks.positions.at(f, j) = axes->canonical_from_source * Vector3d(joint.x_m, joint.y_m, joint.z_m);
+      tracks.positions.at(f, j) = body.positions.at(static_cast<int>(row), j);
     }
   }
   if (!seen) {
@@ -144,7 +117,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
                 "the tracker lost the person: leave the file out");
   }
   NoteEmptyFrames(tracks, ingested.findings);
-  ingested.clip.provenance["body_id"] = std::to_string(body.id);
+  ingested.clip.provenance["body_id"] = body.Name();
   ingested.clip.evidence.tracks = std::move(tracks);
   return ingested;
 }

@@ -55,7 +55,7 @@ TEST(BadInput, ATableOfZerosIsNoMotionAndSingleZerosAreSaid) {
   const Ingested ingested = RunIngest(Discover(OneFile("zero", "1 2 3\n0 0 0\n"))->items[0], "zero");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
   ASSERT_EQ(ingested.outcome->findings.size(), 1u);
-  EXPECT_EQ(ingested.outcome->findings[0].code, "zero_joints");
+  EXPECT_EQ(ingested.outcome->findings[0].code, "zero_joint");
   EXPECT_EQ(ingested.outcome->findings[0].value, 1.0);
 }
 

@@ -85,6 +85,23 @@ TEST_F(StageVersions, IngestOfABvhFile) {
         {"fixed/ann/kick_ann", OptionsToJson(source), {Input("source", "kick_ann.bvh", "file.bvh")}}, kComputed);
 }
 
+TEST_F(StageVersions, Duplicates) {
+  ItemSpec item{"duplicates", OptionsToJson(CheckOptions()), {}};
+  for (const char* recording : {"r1", "r2", "r3"}) {
+    const Clip clip = TrackedClip("p1", recording, "wave", Exercise(30, recording[1] == '3' ? 0.5 : 1.0));
+    Write(WriteEvidence(clip, Path(recording)));
+    item.inputs.push_back(Input("evidence", std::string("fixed/p1/") + recording, recording));
+  }
+  const Motion motion = Exercise(40, 1.0);
+  for (const char* recording : {"r4", "r5"}) {
+    Clip clip = TrackedClip("p1", "r4", "wave", motion);
+    clip.identity.recording = recording;
+    Write(WriteEvidence(clip, Path(recording)));
+    item.inputs.push_back(Input("evidence", std::string("fixed/p1/") + recording, recording));
+  }
+  Judge(DuplicatesDeclaration(), "duplicates", item, kComputed);
+}
+
 TEST_F(StageVersions, Proportions) {
   ItemSpec item{"p1", {}, {}};
   ProportionsOptions options;

@@ -1,0 +1,128 @@
+#include "ingest/clip_checks.h"
+
+#include <algorithm>
+
+#include "core/base/text.h"
+#include "core/quality/checks.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFewestFrames = 5;  // of a clip that may be lifeless
+
+CheckLimits LimitsOf(const CheckOptions& options) {
+  CheckLimits limits;
+  limits.repeats = {static_cast<int>(options.frozen_frames), static_cast<int>(options.held_frames)};
+  limits.teleports = {options.top_speed, options.tracker_slack, options.reach};
+  limits.swaps.ratio = options.swap_ratio;
+  limits.swaps.step = options.swap_step;
+  limits.rigidity = {options.bone_spread, options.bone_proportion};
+  return limits;
+}
+
+/// Zero, collapsed and frozen frames together.
+void JudgeLife(const CheckOptions& options, int frames, std::vector<Finding>& findings) {
+  std::vector<Finding> dead;
+  for (const Finding& finding : findings) {
+    if (finding.code != "zero_frames" && finding.code != "collapsed_frames" && finding.code != "frozen_frames")
+      continue;
+    dead.push_back(finding);
+    dead.back().code = "lifeless_clip";
+  }
+  const double share = CoveredShare(dead, "lifeless_clip", frames);
+  if (frames < kFewestFrames || share < options.lifeless_share) return;
+  Finding finding = FrameFinding(
+      "lifeless_clip", 0, 0, "", share,
+      "nobody moves or is there in " + Digits(100.0 * share) + " % of " + std::to_string(frames) + " frames");
+  finding.severity = Severity::kError;
+  findings.push_back(std::move(finding));
+}
+
+/// `frames_in_name`: "{first}-{last}", both ends included. Annotation may have gaps, so that fewer frames are right.
+void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings) {
+  if (source.frames_in_name.empty()) return;
+  const std::string text = FillFields(source.frames_in_name, named.fields);
+  const std::size_t dash = text.find('-');
+  const auto first = ParseInteger(text.substr(0, dash));
+  const auto last = dash == std::string::npos ? std::nullopt : ParseInteger(text.substr(dash + 1));
+  if (!first || !last) return;  // CheckName refuses such declarations; a name may still hold letters there
+  const long long said = *last - *first + 1;
+  if (frames <= said) return;
+  findings.push_back(FrameFinding("name_contradiction", 0, 0, "", frames,
+                                  "the name speaks of " + std::to_string(std::max(0LL, said)) + " frames (" + text +
+                                      "), the file holds " + std::to_string(frames)));
+}
+
+/// A motion that was made may stand still; only what a sensor saw cannot. It is then reported, if nothing else is said.
+FindingAction ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
+  const bool unsaid = options.actions.count(code) == 0;
+  if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return FindingAction::kReport;
+  return options.ActionFor(code);
+}
+
+void TakeAsMissing(const Finding& finding, JointTracks& tracks) {
+  const int joints = tracks.positions.joints;
+  const int begin = finding.frame_end > finding.frame_begin ? finding.frame_begin : 0;
+  const int end = finding.frame_end > finding.frame_begin ? finding.frame_end : tracks.positions.frames;
+  for (int k = 0; k < joints; ++k) {
+    if (!finding.joint.empty() && tracks.names[static_cast<std::size_t>(k)] != finding.joint) continue;
+    for (int f = begin; f < end; ++f) {
+      tracks.confidence[static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(k)] = 0.0;
+      tracks.positions.at(f, k).setZero();
+    }
+  }
+}
+
+}  // namespace
+
+ClipPoints::ClipPoints(const Clip& clip, const SkeletonPtr& skeleton) {
+  if (clip.evidence.tracks) {
+    const JointTracks& tracks = *clip.evidence.tracks;
+    positions = &tracks.positions;
+    confidence = &tracks.confidence;
+    time_s = &tracks.time_s;
+    names = tracks.names;
+    if (skeleton) bones = BonesBetween(names, *skeleton);
+  } else if (clip.motion) {
+    const Motion& motion = *clip.motion;
+    positions = &motion.joints;
+    for (int f = 0; f < motion.frame_count(); ++f) own_time_s.push_back(motion.rate.FrameTime(f));
+    confidence = &own_confidence;
+    time_s = &own_time_s;
+    for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
+    bones = BonesBetween(names, *motion.skeleton);
+  }
+}
+
+std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested) {
+  const CheckOptions& options = source.checks;
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  const ClipPoints points(ingested.clip, skeleton ? *skeleton : nullptr);
+  if (points.empty()) return std::nullopt;
+  CheckLimits limits = LimitsOf(options);
+  for (const Finding& finding : ingested.findings) {
+    if (finding.code == "units_contradiction" || finding.code == "up_contradiction") limits.metres = false;
+  }
+  std::vector<Finding> findings = CheckPoints(points.view(), ingested.clip.rate.hz(), limits);
+  JudgeLife(options, points.positions->frames, findings);
+  JudgeName(source, named, points.positions->frames, findings);
+  std::optional<DroppedClip> dropped;
+  for (Finding& finding : findings) {
+    const FindingAction action = ActionFor(options, finding.code, ingested.clip);
+    if (action == FindingAction::kIgnore) continue;
+    if (finding.code.rfind("zero_", 0) == 0)
+      finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    if (action == FindingAction::kMissing && ingested.clip.evidence.tracks) {
+      TakeAsMissing(finding, *ingested.clip.evidence.tracks);
+      finding.action = "taken as missing";
+    }
+    if (action == FindingAction::kDrop) {
+      finding.action = "dropped";
+      if (!dropped) dropped = DroppedClip{finding, options.Threshold(finding.code)};
+    }
+    ingested.findings.push_back(finding);
+  }
+  return dropped;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "core/quality/tracked_points.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+
+/// The points of a clip: its tracks, else the joints of its motion. Nothing for clips without either.
+struct ClipPoints {
+  explicit ClipPoints(const Clip& clip, const SkeletonPtr& skeleton);
+
+  bool empty() const { return positions == nullptr || positions->frames == 0; }
+  TrackedPoints view() const { return {*positions, *confidence, *time_s, names, bones.parents, bones.rest_lengths}; }
+
+  const JointPositions* positions = nullptr;
+  const std::vector<double>* confidence = nullptr;
+  const std::vector<double>* time_s = nullptr;
+  std::vector<std::string> names;
+  PointBones bones;
+  std::vector<double> own_time_s, own_confidence;  ///< of a motion
+};
+
+/// A clip that is left out, by which finding.
+struct DroppedClip {
+  Finding finding;
+  double threshold = 0.0;
+};
+
+/// Asks core/quality what is wrong with the clip, which is in metres and canonical axes, and the name whether it agrees
+/// with the content; appends findings and does about them what `source.checks` says: each finding's action tells.
+/// Samples that are to be missing lose their confidence. Returns the first finding that drops the clip.
+std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested);
+
+}  // namespace mocurate

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <map>
+
+#include "core/base/file.h"
+#include "core/quality/duplicates.h"
+#include "core/store/store.h"
+#include "ingest/clip_checks.h"
+#include "ingest/stages.h"
+
+namespace mocurate {
+namespace {
+
+struct Compared {
+  std::string item, clip, sha256;
+  MotionSignature signature;
+};
+
+Expected<Compared> Read(const StageInput& input) {
+  const auto clip = ReadEvidence(input.path);
+  if (!clip) return Forward(clip);
+  Compared compared{input.name, clip->id(), clip->evidence_sha256, {}};
+  const ClipPoints points(*clip, nullptr);
+  if (!points.empty()) compared.signature = SignatureOf(points.view());
+  return compared;
+}
+
+std::string Span(int begin, int end) { return std::to_string(begin) + "-" + std::to_string(end); }
+
+Finding FindingOf(const Duplicate& pair, const Compared& first, const Compared& second) {
+  const int frames = static_cast<int>(second.signature.poses.size());
+  const bool whole =
+      pair.shared > 0 && pair.shared == frames && first.signature.poses.size() == second.signature.poses.size();
+  Finding finding;
+  if (pair.kind == Duplicate::Kind::kOverlap) {
+    finding = FrameFinding("shared_frames", pair.second_begin, pair.second_end, "", pair.shared,
+                           std::to_string(pair.shared) + " of " + std::to_string(frames) + " frames are those of '" +
+                               first.item + "' (" + Span(pair.second_begin, pair.second_end) + " here, " +
+                               Span(pair.frame_begin, pair.frame_end) + " there)");
+  } else if (pair.kind == Duplicate::Kind::kMirrored) {
+    finding = FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
+                           "the mirror image of '" + first.item + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
+  } else if (whole) {
+    finding = FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first.item + "'");
+  } else {
+    finding = FrameFinding("near_duplicate", 0, 0, "", pair.distance,
+                           "the same motion as '" + first.item + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
+  }
+  finding.clip = second.clip;
+  return finding;
+}
+
+/// Clips without joints, by their source's bytes.
+void CompareContent(const std::vector<Compared>& clips, std::vector<std::pair<std::size_t, Finding>>& found) {
+  std::map<std::string, std::size_t> first;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (clips[i].signature.points > 0 || clips[i].sha256.empty()) continue;
+    const auto [at, fresh] = first.emplace(clips[i].sha256, i);
+    if (fresh) continue;
+    Finding finding = FrameFinding("duplicate", 0, 0, "", 0.0, "the same bytes as '" + clips[at->second].item + "'");
+    finding.clip = clips[i].clip;
+    found.emplace_back(i, std::move(finding));
+  }
+}
+
+}  // namespace
+
+Expected<StageOutcome> DuplicatesStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<CheckOptions>(request.options, "checks");
+  if (!options) return Forward(options);
+  std::vector<Compared> clips;
+  std::vector<MotionSignature> signatures;
+  for (const StageInput& input : request.inputs) {
+    auto read = Read(input);
+    if (!read) return Forward(read);
+    clips.push_back(*std::move(read));
+  }
+  std::sort(clips.begin(), clips.end(), [](const Compared& a, const Compared& b) { return a.item < b.item; });
+  for (Compared& clip : clips) signatures.push_back(std::move(clip.signature));
+  const std::vector<Duplicate> pairs =
+      FindDuplicates(signatures, {options->duplicate_distance, static_cast<int>(options->shared_frames)});
+  for (std::size_t i = 0; i < clips.size(); ++i) clips[i].signature = std::move(signatures[i]);
+  std::vector<std::pair<std::size_t, Finding>> found;
+  for (const Duplicate& pair : pairs) {
+    found.emplace_back(pair.second, FindingOf(pair, clips[pair.first], clips[pair.second]));
+  }
+  CompareContent(clips, found);
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+
+  StageOutcome outcome;
+  outcome.summary = {
+      {"clips", clips.size()}, {"items", nlohmann::json::array()}, {"dropped", nlohmann::json::object()}};
+  for (auto& [clip, finding] : found) {
+    const FindingAction action = options->ActionFor(finding.code);
+    if (action == FindingAction::kIgnore) continue;
+    if (action == FindingAction::kDrop) {
+      finding.action = "dropped";
+      outcome.summary["dropped"].emplace(clips[clip].item, options->Threshold(finding.code));
+    }
+    outcome.summary["items"].push_back(clips[clip].item);
+    outcome.findings.push_back(std::move(finding));
+  }
+  if (Status written = WriteFile(request.output, nlohmann::json(outcome.findings).dump(1) + "\n"); !written) {
+    return Forward(written);
+  }
+  return outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+
+#include "ingest/options.h"
+#include "ingest/people/person_tracks.h"
+
+namespace mocurate {
+
+/// What a tracker follows that is nobody.
+struct GhostLimits {
+  int fewest_frames = 8;  ///< "short": fewer frames, or less than `least_share` of the file's
+  double least_share = 0.05;
+  double still = 0.004;  ///< "frozen": metres that the joints move about their mean (median of the joints)
+  double flat =
+      0.5;  ///< "furniture": height over width that the box around the body reaches in no third of its frames ...
+  double proportion = 0.35;  ///< ... or bones whose log lengths are so far from a person's, or ...
+  double spread = 0.3;       ///< ... change their length by so much
+  double together = 0.25;    ///< "double": metres between its middle and another's in most frames they share
+};
+
+/// Who is there: `chosen` in order of their first frames, and what became of the others.
+struct People {
+  std::vector<PersonTrack> chosen;
+  std::vector<PersonTrack> others;  ///< sound, but not asked for
+  std::vector<PersonTrack> ghosts;
+  std::vector<Finding> findings;  ///< "ghost_body" with the reason, "bodies_left_out", "second_person"
+};
+
+/// Sets ghosts aside (but never all: of ghosts alone those that move most are taken, and told; kOfficial knows none),
+/// ranks the rest by `rule` and takes `wanted`. `frames` of the file; `rest_lengths` (K) of a person's bones. A person
+/// beyond the wanted who is there in half of the frames and moves as much as the last chosen is told as "second_person"
+/// (warning): a name that speaks of fewer people than there are.
+People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRule rule, bool look_for_ghosts,
+                    const GhostLimits& limits, const std::vector<int>& parents, const std::vector<double>& rest_lengths,
+                    int frames);
+
+}  // namespace mocurate

@@ -1,0 +1,241 @@
+#include "ingest/people/uestc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/text.h"
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kDriftPerFrame = 10.0;  // pixels that a person may have moved on for each lost frame
+constexpr std::size_t kPoseJoints = 24;
+
+using Quaternion = Eigen::Vector4d;  // (w, x, y, z), as it comes: signs matter here
+
+/// Every field of a track that has one row per frame.
+struct Field {
+  std::vector<double> VibeTrack::*values;
+  std::size_t columns;
+};
+
+std::vector<Field> FieldsOf(const VibeTrack& track) {
+  return {{&VibeTrack::joints3d, track.joints * 3}, {&VibeTrack::betas, 10}, {&VibeTrack::original_camera, 4},
+          {&VibeTrack::predicted_camera, 3},        {&VibeTrack::boxes, 4},  {&VibeTrack::pose, kPoseJoints * 3}};
+}
+
+std::int64_t Begin(const VibeTrack& track) { return track.frame_ids.front(); }
+std::int64_t End(const VibeTrack& track) { return track.frame_ids.back(); }
+
+Vector2d BoxCentre(const VibeTrack& track, std::size_t row) { return {track.boxes[4 * row], track.boxes[4 * row + 1]}; }
+
+double BoxSize(const VibeTrack& track, std::size_t row) {
+  return std::max(track.boxes[4 * row + 2], track.boxes[4 * row + 3]);
+}
+
+Status Check(const std::vector<VibeTrack>& tracks) {
+  if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "nobody was found in the video", "tracks");
+  for (const VibeTrack& track : tracks) {
+    const std::string name = "track " + std::to_string(track.id);
+    if (track.frames == 0 || track.frame_ids.size() != track.frames)
+      return Fail(ErrorCode::kInconsistent, name + " does not say its frames", "frame_ids");
+    if (track.boxes.size() != 4 * track.frames)
+      return Fail(ErrorCode::kInconsistent, name + " has no box per frame", "bboxes",
+                  "the performer is told from others by boxes");
+    for (const Field& field : FieldsOf(track)) {
+      const std::vector<double>& values = track.*(field.values);
+      if (!values.empty() && values.size() != field.columns * track.frames)
+        return Fail(ErrorCode::kInconsistent, name + " has a field that is not as long as its frames", "tracks");
+      const bool unlike =
+          values.empty() != (tracks.front().*(field.values)).empty() || track.joints != tracks.front().joints;
+      if (unlike) return Fail(ErrorCode::kInconsistent, name + " has other fields than the first", "tracks");
+    }
+  }
+  return {};
+}
+
+/// Which of `rivals` (indices) is the person.
+std::size_t Choose(const std::vector<VibeTrack>& tracks, const std::vector<std::size_t>& rivals, const Vector2d& last,
+                   UestcRule rule) {
+  const auto distance = [&](std::size_t i) { return (BoxCentre(tracks[i], 0) - last).norm(); };
+  const auto nearest = *std::min_element(rivals.begin(), rivals.end(),
+                                         [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+  if (rule == UestcRule::kPublished || distance(nearest) > 0.5 * BoxSize(tracks[nearest], 0)) return nearest;
+  std::size_t best = nearest;
+  for (const std::size_t i : rivals) {
+    const bool near = distance(i) <= 0.5 * BoxSize(tracks[i], 0);
+    if (near && Begin(tracks[i]) < Begin(tracks[best])) best = i;
+  }
+  return best;
+}
+
+Quaternion QuaternionOf(const double* axis_angle, double sign) {
+  const Vector3d vector = sign * Vector3d(axis_angle[0], axis_angle[1], axis_angle[2]);
+  const double angle = vector.norm();
+  const double factor = angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  return {std::cos(0.5 * angle), factor * vector.x(), factor * vector.y(), factor * vector.z()};
+}
+
+Vector3d AxisAngleOf(const Quaternion& q) {
+  const Vector3d vector = q.tail<3>();
+  const double half = std::atan2(vector.norm(), q[0]);
+  const double angle = 2.0 * half;
+  const double factor = std::abs(angle) < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(half) / angle;
+  return vector / factor;
+}
+
+Vector3d Between(const double* from, const double* to, double share, bool root, UestcRule rule) {
+  const Quaternion q0 = QuaternionOf(from, 1.0), q1 = QuaternionOf(to, 1.0);
+  if (rule == UestcRule::kCorrected) {
+    const Quaterniond a(q0[0], q0[1], q0[2], q0[3]), b(q1[0], q1[1], q1[2], q1[3]);
+    return LogQuaternion(Slerp(a, b, share));
+  }
+  const Quaternion inverse = QuaternionOf(to, -1.0);
+  const Quaternion target = root && (q0 - inverse).norm() < (q0 - q1).norm() ? inverse : q1;
+  const Quaternion mixed = (1.0 - share) * q0 + share * target;
+  return AxisAngleOf(mixed.norm() > 0.0 ? Quaternion(mixed / mixed.norm()) : q0);
+}
+
+/// Tracks one after the other, and the frames between them.
+void Append(const VibeTrack& piece, UestcRule rule, UestcPerson& person) {
+  VibeTrack& track = person.track;
+  for (std::size_t row = 0; row < piece.frames; ++row) {
+    if (track.frames > 0) {
+      const std::int64_t last = End(track), next = piece.frame_ids[row];
+      const std::size_t begin = track.frames - 1;
+      for (std::int64_t frame = last + 1; frame < next; ++frame) {
+        const double share = static_cast<double>(frame - last) / static_cast<double>(next - last);
+        for (const Field& field : FieldsOf(piece)) {
+          const std::vector<double>& to = piece.*(field.values);
+          std::vector<double>& values = track.*(field.values);
+          if (to.empty()) continue;
+          std::vector<double> filled(field.columns);
+          const double* a = values.data() + begin * field.columns;
+          const double* b = to.data() + row * field.columns;
+          if (field.values == &VibeTrack::pose) {
+            for (std::size_t j = 0; j < kPoseJoints; ++j) {
+              const Vector3d turned = Between(a + 3 * j, b + 3 * j, share, j == 0, rule);
+              std::copy(turned.data(), turned.data() + 3, filled.begin() + static_cast<std::ptrdiff_t>(3 * j));
+            }
+          } else {
+            for (std::size_t i = 0; i < field.columns; ++i) filled[i] = (1.0 - share) * a[i] + share * b[i];
+          }
+          values.insert(values.end(), filled.begin(), filled.end());
+        }
+        track.frame_ids.push_back(frame);
+        person.interpolated.push_back(1);
+        ++track.frames;
+      }
+    }
+    for (const Field& field : FieldsOf(piece)) {
+      const std::vector<double>& from = piece.*(field.values);
+      if (from.empty()) continue;
+      const auto at = from.begin() + static_cast<std::ptrdiff_t>(row * field.columns);
+      (track.*(field.values))
+          .insert((track.*(field.values)).end(), at, at + static_cast<std::ptrdiff_t>(field.columns));
+    }
+    track.frame_ids.push_back(piece.frame_ids[row]);
+    person.interpolated.push_back(0);
+    ++track.frames;
+  }
+}
+
+void NoteFilled(UestcPerson& person) {
+  const std::vector<char>& filled = person.interpolated;
+  for (std::size_t f = 0; f < filled.size(); ++f) {
+    if (filled[f] == 0) continue;
+    const std::size_t begin = f;
+    while (f < filled.size() && filled[f] != 0) ++f;
+    Finding finding =
+        FrameFinding("frames_filled", static_cast<int>(begin), static_cast<int>(f), "", static_cast<double>(f - begin),
+                     std::to_string(f - begin) + " frames without the person are interpolated");
+    finding.severity = Severity::kInfo;
+    finding.action = "interpolated";
+    person.findings.push_back(std::move(finding));
+  }
+}
+
+}  // namespace
+
+Vector2d UestcStart(const std::vector<Vector3d>& kinect_joints) {
+  Vector2d low = Vector2d::Zero(), high = Vector2d::Zero();
+  for (std::size_t j = 0; j < kinect_joints.size(); ++j) {
+    const Vector3d& p = kinect_joints[j];
+    Vector2d pixel(540.0 * p.x() + 480.0 * p.z(), -540.0 * p.y() + 270.0 * p.z());
+    if (p.z() != 0.0) pixel /= p.z();
+    low = j == 0 ? pixel : Vector2d(low.cwiseMin(pixel));
+    high = j == 0 ? pixel : Vector2d(high.cwiseMax(pixel));
+  }
+  return 0.5 * (low + high);
+}
+
+Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, UestcRule rule) {
+  if (Status ok = Check(tracks); !ok) return Forward(ok);
+  UestcPerson person;
+  person.track.joints = tracks.front().joints;
+  person.track.id = tracks.front().id;
+  std::vector<std::size_t> remaining(tracks.size());
+  std::iota(remaining.begin(), remaining.end(), std::size_t{0});
+  Vector2d last = start;
+  while (!remaining.empty()) {
+    const std::size_t first = *std::min_element(remaining.begin(), remaining.end(), [&](std::size_t a, std::size_t b) {
+      return Begin(tracks[a]) < Begin(tracks[b]);
+    });
+    std::vector<std::size_t> rivals;
+    for (const std::size_t i : remaining) {
+      if (Begin(tracks[i]) <= End(tracks[first])) rivals.push_back(i);
+    }
+    const std::size_t taken = rivals.size() == 1 ? first : Choose(tracks, rivals, last, rule);
+    const VibeTrack& track = tracks[taken];
+    const double distance = (BoxCentre(track, 0) - last).norm();
+    if (rule == UestcRule::kCorrected && !person.chosen.empty()) {
+      const double lost = static_cast<double>(Begin(track) - End(person.track));
+      const double size = BoxSize(person.track, person.track.frames - 1);
+      if (distance > size + kDriftPerFrame * lost) {
+        person.findings.push_back(
+            FrameFinding("other_person", static_cast<int>(Begin(track)), static_cast<int>(End(track)) + 1, "", distance,
+                         "track " + std::to_string(track.id) + " begins " + Digits(distance) +
+                             " pixels from where the person was, who is " + Digits(size) + " high: somebody else"));
+        person.findings.back().action = "left out";
+        remaining.erase(std::find(remaining.begin(), remaining.end(), taken));
+        continue;
+      }
+    }
+    Append(track, rule, person);
+    person.chosen.push_back(track.id);
+    last = BoxCentre(track, track.frames - 1);
+    const std::int64_t end = End(track);
+    remaining.erase(
+        std::remove_if(remaining.begin(), remaining.end(), [&](std::size_t i) { return Begin(tracks[i]) <= end; }),
+        remaining.end());
+  }
+  NoteFilled(person);
+  return person;
+}
+
+Expected<std::vector<Vector3d>> UestcTranslation(const std::vector<double>& original_camera) {
+  if (original_camera.size() % 4 != 0) {
+    return Fail(ErrorCode::kInconsistent, "a camera has four numbers (sx, sy, tx, ty)", "orig_cam");
+  }
+  std::vector<Vector3d> translation;
+  for (std::size_t f = 0; 4 * f < original_camera.size(); ++f) {
+    const double scale = original_camera[4 * f];
+    if (!(scale > 0.0)) {
+      return Fail(ErrorCode::kInconsistent, "the scale is " + FormatDouble(scale) + " in frame " + std::to_string(f),
+                  "orig_cam", "a weak-perspective camera has a positive scale");
+    }
+    translation.emplace_back(original_camera[4 * f + 2], original_camera[4 * f + 3], 500.0 / (270.0 * scale));
+  }
+  for (std::size_t f = translation.size(); f-- > 0;) translation[f] -= translation[0];
+  return translation;
+}
+
+Matrix3d UestcWorldFromView(int view, int side) {
+  if (side == 1) return Matrix3d::Identity();
+  constexpr double kPi = 3.14159265358979323846;
+  return ExpMatrix(Vector3d(0.0, -view * kPi / 4.0, 0.0));
+}
+
+}  // namespace mocurate

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/formats/vibe_pickle.h"
+#include "core/geometry/rotation.h"
+
+namespace mocurate {
+
+/// How ACTOR picks the performer of a UESTC video among VIBE's tracks (Petrovich et al. 2021, released preprocessing).
+enum class UestcRule {
+  /// As released. While tracks remain: the one that begins first, against all that begin before it ends; the nearest by
+  /// its first box to where the person was last is taken, and all that begin before it ends are gone. In gaps all
+  /// numbers are weighted linearly, quaternions without aligning their signs, and the root goes towards the *inverse*
+  /// of the next rotation where that quaternion is nearer.
+  kPublished,
+  /// The same with three faults mended: of the rivals near enough to be the person the one that begins first is taken,
+  /// so that no frames are lost to a later detection; a track that is farther than a body's size is somebody else, also
+  /// when it has no rival; gaps are filled along the shortest arc.
+  kCorrected,
+};
+
+/// The performer of a video, one frame after the other.
+struct UestcPerson {
+  VibeTrack track;                   ///< frame_ids without gaps
+  std::vector<std::int64_t> chosen;  ///< ids of the tracks, in order
+  std::vector<char> interpolated;    ///< (F) 1: filled
+  std::vector<Finding> findings;     ///< "frames_filled" (info), "other_person" (corrected: tracks passed over)
+};
+
+/// Where the performer is in the colour image (960 x 540): the centre of the box around the 25 joints of the sensor's
+/// first frame (metres, y up, z away), projected with focal length 540 and the centre at (480, 270) after y is negated;
+/// joints with z = 0 stay unprojected, as released.
+Vector2d UestcStart(const std::vector<Vector3d>& kinect_joints);
+
+/// `tracks` need frame_ids, boxes and pose; `start`: UestcStart. One track is taken as it is, only filled. Error
+/// kInconsistent: no track, or a field of another length.
+Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, UestcRule rule);
+
+/// Weak-perspective camera (F x 4: sx, sy, tx, ty) -> root translation (F), minus that of the first frame: (tx, ty, z)
+/// with z = 500 / (270 sx): focal length 500, image 540 (the released ratio of heights of body and picture, in which
+/// the body cancels). VIBE's units and axes. Error kInconsistent: a scale that is not positive.
+Expected<std::vector<Vector3d>> UestcTranslation(const std::vector<double>& original_camera);
+
+/// World from the camera of a video: views of side 2 stand at multiples of 45 degrees, side 1 is the front. Rotates
+/// root rotations, joints and translations alike.
+Matrix3d UestcWorldFromView(int view, int side);
+
+}  // namespace mocurate

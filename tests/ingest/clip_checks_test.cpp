@@ -1,0 +1,311 @@
+// What the checks find in the recorded sets, clip by clip: each was looked at and is as it says. And what is done about
+// planted defects.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "ingest/known_issues.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// "recording code joint begin-end" of every finding of a check in a source.
+std::vector<std::string> Found(const std::string& source, const std::vector<std::string>& assignments = {}) {
+  std::vector<std::string> lines;
+  const auto discovery = Discover(Declared(source, assignments));
+  if (!discovery) {
+    ADD_FAILURE() << discovery.error().Message();
+    return lines;
+  }
+  for (const ItemSpec& item : discovery->items) {
+    StageRequest request;
+    request.item = item.item;
+    request.options = item.options;
+    request.inputs = item.inputs;
+    request.output = FreshFolder("checks_" + source) / "clip.h5";
+    const auto outcome = IngestStage(request);
+    if (!outcome) continue;
+    for (const Finding& finding : outcome->findings) {
+      if (CheckCodes().count(finding.code) == 0) continue;
+      lines.push_back(item.item.substr(item.item.rfind('/') + 1) + " " + finding.code +
+                      (finding.joint.empty() ? "" : " " + finding.joint) + " " + std::to_string(finding.frame_begin) +
+                      "-" + std::to_string(finding.frame_end));
+    }
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+/// Pairs that the whole-set comparison finds in a source: "later code".
+std::vector<std::string> Repeated(const std::string& source, const std::vector<std::string>& assignments = {}) {
+  const IngestOptions options = Declared(source, assignments);
+  const auto discovery = Discover(options);
+  const auto folder = FreshFolder("repeated_" + source);
+  StageRequest all;
+  all.item = "duplicates";
+  all.options = OptionsToJson(options.source.checks);
+  all.output = folder / "found.json";
+  for (const ItemSpec& item : discovery->items) {
+    StageRequest request;
+    request.item = item.item;
+    request.options = item.options;
+    request.inputs = item.inputs;
+    request.output = folder / (std::to_string(all.inputs.size()) + ".h5");
+    const auto outcome = IngestStage(request);
+    if (outcome && HasArtifact(outcome->kind)) all.inputs.push_back({"evidence", item.item, request.output, ""});
+  }
+  const auto outcome = DuplicatesStage(all);
+  std::vector<std::string> lines;
+  if (!outcome) {
+    ADD_FAILURE() << outcome.error().Message();
+    return lines;
+  }
+  for (std::size_t i = 0; i < outcome->findings.size(); ++i) {
+    const std::string item = outcome->summary["items"][i];
+    const std::string& message = outcome->findings[i].message;
+    const std::size_t begin = message.find('\'') + 1;
+    const std::string other = message.substr(begin, message.find('\'', begin) - begin);
+    lines.push_back(item.substr(item.rfind('/') + 1) + " " + outcome->findings[i].code + " " +
+                    other.substr(other.rfind('/') + 1));
+  }
+  return lines;
+}
+
+class RecordedSets : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+};
+
+TEST_F(RecordedSets, KardHoldsTheHeadAtTimesAndStartsOneWalkElsewhere) {
+  EXPECT_THAT(Found("kard"), ElementsAre("a01_s08_e01 held_joint head 39-48", "a04_s03_e02 held_joint head 92-96",
+                                         "a06_s08_e02 held_joint head 27-55", "a06_s08_e03 held_joint head 27-40",
+                                         "a08_s08_e03 held_joint head 38-49", "a14_s02_e03 held_joint left_hand 81-84",
+                                         "a14_s04_e01 teleport 0-1", "a16_s08_e03 held_joint head 45-67"));
+  EXPECT_THAT(Repeated("kard"), IsEmpty()) << "there are no duplicate files";
+}
+
+TEST_F(RecordedSets, MsrAction3dSwapsSidesWhereItsTrackerTakesThePersonForTurnedAround) {
+  EXPECT_THAT(Found("msr_action3d"), ElementsAre("a01_s02_e01 swapped_sides 48-55", "a01_s02_e02 frozen_frames 25-27",
+                                                 "a02_s08_e03 swapped_sides 0-11", "a12_s08_e02 frozen_frames 11-13",
+                                                 "a13_s08_e01 swapped_sides 52-55", "a14_s03_e03 frozen_frames 24-26",
+                                                 "a17_s03_e02 swapped_sides 0-6", "a18_s04_e01 swapped_sides 39-48",
+                                                 "a19_s09_e02 swapped_sides 26-37"));
+}
+
+TEST_F(RecordedSets, ClipsOfMsrAction3dAndUtKinectThatShareFramesAreCutsOfOneRecording) {
+  EXPECT_THAT(Repeated("msr_action3d", {"ingest.source.known_issues=report"}),
+              ElementsAre("a05_s01_e02 shared_frames a05_s01_e01", "a13_s02_e03 shared_frames a13_s02_e02",
+                          "a14_s09_e01 shared_frames a13_s09_e03", "a14_s09_e02 shared_frames a13_s09_e03",
+                          "a14_s09_e03 shared_frames a13_s09_e03"));
+  EXPECT_THAT(Repeated("utkinect"), IsEmpty()) << "neighbours share three frames at most";
+}
+
+TEST_F(RecordedSets, NothingIsWrongWithTheOthers) {
+  for (const char* source : {"utkinect", "florence3d", "cad60", "ntu", "bandai2", "hdm05", "cmu_amc"}) {
+    EXPECT_THAT(Found(source), IsEmpty()) << source;
+  }
+  for (const char* source : {"florence3d", "cad60", "ntu", "bandai2", "hdm05"}) {
+    EXPECT_THAT(Repeated(source), IsEmpty()) << source;
+  }
+}
+
+TEST_F(RecordedSets, WhoeverJumpsOrRunsTellsThatTheRateWasMarkedTwiceTooHigh) {
+  // Marked 240 Hz where it is 120, and 60 where it is 30.
+  EXPECT_THAT(Found("cmu_amc",
+                    {"ingest.source.rate=240 Hz", "ingest.source.files='01_{take:2}.amc'", "ingest.source.person='1'",
+                     "ingest.source.recording='{take}'", "ingest.source.skeleton_files=01.asf"}),
+              ElementsAre(HasSubstr("rate_doubtful")));
+}
+
+TEST_F(RecordedSets, TheListedSkeletonsOfMsrAction3dAreFoundByTheirBlankFrames) {
+  // Two of the nine that are here (a02_s03_e02, a04_s03_e01) are whole: what is wrong with them lies elsewhere.
+  const auto issues = KnownIssues::Load({"msr_action3d_excluded"});
+  ASSERT_TRUE(issues) << issues.error().Message();
+  const auto discovery = Discover(Declared("msr_action3d", {"ingest.source.known_issues=report"}));
+  int listed = 0, found = 0;
+  for (const ItemSpec& item : discovery->items) {
+    if (!issues->Find(item.item.substr(item.item.rfind('/') + 1))) continue;
+    ++listed;
+    EXPECT_TRUE(item.options.contains("known_issue"));
+    StageRequest request;
+    request.item = item.item;
+    request.options = item.options;
+    request.inputs = item.inputs;
+    request.output = FreshFolder("listed") / "clip.h5";
+    const auto outcome = IngestStage(request);
+    bool blank = !outcome;
+    for (const Finding& finding : outcome ? outcome->findings : std::vector<Finding>()) {
+      blank |= finding.code == "no_joint_seen";
+    }
+    found += blank ? 1 : 0;
+  }
+  EXPECT_EQ(listed, 9);
+  EXPECT_EQ(found, 7);
+}
+
+TEST_F(RecordedSets, TheListOfNtu60IsPartOfThatOfNtu120AndNoFileHereIsOnIt) {
+  const auto small = KnownIssues::Load({"ntu60_missing_skeletons"});
+  const auto large = KnownIssues::Load({"ntu120_missing_skeletons"});
+  ASSERT_TRUE(small && large);
+  EXPECT_TRUE(small->Find("S001C002P005R002A008"));
+  EXPECT_TRUE(large->Find("S001C002P005R002A008"));
+  EXPECT_TRUE(large->Find("nturgb+d_skeletons.S001C002P005R002A008"));
+  EXPECT_FALSE(large->Find("S001C001P001R001A011"));
+  const auto discovery = Discover(Declared("ntu"));
+  for (const ItemSpec& item : discovery->items) EXPECT_FALSE(item.options.contains("known_issue"));
+}
+
+TEST(KnownIssueLists, AnUnknownListIsAnErrorThatNamesTheNearest) {
+  const auto issues = KnownIssues::Load({"ntu60_missing_skeleton"});
+  ASSERT_FALSE(issues);
+  EXPECT_THAT(issues.error().Message(), HasSubstr("did you mean 'ntu60_missing_skeletons'?"));
+  EXPECT_TRUE(MatchesWildcard("*50002_one*", "DFaust_67.50002.50002_one_leg_jump_poses"));
+  EXPECT_FALSE(MatchesWildcard("50002_one", "DFaust_67.50002_one_leg_jump"));
+}
+
+TEST(KnownIssueLists, AFileOfOnesOwnDropsReportsOrIsIgnoredAndMustSayItsSource) {
+  IngestOptions options = SmallTable(FreshFolder("listed_own"));
+  for (const char* name : {"a1_s1.txt", "a2_s1.txt"}) {
+    Put(options.path / name, "1 2 3\n4 5 6\n1 3 3\n4 6 6\n2 3 3\n5 6 7\n");
+  }
+  const auto list = FreshFolder("listed_file") / "mine.yaml";
+  Put(list, "issues:\n  - {kind: broken, source: me, note: falls over, clips: [a1_s1]}\n");
+  options.source.known_issue_lists = {list.string()};
+  options.source.known_issues = KnownIssueAction::kDrop;
+  auto discovery = Discover(options);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_EQ(discovery->items.size(), 1u);
+  EXPECT_EQ(discovery->left_out.at(0).outcome.findings.at(0).code, "known_issue");
+  EXPECT_THAT(discovery->left_out.at(0).outcome.error.what, HasSubstr("broken: falls over (me)"));
+  options.source.known_issues = KnownIssueAction::kReport;
+  discovery = Discover(options);
+  ASSERT_EQ(discovery->items.size(), 2u);
+  const Ingested told = RunIngest(discovery->items.at(0), "told");
+  ASSERT_TRUE(told.outcome) << told.outcome.error().Message();
+  EXPECT_EQ(told.outcome->findings.at(0).code, "known_issue");
+  options.source.known_issues = KnownIssueAction::kIgnore;
+  EXPECT_EQ(RunIngest(Discover(options)->items.at(0), "silent").outcome->findings.size(), 0u);
+  Put(list, "issues:\n  - {kind: broken, clips: [a1_s1]}\n");
+  ASSERT_FALSE(Discover(options));
+  EXPECT_THAT(Discover(options).error().Message(), HasSubstr("does not say its source"));
+}
+
+/// A table of KARD's joints in which somebody sways, changed by `plant`.
+template <class Plant>
+IngestOptions Swaying(const std::string& folder, Plant plant) {
+  IngestOptions options = Declared("kard");
+  options.path = FreshFolder(folder);
+  const double rest[15][3] = {{0, 1600, 0},    {0, 1400, 0},    {200, 1380, 0},  {420, 1200, 0}, {600, 1000, 0},
+                              {-200, 1380, 0}, {-420, 1200, 0}, {-600, 1000, 0}, {0, 1150, 0},   {100, 900, 0},
+                              {100, 500, 0},   {100, 100, 0},   {-100, 900, 0},  {-100, 500, 0}, {-100, 100, 0}};
+  std::string text;
+  for (int f = 0; f < 40; ++f) {
+    for (int j = 0; j < 15; ++j) {
+      Vector3d place(rest[j][0] + 80.0 * std::sin(0.2 * f + 0.1 * j), rest[j][1], 2500.0 + 2.0 * f + j);
+      plant(f, j, place);
+      char row[96];
+      std::snprintf(row, sizeof row, "%.3f %.3f %.3f\n", place.x(), place.y(), place.z());
+      text += row;
+    }
+  }
+  Put(options.path / "a01_s01_e01_realworld.txt", text);
+  return options;
+}
+
+Ingested OnlyClip(const IngestOptions& options, const std::string& name) {
+  return RunIngest(Discover(options)->items.at(0), name);
+}
+
+TEST(ClipChecks, FiveFramesAKilometreAwayAreFoundNotRefusedAndMayBeTakenAsMissing) {
+  IngestOptions options =
+      Swaying("far", [](int f, int, Vector3d& place) { place.z() += f >= 20 && f < 25 ? 2e6 : 0.0; });
+  const Ingested told = OnlyClip(options, "far");
+  ASSERT_TRUE(told.outcome) << told.outcome.error().Message();
+  ASSERT_EQ(told.outcome->findings.size(), 1u);
+  EXPECT_EQ(told.outcome->findings[0].code, "teleport");
+  EXPECT_EQ(told.outcome->findings[0].frame_begin, 20);
+  EXPECT_NEAR(told.outcome->findings[0].value, 2000.0, 1.0);
+  EXPECT_EQ(told.outcome->summary["missing_share"], 0.0) << "by default it is told only";
+  options.source.checks.actions = {{"teleport", "missing"}};
+  const Ingested missing = OnlyClip(options, "far");
+  ASSERT_TRUE(missing.outcome);
+  EXPECT_EQ(missing.outcome->findings[0].action, "taken as missing");
+  EXPECT_DOUBLE_EQ(missing.outcome->summary["missing_share"].get<double>(), 5.0 / 40.0);
+}
+
+TEST(ClipChecks, WhatIsToBeDroppedIsLeftOutByARuleWithValueAndLimit) {
+  IngestOptions options = Swaying("swap", [](int, int, Vector3d&) {});
+  EXPECT_TRUE(OnlyClip(options, "sound").outcome->findings.empty());
+  options = Swaying("hangs", [](int f, int j, Vector3d& place) {
+    if (f >= 1) place = Vector3d(10.0 * j, 100.0 * j, 2500.0);
+  });
+  StageRequest request;
+  const ItemSpec item = Discover(options)->items.at(0);
+  request.item = item.item;
+  request.options = item.options;
+  request.inputs = item.inputs;
+  request.output = FreshFolder("hangs_out") / "clip.h5";
+  auto outcome = IngestStage(request);
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  EXPECT_EQ(outcome->kind, OutcomeKind::kLeftOut);
+  EXPECT_EQ(outcome->findings.back().action, "dropped");
+  EXPECT_THAT(outcome->findings.back().code, ::testing::AnyOf("lifeless_clip", "not_joint_positions"));
+  EXPECT_GT(outcome->summary["threshold"].get<double>(), 0.0);
+  EXPECT_FALSE(std::filesystem::exists(request.output));
+}
+
+TEST(ClipChecks, AnActionOrCodeThatThereIsNotIsAnError) {
+  IngestOptions options = Swaying("actions", [](int, int, Vector3d&) {});
+  options.source.checks.actions = {{"teleports", "drop"}};
+  EXPECT_THAT(Discover(options).error().Message(), HasSubstr("did you mean 'teleport'?"));
+  options.source.checks.actions = {{"teleport", "remove"}};
+  EXPECT_THAT(Discover(options).error().Message(), HasSubstr("is nothing to do about 'teleport'"));
+}
+
+TEST(ClipChecks, AnArrayLongerThanItsNameSaysContradictsIt) {
+  IngestOptions options = Swaying("name", [](int, int, Vector3d&) {});
+  std::filesystem::rename(options.path / "a01_s01_e01_realworld.txt", options.path / "s01a01F0100T0138.txt");
+  options.source.files = "s{person:2}a{action:2}F{first:4}T{last:4}.txt";
+  options.source.recording = "{first}";
+  options.source.frames_in_name = "{first}-{last}";
+  const Ingested ingested = OnlyClip(options, "name");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+  EXPECT_EQ(ingested.outcome->findings[0].code, "name_contradiction");
+  EXPECT_EQ(ingested.outcome->findings[0].message, "the name speaks of 39 frames (0100-0138), the file holds 40");
+}
+
+TEST(ClipChecks, OneTakeUnderTwoNamesIsOneAndMayBeDropped) {
+  IngestOptions options = Swaying("twice", [](int, int, Vector3d&) {});
+  std::filesystem::copy_file(options.path / "a01_s01_e01_realworld.txt", options.path / "a02_s01_e01_realworld.txt");
+  StageRequest all;
+  all.options = OptionsToJson(options.source.checks);
+  all.output = FreshFolder("twice_out") / "found.json";
+  const auto discovery = Discover(options);
+  for (const ItemSpec& item : discovery->items) {
+    const Ingested ingested = RunIngest(item, "twice" + std::to_string(all.inputs.size()));
+    all.inputs.push_back({"evidence", item.item, ingested.artifact, ""});
+  }
+  auto outcome = DuplicatesStage(all);
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  ASSERT_EQ(outcome->findings.size(), 1u);
+  EXPECT_EQ(outcome->findings[0].code, "duplicate");
+  EXPECT_EQ(outcome->summary["items"][0], "kard/s01/a02_s01_e01");
+  EXPECT_TRUE(outcome->summary["dropped"].empty());
+  options.source.checks.actions = {{"duplicate", "drop"}};
+  all.options = OptionsToJson(options.source.checks);
+  EXPECT_TRUE(DuplicatesStage(all)->summary["dropped"].contains("kard/s01/a02_s01_e01"));
+}
+
+}  // namespace
+}  // namespace mocurate
