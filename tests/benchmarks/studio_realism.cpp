@@ -112,7 +112,8 @@ void Print(const std::string& name, const std::string& set, const Figures& f) {
               At(f.elbow, 0.05), At(f.elbow, 0.95), At(f.knee, 0.05), At(f.knee, 0.95));
 }
 
-/// Figures of the wanted labels, of at most 24 clips each that a declaration of configs/sources finds, with changes as `--set` makes them.
+/// Figures of the wanted labels, of at most 24 clips each that a declaration of configs/sources finds, with changes as
+/// `--set` makes them.
 std::map<std::string, Figures> Measured(const std::string& declaration, std::vector<std::string> assignments,
                                         const fs::path& scratch, const std::set<std::string>& wanted) {
   constexpr int most = 24;
@@ -181,9 +182,9 @@ std::set<std::string> LabelsOf(const char* Row::*set) {
 }
 
 /// Activities of KARD that the studio tracks.
-constexpr const char* kTracked[] = {"walk",         "high_arm_wave", "two_hand_wave", "hand_clap",
-                                    "high_throw",   "forward_kick",  "side_kick",     "bend",
-                                    "drink",        "phone_call",    "sit_down",      "stand_up"};
+constexpr const char* kTracked[] = {"walk",       "high_arm_wave", "two_hand_wave", "hand_clap",
+                                    "high_throw", "forward_kick",  "side_kick",     "bend",
+                                    "drink",      "phone_call",    "sit_down",      "stand_up"};
 
 int Run(std::int64_t seed) {
   const char* unpacked = std::getenv("MOCURATE_TEST_DATA");
@@ -215,8 +216,10 @@ int Run(std::int64_t seed) {
   options.clips = 2;
   const auto written = WriteStudioLayout(options, scratch / "studio", 2);
   if (!written) return std::fprintf(stderr, "%s\n", written.error().Message().c_str()), 1;
-  auto tracked = Measured("kard", {"ingest.path=" + (scratch / "studio/kard").string()}, scratch, {std::begin(kTracked), std::end(kTracked)});
-  auto kard = Measured("kard", {"ingest.path=" + data + "/kinect/kard"}, scratch, {std::begin(kTracked), std::end(kTracked)});
+  auto tracked = Measured("kard", {"ingest.path=" + (scratch / "studio/kard").string()}, scratch,
+                          {std::begin(kTracked), std::end(kTracked)});
+  auto kard =
+      Measured("kard", {"ingest.path=" + data + "/kinect/kard"}, scratch, {std::begin(kTracked), std::end(kTracked)});
   std::fputs("\n", stdout);
   std::fputs(head, stdout);
   for (const char* label : kTracked) {
