@@ -142,9 +142,9 @@ void Turn(double at, const Manner& m, Pose& pose) {
   pose.left_support = LeftSupport(std::sin(2.0 * kPi * m.cycles * at));
 }
 
-constexpr ActionRow kActions[] = {{"clap", Clap, 0.7, 0.6},   {"jump", Jump, 0.0, 1.7}, {"kick", Kick, 0.0, 1.4},
+constexpr ActionRow kActions[] = {{"clap", Clap, 0.7, 0.6},   {"jump", Jump, 0.0, 1.7}, {"kick", Kick, 0.0, 1.9},
                                   {"punch", Punch, 0.9, 0.3}, {"sit", Sit, 0.0, 2.0},   {"squat", Squat, 0.0, 2.2},
-                                  {"throw", Throw, 0.0, 1.5}, {"turn", Turn, 1.0, 0.4}, {"walk", Walk, 1.05, 0.5},
+                                  {"throw", Throw, 0.0, 1.9}, {"turn", Turn, 1.0, 0.4}, {"walk", Walk, 1.05, 0.5},
                                   {"wave", Wave, 0.6, 0.6}};
 
 /// Every table, in the order in which they stand in the sources.

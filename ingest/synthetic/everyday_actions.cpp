@@ -139,7 +139,7 @@ void StandUp(double at, const Manner& m, Pose& pose) {
 }
 
 void CheerUp(double at, const Manner& m, Pose& pose) {
-  const double held = Held(at, m, 0.5);
+  const double held = Held(at, m, 0.9);
   const double pump = 0.5 + 0.5 * Swing(at, m);
   for (ArmPose& arm : pose.arm) {
     Toward(arm, kRaised, held);
@@ -166,7 +166,7 @@ void ShakeFist(double at, const Manner& m, Pose& pose) {
 }  // namespace
 
 const std::vector<ActionRow>& EverydayActions() {
-  static const std::vector<ActionRow> actions = {{"cheer_up", CheerUp, 0.7, 0.8},
+  static const std::vector<ActionRow> actions = {{"cheer_up", CheerUp, 1.0, 1.8},
                                                  {"drink_bottle_left", DrinkBottleLeft, 1.6, 2.0},
                                                  {"drink_bottle_right", DrinkBottleRight, 1.6, 2.0},
                                                  {"drink_both_hands", DrinkBothHands, 1.8, 2.4},
@@ -182,7 +182,7 @@ const std::vector<ActionRow>& EverydayActions() {
                                                  {"shake_fist", ShakeFist, 0.5, 0.8},
                                                  {"stand_up", StandUp, 0.0, 1.8},
                                                  {"steering_wheel", SteeringWheel, 2.2, 0.6},
-                                                 {"throw_both_hands", ThrowBoth, 0.0, 1.7}};
+                                                 {"throw_both_hands", ThrowBoth, 0.0, 2.4}};
   return actions;
 }
 

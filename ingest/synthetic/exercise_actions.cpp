@@ -238,7 +238,7 @@ const std::vector<ActionRow>& ExerciseActions() {
                                                  {"lift_dumbbell_right", CurlRight, 1.8, 0.0},
                                                  {"run", Run, 0.72, 0.4},
                                                  {"run_on_the_spot", RunOnTheSpot, 0.68, 0.4},
-                                                 {"side_kick", SideKick, 0.0, 1.6},
+                                                 {"side_kick", SideKick, 0.0, 2.1},
                                                  {"warm_up_body_lean_left_arm", BodyLeanLeft, 1.5, 1.2},
                                                  {"warm_up_body_lean_right_arm", BodyLeanRight, 1.5, 1.2},
                                                  {"warm_up_bow_left", BowLeft, 1.3, 1.4},

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "core/base/random.h"
+#include "core/base/text.h"
 #include "core/formats/png.h"
 #include "ingest/synthetic/body_view.h"
 #include "ingest/synthetic/depth_sensor.h"
@@ -106,7 +106,7 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
                                {"fps", kRateHz},
                                {"frames", motion.frame_count()},
                                {"frame", "PHSPD polarisation camera (x right, y down, z forward), metres"},
-                               {"floor", "y = 1.1 m"},
+                               {"floor", "y = " + FormatDouble(PhspdPolarFromWorld().translation.y()) + " m"},
                                {"labels", LabelsJson(sequence)},
                                {"frames_data", TruthJson(actor, seen)}};
     for (const Camera& camera : rig) document["views"][camera.name] = ViewJson(camera);

@@ -24,7 +24,7 @@ double Written(double metres) {
 }  // namespace
 
 Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const auto takes = PlanTakes(options, KardClasses(), {10, 3, static_cast<double>(kRateHz), 0.5, 1.0});
+  const auto takes = PlanTakes(options, KardClasses(), {10, 3, static_cast<double>(kRateHz), 0.2, 0.5});
   if (!takes) return Forward(takes);
   Random room(static_cast<std::uint64_t>(options.seed), "studio.room");
   const double height = room.Uniform(0.7, 1.0);

@@ -125,6 +125,7 @@ std::vector<Subject> Cast(std::int64_t options_seed, std::int64_t subjects, cons
     subject.arm_abduct = random.Uniform(0.10, 0.24);
     subject.elbow = random.Uniform(0.12, 0.40);
     subject.stoop = random.Uniform(-0.04, 0.10);
+    subject.knee = random.Uniform(0.0, 0.22);
     cast.push_back(std::move(subject));
   }
   return cast;

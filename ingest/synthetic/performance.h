@@ -19,6 +19,7 @@ struct Subject {
   double arm_abduct = 0.15;  ///< of a standing person, radians
   double elbow = 0.25;
   double stoop = 0.0;
+  double knee = 0.0;  ///< bent further than straight, radians; of scripts alone
 };
 
 /// Where one take stands in the capture.

@@ -126,8 +126,8 @@ const PhspdCalibration& PhspdCalibrationOf(int subject) {
 }
 
 RigidTransform PhspdPolarFromWorld() {
-  // x right, y down, z forward, the camera 1.1 m above the floor; the axes pass (0.118, -0.193, 4.381).
-  return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d(0.118, 1.1, 4.381)};
+  // x right, y down, z forward; the axes pass (0.118, -0.193, 4.381). From this height all see the feet.
+  return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d(0.118, 0.85, 4.381)};
 }
 
 std::vector<Camera> PhspdRig(int subject) {

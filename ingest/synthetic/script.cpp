@@ -45,6 +45,27 @@ Pose Blend(const Pose& a, const Pose& b, double part) {
   return pose;
 }
 
+/// Standing people shift, and never hold their arms quite still: slow waves that do not repeat within a take.
+void Fidget(const Subject& subject, double time_s, double phase, Pose& pose) {
+  const auto slow = [&](double hertz, double offset) {
+    return std::sin(2.0 * kPi * hertz * time_s + offset + 2.3 * phase) +
+           0.6 * std::sin(2.0 * kPi * 1.73 * hertz * time_s + 2.1 * offset + 3.1 * phase);
+  };
+  for (int side : {kLeftSide, kRightSide}) {
+    const double offset = side == kLeftSide ? 0.7 : 2.9;
+    pose.arm[side].flex += 0.035 * slow(0.31, offset);
+    pose.arm[side].abduct += 0.015 * slow(0.23, offset + 1.0);
+    pose.arm[side].elbow += 0.06 * slow(0.27, offset + 2.0);
+    pose.leg[side].knee += subject.knee + 0.02 * slow(0.19, offset);
+    pose.leg[side].flex += 0.5 * subject.knee;
+  }
+  pose.trunk_bend += 0.02 * slow(0.17, 0.3);
+  pose.trunk_twist += 0.03 * slow(0.21, 1.3);
+  pose.trunk_side += 0.012 * slow(0.15, 2.3);
+  pose.head_turn += 0.07 * slow(0.18, 3.3);
+  pose.head_nod += 0.03 * slow(0.24, 4.3);
+}
+
 class Performer {
  public:
   Performer(const Script& script, const Subject& subject, FrameRate rate)
@@ -63,6 +84,7 @@ class Performer {
   Pose During(std::size_t k, int frame) const {
     const ScriptedAction& action = script_.actions[k];
     Pose pose = StandingPose(subject_, rate_.FrameTime(frame), script_.sway_phase);
+    Fidget(subject_, rate_.FrameTime(frame), script_.sway_phase, pose);
     pose.yaw = yaw_[k];
     const double span = std::max(1, action.end - 1 - action.begin);
     Perform(action.action, std::clamp((frame - action.begin) / span, 0.0, 1.0), action.manner, pose);
@@ -129,6 +151,7 @@ std::vector<Pose> PosesOf(const Script& script, const Subject& subject, FrameRat
   for (int f = 0; f < script.frames; ++f) {
     if (script.actions.empty()) {
       poses.push_back(StandingPose(subject, rate.FrameTime(f), script.sway_phase));
+      Fidget(subject, rate.FrameTime(f), script.sway_phase, poses.back());
       poses.back().yaw = script.heading;
       continue;
     }

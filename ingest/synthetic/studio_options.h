@@ -62,16 +62,16 @@ struct KeypointOptions {
 struct StudioOptions {
   StudioLayout layout = StudioLayout::kHumanAct12;
   std::int64_t seed = 1;
-  std::int64_t subjects = 2;         ///< 0: as many as the set has
-  std::int64_t clips = 1;            ///< of each action by each subject; 0: as many as the set has
-  std::vector<std::string> actions;  ///< labels or actions; empty: all of the set's
-  std::filesystem::path body;        ///< body_cc0.h5; empty: a body of capsules
-  double missing_share = 0.0225;     ///< HumanAct12, PHSPD: frames without annotation
-  double ghost_share = 0.0;          ///< ntu: files with a second body that is nobody
-  TrackerOptions tracker;            ///< ntu, kard, uestc, ntu_vibe
-  RigOptions rig;                    ///< openpose, rendered_seq; clocks and the moved camera also phspd, ntu
-  DepthSensorOptions depth;          ///< phspd, ntu, rendered_seq
-  KeypointOptions keypoints;         ///< openpose
+  std::int64_t subjects = 2;                 ///< 0: as many as the set has
+  std::int64_t clips = 1;                    ///< of each action by each subject; 0: as many as the set has
+  std::vector<std::string> actions;          ///< labels or actions; empty: all of the set's
+  std::filesystem::path body;                ///< body_cc0.h5; empty: a body of capsules
+  double missing_share = 0.0225;             ///< HumanAct12, PHSPD: frames without annotation
+  double ghost_share = 0.0;                  ///< ntu: files with a second body that is nobody
+  TrackerOptions tracker = KinectTracker();  ///< ntu, kard, uestc, ntu_vibe
+  RigOptions rig;                            ///< openpose, rendered_seq; clocks and the moved camera also phspd, ntu
+  DepthSensorOptions depth;                  ///< phspd, ntu, rendered_seq
+  KeypointOptions keypoints;                 ///< openpose
 
   void Declare(OptionVisitor& v);
 };

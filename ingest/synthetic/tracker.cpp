@@ -38,6 +38,31 @@ std::vector<bool> Spells(int frames, std::size_t joints, double share, double me
   return in_state;
 }
 
+/// Unit white noise smoothed twice over some frames: a joint's slow error, per axis.
+class Wander {
+ public:
+  Wander(double frames, Random random) : keep_(std::exp(-1.0 / frames)), random_(std::move(random)) {
+    for (int k = 0; k < 3; ++k) inner_[k] = random_.Normal();
+    for (int warm = 0; warm < static_cast<int>(5.0 * frames); ++warm) Next();
+  }
+  Vector3d Next() {
+    // The inner noise has variance 1, what is smoothed of it (1 + a^2) / (1 + a)^2.
+    const double fresh = std::sqrt(1.0 - keep_ * keep_);
+    const double scale = (1.0 + keep_) / std::sqrt(1.0 + keep_ * keep_);
+    for (int k = 0; k < 3; ++k) {
+      inner_[k] = keep_ * inner_[k] + fresh * random_.Normal();
+      outer_[k] = keep_ * outer_[k] + (1.0 - keep_) * inner_[k];
+    }
+    return scale * outer_;
+  }
+
+ private:
+  double keep_;
+  Random random_;
+  Vector3d inner_ = Vector3d::Zero();
+  Vector3d outer_ = Vector3d::Zero();
+};
+
 /// Position in `names` of the same point on the other side; its own where there is none.
 int PartnerOf(const std::vector<std::string>& names, int point) {
   std::string other = names[point];
@@ -113,6 +138,11 @@ TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>&
     bias[k] = options.bias / std::sqrt(3.0) * Vector3d(offset.Normal(), offset.Normal(), offset.Normal());
   }
 
+  std::vector<Wander> wander;
+  for (std::size_t k = 0; k < count && options.wander > 0.0; ++k) {
+    wander.emplace_back(options.wander_frames, Random(seed, "studio.wander", item + "/" + std::to_string(k)));
+  }
+
   TrackedPoints tracked{JointPositions(truth.frames, truth.joints), {}, {}};
   for (int f = 0; f < truth.frames; ++f) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -121,6 +151,7 @@ TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>&
       Vector3d position = truth.at(f, exchange.Seen(f, point));
       position += per_axis * Vector3d(noise.Normal(), noise.Normal(), noise.Normal());
       position += bias[k];
+      if (!wander.empty()) position += options.wander / std::sqrt(3.0) * wander[k].Next();
       const bool wrong = gross.Uniform() < options.outlier_share;
       const Vector3d error = gross.Uniform(options.outlier_nearest, farthest) * RandomDirection(gross);
       if (wrong) position += error;

@@ -15,6 +15,18 @@ void TrackerOptions::Declare(OptionVisitor& v) {
   v.Integer("swap_frames", swap_frames, {1.0, 1e4}, "frames for which limbs are exchanged");
   v.Number("frozen", frozen_share, Unit::kNone, {0.0, 0.9}, "share of joints that repeat an earlier value exactly");
   v.Number("frozen_frames", frozen_frames, Unit::kNone, {1.0, 1e4}, "mean frames for which a joint is frozen");
+  v.Number("wander", wander, Unit::kMetre, {0.0, 1.0}, "root mean square of an error that changes slowly");
+  v.Number("wander_frames", wander_frames, Unit::kNone, {1.0, 1e4}, "frames in which the slow error changes");
+}
+
+TrackerOptions KinectTracker() {
+  TrackerOptions options;
+  options.noise = 0.004;
+  options.wander = 0.025;
+  options.wander_frames = 8.0;
+  options.dropout_share = 0.02;
+  options.outlier_share = 0.002;
+  return options;
 }
 
 }  // namespace mocurate

@@ -18,8 +18,14 @@ struct TrackerOptions {
   std::int64_t swap_frames = 2;
   double frozen_share = 0.0;  ///< joints that repeat an earlier value
   double frozen_frames = 8.0;
+  double wander = 0.0;          ///< metres, root mean square in 3D, of an error that changes slowly
+  double wander_frames = 10.0;  ///< in which it changes
 
   void Declare(OptionVisitor& v);
 };
+
+/// Errors of the size that Kinect trackers have: their joints wander about rather than tremble. Compared with KARD in
+/// README.md.
+TrackerOptions KinectTracker();
 
 }  // namespace mocurate

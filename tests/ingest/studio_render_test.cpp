@@ -291,6 +291,18 @@ TEST(Tracker, EachErrorComesAloneAndAsAsked) {
   EXPECT_LT((moved.positions.at(100, 0) - truth.at(100, 0) - offset).norm(), 1e-12);
   EXPECT_EQ(moved.positions.xyz, elsewhere.positions.xyz);
 
+  TrackerOptions slow = none;
+  slow.wander = 0.03;
+  slow.wander_frames = 10.0;
+  const TrackedPoints drifting = Track(truth, names, slow, 1, "a");
+  double squares = 0.0, steps = 0.0;
+  for (int f = 1; f < frames; ++f) {
+    squares += (drifting.positions.at(f, 0) - truth.at(f, 0)).squaredNorm();
+    steps += (drifting.positions.at(f, 0) - drifting.positions.at(f - 1, 0)).squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(squares / frames), 0.03, 0.004);
+  EXPECT_LT(std::sqrt(steps / frames), 0.006) << "from frame to frame it hardly changes";
+
   TrackerOptions swap = none;
   swap.swap_share = 1.0;
   swap.swap_frames = 5;
