@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <map>
 
+#include "app/run_file.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/pipeline/lock.h"
@@ -26,14 +27,6 @@ bool IsHdf5(const fs::path& path) {
   const std::size_t read = std::fread(head, 1, sizeof(head), file);
   std::fclose(file);
   return std::string_view(head, read) == kHdf5Signature;
-}
-
-/// run.json of a folder; null when there is none of ours.
-Json RunFileOf(const fs::path& folder) {
-  const auto text = ReadFile(folder / "run.json");
-  if (!text) return nullptr;
-  Json run = Json::parse(*text, nullptr, false);
-  return run.is_object() && run.contains("created_by") && run.contains("options") ? run : Json();
 }
 
 /// The lines of a file that are JSON objects; none when there is no file.
@@ -185,14 +178,14 @@ std::string CheckpointText(const Json& checkpoint) {
 
 bool IsMade(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) ? RunFileOf(path).is_object() : IsHdf5(path);
+  return fs::is_directory(path, ignored) ? ReadRunFile(path).is_object() : IsHdf5(path);
 }
 
 Expected<Json> DescribeMade(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
     try {
-      return DescribeRun(path, RunFileOf(path));
+      return DescribeRun(path, ReadRunFile(path));
     } catch (const Json::exception& error) {
       return Fail(ErrorCode::kMalformed, std::string("is no record of a run: ") + error.what(),
                   DisplayPath(path / "run.json"));

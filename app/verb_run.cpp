@@ -7,6 +7,7 @@
 #include "app/job_checks.h"
 #include "app/main_job.h"
 #include "app/run_file.h"
+#include "app/run_folder.h"
 #include "app/run_text.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
@@ -95,9 +96,10 @@ Status CheckFailures(const JobOptions& options, const JobResult& result) {
               "run", "curation_log.jsonl says why each failed; the others are in the dataset");
 }
 
-RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments& arguments, const JobOptions& job) {
+RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments& arguments, const JobOptions& job,
+                              const std::filesystem::path& folder) {
   RunnerOptions options;
-  options.run_folder = arguments.output.empty() ? std::filesystem::path("runs") / job.name : arguments.output;
+  options.run_folder = folder;
   options.jobs = arguments.jobs;
   options.dry_run = arguments.dry_run;
   options.progress = !common.quiet;
@@ -148,7 +150,10 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
-  const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options);
+  const auto folder = RunFolder(arguments.output, job->options.name);
+  if (!folder) return Forward(folder);
+  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options, *folder);
   if (!arguments.dry_run) {
     LogDuration(job->options, *last);
     if (Status made = MakeFolder(options.run_folder); !made) return made;
