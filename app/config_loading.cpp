@@ -26,6 +26,41 @@ Error NoConfig(const std::filesystem::path& config, const Error& reason) {
   return error;
 }
 
+ConfigNode* FindIn(ConfigNode& node, const std::string& key) {
+  for (auto& [name, value] : node.mapping) {
+    if (name == key) return &value;
+  }
+  return nullptr;
+}
+
+/// A value that a group takes from elsewhere comes from where it was said there.
+void Inherit(ConfigNode& root, const std::string& group, const std::string& key, const ConfigNode* from) {
+  if (from == nullptr) return;
+  const ConfigNode value = *from;
+  ConfigNode* members = FindIn(root, group);
+  if (members == nullptr) {
+    ConfigNode made;
+    made.kind = ConfigNode::Kind::kMapping;
+    members = &root.mapping.emplace_back(group, made).second;
+  }
+  ConfigNode* said = FindIn(*members, key);
+  if (said == nullptr) {
+    members->mapping.emplace_back(key, value);
+  } else if (said->scalar.empty()) {
+    *said = value;
+  }
+}
+
+/// The origins of what ResolveDefaults fills in.
+void InheritOrigins(ConfigNode& root) {
+  for (const char* group : {"proportions", "fitting", "canon"}) {
+    Inherit(root, group, "skeleton", root.Find("skeleton"));
+  }
+  const ConfigNode* train = root.Find("train");
+  const ConfigNode* recogniser = train == nullptr ? nullptr : train->Find("recogniser");
+  Inherit(root, "evaluate", "split", recogniser == nullptr ? nullptr : recogniser->Find("split"));
+}
+
 }  // namespace
 
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
@@ -46,6 +81,7 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
   if (!options) return Forward(options);
   if (Status seeds = CheckSeeds(options->train); !seeds) return Forward(seeds);
   ResolveDefaults(*options);
+  InheritOrigins(*node);
   return LoadedJob{std::move(*node), std::move(*options)};
 }
 

@@ -1,13 +1,20 @@
 #include "app/inspect_made.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <map>
 
+#include "app/clip_counts.h"
+#include "app/run_file.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/pipeline/lock.h"
 #include "core/store/describe_text.h"
 #include "core/store/store.h"
+#include "ingest/discover.h"
 #include "train/checkpoint/describe.h"
 
 namespace mocurate {
@@ -18,6 +25,7 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
 constexpr const char* kRunSchema = "mocurate-run";
+constexpr const char* kRunsSchema = "mocurate-runs";
 
 bool IsHdf5(const fs::path& path) {
   std::FILE* file = std::fopen(path.c_str(), "rb");
@@ -26,14 +34,6 @@ bool IsHdf5(const fs::path& path) {
   const std::size_t read = std::fread(head, 1, sizeof(head), file);
   std::fclose(file);
   return std::string_view(head, read) == kHdf5Signature;
-}
-
-/// run.json of a folder; null when there is none of ours.
-Json RunFileOf(const fs::path& folder) {
-  const auto text = ReadFile(folder / "run.json");
-  if (!text) return nullptr;
-  Json run = Json::parse(*text, nullptr, false);
-  return run.is_object() && run.contains("created_by") && run.contains("options") ? run : Json();
 }
 
 /// The lines of a file that are JSON objects; none when there is no file.
@@ -66,13 +66,88 @@ Json StagesOf(const fs::path& folder, const std::string& started) {
   return stages;
 }
 
-Json DecisionsOf(const fs::path& folder) {
+bool IsFolderLine(const Json& line) {
+  const Json findings = line.value("findings", Json::array());
+  return !line.contains("evidence_sha256") && !findings.empty() && findings.back().value("code", "") == kFolderNotRead;
+}
+
+/// As run.json writes times.
+std::string TimeText(const struct timespec& time) {
+  struct tm parts {};
+  gmtime_r(&time.tv_sec, &parts);
+  char date[32];
+  char text[48];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text, sizeof text, "%s.%03ldZ", date, time.tv_nsec / 1000000);
+  return text;
+}
+
+/// Counts of the decisions; folders, which are no clips, apart.
+Json DecisionsOf(const std::vector<Json>& lines) {
   Json decisions = Json::object();
-  for (const Json& line : JsonLines(folder / "curation_log.jsonl")) {
+  for (const Json& line : lines) {
+    if (IsFolderLine(line)) continue;
     Json& count = decisions[line.value("decision", "")];
     count = count.is_null() ? 1 : count.get<int>() + 1;
   }
   return decisions;
+}
+
+ClipCounts CountsOf(const Json& decisions, int folders) {
+  ClipCounts counts{0,
+                    decisions.value("kept", 0),
+                    decisions.value("left_out", 0),
+                    decisions.value("dropped", 0),
+                    decisions.value("undecided", 0),
+                    folders};
+  counts.clips = counts.kept + counts.left_out + counts.failed + counts.undecided;
+  return counts;
+}
+
+/// Whether an output was written before the run that run.json tells of began: by an earlier run of the folder. Of a
+/// folder of outputs the newest file counts.
+bool IsEarlier(const fs::path& path, const std::string& started) {
+  constexpr long kClockStep_ns = 50000000;  // file times may lag behind the clock
+  if (started.empty()) return false;
+  struct timespec newest {};
+  const auto look = [&newest](const fs::path& file) {
+    struct stat now {};
+    if (stat(file.c_str(), &now) != 0) return;
+    const bool newer = now.st_mtim.tv_sec > newest.tv_sec ||
+                       (now.st_mtim.tv_sec == newest.tv_sec && now.st_mtim.tv_nsec > newest.tv_nsec);
+    if (newer) newest = now.st_mtim;
+  };
+  std::error_code problem;
+  if (!fs::is_directory(path, problem)) look(path);
+  for (fs::directory_iterator at(path, problem), end; !problem && at != end; at.increment(problem)) look(at->path());
+  newest.tv_nsec += kClockStep_ns;
+  if (newest.tv_nsec >= 1000000000) {
+    newest.tv_nsec -= 1000000000;
+    ++newest.tv_sec;
+  }
+  return TimeText(newest) < started;
+}
+
+/// What a run that ended well wrote and is no longer there.
+Json MissingOf(const fs::path& folder, const Json& run, const Json& stages) {
+  Json missing = Json::array();
+  const Json ended = run.value("ended", Json::object());
+  const int exit_code = ended.value("exit_code", -1);
+  if (exit_code != 0 && exit_code != 1) return missing;
+  const std::pair<const char*, const char*> written[] = {{"ingest", "curation_log.jsonl"},
+                                                         {"assemble", "dataset.h5"},
+                                                         {"evaluate", "metrics.json"},
+                                                         {"report", "report/index.html"}};
+  for (const auto& [name, file] : written) {
+    std::error_code ignored;
+    if (fs::exists(folder / file, ignored)) continue;
+    for (const Json& stage : stages) {
+      const Json& outcomes = stage.at("outcomes");
+      const bool gave = outcomes.contains("done") || outcomes.contains("doubtful");
+      if (stage.at("stage") == name && gave) missing.push_back(file);
+    }
+  }
+  return missing;
 }
 
 /// "at_work", "ended", "cut_short" (neither at work nor ended), or "unknown" where the file does not say.
@@ -106,12 +181,21 @@ Json DescribeRun(const fs::path& folder, const Json& run) {
                {"ended", EndOf(run)},
                {"state", StateOf(folder, run)},
                {"stages", StagesOf(folder, started)},
-               {"clips", DecisionsOf(folder)},
-               {"files", Json::array()}};
+               {"clips", Json::object()},
+               {"folders", 0},
+               {"files", Json::array()},
+               {"earlier_files", Json::array()}};
+  json["missing"] = MissingOf(folder, run, json["stages"]);
+  if (!IsEarlier(folder / "curation_log.jsonl", started)) {
+    const std::vector<Json> lines = JsonLines(folder / "curation_log.jsonl");
+    json["clips"] = DecisionsOf(lines);
+    json["folders"] = std::count_if(lines.begin(), lines.end(), IsFolderLine);
+  }
   std::error_code ignored;
   for (const char* name :
        {"dataset.h5", "curation_log.jsonl", "tables/table.md", "metrics.json", "checkpoints", "report/index.html"}) {
-    if (fs::exists(folder / name, ignored)) json["files"].push_back(name);
+    if (!fs::exists(folder / name, ignored)) continue;
+    json[IsEarlier(folder / name, started) ? "earlier_files" : "files"].push_back(name);
   }
   if (fs::exists(folder / "dataset.h5", ignored)) {
     const auto dataset = DescribeStore(folder / "dataset.h5");
@@ -139,6 +223,13 @@ std::string CountsText(const Json& counts) {
   return text;
 }
 
+/// "a, b" and, if there are any, what is said of them.
+std::string ListText(const Json& names, const std::string& remark = "") {
+  std::string text;
+  for (const Json& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
+  return text.empty() ? text : text + remark;
+}
+
 std::string RunText(const Json& run) {
   const std::string description = run.at("description");
   std::string text =
@@ -153,22 +244,78 @@ std::string RunText(const Json& run) {
                         Counted(stage.at("items").get<long long>(), "item") + ": " + CountsText(stage.at("outcomes")) +
                             ", " + stage.at("from_cache").dump() + " from the cache");
   }
-  text += DescriptionLine("clips", CountsText(run.at("clips")));
-  std::string files;
-  for (const Json& file : run.at("files")) files += (files.empty() ? "" : ", ") + file.get<std::string>();
-  text += DescriptionLine("files", files);
+  if (!run.at("clips").empty()) {
+    text += DescriptionLine("clips", ClipsText(CountsOf(run.at("clips"), run.at("folders").get<int>())));
+  }
+  text += DescriptionLine("files", ListText(run.at("files")));
+  text += DescriptionLine("not its own", ListText(run.at("earlier_files"), ": of an earlier run of this folder"));
+  text += DescriptionLine("missing", ListText(run.at("missing"), ": this run wrote it, it is no longer there"));
   if (!run.contains("dataset")) return text;
   const Json& dataset = run.at("dataset");
-  return text + "dataset.h5: " +
+  const Json& earlier = run.at("earlier_files");
+  const bool own = std::find(earlier.begin(), earlier.end(), "dataset.h5") == earlier.end();
+  return text + (own ? "dataset.h5: " : "dataset.h5 of an earlier run: ") +
          (dataset.contains("error") ? dataset.at("error").get<std::string>() + "\n" : StoreText(dataset));
+}
+
+/// The runs right below a folder, by name of their folder; none where it holds files of its own (captures, say).
+std::vector<fs::path> RunsBelow(const fs::path& folder) {
+  std::vector<fs::path> runs;
+  std::error_code problem;
+  for (fs::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    std::error_code ignored;
+    const bool hidden = at->path().filename().native()[0] == '.';
+    if (!hidden && at->is_regular_file(ignored)) return {};
+    if (at->is_directory(ignored) && ReadRunFile(at->path()).is_object()) runs.push_back(at->path());
+  }
+  std::sort(runs.begin(), runs.end());
+  return runs;
+}
+
+Json DescribeRuns(const fs::path& folder) {
+  Json json = {{"schema", kRunsSchema}, {"runs", Json::array()}};
+  for (const fs::path& path : RunsBelow(folder)) {
+    const Json run = ReadRunFile(path);
+    json["runs"].push_back({{"folder", DisplayPath(path.filename())},
+                            {"name", run.at("options").value("name", "")},
+                            {"to", run.value("to", "report")},
+                            {"started", run.value("started", "")},
+                            {"ended", EndOf(run)},
+                            {"state", StateOf(path, run)}});
+  }
+  return json;
+}
+
+std::string RunsText(const Json& description) {
+  const Json& runs = description.at("runs");
+  std::string text = "a folder of " + Counted(static_cast<long long>(runs.size()), "run") + "\n";
+  for (const Json& run : runs) {
+    text += DescriptionLine("  " + run.at("folder").get<std::string>(),
+                            run.at("name").get<std::string>() + " up to " + run.at("to").get<std::string>() +
+                                ", started " + run.at("started").get<std::string>() + ", " + StateText(run));
+  }
+  return text;
+}
+
+/// The folder of the run whose file this is: its record, its log or its page. Empty when it is none.
+fs::path RunOfFile(const fs::path& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  const std::string name = whole.filename().native();
+  const fs::path parent = whole.parent_path();
+  const bool page = name == "index.html" && parent.filename() == "report";
+  if (!page && name != "run.json" && name != "curation_log.jsonl") return {};
+  const fs::path folder = page ? parent.parent_path() : parent;
+  return ReadRunFile(folder).is_object() ? folder : fs::path();
 }
 
 std::string CheckpointText(const Json& checkpoint) {
   std::string text = "a trained network, " + checkpoint.at("schema").get<std::string>() + "\n";
   text += DescriptionLine("network", checkpoint.at("network").get<std::string>() + ", " +
                                          Counted(checkpoint.at("parameters").get<long long>(), "parameter"));
+  const bool epochs = checkpoint.at("step") == "epoch";
   text += DescriptionLine("trained",
                           Counted(checkpoint.at("steps").get<long long>(), checkpoint.at("step").get<std::string>()) +
+                              (epochs ? " in all (selection, then refit)" : "") +
                               (checkpoint.at("finished").get<bool>() ? "" : ", not finished"));
   if (const Json& skeleton = checkpoint.at("skeleton"); skeleton.is_object()) {
     text += DescriptionLine("skeleton", skeleton.at("name").get<std::string>() + ", " +
@@ -181,30 +328,39 @@ std::string CheckpointText(const Json& checkpoint) {
   return text;
 }
 
+Expected<Json> TryDescribeRun(const fs::path& folder) {
+  try {
+    return DescribeRun(folder, ReadRunFile(folder));
+  } catch (const Json::exception& error) {
+    return Fail(ErrorCode::kMalformed, std::string("is no record of a run: ") + error.what(),
+                DisplayPath(folder / "run.json"));
+  }
+}
+
 }  // namespace
 
 bool IsMade(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) ? RunFileOf(path).is_object() : IsHdf5(path);
+  if (!fs::is_directory(path, ignored)) return IsHdf5(path) || !RunOfFile(path).empty();
+  return ReadRunFile(path).is_object() || !RunsBelow(path).empty();
 }
 
 Expected<Json> DescribeMade(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    try {
-      return DescribeRun(path, RunFileOf(path));
-    } catch (const Json::exception& error) {
-      return Fail(ErrorCode::kMalformed, std::string("is no record of a run: ") + error.what(),
-                  DisplayPath(path / "run.json"));
-    }
+    return ReadRunFile(path).is_object() ? TryDescribeRun(path) : DescribeRuns(path);
   }
+  if (const fs::path run = RunOfFile(path); !run.empty()) return TryDescribeRun(run);
   return IsCheckpoint(path) ? DescribeCheckpoint(path) : DescribeStore(path);
 }
 
 std::string MadeText(const fs::path& path, const Json& description) {
   const std::string schema = description.at("schema");
   const std::string head = DisplayPath(path) + ": ";
-  if (schema == kRunSchema) return head + RunText(description);
+  if (schema == kRunsSchema) return head + RunsText(description);
+  std::error_code ignored;
+  const char* part = fs::is_directory(path, ignored) ? "" : "of ";  // one of the files of a run
+  if (schema == kRunSchema) return head + part + RunText(description);
   return head + (description.contains("network") ? CheckpointText(description) : StoreText(description));
 }
 

@@ -1,6 +1,7 @@
 #include "app/job_checks.h"
 
 #include <algorithm>
+#include <set>
 
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
@@ -96,6 +97,23 @@ Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discove
     }
   }
   return {};
+}
+
+std::string JointsWithoutTrack(const JobOptions& options) {
+  const SourceOptions& source = options.ingest.source;
+  const auto skeleton = LoadSkeleton(options.canon.skeleton);
+  if (source.format != SourceFormat::kJointTable || source.joints.empty() || !skeleton) return "";
+  std::set<int> given;
+  for (const std::string& name : source.joints) {
+    if (const auto joint = (*skeleton)->FindJoint(name)) given.insert(*joint);
+  }
+  const auto hips = (*skeleton)->Hips();
+  if (hips && given.count((*hips)[0]) != 0 && given.count((*hips)[1]) != 0) given.insert(0);  // their middle
+  std::vector<std::string> missing;
+  for (int joint = 0; joint < (*skeleton)->joint_count(); ++joint) {
+    if (given.count(joint) == 0) missing.push_back((*skeleton)->joints[static_cast<std::size_t>(joint)].name);
+  }
+  return missing.empty() ? "" : Listed(missing);
 }
 
 }  // namespace mocurate

@@ -14,4 +14,8 @@ Status CheckNames(const JobOptions& options, JobStage last);
 /// names of the files are known.
 Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery);
 
+/// The joints of canon.skeleton that the unfitted tracks of the source do not give ("left_toe, right_toe"), as far as
+/// its declaration tells; empty where they give all or it does not tell.
+std::string JointsWithoutTrack(const JobOptions& options);
+
 }  // namespace mocurate

@@ -9,9 +9,11 @@
 
 #include "app/main_job.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/resources.h"
 #include "core/base/sha256.h"
 #include "core/base/version.h"
+#include "ingest/discover.h"
 
 namespace mocurate {
 namespace {
@@ -69,6 +71,11 @@ std::string ClipRecord::ended_at() const {
   return stage == &evidence ? "ingest" : stage == &motion ? "fitting" : "canon";
 }
 
+bool ClipRecord::folder() const {
+  const std::vector<Finding>& findings = evidence.outcome.findings;
+  return evidence.artifact.empty() && !findings.empty() && findings.back().code == kFolderNotRead;
+}
+
 std::string ClipRecord::reason() const {
   const ItemResult* stage = ended();
   if (stage == nullptr) return "";
@@ -86,17 +93,51 @@ std::set<std::string> FindingCodes(const ClipRecord& clip) {
   return codes;
 }
 
-Error FirstReason(const std::vector<ClipRecord>& clips) {
+void CountClips(const std::vector<ClipRecord>& clips, JobResult& result) {
+  for (const ClipRecord& clip : clips) {
+    if (clip.folder()) {
+      ++result.counts.folders;
+      result.folders_failed += clip.failed() ? 1 : 0;
+      continue;
+    }
+    for (const std::string& code : FindingCodes(clip)) ++result.findings[code];
+    ++result.counts.clips;
+    ++(clip.kept()       ? result.counts.kept
+       : clip.failed()   ? result.counts.failed
+       : clip.left_out() ? result.counts.left_out
+                         : result.counts.undecided);
+  }
+}
+
+Error FirstReason(const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*branch) {
   const ItemResult* first = nullptr;
   for (const ClipRecord& clip : clips) {
     const ItemResult* stage = clip.ended();
-    if (stage != nullptr && (first == nullptr || (clip.failed() && !IsFailure(first->outcome.kind)))) first = stage;
+    if (branch == &ClipRecord::baseline && Ended(clip.baseline)) stage = &clip.baseline;
+    if (stage != nullptr && !clip.folder() &&
+        (first == nullptr || (IsFailure(stage->outcome.kind) && !IsFailure(first->outcome.kind))))
+      first = stage;
   }
   if (first == nullptr) return {ErrorCode::kInconsistent, "none came this far", "", ""};
-  Error reason = first->outcome.error;
-  reason.what =
-      (IsFailure(first->outcome.kind) ? "the first failed: " : "the first was left out by a rule: ") + reason.what;
-  return reason;
+  const char* became = IsFailure(first->outcome.kind) ? "the first failed: " : "the first was left out by a rule: ";
+  return {first->outcome.error.code, became + first->outcome.error.Message(), "", ""};
+}
+
+Finding ComparisonDropped(const std::string& why) {
+  Finding finding;
+  finding.code = "comparison_dropped";
+  finding.message = "no comparison with the raw tracks (train.baseline): " + why;
+  finding.action = "dropped";
+  return finding;
+}
+
+void LogLeftOut(const ItemResult& file) {
+  const Error& error = file.outcome.error;
+  const bool named = error.where.empty() || error.where == file.item;
+  const std::string text =
+      named ? Error{error.code, error.what, file.item, error.hint}.Message() : file.item + ": " + error.Message();
+  const bool folder = file.outcome.findings.back().code == kFolderNotRead && !IsFailure(file.outcome.kind);
+  Log(folder ? LogLevel::kInfo : LogLevel::kWarning, text);
 }
 
 StageInput InputFrom(const char* role, const ItemResult& item) { return {role, item.item, item.artifact, item.sha256}; }
@@ -275,7 +316,10 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
     run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
   }
   for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
-  for (const ClipRecord& clip : clips) run["clips"].push_back(ClipSummary(clip));
+  for (const ClipRecord& clip : clips) {
+    if (!clip.folder()) run["clips"].push_back(ClipSummary(clip));
+    if (clip.folder()) run["findings"].push_back(clip.evidence.outcome.findings.back());
+  }
   for (const auto& [person, item] : persons) run["persons"][person] = item.outcome.summary;
   return run;
 }

@@ -31,6 +31,8 @@ struct ClipRecord {
   /// Name of that stage, or empty.
   std::string ended_at() const;
   bool failed() const { return ended() != nullptr && IsFailure(ended()->outcome.kind); }
+  /// No clip: a folder whose files lie where the pattern does not look.
+  bool folder() const;
   bool left_out() const { return ended() != nullptr && !failed(); }
   /// The reason in one word: the rule (code of its finding) or the error's code. Empty when nothing ended it.
   std::string reason() const;
@@ -39,8 +41,18 @@ struct ClipRecord {
 /// Codes of what the stages found about a clip, each once; those of severity info are left out.
 std::set<std::string> FindingCodes(const ClipRecord& clip);
 
+/// Counts the clips and their findings, and apart from them the folders that were not looked into.
+void CountClips(const std::vector<ClipRecord>& clips, JobResult& result);
+
 /// Why the first clip failed; if none did, which rule left the first one out.
-Error FirstReason(const std::vector<ClipRecord>& clips);
+/// With `branch` = &ClipRecord::baseline the same of the raw tracks alone.
+Error FirstReason(const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*branch);
+
+/// Why the raw tracks are not compared with the fits.
+Finding ComparisonDropped(const std::string& why);
+
+/// Tells of a file or folder that is no item. A folder that is passed over is no warning: data are shipped so.
+void LogLeftOut(const ItemResult& file);
 
 /// An artifact as the input of a later stage.
 StageInput InputFrom(const char* role, const ItemResult& item);

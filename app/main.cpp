@@ -2,16 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 
+#include "app/usage.h"
 #include "app/verbs.h"
-#include "core/base/file.h"
 #include "core/base/log.h"
-#include "core/base/text.h"
 #include "core/base/version.h"
 
 namespace {
@@ -42,41 +40,36 @@ int Report(const Status& status, const CommonArguments& common) {
   return exit_code;
 }
 
-/// The first word that is no option, when it is no verb either: what was meant.
-std::optional<Error> UnknownVerb(const CLI::App& app, int argc, char** argv) {
-  const auto word = std::find_if(argv + 1, argv + argc, [](const char* text) { return text[0] != '-'; });
-  if (word == argv + argc) return std::nullopt;
-  std::vector<std::string> verbs;
-  std::string list;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (verb->get_name() == *word) return std::nullopt;
-    verbs.push_back(verb->get_name());
-    list += (list.empty() ? "" : ", ") + verbs.back();
-  }
-  const std::filesystem::path path(*word);
-  const bool config = path.extension() == ".yaml" || path.extension() == ".yml";
-  std::error_code ignored;
-  const auto near = Nearest(*word, verbs);
-  std::string meant = near ? *near : "";
-  if (config) meant = "run " + DisplayPath(path);
-  if (!config && std::filesystem::exists(path, ignored)) meant = "inspect " + DisplayPath(path);
-  return Error{ErrorCode::kUsage, "there is no verb '" + DisplayPath(path) + "'", "command line",
-               meant.empty() ? "the verbs are: " + list : "did you mean 'mocurate " + meant + "'?"};
+/// Help and version as one document: what would stand on stdout.
+void PrintAnswer(const CLI::App& app, const CLI::ParseError& asked) {
+  const bool version = dynamic_cast<const CLI::CallForVersion*>(&asked) != nullptr;
+  const nlohmann::json document =
+      version ? nlohmann::json{{"program", "mocurate"}, {"version", Version()}} : nlohmann::json{{"help", app.help()}};
+  std::printf("%s\n", document.dump(1).c_str());
 }
 
 /// Help and version go to stdout and are no error; all else is wrong usage.
 int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  if (error.get_exit_code() == 0) return app.exit(error);
-  const auto exit_code = static_cast<int>(ExitCode::kUsage);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
-  if (const auto verb = UnknownVerb(app, argc, argv)) {
-    if (json) PrintError(*verb, exit_code);
-    std::fprintf(stderr, "mocurate: %s\n", verb->Message().c_str());
-    return exit_code;
+  if (error.get_exit_code() == 0 && !json) return app.exit(error);
+  if (error.get_exit_code() == 0) {
+    PrintAnswer(app, error);
+    return 0;
   }
-  if (json) PrintError({ErrorCode::kUsage, error.what(), "command line", "run with --help for more"}, exit_code);
-  app.exit(error);
-  return exit_code;
+  CommonArguments common;
+  common.json = json;
+  return Report(tl::unexpected<Error>(UsageError(app, error, argc, argv)), common);
+}
+
+/// An answer that did not reach stdout whole is none: 74 instead of 0.
+int Ended(int exit_code) {
+  errno = 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::ferror(stdout) == 0) return exit_code;
+  const std::string why = errno == 0 ? "" : std::string(": ") + std::strerror(errno);
+  std::fprintf(stderr, "mocurate: stdout: cannot be written%s (free space or send the output elsewhere)\n",
+               why.c_str());
+  return exit_code == 0 ? static_cast<int>(ExitCode::kCannotWrite) : exit_code;
 }
 
 void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
@@ -202,9 +195,7 @@ void AddCache(CLI::App& app, CommonArguments& common, std::function<Status()>& v
   prune->add_flag("-n,--dry-run", arguments->dry_run, "say what would be removed, remove nothing");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int Run(int argc, char** argv) {
   CommonArguments common;
   std::function<Status()> verb;
   CLI::App app("mocurate: from noisy motion captures to datasets that can be trusted");
@@ -234,3 +225,7 @@ int main(int argc, char** argv) {
                   common);
   }
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return Ended(Run(argc, argv)); }

@@ -37,6 +37,7 @@ class MainJob {
         {JobStage::kCanon, &MainJob::Canonicalise},    {JobStage::kAssemble, &MainJob::Assemble},
         {JobStage::kAudit, &MainJob::Audit},           {JobStage::kTrain, &MainJob::Train},
         {JobStage::kEvaluate, &MainJob::Evaluate},     {JobStage::kReport, &MainJob::Report}};
+    CheckComparison();
     if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
@@ -50,14 +51,7 @@ class MainJob {
       if (!DryRun()) outputs_.WarnOfLeftovers();
       return Forward(done);
     }
-    for (const ClipRecord& clip : clips_) {
-      for (const std::string& code : FindingCodes(clip)) ++result_.findings[code];
-      if (clip.left_out() && clip.reason() == kFolderNotRead) continue;
-      ++result_.clips;
-      result_.kept += clip.kept() ? 1 : 0;
-      result_.left_out += clip.left_out() ? 1 : 0;
-      result_.failed += clip.failed() ? 1 : 0;
-    }
+    CountClips(clips_, result_);
     return result_;
   }
 
@@ -124,7 +118,7 @@ class MainJob {
     if (synthetic_ && options_.ingest.path.empty()) return {};
     auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
-    for (const ItemResult& file : discovery->left_out) LogWarning(file.item + ": " + file.outcome.error.Message());
+    for (const ItemResult& file : discovery->left_out) LogLeftOut(file);
     if (last_ >= JobStage::kAssemble) {
       if (Status groups = CheckSplitGroups(options_.assemble, *discovery); !groups) return groups;
     }
@@ -204,6 +198,20 @@ class MainJob {
     return {};
   }
 
+  /// The comparison with raw tracks never costs the dataset: where it cannot be made, a finding says so.
+  void DropComparison(const std::string& why) {
+    options_.train.baseline = false;
+    comparison_.push_back(ComparisonDropped(why));
+    LogWarning(comparison_.back().message);
+  }
+
+  /// Before the work, as far as the declaration of the source tells.
+  void CheckComparison() {
+    const std::string missing = options_.train.baseline ? JointsWithoutTrack(options_) : "";
+    if (missing.empty() || last_ < JobStage::kCanon) return;
+    DropComparison("the source tracks no " + missing + " of skeleton '" + options_.canon.skeleton + "'");
+  }
+
   Status Canonicalise() {
     const bool both = options_.train.baseline;
     const Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical, both ? kFittedBranch : "");
@@ -234,7 +242,7 @@ class MainJob {
     }
     if (item.inputs.empty()) {
       if (runner_.options().dry_run) return ItemResult();
-      const Error first = FirstReason(clips_);
+      const Error first = FirstReason(clips_, from);
       return Fail(first.code, "no clip is left for the dataset; " + first.Message(), DisplayPath(options_.ingest.path),
                   "curation_log.jsonl in the run folder says why each was dropped");
     }
@@ -250,9 +258,12 @@ class MainJob {
     dataset_ = *dataset;
     if (options_.train.baseline) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);
-      if (!baseline) return Forward(baseline);
-      baseline_ = *baseline;
+      const ExitCode fault = baseline ? ExitCode::kDone : ExitCodeOf(baseline.error().code);
+      if (fault > ExitCode::kInputUnusable) return Forward(baseline);
+      if (baseline) baseline_ = *baseline;
+      if (!baseline) DropComparison(baseline.error().Message());
     }
+    result_.set_findings.insert(result_.set_findings.end(), comparison_.begin(), comparison_.end());
     if (dataset_.artifact.empty() || DryRun()) return {};
     result_.dataset = outputs_.Place("dataset.h5");
     return CopyWhole(dataset_.artifact, result_.dataset);
@@ -383,6 +394,7 @@ class MainJob {
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;
   ItemResult dataset_, baseline_;
+  std::vector<Finding> comparison_;  ///< why there is none
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/clip_counts.h"
 #include "app/job_options.h"
 #include "app/job_stage.h"
 #include "core/pipeline/runner.h"
@@ -18,11 +19,9 @@ struct JobResult {
   std::filesystem::path dataset;
   std::filesystem::path report;
   std::vector<std::filesystem::path> tables;
-  std::string table;         ///< Markdown
-  int clips = 0;             ///< source clips
-  int kept = 0;              ///< source clips with at least one clip in the dataset
-  int left_out = 0;          ///< left out by a rule of the configuration: no failure
-  int failed = 0;            ///< refused or crashed anywhere before the dataset
+  std::string table;  ///< Markdown
+  ClipCounts counts;
+  int folders_failed = 0;    ///< of the folders, where ingest.source.other_files makes them a failure
   nlohmann::json fit_error;  ///< error against the truth, null without truth
   nlohmann::json audit;
   nlohmann::json metrics;

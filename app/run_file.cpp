@@ -33,4 +33,18 @@ Status RunFile::Write() const {
   return WriteFile(path_, run_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
+nlohmann::json ReadRunFile(const std::filesystem::path& folder) {
+  std::error_code unknown;
+  const auto path = folder / "run.json";
+  const auto text = std::filesystem::is_regular_file(path, unknown)
+                        ? ReadFile(path)
+                        : Expected<std::string>(Fail(ErrorCode::kNotFound, "there is none", DisplayPath(path)));
+  if (!text) return nullptr;
+  nlohmann::json run = nlohmann::json::parse(*text, nullptr, false);
+  if (!run.is_object() || !run.contains("options") || !run.at("options").is_object()) return nullptr;
+  const auto maker = run.find("created_by");
+  const bool ours = maker != run.end() && maker->is_string() && maker->get<std::string>().rfind("mocurate ", 0) == 0;
+  return ours ? run : nlohmann::json();
+}
+
 }  // namespace mocurate

@@ -25,4 +25,7 @@ class RunFile {
   nlohmann::json run_;
 };
 
+/// The run.json of a folder; null when there is none that a run wrote.
+nlohmann::json ReadRunFile(const std::filesystem::path& folder);
+
 }  // namespace mocurate

@@ -35,6 +35,8 @@ constexpr Output kOutputs[] = {{JobStage::kCanon, "", "curation_log.jsonl"},
                                {JobStage::kReport, "report", "overlay.png"},
                                {JobStage::kReport, "report", "cloud.png"}};
 
+constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", "run.json"};
+
 /// `*` stands for the digits of a seed.
 bool Matches(std::string_view pattern, std::string_view name) {
   const std::size_t star = pattern.find('*');
@@ -90,6 +92,17 @@ void RunOutputs::WarnOfLeftovers() const {
     names += (names.empty() ? "" : ", ") + name;
   }
   if (!names.empty()) LogWarning("in the run folder these files are an earlier run's, not this one's: " + names);
+}
+
+std::vector<std::string> RunFilesIn(const fs::path& folder) {
+  std::vector<std::string> names = RunOutputs(folder).Leftovers(JobStage::kIngest, JobStage::kReport);
+  for (const char* name : kRecords) {
+    std::error_code unknown;
+    const fs::file_status status = fs::symlink_status(folder / name, unknown);
+    if (fs::exists(status) && !fs::is_directory(status)) names.emplace_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace mocurate

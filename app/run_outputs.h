@@ -29,12 +29,16 @@ class RunOutputs {
   /// mistyped option costs nothing.
   void WarnOfLeftovers() const;
 
- private:
-  /// In order of name.
+  /// What is there of the stages `first` to `last` that is not this run's, in order of name.
   std::vector<std::string> Leftovers(JobStage first, JobStage last) const;
 
+ private:
   std::filesystem::path folder_;
   std::set<std::string> placed_;
 };
+
+/// The files of a folder that bear a name of ours, the record of runs (run.json, journal.jsonl, lock) and the list of
+/// the capture among them; below the folder, in order of name.
+std::vector<std::string> RunFilesIn(const std::filesystem::path& folder);
 
 }  // namespace mocurate

@@ -56,11 +56,10 @@ void PrintResult(const JobResult& result, double seconds) {
         stage.title().c_str(), stage.items.size(), stage.items.size() == 1 ? "item" : "items", stage.done,
         stage.doubtful, stage.left_out, stage.refused, stage.crashed, stage.from_cache, stage.seconds);
   }
-  std::printf("%s, %d kept, left out by rule: %d, %d failed, %.1f s\n", Counted(result.clips, "clip").c_str(),
-              result.kept, result.left_out, result.failed, seconds);
+  std::printf("%s, %.1f s\n", ClipsText(result.counts).c_str(), seconds);
   for (const auto& [code, count] : result.findings) {
     std::printf("%-26s %d of %s (curation_log.jsonl says which)\n", code.c_str(), count,
-                Counted(result.clips, "clip").c_str());
+                Counted(result.counts.clips, "clip").c_str());
   }
   PrintFigures(result);
   if (!result.table.empty()) std::printf("\n%s\n", result.table.c_str());

@@ -13,6 +13,7 @@
 #include "app/verbs.h"
 #include "app/worker_check.h"
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/pipeline/runner.h"
 
@@ -59,6 +60,7 @@ Check CheckBlas() {
   char speed[64];
   std::snprintf(speed, sizeof(speed), ", %.0f GF/s on one thread", gigaflops);
   check.found = DisplayPath(file) + speed;
+  check.advice.clear();
   if (check.ok) return check;
   const bool reference = file.parent_path().filename() == "blas";  // where Debian's libblas3 puts it
   if (reference) check.found += ": the reference BLAS";
@@ -154,7 +156,7 @@ Status DoctorVerb(CommonArguments& common) {
   if (common.json) std::printf("%s\n", document.dump(1).c_str());
   common.answered = common.json;
   if (missing == 0) return {};
-  return Fail(ErrorCode::kMissingOnHost, std::to_string(missing) + " checks failed", "doctor",
+  return Fail(ErrorCode::kMissingOnHost, Counted(missing, "check") + " failed", "doctor",
               "each line says what to install or set");
 }
 

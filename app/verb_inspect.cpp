@@ -30,6 +30,11 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   if (!std::filesystem::exists(arguments.path, ignored)) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
+  if (!std::filesystem::is_directory(arguments.path, ignored) &&
+      !std::filesystem::is_regular_file(arguments.path, ignored)) {
+    return Fail(ErrorCode::kUnreadable, "is no regular file", DisplayPath(arguments.path),
+                "a pipe or a device is not read: save what it gives to a file");
+  }
   if (IsMade(arguments.path)) {
     const auto description = DescribeMade(arguments.path);
     if (!description) return Forward(description);

@@ -7,6 +7,7 @@
 #include "app/job_checks.h"
 #include "app/main_job.h"
 #include "app/run_file.h"
+#include "app/run_folder.h"
 #include "app/run_text.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
@@ -50,10 +51,12 @@ nlohmann::json ResultJson(const JobResult& result, const RunnerOptions& runner, 
           {"executed", Executed(result)},
           {"dataset", DisplayPath(result.dataset)},
           {"report", DisplayPath(result.report)},
-          {"clips", result.clips},
-          {"kept", result.kept},
-          {"left_out", result.left_out},
-          {"failed", result.failed},
+          {"clips", result.counts.clips},
+          {"kept", result.counts.kept},
+          {"left_out", result.counts.left_out},
+          {"failed", result.counts.failed},
+          {"undecided", result.counts.undecided},
+          {"folders", result.counts.folders},
           {"findings", result.findings},
           {"set_findings", result.set_findings},
           {"fit_error", result.fit_error},
@@ -86,18 +89,25 @@ Status CheckNetworks(const JobResult& result) {
 
 /// Of the clips that were to be kept, those that failed.
 Status CheckFailures(const JobOptions& options, const JobResult& result) {
-  const int wanted = result.clips - result.left_out;
+  if (result.folders_failed > 0) {
+    return Fail(ErrorCode::kTooManyFailures, Counted(result.folders_failed, "folder") + " not looked into", "run",
+                "ingest.source.other_files is error; mend ingest.source.files, or choose finding or ignore");
+  }
+  const int wanted = result.counts.clips - result.counts.left_out;
   const double tolerated = options.tolerated_failures * wanted;
-  if (wanted == 0 || result.failed <= tolerated) return {};
+  if (wanted == 0 || result.counts.failed <= tolerated) return {};
   return Fail(ErrorCode::kTooManyFailures,
-              std::to_string(result.failed) + " of " + Counted(wanted, "clip") + " failed, tolerated_failures is " +
-                  Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
-              "run", "curation_log.jsonl says why each failed; the others are in the dataset");
+              std::to_string(result.counts.failed) + " of " + Counted(wanted, "clip") +
+                  " failed, tolerated_failures is " + Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
+              "run",
+              std::string("curation_log.jsonl says why each failed") +
+                  (result.dataset.empty() ? "" : "; the others are in the dataset"));
 }
 
-RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments& arguments, const JobOptions& job) {
+RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments& arguments, const JobOptions& job,
+                              const std::filesystem::path& folder) {
   RunnerOptions options;
-  options.run_folder = arguments.output.empty() ? std::filesystem::path("runs") / job.name : arguments.output;
+  options.run_folder = folder;
   options.jobs = arguments.jobs;
   options.dry_run = arguments.dry_run;
   options.progress = !common.quiet;
@@ -148,7 +158,10 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
-  const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options);
+  const auto folder = RunFolder(arguments.output, job->options.name);
+  if (!folder) return Forward(folder);
+  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options, *folder);
   if (!arguments.dry_run) {
     LogDuration(job->options, *last);
     if (Status made = MakeFolder(options.run_folder); !made) return made;

@@ -19,8 +19,8 @@ struct CommonArguments {
 };
 
 struct RunArguments {
-  std::filesystem::path config;  ///< empty: the embedded default, a synthetic capture
-  std::filesystem::path output;  ///< run folder; empty: runs/NAME
+  std::filesystem::path config;                 ///< empty: the embedded default, a synthetic capture
+  std::optional<std::filesystem::path> output;  ///< run folder; absent: runs/NAME
   std::vector<std::string> assignments;
   std::string to;  ///< last stage; empty: report
   int jobs = 0;

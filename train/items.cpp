@@ -90,7 +90,9 @@ Status ScaleTraining(double budget, TrainOptions& options) {
 std::vector<std::string> TrainingNotes(const TrainOptions& options) {
   std::vector<std::string> notes;
   if (!options.seeds.empty()) {
-    notes.push_back("Recogniser: at most " + Counted(options.recogniser.epochs, "epoch") + " in batches of " +
+    notes.push_back("Recogniser: at most " + Counted(options.recogniser.epochs, "epoch") +
+                    (options.recogniser.refit ? " to select and as many as were best to refit, in batches of "
+                                              : " in batches of ") +
                     Counted(options.recogniser.batch, "clip") + ".");
   }
   if (!options.generator_enabled) return notes;

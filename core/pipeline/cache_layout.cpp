@@ -46,6 +46,22 @@ std::string ArtifactName(const std::string& key, const std::string& sha256, cons
   return key.substr(2) + "-" + sha256.substr(0, 8) + ExtensionOf(artifact);
 }
 
+fs::path RecordOf(const fs::path& artifact) {
+  const std::string name = artifact.filename().native();
+  return artifact.parent_path() / (name.substr(0, name.rfind('-')) + ".json");
+}
+
+bool IsObject(const fs::path& cache, const fs::path& path) {
+  const std::string objects = (cache / "objects").native() + "/";
+  return path.native().compare(0, objects.size(), objects) == 0;
+}
+
+void DropObject(const fs::path& artifact) {
+  std::error_code ignored;
+  fs::remove(RecordOf(artifact), ignored);
+  fs::remove_all(artifact, ignored);
+}
+
 std::optional<CacheRecord> ReadRecord(const fs::path& file) {
   const Expected<std::string> text = ReadFile(file);
   if (!text) return std::nullopt;

@@ -30,6 +30,15 @@ std::string RecordText(const CacheRecord& record);
 /// each other, whoever writes its record last decides, and each record names whole bytes.
 std::string ArtifactName(const std::string& key, const std::string& sha256, const std::filesystem::path& artifact);
 
+/// The record beside an artifact of the cache.
+std::filesystem::path RecordOf(const std::filesystem::path& artifact);
+
+/// Whether `path` is an artifact of this cache (by its place alone).
+bool IsObject(const std::filesystem::path& cache, const std::filesystem::path& path);
+
+/// Removes an artifact and its record: the item is made again when it is next asked for.
+void DropObject(const std::filesystem::path& artifact);
+
 /// Calls `visit` for every file or folder right below objects/??/; order is that of the names.
 void ForEachObject(const std::filesystem::path& cache, const std::function<void(const std::filesystem::path&)>& visit);
 

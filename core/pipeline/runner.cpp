@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
+#include "core/pipeline/cache_layout.h"
 #include "core/pipeline/stage_run.h"
 
 namespace mocurate {
@@ -70,7 +71,59 @@ std::string Summary(const StageReport& report) {
 
 struct Runner::Impl : RunnerState {
   using RunnerState::RunnerState;
+
+  Expected<StageReport> Execute(const StageDeclaration& stage, std::vector<ItemSpec> items);
+  Status MakeAgain(const fs::path& artifact);
+  Status TryAgain(const StageDeclaration& stage, const StageRun& first, StageReport& report);
 };
+
+/// One stage; what fails on an input of the cache that was damaged is tried again with the input made again.
+Expected<StageReport> Runner::Impl::Execute(const StageDeclaration& stage, std::vector<ItemSpec> items) {
+  StageRun run(*this, stage, std::move(items), true);
+  Expected<StageReport> report = run.Execute();
+  if (!report) return report;
+  if (Status mended = TryAgain(stage, run, *report); !mended) return Forward(mended);
+  for (std::size_t i = 0; i < run.items().size(); ++i) {
+    if (!report->items[i].artifact.empty()) origins.Add(stage, run.items()[i], report->items[i].artifact);
+  }
+  return report;
+}
+
+/// Drops an artifact and runs the item that it came from. Nothing where this runner has not seen it: then it is
+/// missing.
+Status Runner::Impl::MakeAgain(const fs::path& artifact) {
+  LogWarning("cache: " + DisplayPath(artifact) + " does not hold the bytes that were recorded: made again");
+  DropObject(artifact);
+  const std::optional<Origins::Origin> origin = origins.Of(artifact);
+  if (!origin) return {};
+  const Expected<StageReport> made = Execute(origin->stage, {origin->spec});
+  return made ? Status() : Forward(made);
+}
+
+Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& first, StageReport& report) {
+  if (first.damaged().empty()) return {};
+  std::vector<ItemSpec> specs;
+  for (const std::size_t index : first.damaged()) {
+    specs.push_back(first.items()[index]);
+    for (const fs::path& artifact : DamagedInputs(*this, specs.back())) {
+      if (Status made = MakeAgain(artifact); !made) return made;
+    }
+  }
+  StageRun second(*this, stage, std::move(specs));
+  Expected<StageReport> again = second.Execute();
+  if (!again) return Forward(again);
+  for (std::size_t i = 0; i < again->items.size(); ++i) {
+    report.items[first.damaged()[i]] = std::move(again->items[i]);
+  }
+  report.done += again->done;
+  report.doubtful += again->doubtful;
+  report.left_out += again->left_out;
+  report.refused += again->refused;
+  report.crashed += again->crashed;
+  report.from_cache += again->from_cache;
+  report.seconds += again->seconds;
+  return {};
+}
 
 Runner::Runner(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
@@ -96,9 +149,9 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
 
 Expected<StageReport> Runner::Run(const StageDeclaration& stage, std::vector<ItemSpec> items,
                                   const std::string& branch) {
-  StageRun run(*impl_, stage, std::move(items));
   const bool dry_run = impl_->options.dry_run;
-  Expected<StageReport> report = dry_run ? run.Foresee() : run.Execute();
+  Expected<StageReport> report =
+      dry_run ? StageRun(*impl_, stage, std::move(items)).Foresee() : impl_->Execute(stage, std::move(items));
   if (!report) return report;
   report->branch = branch;
   if (!dry_run) LogInfo(Summary(*report));

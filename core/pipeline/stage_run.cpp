@@ -3,6 +3,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
+#include "core/pipeline/cache_layout.h"
 #include "core/pipeline/wire.h"
 
 namespace mocurate {
@@ -35,12 +36,28 @@ ItemResult Served(const std::string& item, Cache::Entry entry) {
   return {item, std::move(entry.outcome), std::move(entry.artifact), std::move(entry.sha256), true};
 }
 
+/// Whether an object of the cache holds the bytes that its record tells of.
+bool Holds(const fs::path& artifact, const std::string& sha256) {
+  const Expected<Content> content = ContentOf(artifact);
+  return content && content->sha256 == sha256;
+}
+
 }  // namespace
 
-StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vector<ItemSpec> items)
+std::vector<fs::path> DamagedInputs(const RunnerState& state, const ItemSpec& spec) {
+  std::vector<fs::path> damaged;
+  for (const StageInput& input : spec.inputs) {
+    if (!IsObject(state.options.cache_folder, input.path) || Holds(input.path, input.sha256)) continue;
+    damaged.push_back(input.path);
+  }
+  return damaged;
+}
+
+StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vector<ItemSpec> items, bool defer_damaged)
     : state_(state),
       stage_(stage),
       items_(std::move(items)),
+      defer_damaged_(defer_damaged),
       progress_(stage.name, items_.size(), state.options.progress && !state.options.dry_run) {
   report_.stage = stage.name;
   report_.items.resize(items_.size());
@@ -100,7 +117,7 @@ void StageRun::PrepareItems() {
     const std::size_t index = next_++;
     if (!HashInputs(index)) continue;
     std::string key = Cache::Key(stage_, items_[index]);
-    if (std::optional<Cache::Entry> entry = state_.cache.Find(key)) {
+    if (std::optional<Cache::Entry> entry = FindWhole(key)) {
       Record(index, key, Served(items_[index].item, *std::move(entry)), 0.0);
     } else {
       Task task;
@@ -110,6 +127,17 @@ void StageRun::PrepareItems() {
     }
     progress_.Draw();
   }
+}
+
+/// What stages of the whole set give is large, seldom and copied out of the cache: its bytes are looked at before it is
+/// served. What the many clips give is looked at when a stage fails on it.
+std::optional<Cache::Entry> StageRun::FindWhole(const std::string& key) const {
+  std::optional<Cache::Entry> entry = state_.cache.Find(key);
+  const bool whole_set = !stage_.limits.memory_bytes;
+  if (!entry || !whole_set || entry->artifact.empty() || Holds(entry->artifact, entry->sha256)) return entry;
+  LogWarning("cache: " + DisplayPath(entry->artifact) + " does not hold the bytes that were recorded: made again");
+  DropObject(entry->artifact);
+  return std::nullopt;
 }
 
 /// False, and the item is refused, when a source cannot be read.
@@ -161,7 +189,13 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   }
   ItemResult result{items_[task.index].item, {}, {}, {}, false};
   const bool crashed = outcome.kind == OutcomeKind::kCrashed;
-  if (MayBeCached(outcome)) {
+  const bool damaged = IsFailure(outcome.kind) && !DamagedInputs(state_, items_[task.index]).empty();
+  if (damaged && defer_damaged_) {
+    damaged_.push_back(task.index);
+    fs::remove_all(task.folder, ignored);
+    return;
+  }
+  if (MayBeCached(outcome) && !damaged) {
     Expected<Cache::Entry> entry = Keep(task, outcome);
     if (!entry) return GiveUp(entry.error());
     result.artifact = std::move(entry->artifact);

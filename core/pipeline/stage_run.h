@@ -11,6 +11,7 @@
 #include "core/pipeline/interruption.h"
 #include "core/pipeline/journal.h"
 #include "core/pipeline/lock.h"
+#include "core/pipeline/origins.h"
 #include "core/pipeline/progress.h"
 #include "core/pipeline/runner.h"
 #include "core/pipeline/worker_process.h"
@@ -25,6 +26,7 @@ struct RunnerState {
   RunnerOptions options;  ///< resolved: no empty folder, jobs > 0
   Cache cache;
   ContentMemo memo;
+  Origins origins;
   std::optional<FileLock> lock;
   Journal journal;
   std::optional<Workspace> workspace;  ///< made when the first item is executed
@@ -32,17 +34,26 @@ struct RunnerState {
   std::vector<std::unique_ptr<WorkerProcess>> idle;  ///< workers waiting for the next stage
 };
 
+/// Inputs of an item that lie in the cache and do not hold the bytes that were recorded when they were made.
+std::vector<std::filesystem::path> DamagedInputs(const RunnerState& state, const ItemSpec& spec);
+
 /// Where a worker program lies. Error kMissingOnHost.
 Expected<std::filesystem::path> FindWorkerProgram(const RunnerOptions& options, const std::string& name);
 
 /// One stage over its items: serves from the cache, hands the rest to workers, records what becomes of each.
 class StageRun {
  public:
-  StageRun(RunnerState& state, const StageDeclaration& stage, std::vector<ItemSpec> items);
+  /// With `defer_damaged` an item that fails on a damaged input is not recorded but named by damaged(), so that it can
+  /// be tried again.
+  StageRun(RunnerState& state, const StageDeclaration& stage, std::vector<ItemSpec> items, bool defer_damaged = false);
   ~StageRun();
   Expected<StageReport> Execute();
   /// Only asks the cache.
   StageReport Foresee();
+
+  const std::vector<ItemSpec>& items() const { return items_; }
+  /// Places in items().
+  const std::vector<std::size_t>& damaged() const { return damaged_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -67,6 +78,7 @@ class StageRun {
   // Items
   void PrepareItems();
   bool HashInputs(std::size_t index);
+  std::optional<Cache::Entry> FindWhole(const std::string& key) const;
   void Dispatch(Seat& seat, Task task);
   void Finish(Seat& seat, StageOutcome outcome);
   Expected<Cache::Entry> Keep(const Task& task, const StageOutcome& outcome);
@@ -91,6 +103,8 @@ class StageRun {
   RunnerState& state_;
   StageDeclaration stage_;
   std::vector<ItemSpec> items_;
+  bool defer_damaged_ = false;
+  std::vector<std::size_t> damaged_;
   StageReport report_;
   Progress progress_;
   std::size_t next_ = 0;    ///< first item not looked at yet

@@ -138,6 +138,12 @@ void StageRun::Answer(Seat& seat, const json& message) {
   if (!seat.task) return;
   if (message.contains("fatal")) {
     const Expected<Error> error = ErrorFromJson(message["fatal"]);
+    if (error && error->code == ErrorCode::kInternal && !DamagedInputs(state_, items_[seat.task->index]).empty()) {
+      StageOutcome refused;
+      refused.kind = OutcomeKind::kRefused;
+      refused.error = *error;
+      return Finish(seat, std::move(refused));
+    }
     std::error_code ignored;
     fs::remove_all(seat.task->folder, ignored);
     seat.task.reset();

@@ -24,13 +24,14 @@ constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 struct FileToInspect {
   std::string name;
   std::filesystem::path path;
+  bool regular = true;  ///< no pipe, device or link that leads nowhere
 };
 
 Status ListFiles(const std::filesystem::path& path, std::vector<FileToInspect>& files) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::is_directory(path, error)) {
-    files.push_back({DisplayPath(path.filename()), path});
+    files.push_back({DisplayPath(path.filename()), path, fs::is_regular_file(path, error)});
     return {};
   }
   fs::recursive_directory_iterator at(path, fs::directory_options::skip_permission_denied, error);
@@ -38,7 +39,9 @@ Status ListFiles(const std::filesystem::path& path, std::vector<FileToInspect>& 
   for (const fs::recursive_directory_iterator end; at != end;) {
     std::error_code unknown;
     if (at->is_directory(unknown) && at.depth() >= kDeepest) at.disable_recursion_pending();
-    if (at->is_regular_file(unknown)) files.push_back({DisplayPath(at->path().lexically_relative(path)), at->path()});
+    if (!at->is_directory(unknown)) {
+      files.push_back({DisplayPath(at->path().lexically_relative(path)), at->path(), at->is_regular_file(unknown)});
+    }
     at.increment(error);
     if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(path), "check its permissions");
   }
@@ -133,6 +136,11 @@ void Inspector::Add(const ObservedFile& file, const std::string& name) {
 
 /// Files of unknown content are errors where they are asked for, and counted in a folder.
 void Inspector::Look(const FileToInspect& file) {
+  if (!file.regular) {
+    findings().push_back(InspectionFinding("no_regular_file", folder_ ? Severity::kWarning : Severity::kError,
+                                           file.name, 0.0, "is no regular file: not read"));
+    return;
+  }
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);

@@ -80,7 +80,8 @@ void ExpectInspectToTell(const Folder& folder) {
   const Result run = RunProgram(folder, {"inspect", (folder / "r").string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   for (const char* part : {"a run of demo", "with exit code 0", "up to stage   evaluate", "15 items: 15 done",
-                           "clips         15 kept", "dataset.h5: mocurate/1", "tables/table.md"}) {
+                           "clips         15 clips, 15 kept, left out by rule: 0, 0 failed", "dataset.h5: mocurate/1",
+                           "tables/table.md"}) {
     EXPECT_THAT(run.out, HasSubstr(part));
   }
   EXPECT_EQ(RunProgram(folder, {"inspect", (folder / "r").string(), "--json"}).Json()["state"], "ended");

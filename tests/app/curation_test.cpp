@@ -49,6 +49,8 @@ class Curated : public ::testing::Test {
     arguments.insert(arguments.end(),
                      {"--set", "ingest.synthetic.enabled=false", "--set", "ingest.path=" + capture_.string()});
     for (const std::string& assignment : assignments) arguments.insert(arguments.end(), {"--set", assignment});
+    const auto to = std::find(arguments.begin(), arguments.end(), "--to");
+    if (std::find(more.begin(), more.end(), "--to") != more.end()) arguments.erase(to, to + 2);
     arguments.insert(arguments.end(), more.begin(), more.end());
     return RunProgram(folder_, arguments);
   }
@@ -85,6 +87,16 @@ TEST_F(Curated, OnlyBadInputCountsAsFailure) {
   const Result sound = Run({});
   EXPECT_EQ(sound.exit_code, 0) << sound.err;
   EXPECT_THAT(sound.out, HasSubstr("left out by rule: 2, 0 failed"));
+}
+
+TEST_F(Curated, ARunThatEndsBeforeTheDatasetCountsTheRestAsUndecided) {
+  const Result early = Run({}, {"--to", "ingest"});
+  EXPECT_EQ(early.exit_code, 1) << early.err;
+  const std::string counts = std::to_string(count_ + 1) + " clips, 0 kept, left out by rule: 1, 1 failed, " +
+                             std::to_string(count_ - 1) + " undecided (the run ended before)";
+  EXPECT_THAT(early.out, HasSubstr(counts));
+  EXPECT_THAT(early.err, HasSubstr("curation_log.jsonl says why each failed)")) << "there is no dataset to speak of";
+  EXPECT_THAT(RunProgram(folder_, {"inspect", (folder_ / "r").string()}).out, HasSubstr(counts));
 }
 
 TEST_F(Curated, TheLogNamesTheRuleOrTheFailure) {
@@ -128,6 +140,16 @@ TEST_F(Curated, FilesWhereThePatternDoesNotLookAreCountedByFolder) {
   EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("not looked at: 2 files"));
   EXPECT_THAT(result.out, HasSubstr("left out by rule: 2,")) << "the brief clip and notes.doc; a folder is no clip";
   EXPECT_THAT(ReadText(folder_ / "r/curation_log.jsonl"), ::testing::Not(HasSubstr("\"empty\"")));
+  const std::string counts = std::to_string(count_) + " clips, " + std::to_string(count_ - 2) +
+                             " kept, left out by rule: 2, 0 failed; 1 folder not looked into";
+  EXPECT_THAT(result.out, HasSubstr(counts));
+  EXPECT_THAT(RunProgram(folder_, {"inspect", (folder_ / "r").string()}).out, HasSubstr(counts)) << "the same counts";
+  EXPECT_THAT(result.out, ::testing::Not(HasSubstr("folder_not_read"))) << "no finding about a clip";
+  EXPECT_THAT(result.err, HasSubstr("info: more: not looked at: 2 files")) << "no alarm";
+  EXPECT_THAT(result.err, HasSubstr("warning: notes.doc: "));
+  for (const char* doubled : {"more: more:", "notes.doc: notes.doc:"}) {
+    EXPECT_THAT(result.err, ::testing::Not(HasSubstr(doubled)));
+  }
   EXPECT_EQ(Run({"ingest.source.other_files=ignore"}, {"--json"}).Json()["left_out"], 1) << "the brief clip";
 }
 

@@ -1,0 +1,16 @@
+#include "app/clip_counts.h"
+
+#include "core/base/text.h"
+
+namespace mocurate {
+
+std::string ClipsText(const ClipCounts& counts) {
+  std::string text = Counted(counts.clips, "clip") + ", " + std::to_string(counts.kept) +
+                     " kept, left out by rule: " + std::to_string(counts.left_out) + ", " +
+                     std::to_string(counts.failed) + " failed";
+  if (counts.undecided > 0) text += ", " + std::to_string(counts.undecided) + " undecided (the run ended before)";
+  if (counts.folders > 0) text += "; " + Counted(counts.folders, "folder") + " not looked into";
+  return text;
+}
+
+}  // namespace mocurate

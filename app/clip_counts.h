@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+namespace mocurate {
+
+/// What became of source clips: files that became clips or should have.
+struct ClipCounts {
+  int clips = 0;
+  int kept = 0;       ///< with at least one clip in the dataset
+  int left_out = 0;   ///< by a rule of the configuration: no failure
+  int failed = 0;     ///< refused or crashed anywhere before the dataset
+  int undecided = 0;  ///< the run ended before the dataset
+  int folders = 0;    ///< no clips: folders that were not looked into
+};
+
+/// "15 clips, 13 kept, left out by rule: 1, 1 failed"; the undecided and the folders only where there are some.
+std::string ClipsText(const ClipCounts& counts);
+
+}  // namespace mocurate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+
+/// How the artifacts of one runner were made, so that one that turns out to be damaged can be made again. Options,
+/// which most items of a stage share, are held once.
+class Origins {
+ public:
+  struct Origin {
+    StageDeclaration stage;
+    ItemSpec spec;
+  };
+  void Add(const StageDeclaration& stage, const ItemSpec& spec, const std::filesystem::path& artifact);
+  /// Empty for an artifact that this runner has not seen.
+  std::optional<Origin> Of(const std::filesystem::path& artifact) const;
+
+ private:
+  struct Known {
+    std::size_t stage = 0;  ///< in stages_
+    std::string item;
+    const std::string* options = nullptr;  ///< canonical text, in options_
+    std::vector<StageInput> inputs;
+  };
+  std::vector<StageDeclaration> stages_;
+  std::set<std::string> options_;
+  std::map<std::string, Known> known_;  ///< by path
+};
+
+}  // namespace mocurate

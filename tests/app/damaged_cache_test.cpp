@@ -1,0 +1,69 @@
+// Bytes of the cache that changed behind our back cost time, not clips: they are noticed and made again.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::WriteText;
+using ::testing::HasSubstr;
+
+std::vector<std::string> UpTo(const Folder& folder, const std::string& stage) {
+  std::vector<std::string> arguments = SmallJob(folder, "r");
+  std::replace(arguments.begin(), arguments.end(), std::string("assemble"), stage);
+  return arguments;
+}
+
+/// Overwrites the middle of every HDF5 object that `chosen` wants; their sizes stay. How many.
+int Damage(const Folder& folder, const std::function<bool(const std::string& bytes)>& chosen) {
+  int count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "cache/objects")) {
+    if (entry.path().extension() != ".h5") continue;
+    std::string bytes = ReadText(entry.path());
+    if (!chosen(bytes)) continue;
+    bytes.replace(bytes.size() / 4, bytes.size() / 2, std::string(bytes.size() / 2, '\x55'));
+    WriteText(entry.path(), bytes);
+    ++count;
+  }
+  return count;
+}
+
+TEST(DamagedCache, WhatEarlierStagesMadeIsMadeAgainInTheSameRun) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  const std::string dataset = ReadText(folder / "r/dataset.h5");
+  fs::remove_all(folder / "cache");
+
+  ASSERT_EQ(RunProgram(folder, UpTo(folder, "fitting")).exit_code, 0);
+  EXPECT_GE(Damage(folder, [](const std::string&) { return true; }), 30) << "15 clips of evidence, 15 fits";
+  const Result mended = RunProgram(folder, SmallJob(folder, "r"));
+  EXPECT_EQ(mended.exit_code, 0) << mended.out << mended.err;
+  EXPECT_THAT(mended.err, HasSubstr("does not hold the bytes that were recorded: made again"));
+  EXPECT_THAT(mended.out, HasSubstr("15 clips, 15 kept"));
+  EXPECT_TRUE(ReadText(folder / "r/dataset.h5") == dataset) << "other bytes";
+  EXPECT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0) << "no refusal was kept";
+}
+
+TEST(DamagedCache, ADatasetIsNotCopiedIntoTheRunFolderWithoutALookAtItsBytes) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  const std::string dataset = ReadText(folder / "r/dataset.h5");
+  EXPECT_EQ(Damage(folder, [&](const std::string& bytes) { return bytes == dataset; }), 1);
+  const Result mended = RunProgram(folder, SmallJob(folder, "r"));
+  EXPECT_EQ(mended.exit_code, 0) << mended.out << mended.err;
+  EXPECT_TRUE(ReadText(folder / "r/dataset.h5") == dataset) << "other bytes";
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,98 @@
+// What is told of run folders: each result belongs to the run that made it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::WriteText;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::vector<std::string> Failing(const Folder& folder) {
+  std::vector<std::string> arguments = SmallJob(folder, "runs/a");
+  arguments.insert(arguments.end(), {"--set", "ingest.synthetic.enabled=false", "--set",
+                                     "ingest.path=" + (folder / "nowhere").string()});
+  return arguments;
+}
+
+TEST(InspectRun, ALaterRunThatFailedIsNotGivenTheResultsOfTheEarlierOne) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  const std::string run = (folder / "runs/a").string();
+  const std::string whole = RunProgram(folder, {"inspect", run}).out;
+  EXPECT_THAT(whole, HasSubstr("15 clips, 15 kept"));
+  EXPECT_THAT(whole, Not(HasSubstr("earlier run")));
+
+  ASSERT_EQ(RunProgram(folder, Failing(folder)).exit_code, 3);
+  const Result failed = RunProgram(folder, {"inspect", run});
+  EXPECT_THAT(failed.out, HasSubstr("with exit code 3"));
+  EXPECT_THAT(failed.out, Not(HasSubstr("15 kept")));
+  EXPECT_THAT(failed.out, HasSubstr("dataset.h5, curation_log.jsonl: of an earlier run of this folder"));
+  EXPECT_THAT(failed.out, HasSubstr("dataset.h5 of an earlier run: mocurate/1"));
+  const nlohmann::json json = RunProgram(folder, {"inspect", run, "--json"}).Json();
+  EXPECT_TRUE(json["files"].empty());
+  EXPECT_TRUE(json["clips"].empty());
+}
+
+TEST(InspectRun, AResultThatIsGoneIsMissed) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  fs::remove(folder / "runs/a/dataset.h5");
+  const std::string run = (folder / "runs/a").string();
+  EXPECT_THAT(RunProgram(folder, {"inspect", run}).out, HasSubstr("dataset.h5: this run wrote it, it is no longer"));
+  EXPECT_EQ(RunProgram(folder, {"inspect", run, "--json"}).Json()["missing"], nlohmann::json({"dataset.h5"}));
+}
+
+TEST(InspectRun, AFolderOfRunsNamesThemAndTheirFilesAreKnown) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  fs::copy(folder / "runs/a", folder / "runs/b", fs::copy_options::recursive);
+  const Result runs = RunProgram(folder, {"inspect", (folder / "runs").string()});
+  EXPECT_EQ(runs.exit_code, 0) << runs.err;
+  EXPECT_THAT(runs.out, HasSubstr("a folder of 2 runs"));
+  EXPECT_THAT(runs.out, HasSubstr("demo up to assemble, started "));
+  EXPECT_EQ(RunProgram(folder, {"inspect", (folder / "runs").string(), "--json"}).Json()["runs"][1]["folder"], "b");
+
+  WriteText(folder / "runs/a/report/index.html", "<!DOCTYPE html>");
+  for (const char* file : {"run.json", "curation_log.jsonl", "report/index.html"}) {
+    const Result inspected = RunProgram(folder, {"inspect", (folder / "runs/a" / file).string()});
+    EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
+    EXPECT_THAT(inspected.out, HasSubstr("of a run of demo")) << file;
+  }
+}
+
+TEST(Comparison, NeverCostsTheFittedDatasetAndIsSaidBeforeTheWork) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const Folder folder;
+  fs::create_directories(folder / "kard");
+  for (const char* clip : {"a12_s01_e01", "a17_s01_e01"}) {
+    const std::string name = std::string(clip) + "_realworld.txt";
+    fs::copy_file(fs::path(data) / "kinect/kard" / name, folder / ("kard/" + name));
+  }
+  const Result result =
+      RunProgram(folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "-o",
+                          (folder / "r").string(), "--to", "assemble", "--set", "skeleton=kinect20", "--set",
+                          "assemble.splits=[]", "--set", "ingest.path=" + (folder / "kard").string(), "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
+  const std::size_t said = result.err.find("no comparison with the raw tracks (train.baseline): the source tracks no ");
+  ASSERT_NE(said, std::string::npos) << result.err;
+  EXPECT_LT(said, result.err.find("ingest: 2 items"));
+  EXPECT_EQ(result.err.find("refused"), std::string::npos) << result.err;
+  EXPECT_EQ(result.Json()["set_findings"].back()["code"], "comparison_dropped");
+}
+
+}  // namespace
+}  // namespace mocurate
