@@ -147,11 +147,16 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   StageOutcome outcome;
   outcome.findings = ingested->findings;
   outcome.summary = Summary(ingested->clip, named->style);
+  for (const auto& [code, shown] : ingested->shown) {
+    outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
+  }
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != "refused") continue;
-    return Fail(ErrorCode::kInconsistent, finding.message, input->name,
-                "set ingest.source.on_contradiction: flag to keep such clips");
+    outcome.kind = OutcomeKind::kRefused;
+    outcome.error = Error{ErrorCode::kInconsistent, finding.message, input->name,
+                          "set ingest.source.on_contradiction: flag to keep such clips"};
+    return outcome;
   }
   if (Status written = WriteEvidence(ingested->clip, request.output, outcome.findings); !written)
     return Forward(written);

@@ -65,7 +65,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.TextMap("exclude", exclude, "recordings that are left out, each with the reason");
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
-           "what becomes of a clip whose motion contradicts the declared axes");
+           "what becomes of clips whose motion contradicts the declared units, axes or order of joints; where enough "
+           "clips of a "
+           "source agree, of the whole source");
 }
 
 void SyntheticOptions::Declare(OptionVisitor& v) {
@@ -87,7 +89,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 7, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 8, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -16,28 +16,6 @@ const std::vector<std::pair<std::string, double>>& Units() {
 
 std::string Place(const char* option) { return std::string("ingest.source.") + option; }
 
-std::string FormatName(SourceFormat format) {
-  switch (format) {
-    case SourceFormat::kJointTable:
-      return "joint_table";
-    case SourceFormat::kBvh:
-      return "bvh";
-    case SourceFormat::kNpy:
-      return "npy";
-    case SourceFormat::kDepthSequence:
-      return "depth_sequence";
-    case SourceFormat::kNtuSkeleton:
-      return "ntu_skeleton";
-    case SourceFormat::kAsfAmc:
-      return "asf_amc";
-    case SourceFormat::kAmass:
-      return "amass";
-    case SourceFormat::kNone:
-      break;
-  }
-  return "none";
-}
-
 Status CheckUnits(const SourceOptions& s) {
   const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass;
   if (by_definition && !s.units.empty() && s.units != "m") {
@@ -126,6 +104,28 @@ Status CheckBodies(const SourceOptions& s) {
 }
 
 }  // namespace
+
+std::string FormatName(SourceFormat format) {
+  switch (format) {
+    case SourceFormat::kJointTable:
+      return "joint_table";
+    case SourceFormat::kBvh:
+      return "bvh";
+    case SourceFormat::kNpy:
+      return "npy";
+    case SourceFormat::kDepthSequence:
+      return "depth_sequence";
+    case SourceFormat::kNtuSkeleton:
+      return "ntu_skeleton";
+    case SourceFormat::kAsfAmc:
+      return "asf_amc";
+    case SourceFormat::kAmass:
+      return "amass";
+    case SourceFormat::kNone:
+      break;
+  }
+  return "none";
+}
 
 Expected<double> MetresPerUnit(const std::string& units) {
   const std::vector<std::string_view> words = SplitBlanks(units);
