@@ -1,10 +1,14 @@
 #include "app/config_loading.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/base/file.h"
+#include "core/base/problem_list.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
+#include "core/geometry/axes.h"
+#include "core/motion/motion.h"
 
 namespace mocurate {
 
@@ -61,6 +65,66 @@ void InheritOrigins(ConfigNode& root) {
   Inherit(root, "evaluate", "split", recogniser == nullptr ? nullptr : recogniser->Find("split"));
 }
 
+/// Where the value of a dotted path is said; nothing where it is not.
+std::optional<std::string> PlaceOf(const ConfigNode& root, const std::string& option) {
+  const ConfigNode* node = &root;
+  for (const std::string_view key : SplitText(option, '.')) {
+    node = node->Find(std::string(key));
+    if (node == nullptr) return std::nullopt;
+  }
+  return node->origin.Text();
+}
+
+/// Values that are wrong by themselves though their type is right, all at once.
+class ValueCheck {
+ public:
+  explicit ValueCheck(const ConfigNode& node) : node_(node) {}
+
+  void Refuse(const std::string& option, const std::string& what, const std::string& hint) {
+    const auto place = PlaceOf(node_, option);
+    if (place) problems_.Add(*place, option + ": " + what, hint);
+  }
+
+  template <class Value>
+  void Needs(const std::string& option, const Expected<Value>& value) {
+    if (!value) Refuse(option, value.error().what, value.error().hint);
+  }
+
+  Status Result() const { return problems_.Result(); }
+
+ private:
+  const ConfigNode& node_;
+  ProblemList problems_;
+};
+
+bool GivesMotion(SourceFormat format) {
+  return format == SourceFormat::kBvh || format == SourceFormat::kNpy || format == SourceFormat::kAsfAmc ||
+         format == SourceFormat::kAmass;
+}
+
+Status CheckValues(const JobOptions& options, const ConfigNode& node) {
+  const SourceOptions& source = options.ingest.source;
+  ValueCheck check(node);
+  if (!source.units.empty()) check.Needs("ingest.source.units", MetresPerUnit(source.units));
+  if (!source.axes.empty()) check.Needs("ingest.source.axes", AxisConvention::Parse(source.axes));
+  const std::vector<std::string> roles = {"train", "validation", "test"};
+  for (const auto& [person, role] : source.roles) {
+    if (std::find(roles.begin(), roles.end(), role) != roles.end()) continue;
+    check.Refuse("ingest.source.roles." + person, "there is no role '" + role + "'", HintFor(role, roles));
+  }
+  if (!options.canon.rate.empty()) check.Needs("canon.rate", FrameRate::Parse(options.canon.rate));
+  const bool own_tree = GivesMotion(source.format) && options.fitting.method == FitMethod::kNone;
+  const bool same =
+      options.skeleton == source.skeleton || (source.format == SourceFormat::kAmass && options.skeleton == "smpl24");
+  if (own_tree && !same) {
+    check.Refuse("skeleton",
+                 "motion of the format " + FormatName(source.format) +
+                     " is kept on the skeleton of its files; no stage brings it to '" + options.skeleton + "'",
+                 "take `skeleton` out, or name it as ingest.source.skeleton where the files have that tree");
+  }
+  return check.Result();
+}
+
 }  // namespace
 
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
@@ -80,6 +144,7 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
   if (Status seeds = CheckSeeds(options->train); !seeds) return Forward(seeds);
+  if (Status values = CheckValues(*options, *node); !values) return Forward(values);
   ResolveDefaults(*options);
   InheritOrigins(*node);
   return LoadedJob{std::move(*node), std::move(*options)};

@@ -59,7 +59,7 @@ Status CheckSplitNames(const JobOptions& options, JobStage last) {
   };
   const bool recognises = !options.train.seeds.empty();
   const Asked asked[] = {
-      {"audit.split", &options.audit.split, last >= JobStage::kAudit},
+      {"audit.split", &options.audit.split, true},
       {"train.recogniser.split", &options.train.recogniser.split, last >= JobStage::kTrain && recognises},
       {"train.generator.split", &options.train.generator.split,
        last >= JobStage::kTrain && options.train.generator_enabled},
@@ -74,11 +74,43 @@ Status CheckSplitNames(const JobOptions& options, JobStage last) {
   return {};
 }
 
+/// The method of fitting must be one that the format has evidence for.
+Status CheckMethod(const JobOptions& options, JobStage last) {
+  const char* wanted = nullptr;
+  FitMethod method = FitMethod::kNone;
+  switch (options.ingest.source.format) {
+    case SourceFormat::kJointTable:
+    case SourceFormat::kNtuSkeleton:
+      wanted = "joint_tracks", method = FitMethod::kJointTracks;
+      break;
+    case SourceFormat::kDepthSequence:
+      wanted = "point_clouds", method = FitMethod::kPointClouds;
+      break;
+    case SourceFormat::kBvh:
+    case SourceFormat::kNpy:
+    case SourceFormat::kAsfAmc:
+    case SourceFormat::kAmass:
+      wanted = "none";
+      break;
+    default:
+      return {};
+  }
+  const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
+  if (options.fitting.method == method || last < first) return {};
+  return Fail(ErrorCode::kConfig,
+              "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
+                  (method == FitMethod::kNone          ? "motion"
+                   : method == FitMethod::kPointClouds ? "depth views"
+                                                       : "joint tracks"),
+              "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
+}
+
 }  // namespace
 
 Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
   if (Status actions = CheckActions(options.ingest); !actions) return actions;
+  if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }
 

@@ -13,6 +13,7 @@
 #include "core/base/log.h"
 #include "eval/tables/run_table.h"
 #include "ingest/discover.h"
+#include "ingest/set_contradictions.h"
 #include "ingest/synthetic/capture_files.h"
 
 namespace mocurate {
@@ -87,6 +88,13 @@ class MainJob {
     return result;
   }
 
+  void AddSetFindings(const std::vector<Finding>& findings) {
+    for (const Finding& finding : findings) {
+      Log(finding.severity == Severity::kError ? LogLevel::kError : LogLevel::kWarning, finding.message);
+      result_.set_findings.push_back(finding);
+    }
+  }
+
   static void AddInput(const StageInput& input, std::vector<ItemSpec>& items) {
     for (ItemSpec& item : items) item.inputs.push_back(input);
   }
@@ -126,8 +134,9 @@ class MainJob {
     AddInput(skeleton, discovery->items);
     AddInput(skeleton, discovery->truth);
     const std::vector<ItemSpec> specs = discovery->items;
-    const auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
+    auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
+    AddSetFindings(FindSetContradictions(options_.ingest.source, report->items));
     for (std::size_t i = 0; i < report->items.size(); ++i) {
       ClipRecord clip;
       clip.item = report->items[i].item;
@@ -253,8 +262,7 @@ class MainJob {
   Status Assemble() {
     const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical, options_.train.baseline ? kFittedBranch : "");
     if (!dataset) return Forward(dataset);
-    result_.set_findings = dataset->outcome.findings;
-    for (const Finding& finding : result_.set_findings) LogWarning(finding.message);
+    AddSetFindings(dataset->outcome.findings);
     dataset_ = *dataset;
     if (options_.train.baseline) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);

@@ -29,7 +29,7 @@ struct JobResult {
   std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;
-  std::vector<Finding> set_findings;  ///< what `assemble` found about the set as a whole: its splits, its rates
+  std::vector<Finding> set_findings;  ///< about the set as a whole: against its declaration, splits, rates
   std::optional<Error> unevaluated;   ///< why there is no table although networks were to be scored
   std::vector<StageReport> stages;
 };

@@ -211,12 +211,17 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   outcome.findings = ingested->findings;
   outcome.summary = Summary(ingested->clip, named->style);
   outcome.summary["source_sha256"] = ingested->clip.evidence_sha256;
+  for (const auto& [code, shown] : ingested->shown) {
+    outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
+  }
   if (dropped) return LeftOut(*dropped, input->name, std::move(outcome));
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != "refused") continue;
-    return Fail(ErrorCode::kInconsistent, finding.message, name,
-                "set ingest.source.on_contradiction: flag to keep such clips");
+    outcome.kind = OutcomeKind::kRefused;
+    outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,
+                          "set ingest.source.on_contradiction: flag to keep such clips"};
+    return outcome;
   }
   if (Status written = WriteEvidence(ingested->clip, request.output, outcome.findings); !written)
     return Forward(written);

@@ -80,7 +80,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.TextMap("exclude", exclude, "recordings that are left out, each with the reason");
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
-           "what becomes of a clip whose motion contradicts the declared axes");
+           "what becomes of clips whose motion contradicts the declared units, axes or order of joints; where enough "
+           "clips of a "
+           "source agree, of the whole source");
   v.Texts(
       "known_issue_lists", known_issue_lists,
       "lists of clips that others found something wrong with: names in configs/known_issues, or files of that form");

@@ -140,6 +140,9 @@ struct IngestOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// "joint_table", as a configuration says it.
+std::string FormatName(SourceFormat format);
+
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
 Status CheckSource(const SourceOptions& source);
 

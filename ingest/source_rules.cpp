@@ -16,38 +16,6 @@ const std::vector<std::pair<std::string, double>>& Units() {
 
 std::string Place(const char* option) { return std::string("ingest.source.") + option; }
 
-std::string FormatName(SourceFormat format) {
-  switch (format) {
-    case SourceFormat::kJointTable:
-      return "joint_table";
-    case SourceFormat::kBvh:
-      return "bvh";
-    case SourceFormat::kNpy:
-      return "npy";
-    case SourceFormat::kDepthSequence:
-      return "depth_sequence";
-    case SourceFormat::kNtuSkeleton:
-      return "ntu_skeleton";
-    case SourceFormat::kAsfAmc:
-      return "asf_amc";
-    case SourceFormat::kAmass:
-      return "amass";
-    case SourceFormat::kExpmap:
-      return "expmap";
-    case SourceFormat::kPhspd:
-      return "phspd";
-    case SourceFormat::kVibeTracks:
-      return "vibe_tracks";
-    case SourceFormat::kUestc:
-      return "uestc";
-    case SourceFormat::kHumanAct12Pickle:
-      return "humanact12_pickle";
-    case SourceFormat::kNone:
-      break;
-  }
-  return "none";
-}
-
 Status CheckUnits(const SourceOptions& s) {
   const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass ||
                              s.format == SourceFormat::kPhspd || s.format == SourceFormat::kVibeTracks ||
@@ -160,6 +128,38 @@ Status CheckBodies(const SourceOptions& s) {
 }
 
 }  // namespace
+
+std::string FormatName(SourceFormat format) {
+  switch (format) {
+    case SourceFormat::kJointTable:
+      return "joint_table";
+    case SourceFormat::kBvh:
+      return "bvh";
+    case SourceFormat::kNpy:
+      return "npy";
+    case SourceFormat::kDepthSequence:
+      return "depth_sequence";
+    case SourceFormat::kNtuSkeleton:
+      return "ntu_skeleton";
+    case SourceFormat::kAsfAmc:
+      return "asf_amc";
+    case SourceFormat::kAmass:
+      return "amass";
+    case SourceFormat::kExpmap:
+      return "expmap";
+    case SourceFormat::kPhspd:
+      return "phspd";
+    case SourceFormat::kVibeTracks:
+      return "vibe_tracks";
+    case SourceFormat::kUestc:
+      return "uestc";
+    case SourceFormat::kHumanAct12Pickle:
+      return "humanact12_pickle";
+    case SourceFormat::kNone:
+      break;
+  }
+  return "none";
+}
 
 Expected<double> MetresPerUnit(const std::string& units) {
   const std::vector<std::string_view> words = SplitBlanks(units);

@@ -91,19 +91,29 @@ Status CheckKinematics(const Motion& m) {
 Expected<FrameRate> FrameRate::Parse(std::string_view text) {
   const auto malformed = [&] {
     return Fail(ErrorCode::kMalformed, "'" + std::string(text) + "' is no frame rate", {},
-                "write frames per second above zero as 30, 29.97 or 120000/1001");
+                "write frames per second above zero as 30, 29.97, 120000/1001, 25 fps or 1 kHz");
   };
-  const std::vector<std::string_view> parts = SplitText(Trim(text), '/');
+  std::string_view number = Trim(text);
+  std::int64_t factor = 1;
+  for (const std::pair<std::string_view, std::int64_t>& unit :
+       {std::pair<std::string_view, std::int64_t>{"kHz", 1000}, {"Hz", 1}, {"fps", 1}}) {
+    if (number.size() < unit.first.size() || number.substr(number.size() - unit.first.size()) != unit.first) continue;
+    number.remove_suffix(unit.first.size());
+    factor = unit.second;
+    break;
+  }
+  const std::vector<std::string_view> parts = SplitText(Trim(number), '/');
   if (parts.size() > 2) return malformed();
   if (parts.size() == 2) {
     const auto numerator = ParseInteger(Trim(parts[0]));
     const auto denominator = ParseInteger(Trim(parts[1]));
     if (!numerator || !denominator || *numerator <= 0 || *denominator <= 0) return malformed();
-    return Reduced(*numerator, *denominator);
+    if (*numerator > 1000000000000) return malformed();
+    return Reduced(*numerator * factor, *denominator);
   }
-  const auto hz = ParseDouble(Trim(text));
+  const auto hz = ParseDouble(Trim(number));
   if (!hz || !std::isfinite(*hz) || *hz < 1e-6 || *hz > 1e6) return malformed();
-  return FromHz(*hz);
+  return FromHz(*hz * static_cast<double>(factor));
 }
 
 FrameRate FrameRate::FromHz(double hz) {

@@ -4,17 +4,15 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "core/geometry/axes.h"
 #include "ingest/sense/check_report.h"
+#include "ingest/sense/comparison.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kContradicts = 0.55;    // least confidence of a measured value that contradicts a declared one
 constexpr double kManyMissing = 0.2;     // share of missing samples worth a warning
 constexpr double kRateTolerance = 0.01;  // relative
-constexpr double kBodySlack = 0.15;      // of the body's length, before a declared unit is doubted
 
 using Json = nlohmann::json;
 
@@ -31,56 +29,20 @@ Json Declared(Json value, const std::string& who, const Measured& measured) {
   return json;
 }
 
-/// "-z": where a canonical direction lies in the source's axes.
-std::string SourceAxis(const AxisConvention& axes, int canonical) {
-  for (int i = 0; i < 3; ++i) {
-    const double component = axes.canonical_from_source(canonical, i);
-    if (std::abs(component) > 0.5) return std::string(component < 0.0 ? "-" : "+") + "xyz"[i];
-  }
-  return "";
-}
-
-/// What is said of a clip without looking at its numbers.
-struct Statements {
-  std::string units, up, handedness, facing, axes, who;
-};
-
-Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOptions>& source) {
-  Statements said{clip.units, clip.up, clip.handedness, "", "", "said by the format"};
-  if (!source) return said;
-  said.who = "said by the source '" + source->name + "'";
-  if (!source->units.empty()) said.units = source->units;
-  const auto axes = AxisConvention::Parse(source->axes);
-  if (!axes) return said;
-  said.axes = source->axes;
-  said.up = SourceAxis(*axes, 1);
-  said.facing = SourceAxis(*axes, 2);
-  said.handedness = axes->handedness() == Handedness::kLeft ? "left" : "right";
-  return said;
-}
-
-void CompareUnits(const Statements& said, const ClipMeasures& m, const std::string& where, Json& findings) {
+/// A declared unit that is none.
+void CheckUnits(const Statements& said, const std::string& where, Json& findings) {
   const auto declared = MetresPerUnit(said.units);
-  if (!declared) {
-    findings.push_back(InspectionFinding("units_unknown", Severity::kError, where, 0.0, declared.error().Message()));
-    return;
-  }
-  if (!(m.body > 0.0)) return;
-  const double metres = m.body * *declared;
-  if (metres > kShortestBody * (1.0 - kBodySlack) && metres < kTallestBody * (1.0 + kBodySlack)) return;
-  findings.push_back(InspectionFinding(
-      "units_contradiction", Severity::kError, where, Rounded(metres),
-      "in the declared unit '" + said.units + "' the person measures " + FormatDouble(Rounded(metres)) +
-          " m from head to foot" + (m.units.value.empty() ? "" : "; in " + m.units.value + " it would be a person")));
+  if (declared) return;
+  findings.push_back(InspectionFinding("units_unknown", Severity::kError, where, 0.0, declared.error().Message()));
 }
 
-void Compare(const char* code, const char* what, const std::string& declared, const Measured& measured,
-             Severity severity, const std::string& where, Json& findings) {
-  if (declared.empty() || measured.value.empty() || measured.value == declared || measured.confidence < kContradicts)
-    return;
-  findings.push_back(InspectionFinding(code, severity, where, Rounded(measured.confidence),
-                                       std::string(what) + " is declared " + declared + ", the motion says " +
-                                           measured.value + " (" + measured.evidence + ")"));
+/// A file of another format than the source declares.
+void CompareFormat(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
+  const std::string declared = FormatName(source.format);
+  const std::string as_told = source.format == SourceFormat::kAsfAmc ? "amc" : declared;
+  if (source.format == SourceFormat::kNone || clip.format == as_told) return;
+  findings.push_back(InspectionFinding("format_contradiction", Severity::kError, where, 0.0,
+                                       "the format is declared " + declared + ", the file is " + clip.format));
 }
 
 void CompareRate(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
@@ -197,9 +159,13 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
         InspectionFinding("many_missing", Severity::kWarning, where, Rounded(m.missing_share),
                           FormatDouble(Rounded(100.0 * m.missing_share)) + " % of the joints are missing"));
   }
-  if (!said.units.empty() && (source || !clip.positions.empty())) CompareUnits(said, m, where, findings);
-  Compare("up_contradiction", "up", said.up, m.up, Severity::kError, where, findings);
-  Compare("handedness_contradiction", "the frame", said.handedness, m.handedness, Severity::kError, where, findings);
+  if (!said.units.empty() && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
+  for (const Comparison& comparison : CompareFrame(said, m)) {
+    if (!comparison.contradicts) continue;
+    findings.push_back(
+        InspectionFinding(comparison.code, Severity::kError, where, comparison.value, comparison.message));
+  }
+  if (source) CompareFormat(clip, *source, where, findings);
   if (source) CompareRate(clip, *source, where, findings);
   ReportChecks(clip, said.units.empty() ? m.units.value : said.units, said.up.empty() ? m.up.value : said.up, where,
                findings);

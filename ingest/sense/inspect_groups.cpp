@@ -6,14 +6,12 @@
 #include <vector>
 
 #include "ingest/sense/clip_report.h"
+#include "ingest/sense/comparison.h"
 
 namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::size_t kFewestVotes = 5;  // clips that tell, before others are told by them
-constexpr double kAgreement = 0.95;      // share of their votes
 
 /// What most clips of a group say, weighted by confidence.
 Json Pooled(const std::vector<const Json*>& clips, const char* key) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,12 +33,18 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
 
 /// The label that a text stands for. Error kInconsistent where `labels` lists others only; `name` for messages.
 Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name);
+/// One thing of the declaration that a clip can speak of.
+struct Shown {
+  bool contradicts = false;
+  double weight = 0.0;  ///< how much the clip tells, 0 to 1
+};
 
 /// One file turned into a clip. Findings carry no clip id yet.
 struct IngestedClip {
   Clip clip;
   std::vector<Finding> findings;
   std::string content;  ///< what was read of a file that holds other clips too; empty: all of the file
+  std::map<std::string, Shown> shown = {};  ///< by the code that a contradiction has; what the clip does not show lacks
 };
 
 /// The bytes of numbers, as they lie in memory.
@@ -112,10 +119,10 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file);
 /// Appends a finding "rate_contradiction" where the file's rate is not the declared one.
 void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings);
 
-/// Compares what the body shows with the declaration, after it was brought to metres and canonical axes. Appends
-/// findings (error): "units_contradiction" (nobody is that tall), "up_contradiction" (the head is below the feet),
-/// "handedness_contradiction" (knees, feet or hands point backwards). Reads tracks, else the motion, of a tree without
-/// known names by what its names look like.
+/// Compares what the body shows with the declaration, as `mocurate inspect` does: units, up, handedness and, where the
+/// declaration lists the joints, their order. Appends findings (error) "units_contradiction", "up_contradiction",
+/// "handedness_contradiction", "joint_order_contradiction", and says in `shown` what the clip speaks of. Reads tracks,
+/// else the motion, of a tree without known names by what its names look like.
 void CheckBody(const SourceOptions& source, IngestedClip& ingested);
 
 /// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.

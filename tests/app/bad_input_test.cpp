@@ -244,5 +244,81 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
   EXPECT_THAT(told.Json()["findings"].dump(), HasSubstr("handedness_contradiction")) << told.out;
 }
 
+/// A few real Kinect clips through the stage `ingest`, with the declaration of KARD changed.
+class MistakenDeclaration : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("MOCURATE_TEST_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    fs::create_directories(folder_ / "kard");
+    for (const char* clip :
+         {"a01_s01_e01", "a03_s02_e01", "a12_s01_e01", "a12_s01_e02", "a17_s01_e01", "a17_s01_e02", "a18_s01_e01",
+          "a18_s01_e02", "a17_s02_e01", "a18_s02_e01", "a17_s03_e01", "a18_s03_e01"}) {
+      const std::string name = std::string(clip) + "_realworld.txt";
+      fs::copy_file(fs::path(data) / "kinect/kard" / name, folder_ / ("kard/" + name));
+    }
+  }
+
+  Result Run(const std::vector<std::string>& assignments, const std::string& to = "ingest") {
+    std::vector<std::string> arguments = {"run",   std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml",
+                                          "--set", "ingest.path=" + (folder_ / "kard").string(),
+                                          "-o",    (folder_ / "r").string(),
+                                          "--to",  to,
+                                          "--json"};
+    for (const std::string& assignment : assignments) arguments.insert(arguments.end(), {"--set", assignment});
+    return RunProgram(folder_, arguments);
+  }
+
+  std::size_t FlaggedClips(const std::string& code) {
+    std::size_t clips = 0;
+    return Flagged(folder_ / "r", code, clips).size();
+  }
+
+  Folder folder_;
+};
+
+TEST_F(MistakenDeclaration, AWrongUpAxisIsFoundInEveryClipAndInTheSet) {
+  const Result honest = Run({});
+  EXPECT_EQ(honest.exit_code, 0) << honest.err;
+  EXPECT_TRUE(honest.Json()["set_findings"].empty()) << honest.out;
+  const Result lying = Run({"ingest.source.axes=+x +z +y"});
+  EXPECT_EQ(FlaggedClips("up_contradiction"), 12u);
+  EXPECT_EQ(lying.Json()["set_findings"][0]["code"], "up_contradiction") << lying.out;
+  EXPECT_THAT(lying.err, HasSubstr("error: the whole source contradicts its declaration: 12 of the 12 clips"));
+}
+
+TEST_F(MistakenDeclaration, AWrongOrderOfJointsIsFound) {
+  Run(
+      {"ingest.source.joints=[neck, head, right_shoulder, right_wrist, right_elbow, left_shoulder, left_wrist, "
+       "left_elbow, torso, right_hip, right_ankle, right_knee, left_hip, left_ankle, left_knee]"});
+  EXPECT_GE(FlaggedClips("joint_order_contradiction"), 10u);
+}
+
+TEST_F(MistakenDeclaration, ClipsThatSayNothingAreRefusedWithTheirSource) {
+  const Result refused = Run({"ingest.source.axes=+x +y +z", "ingest.source.on_contradiction=refuse"});
+  EXPECT_EQ(refused.exit_code, 1) << refused.err;
+  EXPECT_EQ(refused.Json()["failed"], 12) << refused.out;
+}
+
+TEST_F(MistakenDeclaration, ValuesThatAreWrongByThemselvesAreToldAtOnceBeforeAnyWork) {
+  ExpectError(Run({"ingest.source.units=furlong", "ingest.source.axes=+x +x +z", "canon.rate=abc",
+                   "ingest.source.roles={s01: tset}"}),
+              2,
+              {"ingest.source.units: 'furlong' is no unit of length", "ingest.source.axes: ",
+               "canon.rate: 'abc' is no frame rate", "there is no role 'tset' (did you mean 'test'?)"});
+  ExpectError(Run({"canon.rate=0"}), 2, {"canon.rate"});
+  ExpectError(Run({"fitting.method=point_clouds"}, "fitting"), 2, {"fitting.method", "write `method: joint_tracks`"});
+  ExpectError(Run({"audit.split=foo"}), 2, {"audit.split: there is no split 'foo'"});
+  EXPECT_FALSE(fs::exists(folder_ / "r"));
+  EXPECT_EQ(Run({"canon.rate=25fps"}).exit_code, 0);
+}
+
+TEST(GivenMotion, IsNotBroughtToAnotherSkeletonInSilence) {
+  const Folder folder;
+  WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 1\nFrame Time: 0.033\n0 0 0\n");
+  ExpectError(RunFolder(folder, std::string(kBvh) + "skeleton: smpl24\n"), 2,
+              {"job.yaml:", "skeleton: motion of the format bvh is kept on the skeleton of its files"});
+}
+
 }  // namespace
 }  // namespace mocurate

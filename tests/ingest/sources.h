@@ -80,6 +80,10 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
                    ("mocurate_ingest_" + std::to_string(getpid()) + "_" + name + ".h5");
   std::filesystem::remove(request.output);
   Ingested result{IngestStage(request), request.output, {}};
+  if (result.outcome && !HasArtifact(result.outcome->kind)) {
+    const Error why = result.outcome->error;
+    result.outcome = tl::unexpected<Error>(why);
+  }
   if (result.outcome) {
     auto clip = ReadEvidence(request.output);
     if (clip)

@@ -1,0 +1,79 @@
+#include "ingest/set_contradictions.h"
+
+#include <cmath>
+#include <map>
+
+#include "core/base/text.h"
+#include "ingest/sense/comparison.h"
+
+namespace mocurate {
+namespace {
+
+struct Votes {
+  std::size_t told = 0;
+  std::size_t against = 0;
+  double weight = 0.0;
+  double weight_against = 0.0;
+  std::string message;  ///< of the first clip that contradicts
+};
+
+std::map<std::string, Votes> Count(const std::vector<ItemResult>& clips) {
+  std::map<std::string, Votes> all;
+  for (const ItemResult& clip : clips) {
+    const auto shown = clip.outcome.summary.find("shown");
+    if (shown == clip.outcome.summary.end()) continue;
+    for (const auto& [code, said] : shown->items()) {
+      Votes& votes = all[code];
+      const double weight = said.value("weight", 0.0);
+      ++votes.told;
+      votes.weight += weight;
+      if (!said.value("contradicts", false)) continue;
+      ++votes.against;
+      votes.weight_against += weight;
+      for (const Finding& finding : clip.outcome.findings) {
+        if (votes.message.empty() && finding.code == code) votes.message = finding.message;
+      }
+    }
+  }
+  return all;
+}
+
+Finding Together(const std::string& code, const Votes& votes, std::size_t clips, bool refuse) {
+  const double share = votes.weight_against / votes.weight;
+  Finding finding;
+  finding.code = code;
+  finding.severity = Severity::kError;
+  finding.value = std::round(share * 1e4) / 1e4;
+  finding.message = "the whole source contradicts its declaration: " + std::to_string(votes.against) + " of the " +
+                    Counted(static_cast<long long>(votes.told), "clip") + " that tell, of " + std::to_string(clips) +
+                    " in all; the first: " + votes.message;
+  finding.action = refuse ? "all are refused" : "flagged";
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vector<ItemResult>& clips) {
+  const bool refuse = source.on_contradiction == OnContradiction::kRefuse;
+  std::vector<Finding> findings;
+  for (const auto& [code, votes] : Count(clips)) {
+    if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
+    findings.push_back(Together(code, votes, clips.size(), refuse));
+    if (!refuse) continue;
+    for (ItemResult& clip : clips) {
+      if (!HasArtifact(clip.outcome.kind)) continue;
+      Finding own = findings.back();
+      own.clip = clip.item;
+      own.action = "refused";
+      clip.outcome.kind = OutcomeKind::kRefused;
+      clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
+                                 "set ingest.source.on_contradiction: flag to keep such clips"};
+      clip.outcome.findings.push_back(std::move(own));
+      clip.artifact.clear();
+      clip.sha256.clear();
+    }
+  }
+  return findings;
+}
+
+}  // namespace mocurate
