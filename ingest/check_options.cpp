@@ -9,9 +9,9 @@ namespace {
 
 const std::map<std::string, FindingAction>& ActionNames() {
   static const std::map<std::string, FindingAction> names = {{"ignore", FindingAction::kIgnore},
-                                                           {"report", FindingAction::kReport},
-                                                           {"missing", FindingAction::kMissing},
-                                                           {"drop", FindingAction::kDrop}};
+                                                             {"report", FindingAction::kReport},
+                                                             {"missing", FindingAction::kMissing},
+                                                             {"drop", FindingAction::kDrop}};
   return names;
 }
 

@@ -316,7 +316,8 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
       continue;
     }
     if (!entry.left_out.empty()) {
-      discovery.left_out.push_back(Excluded(named->item(), entry.name, "excluded", entry.left_out, "as the set's papers do"));
+      discovery.left_out.push_back(
+          Excluded(named->item(), entry.name, "excluded", entry.left_out, "as the set's papers do"));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};

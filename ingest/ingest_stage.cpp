@@ -105,8 +105,7 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.most_frames = options.value("most_frames", 0);
   if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
   facts.known_issue = options.value("known_issue", std::string());
-  for (const char* key :
-       {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue"}) {
+  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue"}) {
     options.erase(key);
   }
   return facts;

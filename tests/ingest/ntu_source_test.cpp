@@ -129,7 +129,8 @@ TEST(NtuPeople, APersonWhoIsNotThereIsRefusedAndADeclarationThatMixesPeopleTold)
   ASSERT_EQ(discovery->items.size(), 3u);
   const Ingested third = RunIngest(discovery->items[2], "three");
   ASSERT_FALSE(third.outcome);
-  EXPECT_THAT(third.outcome.error().Message(), HasSubstr("body 3 of 3 is not there: the file holds 2 body ids in 20 frames"));
+  EXPECT_THAT(third.outcome.error().Message(),
+              HasSubstr("body 3 of 3 is not there: the file holds 2 body ids in 20 frames"));
   options.source.person = "P{person}";
   EXPECT_THAT(RefusalOf(options, "three"), HasSubstr("ingest.source.bodies: several people of one file would be one"));
   options.source.bodies = {{"A023", "many"}};
