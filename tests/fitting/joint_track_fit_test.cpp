@@ -27,7 +27,7 @@ JointTrackOptions Tight() {
 TEST(JointTrackFit, RecoversNoiseFreeTracks) {
   const Take take = SmoothTake(60);
   const FitResult fit = Fit(take, Tight());
-  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);
+  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 1e-4);
   EXPECT_TRUE(fit.converged);
   EXPECT_TRUE(fit.motion.Check().has_value()) << fit.motion.Check().error().Message();
   EXPECT_EQ(fit.motion.bone_length, take.truth.bone_length);
@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(JointTrackFit, AnyPosture,
 TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
   Take take = SmoothTake(40, ExpQuaternion(GetParam()));
   const FitResult clean = Fit(take, Tight());
-  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 2e-4);
+  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 1e-4);
   AddNoise(take.tracks, 0.01, 5);
   EXPECT_LT(RmsError(Fit(take).motion.joints, take.truth.joints), 0.012);
 }
