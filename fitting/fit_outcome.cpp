@@ -5,7 +5,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/measures.h"
-#include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/evidence/motion_tracks.h"
 #include "fitting/solver/joint_track_fit.h"
 
 namespace mocurate {
@@ -46,17 +46,8 @@ nlohmann::json StateCounts(const Motion& motion) {
 
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options) {
-  if (!clip.evidence.tracks) {
-    return Fail(ErrorCode::kInconsistent, "the clip has no joint tracks", clip.id(),
-                clip.evidence.depth_views.empty() ? "set fitting.method to none for given motion"
-                                                  : "set fitting.method to point_clouds for depth views");
-  }
-  Expected<SkeletonTracks> tracks = MapTracks(*clip.evidence.tracks, skeleton);
-  if (!tracks) {
-    Error error = tracks.error();
-    error.where = clip.id() + ": " + error.where;
-    return tl::unexpected<Error>(error);
-  }
+  const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton);
+  if (!tracks) return Forward(tracks);
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   return FitJointTracks(*tracks, clip.rate, bones, Bones::kFixed, options.joint_tracks);
 }
@@ -101,12 +92,10 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                      {"cost", std::round(fit.final_cost * 1e3) / 1e3},
                      {"states", StateCounts(fit.motion)},
                      {"after", MeasuresJson(MeasureMotion(fit.motion), skeleton)}};
-  if (clip.evidence.tracks) {
-    const Expected<SkeletonTracks> tracks = MapTracks(*clip.evidence.tracks, fit.motion.skeleton);
-    if (tracks) {
-      outcome.summary["before"] =
-          MeasuresJson(MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
-    }
+  if (options.method != FitMethod::kJointTracks) return outcome;
+  if (const Expected<SkeletonTracks> tracks = TracksOfClip(clip, fit.motion.skeleton)) {
+    outcome.summary["before"] =
+        MeasuresJson(MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
   }
   return outcome;
 }

@@ -8,8 +8,8 @@
 
 namespace mocurate {
 
-/// Fit of a clip's joint tracks with given bones (J; empty: rest lengths). Errors of MapTracks and FitJointTracks;
-/// kInconsistent for a clip without tracks.
+/// Fit of a clip's joint tracks, or of the joints of its given motion, with given bones (J; empty: rest lengths).
+/// Errors of TracksOfClip and FitJointTracks.
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options);
 

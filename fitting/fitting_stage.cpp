@@ -5,6 +5,7 @@
 #include "core/body/flesh_body.h"
 #include "core/store/store.h"
 #include "fitting/clouds/fit_clouds.h"
+#include "fitting/contacts/foot_contacts.h"
 #include "fitting/evidence/depth_files.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
@@ -35,6 +36,14 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   return FitTracksOfClip(clip, *skeleton, *bones, options);
 }
 
+Expected<SlidingRemoval> RemoveSliding(const ContactOptions& options, const std::string& clip, Motion& motion) {
+  if (motion.joints_only()) {
+    return Fail(ErrorCode::kInconsistent, "a motion without rotations cannot be turned", clip,
+                "set fitting.method to joint_tracks, or take fitting.contacts.remove_sliding out");
+  }
+  return RemoveFootSliding(options, motion);
+}
+
 }  // namespace
 
 Expected<StageOutcome> FittingStage(const StageRequest& request) {
@@ -52,7 +61,15 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) return Forward(fit);
 
+  std::optional<SlidingRemoval> removal;
+  if (options->contacts.remove_sliding) {
+    const Expected<SlidingRemoval> removed = RemoveSliding(options->contacts, clip->id(), fit->motion);
+    if (!removed) return Forward(removed);
+    removal = *removed;
+  }
+
   StageOutcome outcome = OutcomeOfFit(*clip, *fit, *options);
+  if (removal) outcome.summary["contacts"] = SlidingJson(*removal, *fit->motion.skeleton);
   dataset.created_by = CreatedBy();
   dataset.skeleton = fit->motion.skeleton;
   dataset.joints_only = fit->motion.joints_only();

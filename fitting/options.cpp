@@ -58,11 +58,20 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
 }
 
+void ContactOptions::Declare(OptionVisitor& v) {
+  v.Bool("remove_sliding", remove_sliding, "hold each foot where it stands: its leg turns, all else stays");
+  v.Number("height", height, Unit::kMetre, {0.0, 1.0}, "a foot stands at most this far above its lowest 5 %");
+  v.Number("speed", speed, Unit::kMetrePerSecond, {0.0, 10.0}, "a foot that is faster does not stand");
+  v.Number("min_time", min_time_s, Unit::kSecond, {0.0, 10.0}, "shorter contacts are none, shorter gaps are closed");
+  v.Number("blend", blend_s, Unit::kSecond, {0.0, 10.0}, "over which a foot comes back to where it was");
+}
+
 void FittingOptions::Declare(OptionVisitor& v) {
   DeclareMethod(v, method);
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
+  v.Group("contacts", contacts, "feet on the floor, after the fit");
 }
 
 void ProportionsSettings::Declare(OptionVisitor& v) {
@@ -93,6 +102,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 3, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 5, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 6, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -64,11 +64,23 @@ struct PointCloudOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Feet that stand do not slide: what is done to the fitted motion afterwards. See RemoveFootSliding.
+struct ContactOptions {
+  bool remove_sliding = false;
+  double height = 0.05;     ///< metres above the lowest 5 % of a foot's places
+  double speed = 0.6;       ///< m/s; a foot that is faster does not stand
+  double min_time_s = 0.1;  ///< shorter contacts are none, shorter gaps are closed
+  double blend_s = 0.15;    ///< over which a foot comes back to where it was
+
+  void Declare(OptionVisitor& v);
+};
+
 struct FittingOptions {
   FitMethod method = FitMethod::kJointTracks;
   std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
   JointTrackOptions joint_tracks;
   PointCloudOptions point_clouds;
+  ContactOptions contacts;
 
   void Declare(OptionVisitor& v);
 };

@@ -6,6 +6,7 @@
 #include "core/store/store.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/evidence/depth_files.h"
+#include "fitting/evidence/motion_tracks.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
 
@@ -36,8 +37,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       cloud_clips.push_back(std::move(*clip));
       continue;
     }
-    if (options->method != FitMethod::kJointTracks || !clip->evidence.tracks) continue;
-    Expected<SkeletonTracks> tracks = MapTracks(*clip->evidence.tracks, *skeleton);
+    if (options->method != FitMethod::kJointTracks) continue;
+    Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton);
     if (tracks) {
       clips.push_back(std::move(*tracks));
       continue;

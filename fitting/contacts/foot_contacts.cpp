@@ -1,0 +1,233 @@
+#include "fitting/contacts/foot_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/geometry/rotation.h"
+#include "core/motion/kinematics.h"
+#include "core/quality/measures.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kFloorShare = 0.05;     // as core/quality reads the floor
+constexpr double kStraightest = 0.9995;  // of the leg's length: a knee is never quite straight
+
+/// Half-open runs of frames.
+struct Run {
+  int begin = 0;
+  int end = 0;
+};
+
+std::vector<Run> RunsOf(const std::vector<bool>& flags, bool value) {
+  std::vector<Run> runs;
+  const int count = static_cast<int>(flags.size());
+  for (int f = 0; f < count; ++f) {
+    if (flags[f] != value) continue;
+    if (!runs.empty() && runs.back().end == f) {
+      ++runs.back().end;
+    } else {
+      runs.push_back({f, f + 1});
+    }
+  }
+  return runs;
+}
+
+double FloorOf(const Motion& motion, int joint) {
+  std::vector<double> heights;
+  for (int f = 0; f < motion.frame_count(); ++f) heights.push_back(motion.joints.at(f, joint).y());
+  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kFloorShare * static_cast<double>(heights.size()));
+  std::nth_element(heights.begin(), low, heights.end());
+  return *low;
+}
+
+double SpeedAt(const Motion& motion, int frame, int joint) {
+  const int before = std::max(0, frame - 1);
+  const int after = std::min(motion.frame_count() - 1, frame + 1);
+  if (after == before) return 0.0;
+  return (motion.joints.at(after, joint) - motion.joints.at(before, joint)).norm() * motion.rate.hz() /
+         (after - before);
+}
+
+/// Where a joint has to be moved while it stands, and how much that counts.
+void AddShifts(const Motion& motion, int joint, const std::vector<bool>& contacts, std::vector<Vector3d>& shift,
+               std::vector<int>& count) {
+  for (const Run& run : RunsOf(contacts, true)) {
+    Vector3d middle = Vector3d::Zero();
+    for (int f = run.begin; f < run.end; ++f) middle += motion.joints.at(f, joint) / (run.end - run.begin);
+    for (int f = run.begin; f < run.end; ++f) {
+      shift[f] += middle - motion.joints.at(f, joint);
+      ++count[f];
+    }
+  }
+}
+
+/// 1 at 0, 0 at 1 and beyond, flat at both ends.
+double Fade(double x) { return x >= 1.0 ? 0.0 : 0.5 + 0.5 * std::cos(M_PI * x); }
+
+/// Between contacts the shift of each neighbour fades within `blend` frames.
+void FadeShifts(const std::vector<bool>& standing, double blend, std::vector<Vector3d>& shift) {
+  const int frames = static_cast<int>(shift.size());
+  for (const Run& gap : RunsOf(standing, false)) {
+    const double length = std::min(blend, static_cast<double>(gap.end - gap.begin) + 1.0);
+    for (int f = gap.begin; f < gap.end; ++f) {
+      Vector3d sum = Vector3d::Zero();
+      if (gap.begin > 0) sum += Fade((f - gap.begin + 1) / length) * shift[gap.begin - 1];
+      if (gap.end < frames) sum += Fade((gap.end - f) / length) * shift[gap.end];
+      shift[f] = sum;
+    }
+  }
+}
+
+/// Turns hip and knee so that the ankle comes to `target`; the foot keeps its orientation. Globals of the frame before
+/// the change. Returns whether the leg is long enough.
+bool BendLeg(const Leg& leg, int frame, const Vector3d& target, const std::vector<Quaterniond>& global,
+             Motion& motion) {
+  const Vector3d hip = motion.joints.at(frame, leg.hip);
+  const Vector3d knee = motion.joints.at(frame, leg.knee);
+  const Vector3d ankle = motion.joints.at(frame, leg.ankle);
+  const double thigh = (knee - hip).norm();
+  const double shank = (ankle - knee).norm();
+  const double wanted = (target - hip).norm();
+  const double reach = std::clamp(wanted, std::abs(thigh - shank) + 1e-6, kStraightest * (thigh + shank));
+  const auto angle = [](double a, double b, double opposite) {
+    return std::acos(std::clamp((a * a + b * b - opposite * opposite) / (2.0 * a * b), -1.0, 1.0));
+  };
+  const double before = angle(thigh, shank, (ankle - hip).norm());
+  const double after = angle(thigh, shank, reach);
+  Vector3d axis = (hip - knee).cross(ankle - knee);
+  // A straight leg bends backwards about the x axis of its knee: axis = x without its part along the shank, negative.
+  if (axis.norm() < 1e-6 * thigh * shank) {
+    axis = (global[leg.knee] * Vector3d::UnitX()).cross(ankle - knee).cross(ankle - knee);
+  }
+  if (axis.norm() == 0.0) return false;
+  axis.normalize();
+  const Quaterniond bend(Eigen::AngleAxisd(after - before, axis));
+  const Vector3d bent = knee + bend * (ankle - knee);
+  const Quaterniond swing = Quaterniond::FromTwoVectors(bent - hip, target - hip);
+  const Quaterniond hip_global = swing * global[leg.hip];
+  const Quaterniond knee_global = swing * bend * global[leg.knee];
+  const int above = motion.skeleton->joints[leg.hip].parent;
+  const Quaterniond parent = above < 0 ? Quaterniond::Identity() : global[above];
+  motion.rotation_at(frame, leg.hip) = (parent.conjugate() * hip_global).normalized();
+  motion.rotation_at(frame, leg.knee) = (hip_global.conjugate() * knee_global).normalized();
+  motion.rotation_at(frame, leg.ankle) = (knee_global.conjugate() * global[leg.ankle]).normalized();
+  return wanted <= kStraightest * (thigh + shank);
+}
+
+void MeasureChange(const Motion& before, const Motion& after, SlidingRemoval& removal) {
+  for (int f = 0; f < after.frame_count(); ++f) {
+    for (int j = 0; j < after.joint_count(); ++j) {
+      const double shift = (after.joints.at(f, j) - before.joints.at(f, j)).norm();
+      removal.largest_turn =
+          std::max(removal.largest_turn, before.rotation_at(f, j).angularDistance(after.rotation_at(f, j)));
+      if (shift <= removal.largest_shift) continue;
+      removal.largest_shift = shift;
+      removal.frame = f;
+      removal.joint = j;
+    }
+  }
+}
+
+}  // namespace
+
+Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton) {
+  std::vector<Leg> legs;
+  for (const char* side : {"left", "right"}) {
+    const auto find = [&](const char* joint) {
+      return skeleton.FindJoint(std::string(side) + "_" + joint).value_or(-1);
+    };
+    const Leg leg{find("hip"), find("knee"), find("ankle"), find("foot")};
+    const bool chain = leg.hip >= 0 && leg.knee >= 0 && leg.ankle >= 0 && skeleton.joints[leg.knee].parent == leg.hip &&
+                       skeleton.joints[leg.ankle].parent == leg.knee;
+    if (!chain) {
+      return Fail(
+          ErrorCode::kUnsupported,
+          std::string("hip, knee and ankle of the ") + side + " leg are no chain of skeleton '" + skeleton.name + "'",
+          "fitting.contacts", "choose a skeleton that has them, e.g. smpl24, or take remove_sliding out");
+    }
+    legs.push_back(leg);
+    if (leg.toe >= 0 && skeleton.joints[leg.toe].parent != leg.ankle) legs.back().toe = -1;
+  }
+  return legs;
+}
+
+std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactOptions& options) {
+  std::vector<bool> standing(motion.frame_count(), false);
+  const double ceiling = FloorOf(motion, joint) + options.height;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    standing[f] = motion.joints.at(f, joint).y() <= ceiling && SpeedAt(motion, f, joint) <= options.speed;
+  }
+  const double shortest = options.min_time_s * motion.rate.hz();
+  for (const Run& gap : RunsOf(standing, false)) {
+    const bool between = gap.begin > 0 && gap.end < motion.frame_count();
+    if (between && gap.end - gap.begin < shortest)
+      std::fill(standing.begin() + gap.begin, standing.begin() + gap.end, true);
+  }
+  for (const Run& run : RunsOf(standing, true)) {
+    if (run.end - run.begin < shortest) std::fill(standing.begin() + run.begin, standing.begin() + run.end, false);
+  }
+  return standing;
+}
+
+Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion& motion) {
+  const Expected<std::vector<Leg>> legs = LegsOf(*motion.skeleton);
+  if (!legs) return Forward(legs);
+  const int frames = motion.frame_count();
+  const Motion before = motion;
+  SlidingRemoval removal;
+  removal.skate_before = MeasureMotion(motion).foot_skate;
+  motion.contact.assign(2 * static_cast<std::size_t>(frames), 0);
+  std::vector<std::vector<Vector3d>> shifts;
+  std::size_t contacts = 0;
+  for (std::size_t side = 0; side < legs->size(); ++side) {
+    const Leg& leg = (*legs)[side];
+    std::vector<Vector3d> shift(frames, Vector3d::Zero());
+    std::vector<int> count(frames, 0);
+    AddShifts(before, leg.ankle, JointContacts(before, leg.ankle, options), shift, count);
+    if (leg.toe >= 0) AddShifts(before, leg.toe, JointContacts(before, leg.toe, options), shift, count);
+    std::vector<bool> standing(frames, false);
+    for (int f = 0; f < frames; ++f) {
+      standing[f] = count[f] > 0;
+      motion.contact[2 * static_cast<std::size_t>(f) + side] = standing[f] ? 1 : 0;
+      contacts += standing[f] ? 1 : 0;
+      if (count[f] > 1) shift[f] /= count[f];
+    }
+    FadeShifts(standing, options.blend_s * motion.rate.hz(), shift);
+    shifts.push_back(std::move(shift));
+  }
+  std::vector<Vector3d> joints(motion.joint_count());
+  std::vector<Quaterniond> global(motion.joint_count());
+  for (int f = 0; f < frames; ++f) {
+    ForwardKinematics(*motion.skeleton, motion.root_translation[f], &before.rotation_at(f, 0), motion.bone_length,
+                      joints.data(), global.data());
+    for (std::size_t side = 0; side < legs->size(); ++side) {
+      if (shifts[side][f].norm() < 1e-9) continue;
+      const Leg& leg = (*legs)[side];
+      if (!BendLeg(leg, f, before.joints.at(f, leg.ankle) + shifts[side][f], global, motion)) ++removal.unreachable;
+    }
+  }
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    MakeSignContinuous(motion.rotation.data() + j, frames, motion.joint_count());
+  }
+  ComputeJoints(motion);
+  MeasureChange(before, motion, removal);
+  removal.skate_after = MeasureMotion(motion).foot_skate;
+  removal.contact_share = frames > 0 ? static_cast<double>(contacts) / (2.0 * frames) : 0.0;
+  return removal;
+}
+
+nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skeleton) {
+  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+  return {{"foot_skate_before", rounded(removal.skate_before)},
+          {"foot_skate_after", rounded(removal.skate_after)},
+          {"contact_share", rounded(removal.contact_share)},
+          {"largest_shift_mm", rounded(removal.largest_shift * 1e3)},
+          {"largest_turn_deg", rounded(removal.largest_turn * 180.0 / M_PI)},
+          {"frame", removal.frame},
+          {"joint", removal.joint < 0 ? std::string() : skeleton.joints[removal.joint].name},
+          {"unreachable_frames", removal.unreachable}};
+}
+
+}  // namespace mocurate

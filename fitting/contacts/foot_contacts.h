@@ -1,0 +1,50 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/motion/motion.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// The joints of one leg, each the parent of the next; `toe` (the joint named foot) is -1 where the skeleton has none.
+struct Leg {
+  int hip = -1;
+  int knee = -1;
+  int ankle = -1;
+  int toe = -1;
+};
+
+/// Left and right leg. Error kUnsupported for a skeleton in which hip, knee and ankle are no chain.
+Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton);
+
+/// Frames in which a joint stands on the floor: no higher than `height` above the lowest 5 % of its own places, and
+/// slower than `speed` between its neighbours in time. Runs shorter than `min_time` are none; gaps of that length
+/// between two of them are closed. (F)
+std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactOptions& options);
+
+/// What the removal of foot sliding did.
+struct SlidingRemoval {
+  double skate_before = 0.0;   ///< m/s, as MeasureMotion
+  double skate_after = 0.0;    ///< m/s
+  double contact_share = 0.0;  ///< of the frames of both feet
+  double largest_shift = 0.0;  ///< metres that a joint was moved
+  double largest_turn = 0.0;   ///< radians that a joint was turned about its parent
+  int frame = -1;              ///< where the largest shift is
+  int joint = -1;              ///< of it
+  int unreachable = 0;         ///< frames of a foot whose place is farther from the hip than the leg is long
+};
+
+/// Holds each foot, while it stands on the floor, at the middle of where it stood: hip, knee and ankle of its leg turn
+/// (two-bone inverse kinematics in the plane of the leg; the foot keeps its orientation), all else stays. The shift
+/// fades in and out over `blend` seconds. Fills motion.contact (left, right). Needs rotations. Error kUnsupported of
+/// LegsOf.
+Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion& motion);
+
+/// {"foot_skate_before", "foot_skate_after" (m/s), "contact_share", "largest_shift_mm", "largest_turn_deg", "frame",
+/// "joint", "unreachable_frames"}.
+nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "core/motion/clip.h"
+#include "fitting/evidence/skeleton_tracks.h"
+
+namespace mocurate {
+
+/// The joints of a given motion as tracks of the joints of another skeleton: names that it does not know are left out.
+/// Every sample has confidence 1. Error kInconsistent when the two have no joint in common.
+Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skeleton);
+
+/// What a clip says of the joints of `skeleton`: its tracks, else the joints of its given motion. Errors of MapTracks
+/// and TracksOfMotion, with the clip's id; kInconsistent for a clip that has neither.
+Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,126 @@
+#include "fitting/contacts/foot_contacts.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/rotation.h"
+#include "core/motion/kinematics.h"
+#include "core/motion/skeleton.h"
+#include "core/quality/measures.h"
+
+namespace mocurate {
+namespace {
+
+SkeletonPtr Smpl() {
+  auto skeleton = LoadSkeleton("smpl24");
+  EXPECT_TRUE(skeleton.has_value());
+  return *skeleton;
+}
+
+/// Two seconds of a person who shifts to and fro by `sway` metres with bent knees; feet slide with the pelvis.
+Motion Swaying(double sway, int frames = 60) {
+  const SkeletonPtr skeleton = Smpl();
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation;
+  for (int f = 0; f < frames; ++f) {
+    translation.emplace_back(sway * std::sin(0.2 * f), 0.9, 0.0);
+    for (int j = 0; j < skeleton->joint_count(); ++j) {
+      const std::string& name = skeleton->joints[j].name;
+      const bool hip = name == "left_hip" || name == "right_hip", knee = name == "left_knee" || name == "right_knee";
+      rotation.push_back(ExpQuaternion(Vector3d(hip ? -0.5 : knee ? 1.0 : 0.0, 0.0, 0.0)));
+    }
+  }
+  return MakeMotion(skeleton, FrameRate{30, 1}, translation, rotation, skeleton->RestBoneLengths());
+}
+
+TEST(FootContacts, AFootThatStandsNoLongerSlides) {
+  Motion motion = Swaying(0.06);
+  const Motion before = motion;
+  const auto removed = RemoveFootSliding(ContactOptions(), motion);
+  ASSERT_TRUE(removed.has_value()) << removed.error().Message();
+  EXPECT_GT(removed->skate_before, 0.15);
+  EXPECT_LT(removed->skate_after, 1e-6);
+  EXPECT_EQ(removed->contact_share, 1.0);
+  EXPECT_EQ(removed->unreachable, 0);
+  ASSERT_TRUE(motion.Check().has_value()) << motion.Check().error().Message();
+  EXPECT_EQ(motion.contact, std::vector<std::uint8_t>(120, 1));
+  const int ankle = *motion.skeleton->FindJoint("left_ankle");
+  const int head = *motion.skeleton->FindJoint("head");
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    EXPECT_LT((motion.joints.at(f, ankle) - motion.joints.at(0, ankle)).norm(), 1e-6);
+    EXPECT_LT((motion.joints.at(f, head) - before.joints.at(f, head)).norm(), 1e-9);
+  }
+  EXPECT_NEAR(removed->largest_shift, 0.06, 0.01);
+  EXPECT_GT(removed->largest_turn, 0.02);
+}
+
+TEST(FootContacts, TheFootKeepsItsOrientationAndTheKneeItsPlane) {
+  Motion motion = Swaying(0.06);
+  const Motion before = motion;
+  ASSERT_TRUE(RemoveFootSliding(ContactOptions(), motion).has_value());
+  const int ankle = *motion.skeleton->FindJoint("right_ankle"), toe = *motion.skeleton->FindJoint("right_foot");
+  const int hip = *motion.skeleton->FindJoint("right_hip"), knee = *motion.skeleton->FindJoint("right_knee");
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const Vector3d foot = motion.joints.at(f, toe) - motion.joints.at(f, ankle);
+    EXPECT_LT((foot - (before.joints.at(f, toe) - before.joints.at(f, ankle))).norm(), 1e-9);
+    const Vector3d middle = 0.5 * (motion.joints.at(f, hip) + motion.joints.at(f, ankle));
+    EXPECT_GT((motion.joints.at(f, knee) - middle).z(), 0.1) << "the knee stays in front";
+  }
+}
+
+TEST(FootContacts, AStandingPersonIsLeftAlone) {
+  Motion motion = Swaying(0.0);
+  const Motion before = motion;
+  const auto removed = RemoveFootSliding(ContactOptions(), motion);
+  ASSERT_TRUE(removed.has_value());
+  EXPECT_LT(removed->largest_shift, 1e-9);
+  EXPECT_EQ(motion.joints.xyz, before.joints.xyz);
+}
+
+TEST(FootContacts, AFootInTheAirIsNotHeld) {
+  Motion motion = Swaying(0.06);
+  for (int f = 0; f < motion.frame_count(); ++f) motion.root_translation[f].y() += f < 30 ? 0.0 : 0.5;
+  ComputeJoints(motion);
+  const Motion before = motion;
+  ASSERT_TRUE(RemoveFootSliding(ContactOptions(), motion).has_value());
+  for (int f = 40; f < 60; ++f) {  // beyond the blend
+    EXPECT_EQ(motion.contact[2 * f], 0);
+    EXPECT_LT((motion.joints.at(f, 7) - before.joints.at(f, 7)).norm(), 1e-9);
+  }
+  for (int f = 1; f < 60; ++f) {  // and comes back without a jump of its own
+    const Vector3d shift = motion.joints.at(f, 7) - before.joints.at(f, 7);
+    const Vector3d last = motion.joints.at(f - 1, 7) - before.joints.at(f - 1, 7);
+    EXPECT_LT((shift - last).norm(), 0.035) << f;
+  }
+}
+
+TEST(FootContacts, APlaceOutOfReachIsToldAndTheLegStretchesNoFurther) {
+  Motion motion = Swaying(0.5, 200);
+  ContactOptions options;
+  options.speed = 10.0;
+  const auto removed = RemoveFootSliding(options, motion);
+  ASSERT_TRUE(removed.has_value());
+  EXPECT_GT(removed->unreachable, 0);
+  EXPECT_TRUE(motion.Check().has_value());
+}
+
+TEST(FootContacts, AStraightLegBendsForwards) {
+  Motion motion = Swaying(0.0, 40);
+  const int hip = 1, knee = 4, ankle = 7;
+  for (int f = 0; f < 40; ++f) {
+    for (const int j : {hip, knee}) motion.rotation_at(f, j) = Quaterniond::Identity();
+    motion.root_translation[f].y() += f < 20 ? 0.0 : -0.04;  // sinks: the feet stay
+  }
+  ComputeJoints(motion);
+  ASSERT_TRUE(RemoveFootSliding(ContactOptions(), motion).has_value());
+  EXPECT_LT((motion.joints.at(30, ankle) - motion.joints.at(5, ankle)).norm(), 0.025);
+  EXPECT_GT(motion.joints.at(30, knee).z(), 0.0);
+}
+
+TEST(FootContacts, ASkeletonWithoutLegsIsRefused) {
+  Skeleton skeleton = *Smpl();
+  skeleton.joints[4].parent = 0;
+  EXPECT_EQ(LegsOf(skeleton).error().code, ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace mocurate
