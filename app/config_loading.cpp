@@ -99,7 +99,7 @@ class ValueCheck {
 
 bool GivesMotion(SourceFormat format) {
   return format == SourceFormat::kBvh || format == SourceFormat::kNpy || format == SourceFormat::kAsfAmc ||
-         format == SourceFormat::kAmass;
+         format == SourceFormat::kAmass || format == SourceFormat::kMotions;
 }
 
 Status CheckValues(const JobOptions& options, const ConfigNode& node) {
@@ -125,21 +125,7 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   return check.Result();
 }
 
-}  // namespace
-
-Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
-  Expected<ConfigNode> node;
-  if (config.empty()) {
-    const auto text = FindResource("demo.yaml");
-    if (!text) return Fail(ErrorCode::kInternal, "the embedded default is missing", "demo.yaml");
-    node = LoadConfig(ConfigSource{std::string(*text), "demo.yaml (embedded)", std::filesystem::current_path()},
-                      assignments);
-  } else {
-    node = LoadConfig(config, assignments);
-  }
-  if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
-    return tl::unexpected<Error>(NoConfig(config, node.error()));
-  }
+Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
@@ -148,6 +134,26 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
   ResolveDefaults(*options);
   InheritOrigins(*node);
   return LoadedJob{std::move(*node), std::move(*options)};
+}
+
+}  // namespace
+
+Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments) {
+  return JobOf(LoadConfig(source, assignments));
+}
+
+Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
+  if (config.empty()) {
+    const auto text = FindResource("demo.yaml");
+    if (!text) return Fail(ErrorCode::kInternal, "the embedded default is missing", "demo.yaml");
+    return LoadJob(ConfigSource{std::string(*text), "demo.yaml (embedded)", std::filesystem::current_path()},
+                   assignments);
+  }
+  auto node = LoadConfig(config, assignments);
+  if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
+    return tl::unexpected<Error>(NoConfig(config, node.error()));
+  }
+  return JobOf(std::move(node));
 }
 
 }  // namespace mocurate

@@ -16,5 +16,7 @@ struct LoadedJob {
 
 /// A job from a YAML file; an empty path gives the embedded default (configs/demo.yaml).
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments);
+/// The same from a text.
+Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments);
 
 }  // namespace mocurate

@@ -74,35 +74,36 @@ Status CheckSplitNames(const JobOptions& options, JobStage last) {
   return {};
 }
 
-/// The method of fitting must be one that the format has evidence for.
+/// The method of fitting must be one that the format has evidence for; motion is handed on, or its joints are fitted.
 Status CheckMethod(const JobOptions& options, JobStage last) {
   const char* wanted = nullptr;
-  FitMethod method = FitMethod::kNone;
+  const char* gives = nullptr;
+  std::vector<FitMethod> methods;
   switch (options.ingest.source.format) {
     case SourceFormat::kJointTable:
     case SourceFormat::kNtuSkeleton:
-      wanted = "joint_tracks", method = FitMethod::kJointTracks;
+      wanted = "joint_tracks", gives = "joint tracks", methods = {FitMethod::kJointTracks};
       break;
     case SourceFormat::kDepthSequence:
-      wanted = "point_clouds", method = FitMethod::kPointClouds;
+      wanted = "point_clouds", gives = "depth views", methods = {FitMethod::kPointClouds};
       break;
     case SourceFormat::kBvh:
     case SourceFormat::kNpy:
     case SourceFormat::kAsfAmc:
     case SourceFormat::kAmass:
-      wanted = "none";
+    case SourceFormat::kMotions:
+      wanted = "none", gives = "motion", methods = {FitMethod::kNone, FitMethod::kJointTracks};
       break;
     default:
       return {};
   }
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
-  if (options.fitting.method == method || last < first) return {};
-  return Fail(ErrorCode::kConfig,
-              "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
-                  (method == FitMethod::kNone          ? "motion"
-                   : method == FitMethod::kPointClouds ? "depth views"
-                                                       : "joint tracks"),
-              "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
+  const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
+  if (suits || last < first) return {};
+  return Fail(
+      ErrorCode::kConfig,
+      "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " + gives,
+      "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
 }
 
 }  // namespace

@@ -224,6 +224,16 @@ FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string
   return fits;
 }
 
+FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& options) {
+  FitItems given;
+  for (ClipRecord& clip : clips) {
+    if (!HasArtifact(clip.evidence)) continue;
+    given.items.push_back({clip.item, options, {InputFrom("evidence", clip.evidence)}});
+    given.clips.push_back(&clip);
+  }
+  return given;
+}
+
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth) {
   ItemSpec item{"fit_error", nlohmann::json::object(), truth};
   for (const ClipRecord& clip : clips) {

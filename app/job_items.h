@@ -81,6 +81,9 @@ struct FitItems {
 FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string, ItemResult>& persons,
                       const nlohmann::json& options);
 
+/// One item per clip with a motion that is handed on.
+FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& options);
+
 /// All fits and their evidence against the truth; nothing when one of the two is missing.
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth);
 

@@ -43,6 +43,7 @@ ProportionsOptions ProportionsOf(const JobOptions& options) {
   ProportionsOptions proportions;
   static_cast<ProportionsSettings&>(proportions) = options.proportions;
   proportions.method = options.fitting.method;
+  proportions.other_joints = options.fitting.other_joints;
   proportions.point_clouds = options.fitting.point_clouds;
   return proportions;
 }

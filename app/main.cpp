@@ -92,6 +92,26 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
 }
 
+void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<FitArguments>();
+  CLI::App* fit = app.add_subcommand("fit", "Fit skeleton rotations to captures or motions, without a config");
+  fit->add_option("path", arguments->path, "file or folder: captures, or a dataset or MotionSet")->required();
+  fit->add_option("-o,--output", arguments->output, "dataset to write (HDF5)")->required();
+  fit->add_option("--skeleton", arguments->skeleton, "of the fitted motion (default smpl24; rotations are kept)");
+  fit->add_option("--source", arguments->source, "recipe of configs/sources or config that declares the files");
+  fit->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  fit->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
+  fit->add_flag("--contacts", arguments->contacts, "remove foot sliding: feet that stand are held where they stand");
+  fit->add_flag("--force", arguments->force, "overwrite the output");
+  fit->footer(
+      "Examples:\n  mocurate fit walk.bvh --skeleton smpl24 -o walk.h5\n"
+      "  mocurate fit a01_s01_e01_realworld.txt --source kard -o clip.h5\n"
+      "  mocurate fit generated.h5 --contacts -o standing.h5");
+  fit->callback([&common, &verb, arguments] { verb = [&common, arguments] { return FitVerb(common, *arguments); }; });
+}
+
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
@@ -207,6 +227,7 @@ int Run(int argc, char** argv) {
   app.fallthrough();
   app.footer(kFooter);
   AddRun(app, common, verb);
+  AddFit(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);
   AddConfig(app, common, verb);

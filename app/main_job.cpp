@@ -186,11 +186,12 @@ class MainJob {
   }
 
   Status Fit() {
-    if (!Fits()) {
+    if (!Fits() && !options_.fitting.contacts.remove_sliding) {
       for (ClipRecord& clip : clips_) clip.motion = clip.evidence;
       return {};
     }
-    FitItems fits = FittingItems(clips_, persons_, OptionsToJson(options_.fitting));
+    const nlohmann::json options = OptionsToJson(options_.fitting);
+    FitItems fits = Fits() ? FittingItems(clips_, persons_, options) : GivenMotionItems(clips_, options);
     AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
     const auto report = RunStage(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);

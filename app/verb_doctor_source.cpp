@@ -3,44 +3,15 @@
 #include <vector>
 
 #include "app/job_options.h"
+#include "app/recipes.h"
 #include "app/verbs.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
-#include "core/base/resources.h"
 #include "core/base/text.h"
 #include "ingest/wanted_files.h"
 
 namespace mocurate {
 namespace {
-
-constexpr const char* kFolder = "sources/";
-
-std::vector<std::string> Recipes() {
-  std::vector<std::string> names;
-  for (const std::string& path : ResourcePaths()) {
-    if (path.rfind(kFolder, 0) != 0) continue;
-    const std::string file = path.substr(std::string(kFolder).size());
-    names.push_back(file.substr(0, file.rfind('.')));
-  }
-  return names;
-}
-
-Expected<ConfigSource> RecipeOf(const std::string& name) {
-  if (const auto text = FindResource(kFolder + name + ".yaml")) {
-    return ConfigSource{std::string(*text), name + ".yaml", std::filesystem::current_path()};
-  }
-  std::error_code unknown;
-  if (std::filesystem::is_regular_file(name, unknown)) {
-    const Expected<std::string> text = ReadFile(name);
-    if (!text) return Forward(text);
-    return ConfigSource{*text, name, std::filesystem::absolute(name, unknown).parent_path()};
-  }
-  std::string list;
-  for (const std::string& known : Recipes()) list += (list.empty() ? "" : ", ") + known;
-  const std::optional<std::string> near = Nearest(name, Recipes());
-  return Fail(ErrorCode::kUsage, "there is no recipe of that name", name,
-              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + list + "; or a config file");
-}
 
 /// The recipe's ingest group. A folder that stands in no variable is no error here: it is what is asked for.
 Expected<IngestOptions> LoadRecipe(const std::string& name, const std::filesystem::path& path, bool& placed) {

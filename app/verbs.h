@@ -28,6 +28,17 @@ struct RunArguments {
   double budget = 1.0;  ///< trains this many times longer than the config says
 };
 
+struct FitArguments {
+  std::filesystem::path path;    ///< captures or motions: a file or a folder
+  std::string source;            ///< recipe or config that declares them; empty: measured from the files
+  std::string skeleton;          ///< of the fitted motion; empty: smpl24, or the motion's own where it has rotations
+  std::filesystem::path output;  ///< dataset of the fitted clips
+  std::vector<std::string> assignments;
+  int jobs = 0;
+  bool contacts = false;  ///< remove foot sliding
+  bool force = false;     ///< overwrite
+};
+
 struct InspectArguments {
   std::filesystem::path path;
   std::filesystem::path source;  ///< config with a source declaration, or empty
@@ -69,6 +80,7 @@ struct CacheArguments {
 
 /// Each verb prints its result and returns how it went. Runs end with the exit code of that.
 Status RunVerb(CommonArguments& common, const RunArguments& arguments);
+Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);

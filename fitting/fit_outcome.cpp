@@ -36,6 +36,17 @@ Finding Doubt(const std::string& code, double value, const std::string& message)
   return finding;
 }
 
+Finding JointsLeftOut(const std::vector<std::string>& names, const Skeleton& skeleton) {
+  Finding finding;
+  finding.code = "joints_left_out";
+  finding.severity = Severity::kInfo;
+  finding.value = static_cast<double>(names.size());
+  finding.message = "skeleton '" + skeleton.name + "' has no";
+  for (const std::string& name : names) finding.message += (&name == &names.front() ? " " : ", ") + name;
+  finding.action = "left out";
+  return finding;
+}
+
 nlohmann::json StateCounts(const Motion& motion) {
   std::size_t counts[4] = {};
   for (const JointState state : motion.state) ++counts[static_cast<std::size_t>(state)];
@@ -46,10 +57,13 @@ nlohmann::json StateCounts(const Motion& motion) {
 
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options) {
-  const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton);
+  std::vector<std::string> left_out;
+  const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
-  return FitJointTracks(*tracks, clip.rate, bones, Bones::kFixed, options.joint_tracks);
+  Expected<FitResult> fit = FitJointTracks(*tracks, clip.rate, bones, Bones::kFixed, options.joint_tracks);
+  if (fit && !left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
+  return fit;
 }
 
 Expected<FitResult> TakeGivenMotion(const Clip& clip) {
@@ -93,7 +107,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                      {"states", StateCounts(fit.motion)},
                      {"after", MeasuresJson(MeasureMotion(fit.motion), skeleton)}};
   if (options.method != FitMethod::kJointTracks) return outcome;
-  if (const Expected<SkeletonTracks> tracks = TracksOfClip(clip, fit.motion.skeleton)) {
+  if (const Expected<SkeletonTracks> tracks = TracksOfClip(clip, fit.motion.skeleton, options.other_joints)) {
     outcome.summary["before"] =
         MeasuresJson(MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
   }

@@ -15,6 +15,11 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
            "evidence the skeleton is fitted to; none hands a given motion on");
 }
 
+void DeclareOtherJoints(OptionVisitor& v, OtherJoints& other) {
+  v.Choice("other_joints", other, {{"refuse", OtherJoints::kRefuse}, {"leave_out", OtherJoints::kLeaveOut}},
+           "what becomes of tracked joints that the skeleton does not have");
+}
+
 }  // namespace
 
 void JointTrackOptions::Declare(OptionVisitor& v) {
@@ -69,6 +74,7 @@ void ContactOptions::Declare(OptionVisitor& v) {
 void FittingOptions::Declare(OptionVisitor& v) {
   DeclareMethod(v, method);
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
+  DeclareOtherJoints(v, other_joints);
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
   v.Group("contacts", contacts, "feet on the floor, after the fit");
@@ -85,6 +91,7 @@ void ProportionsSettings::Declare(OptionVisitor& v) {
 
 void ProportionsOptions::Declare(OptionVisitor& v) {
   DeclareMethod(v, method);
+  DeclareOtherJoints(v, other_joints);
   ProportionsSettings::Declare(v);
   v.Group("point_clouds", point_clouds, "tracking of the clouds the lengths are read from");
 }
@@ -100,7 +107,7 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 3, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 4, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration FittingDeclaration() { return {"fitting", 6, "mocurate-annotate", SolverLimits()}; }
 

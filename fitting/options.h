@@ -15,6 +15,9 @@ enum class FitMethod { kJointTracks, kPointClouds, kNone };
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };
 
+/// What becomes of tracked joints that the skeleton does not have.
+enum class OtherJoints { kRefuse, kLeaveOut };
+
 /// What solves the joint-track problem. Both minimise the same costs to the same optimum.
 enum class TrackSolver { kCeres, kBanded };
 
@@ -78,6 +81,7 @@ struct ContactOptions {
 struct FittingOptions {
   FitMethod method = FitMethod::kJointTracks;
   std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
+  OtherJoints other_joints = OtherJoints::kRefuse;
   JointTrackOptions joint_tracks;
   PointCloudOptions point_clouds;
   ContactOptions contacts;
@@ -95,9 +99,10 @@ struct ProportionsSettings {
   void Declare(OptionVisitor& v);
 };
 
-/// Options of the stage: what a job sets, and the method and tracking of its stage `fitting`.
+/// Options of the stage: what a job sets, and the method, other joints and tracking of its stage `fitting`.
 struct ProportionsOptions : ProportionsSettings {
   FitMethod method = FitMethod::kJointTracks;
+  OtherJoints other_joints = OtherJoints::kRefuse;
   PointCloudOptions point_clouds;  ///< tracking of the clouds the lengths are read from
 
   void Declare(OptionVisitor& v);

@@ -38,7 +38,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       continue;
     }
     if (options->method != FitMethod::kJointTracks) continue;
-    Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton);
+    Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton, options->other_joints);
     if (tracks) {
       clips.push_back(std::move(*tracks));
       continue;

@@ -51,7 +51,7 @@ Expected<Listing> ListFiles(const std::filesystem::path& folder, int depth) {
   }
   if (!fs::is_directory(folder, error)) {
     return Fail(ErrorCode::kUnreadable, "is no folder", DisplayPath(folder),
-                "ingest.path names the folder of the files");
+                "ingest.path names the folder of the files, or one of them");
   }
   Listing listing;
   fs::recursive_directory_iterator at(folder, error);
@@ -344,6 +344,26 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// A path that is one file stands for its folder and that file alone. Nothing for a folder.
+std::optional<IngestOptions> FolderOfFile(const IngestOptions& options, int depth, std::set<std::string>& only) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(options.path, unknown)) return std::nullopt;
+  const std::filesystem::path file = std::filesystem::absolute(options.path, unknown).lexically_normal();
+  IngestOptions whole = options;
+  whole.path = file.parent_path();
+  if (!options.source.container.empty()) {
+    whole.source.container = file.filename().string();
+    return whole;
+  }
+  for (int i = 0; i < depth; ++i) whole.path = whole.path.parent_path();
+  only = {DisplayPath(file.lexically_relative(whole.path))};
+  return whole;
+}
+
+}  // namespace
+
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only) {
   const SourceOptions& source = options.source;
   if (Status ok = CheckSource(source); !ok) return Forward(ok);
@@ -354,6 +374,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
   if (!pattern) return Forward(pattern);
   if (Status fields = CheckFields(source, *pattern); !fields) return Forward(fields);
+  std::set<std::string> alone;
+  if (const auto whole = FolderOfFile(options, pattern->depth(), alone)) {
+    return Discover(*whole, alone.empty() ? only : alone);
+  }
   if (!source.container.empty()) return DiscoverContainer(options);
   const Expected<std::map<std::string, std::string>> table = ReadLabelTable(options);
   if (!table) return Forward(table);

@@ -27,7 +27,8 @@ struct Discovery {
 };
 
 /// Lists files; reads names, and of the contents only those of ingest.source.annotations. With `only`, files of other
-/// names do not exist for it. Error kNotFound, kConfig.
+/// names do not exist for it. A path that is a file stands for its folder and that file alone. Error kNotFound,
+/// kConfig.
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only = {});
 
 }  // namespace mocurate

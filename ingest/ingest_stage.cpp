@@ -38,6 +38,8 @@ Expected<IngestedClip> ReadClip(const SourceFile& file) {
       return ReadUestcClip(file);
     case SourceFormat::kHumanAct12Pickle:
       return ReadHumanAct12Clip(file);
+    case SourceFormat::kMotions:
+      return ReadMotionsClip(file);
     case SourceFormat::kNone:
       break;
   }

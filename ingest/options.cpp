@@ -17,11 +17,12 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"phspd", SourceFormat::kPhspd},
             {"vibe_tracks", SourceFormat::kVibeTracks},
             {"uestc", SourceFormat::kUestc},
-            {"humanact12_pickle", SourceFormat::kHumanAct12Pickle}},
+            {"humanact12_pickle", SourceFormat::kHumanAct12Pickle},
+            {"motions", SourceFormat::kMotions}},
            "what the files are");
   v.Text("files", files, "pattern of the file names with {fields}; {field:4} is four characters wide");
   v.Text("container", container,
-         "uestc, humanact12_pickle: the one file that holds all clips; `files` is the pattern of their names");
+         "uestc, humanact12_pickle, motions: the one file that holds all clips; `files` is the pattern of their names");
   v.Text(
       "label_table", label_table,
       "table below the folder, a header and 'motion,label' lines: label of the file whose name without ending is the "

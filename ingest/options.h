@@ -30,7 +30,8 @@ enum class SourceFormat {
   kPhspd,
   kVibeTracks,
   kUestc,
-  kHumanAct12Pickle
+  kHumanAct12Pickle,
+  kMotions
 };
 /// What to do with files of the folder that the pattern does not match.
 enum class OtherFiles { kIgnore, kFinding, kError };
@@ -131,8 +132,9 @@ struct SyntheticOptions {
 };
 
 struct IngestOptions {
-  std::filesystem::path path;  ///< folder of the source; empty with synthetic.enabled: the capture's folder
-  std::string obtain;          ///< where the set comes from and what has to be signed
+  std::filesystem::path
+      path;  ///< folder of the source, or one of its files; empty with synthetic.enabled: the capture's folder
+  std::string obtain;                           ///< where the set comes from and what has to be signed
   std::map<std::string, std::string> expected;  ///< path below the folder -> what lies there, beside source.files
   SourceOptions source;
   SyntheticOptions synthetic;

@@ -19,7 +19,8 @@ std::string Place(const char* option) { return std::string("ingest.source.") + o
 Status CheckUnits(const SourceOptions& s) {
   const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass ||
                              s.format == SourceFormat::kPhspd || s.format == SourceFormat::kVibeTracks ||
-                             s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle;
+                             s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle ||
+                             s.format == SourceFormat::kMotions;
   if (by_definition && !s.units.empty() && s.units != "m") {
     return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
                 Place("units"), "take `units` out");
@@ -155,6 +156,8 @@ std::string FormatName(SourceFormat format) {
       return "uestc";
     case SourceFormat::kHumanAct12Pickle:
       return "humanact12_pickle";
+    case SourceFormat::kMotions:
+      return "motions";
     case SourceFormat::kNone:
       break;
   }
@@ -213,8 +216,8 @@ Status CheckSource(const SourceOptions& s) {
   if (s.format == SourceFormat::kNone) {
     return Fail(
         ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
-        "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc, amass, expmap, phspd, vibe_tracks, uestc "
-        "or humanact12_pickle");
+        "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc, amass, expmap, phspd, vibe_tracks, uestc, "
+        "humanact12_pickle or motions");
   }
   if (s.files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", Place("files"),
@@ -225,8 +228,8 @@ Status CheckSource(const SourceOptions& s) {
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckUnits(s); !units) return units;
-  const bool rate_known =
-      s.format == SourceFormat::kBvh || s.format == SourceFormat::kDepthSequence || s.format == SourceFormat::kAmass;
+  const bool rate_known = s.format == SourceFormat::kBvh || s.format == SourceFormat::kDepthSequence ||
+                          s.format == SourceFormat::kAmass || s.format == SourceFormat::kMotions;
   if (!rate_known && !s.rate_hz) {
     return Fail(
         ErrorCode::kConfig,
@@ -251,7 +254,8 @@ Status CheckSource(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", Place("skeleton"),
                 "an array needs one, e.g. humanact12");
   }
-  const bool all_in_one = s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle;
+  const bool all_in_one = s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle ||
+                          s.format == SourceFormat::kMotions;
   if (all_in_one != !s.container.empty()) {
     return Fail(ErrorCode::kConfig,
                 all_in_one ? "source '" + s.name + "' does not say which file holds its clips"

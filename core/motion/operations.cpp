@@ -138,6 +138,9 @@ void TransformMotion(const RigidTransform& transform, Motion& motion) {
 }
 
 /// For each joint of the target the joint of the source: equal names first, then synonyms among those left over.
+
+}  // namespace
+
 std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target) {
   std::vector<int> match(target.joints.size(), -1);
   std::vector<bool> used(source.joints.size(), false);
@@ -159,8 +162,6 @@ std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target) {
   }
   return match;
 }
-
-}  // namespace
 
 Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
   const int frames = FrameCount(clip);

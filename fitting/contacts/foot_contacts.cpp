@@ -6,7 +6,6 @@
 
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
-#include "core/quality/measures.h"
 
 namespace mocurate {
 namespace {
@@ -61,6 +60,27 @@ void AddShifts(const Motion& motion, int joint, const std::vector<bool>& contact
       ++count[f];
     }
   }
+}
+
+/// When a joint stands.
+struct Stand {
+  int joint = -1;
+  std::vector<bool> frames;
+};
+
+/// Metres per second, horizontal, between frames in which a joint stands.
+double Sliding(const Motion& motion, const std::vector<Stand>& stands) {
+  double path = 0.0;
+  int steps = 0;
+  for (const Stand& stand : stands) {
+    for (int f = 1; f < motion.frame_count(); ++f) {
+      if (!stand.frames[f] || !stand.frames[f - 1]) continue;
+      const Vector3d step = motion.joints.at(f, stand.joint) - motion.joints.at(f - 1, stand.joint);
+      path += std::hypot(step.x(), step.z());
+      ++steps;
+    }
+  }
+  return steps > 0 ? path * motion.rate.hz() / steps : 0.0;
 }
 
 /// 1 at 0, 0 at 1 and beyond, flat at both ends.
@@ -177,16 +197,19 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
   const int frames = motion.frame_count();
   const Motion before = motion;
   SlidingRemoval removal;
-  removal.skate_before = MeasureMotion(motion).foot_skate;
   motion.contact.assign(2 * static_cast<std::size_t>(frames), 0);
   std::vector<std::vector<Vector3d>> shifts;
+  std::vector<Stand> stands;
   std::size_t contacts = 0;
   for (std::size_t side = 0; side < legs->size(); ++side) {
     const Leg& leg = (*legs)[side];
     std::vector<Vector3d> shift(frames, Vector3d::Zero());
     std::vector<int> count(frames, 0);
-    AddShifts(before, leg.ankle, JointContacts(before, leg.ankle, options), shift, count);
-    if (leg.toe >= 0) AddShifts(before, leg.toe, JointContacts(before, leg.toe, options), shift, count);
+    for (const int joint : {leg.ankle, leg.toe}) {
+      if (joint < 0) continue;
+      stands.push_back({joint, JointContacts(before, joint, options)});
+      AddShifts(before, joint, stands.back().frames, shift, count);
+    }
     std::vector<bool> standing(frames, false);
     for (int f = 0; f < frames; ++f) {
       standing[f] = count[f] > 0;
@@ -213,15 +236,16 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
   }
   ComputeJoints(motion);
   MeasureChange(before, motion, removal);
-  removal.skate_after = MeasureMotion(motion).foot_skate;
+  removal.sliding_before = Sliding(before, stands);
+  removal.sliding_after = Sliding(motion, stands);
   removal.contact_share = frames > 0 ? static_cast<double>(contacts) / (2.0 * frames) : 0.0;
   return removal;
 }
 
 nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skeleton) {
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
-  return {{"foot_skate_before", rounded(removal.skate_before)},
-          {"foot_skate_after", rounded(removal.skate_after)},
+  return {{"sliding_before", rounded(removal.sliding_before)},
+          {"sliding_after", rounded(removal.sliding_after)},
           {"contact_share", rounded(removal.contact_share)},
           {"largest_shift_mm", rounded(removal.largest_shift * 1e3)},
           {"largest_turn_deg", rounded(removal.largest_turn * 180.0 / M_PI)},

@@ -27,14 +27,14 @@ std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactOp
 
 /// What the removal of foot sliding did.
 struct SlidingRemoval {
-  double skate_before = 0.0;   ///< m/s, as MeasureMotion
-  double skate_after = 0.0;    ///< m/s
-  double contact_share = 0.0;  ///< of the frames of both feet
-  double largest_shift = 0.0;  ///< metres that a joint was moved
-  double largest_turn = 0.0;   ///< radians that a joint was turned about its parent
-  int frame = -1;              ///< where the largest shift is
-  int joint = -1;              ///< of it
-  int unreachable = 0;         ///< frames of a foot whose place is farther from the hip than the leg is long
+  double sliding_before = 0.0;  ///< m/s, mean horizontal speed of ankles and toes while they stand
+  double sliding_after = 0.0;   ///< m/s, in the same frames
+  double contact_share = 0.0;   ///< of the frames of both feet
+  double largest_shift = 0.0;   ///< metres that a joint was moved
+  double largest_turn = 0.0;    ///< radians that a joint was turned about its parent
+  int frame = -1;               ///< where the largest shift is
+  int joint = -1;               ///< of it
+  int unreachable = 0;          ///< frames of a foot whose place is farther from the hip than the leg is long
 };
 
 /// Holds each foot, while it stands on the floor, at the middle of where it stood: hip, knee and ankle of its leg turn
@@ -43,7 +43,7 @@ struct SlidingRemoval {
 /// LegsOf.
 Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion& motion);
 
-/// {"foot_skate_before", "foot_skate_after" (m/s), "contact_share", "largest_shift_mm", "largest_turn_deg", "frame",
+/// {"sliding_before", "sliding_after" (m/s), "contact_share", "largest_shift_mm", "largest_turn_deg", "frame",
 /// "joint", "unreachable_frames"}.
 nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skeleton);
 

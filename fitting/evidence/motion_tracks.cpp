@@ -1,7 +1,9 @@
 #include "fitting/evidence/motion_tracks.h"
 
-#include <optional>
+#include <algorithm>
 #include <string>
+
+#include "core/motion/operations.h"
 
 namespace mocurate {
 namespace {
@@ -11,21 +13,42 @@ Error Of(const Clip& clip, Error error) {
   return error;
 }
 
+/// Tracks of joints that the skeleton has, or of its landmarks; the names of the others.
+JointTracks KnownTracks(const JointTracks& tracks, const Skeleton& skeleton, std::vector<std::string>& unknown) {
+  std::vector<std::size_t> known;
+  JointTracks kept;
+  kept.time_s = tracks.time_s;
+  for (std::size_t k = 0; k < tracks.names.size(); ++k) {
+    const std::string& name = tracks.names[k];
+    const bool landmark = std::any_of(skeleton.landmarks.begin(), skeleton.landmarks.end(),
+                                      [&](const Landmark& other) { return other.name == name; });
+    if (!landmark && !skeleton.FindJoint(name)) {
+      unknown.push_back(name);
+      continue;
+    }
+    known.push_back(k);
+    kept.names.push_back(name);
+  }
+  const int frames = tracks.positions.frames;
+  kept.positions = JointPositions(frames, static_cast<int>(known.size()));
+  for (int f = 0; f < frames; ++f) {
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      kept.positions.at(f, static_cast<int>(k)) = tracks.positions.at(f, static_cast<int>(known[k]));
+      kept.confidence.push_back(tracks.confidence[f * tracks.names.size() + known[k]]);
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skeleton) {
-  // Of several joints that are one joint of the skeleton (by synonyms), the one that has its very name.
-  std::vector<int> giver(skeleton.joints.size(), -1);
-  for (int j = 0; j < motion.joint_count(); ++j) {
-    const std::string& name = motion.skeleton->joints[j].name;
-    const std::optional<int> joint = skeleton.FindJoint(name);
-    if (joint && (giver[*joint] < 0 || name == skeleton.joints[*joint].name)) giver[*joint] = j;
-  }
+  const std::vector<int> match = MatchJoints(*motion.skeleton, skeleton);
   std::vector<int> common;
   JointTracks tracks;
   for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
-    if (giver[joint] < 0) continue;
-    common.push_back(giver[joint]);
+    if (match[joint] < 0) continue;
+    common.push_back(match[joint]);
     tracks.names.push_back(skeleton.joints[joint].name);
   }
   if (common.empty()) {
@@ -42,9 +65,15 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
   return tracks;
 }
 
-Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton) {
+Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton, OtherJoints other,
+                                      std::vector<std::string>* left_out) {
   Expected<JointTracks> given;
   const JointTracks* tracks = clip.evidence.tracks ? &*clip.evidence.tracks : nullptr;
+  std::vector<std::string> unknown;
+  if (tracks != nullptr && other == OtherJoints::kLeaveOut) {
+    given = KnownTracks(*tracks, *skeleton, unknown);
+    tracks = &*given;
+  }
   if (tracks == nullptr && clip.motion) {
     given = TracksOfMotion(*clip.motion, *skeleton);
     if (!given) return tl::unexpected<Error>(Of(clip, given.error()));
@@ -56,6 +85,7 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   }
   Expected<SkeletonTracks> mapped = MapTracks(*tracks, skeleton);
   if (!mapped) return tl::unexpected<Error>(Of(clip, mapped.error()));
+  if (left_out != nullptr) *left_out = std::move(unknown);
   return mapped;
 }
 

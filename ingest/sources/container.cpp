@@ -11,6 +11,7 @@
 
 #include "core/base/file.h"
 #include "core/formats/uestc_info.h"
+#include "core/store/store.h"
 
 namespace mocurate {
 namespace {
@@ -132,6 +133,34 @@ Expected<std::vector<ContainerEntry>> HumanAct12Entries(const std::filesystem::p
   return entries;
 }
 
+struct OpenMotions {
+  Version version;
+  std::vector<Clip> clips;
+};
+
+Expected<std::shared_ptr<const OpenMotions>> MotionsOf(const std::filesystem::path& path) {
+  static std::shared_ptr<const OpenMotions> last;
+  const Version version = VersionOf(path);
+  if (last && last->version == version) return last;
+  last.reset();
+  Expected<Dataset> dataset = ReadDataset(path);
+  if (!dataset) return Forward(dataset);
+  if (!(dataset->axes == AxisConvention())) {
+    return Fail(ErrorCode::kUnsupported, "its axes are not the canonical ones", DisplayPath(path.filename()),
+                "write it with right-handed axes, y up, facing +z");
+  }
+  last = std::make_shared<const OpenMotions>(OpenMotions{version, std::move(dataset->clips)});
+  return last;
+}
+
+Expected<std::vector<ContainerEntry>> MotionsEntries(const std::filesystem::path& path) {
+  const auto motions = MotionsOf(path);
+  if (!motions) return Forward(motions);
+  std::vector<ContainerEntry> entries;
+  for (const Clip& clip : (*motions)->clips) entries.push_back({clip.id(), clip.label, 0, ""});
+  return entries;
+}
+
 tl::unexpected<Error> NoEntry(int entry, std::size_t count, const std::string& name) {
   return Fail(ErrorCode::kInconsistent,
               "clip " + std::to_string(entry) + " is asked for, the file holds " + std::to_string(count), name,
@@ -141,7 +170,9 @@ tl::unexpected<Error> NoEntry(int entry, std::size_t count, const std::string& n
 }  // namespace
 
 Expected<std::vector<ContainerEntry>> EntriesOf(const SourceOptions& source, const std::filesystem::path& folder) {
-  return source.format == SourceFormat::kUestc ? UestcEntries(folder) : HumanAct12Entries(folder / source.container);
+  if (source.format == SourceFormat::kUestc) return UestcEntries(folder);
+  const std::filesystem::path container = folder / source.container;
+  return source.format == SourceFormat::kMotions ? MotionsEntries(container) : HumanAct12Entries(container);
 }
 
 Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int entry, const std::string& name) {
@@ -158,6 +189,14 @@ Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int e
   if (entry < 0 || static_cast<std::size_t>(entry) >= last->cache.size())
     return NoEntry(entry, last->cache.size(), name);
   return last->cache.Track(static_cast<std::size_t>(entry));
+}
+
+Expected<Clip> ReadMotionsEntry(const std::filesystem::path& container, int entry, const std::string& name) {
+  const auto motions = MotionsOf(container);
+  if (!motions) return Forward(motions);
+  const auto& clips = (*motions)->clips;
+  if (entry < 0 || static_cast<std::size_t>(entry) >= clips.size()) return NoEntry(entry, clips.size(), name);
+  return clips[static_cast<std::size_t>(entry)];
 }
 
 Expected<HumanAct12Clip> ReadHumanAct12Entry(const std::filesystem::path& container, int entry,

@@ -6,6 +6,7 @@
 
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/vibe_pickle.h"
+#include "core/motion/clip.h"
 #include "ingest/options.h"
 
 namespace mocurate {
@@ -20,11 +21,13 @@ struct ContainerEntry {
 
 /// The clips of ingest.source.container below `folder`, in its order. UESTC: names, frame counts and classes stand in
 /// info/ beside it; the second camera's moving view is left out. HumanAct12's pickle names none: "c0007_y04" are the
-/// place in the file and the class, from 1. Errors of the formats; kNotFound names the file that is missing.
+/// place in the file and the class, from 1. A dataset's are named by their ids. Errors of the formats; kNotFound names
+/// the file that is missing.
 Expected<std::vector<ContainerEntry>> EntriesOf(const SourceOptions& source, const std::filesystem::path& folder);
 
 /// A pickle of thousands of clips is mapped and parsed once by a process, and kept until another is asked for.
 Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int entry, const std::string& name);
+Expected<Clip> ReadMotionsEntry(const std::filesystem::path& container, int entry, const std::string& name);
 Expected<HumanAct12Clip> ReadHumanAct12Entry(const std::filesystem::path& container, int entry,
                                              const std::string& name);
 

@@ -116,6 +116,9 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file);
 /// places recorded; on another the places alone.
 Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file);
 
+/// One clip of a dataset or MotionSet, as it is: rotations where it has them, else joints only.
+Expected<IngestedClip> ReadMotionsClip(const SourceFile& file);
+
 /// Appends a finding "rate_contradiction" where the file's rate is not the declared one.
 void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings);
 

@@ -5,7 +5,6 @@
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/skeleton.h"
-#include "core/quality/measures.h"
 
 namespace mocurate {
 namespace {
@@ -37,8 +36,8 @@ TEST(FootContacts, AFootThatStandsNoLongerSlides) {
   const Motion before = motion;
   const auto removed = RemoveFootSliding(ContactOptions(), motion);
   ASSERT_TRUE(removed.has_value()) << removed.error().Message();
-  EXPECT_GT(removed->skate_before, 0.15);
-  EXPECT_LT(removed->skate_after, 1e-6);
+  EXPECT_GT(removed->sliding_before, 0.15);
+  EXPECT_LT(removed->sliding_after, 1e-6);
   EXPECT_EQ(removed->contact_share, 1.0);
   EXPECT_EQ(removed->unreachable, 0);
   ASSERT_TRUE(motion.Check().has_value()) << motion.Check().error().Message();

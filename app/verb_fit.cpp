@@ -1,0 +1,284 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/config_loading.h"
+#include "app/job_checks.h"
+#include "app/main_job.h"
+#include "app/recipes.h"
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "core/store/store.h"
+#include "ingest/sense/inspect.h"
+#include "ingest/sense/source_declaration.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder for the run's own files, removed with all it holds.
+class ScratchFolder {
+ public:
+  ScratchFolder() : path_(fs::temp_directory_path() / ("mocurate-fit-" + std::to_string(getpid()))) {}
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// How the files are declared, and what is still unknown of them.
+struct Declared {
+  ConfigSource config;
+  std::vector<std::string> unknown;  ///< options of ingest.source
+};
+
+bool IsStore(const fs::path& path) {
+  std::error_code unknown;
+  return fs::is_regular_file(path, unknown) && DescribeStore(path).has_value();
+}
+
+/// A dataset or MotionSet says everything itself.
+Declared DeclareStore(const fs::path& path) {
+  const std::string name = nlohmann::json(path.filename().string()).dump();
+  const std::string text = "ingest:\n  source:\n    name: fit\n    format: motions\n    container: " + name +
+                           "\n    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
+                           "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
+  return {{text, DisplayPath(path), fs::current_path()}, {}};
+}
+
+Expected<Declared> Declare(const FitArguments& arguments) {
+  if (!arguments.source.empty()) {
+    const Expected<ConfigSource> recipe = RecipeOf(arguments.source);
+    if (!recipe) return Forward(recipe);
+    return Declared{*recipe, {}};
+  }
+  if (IsStore(arguments.path)) return DeclareStore(arguments.path);
+  const Expected<WrittenDeclaration> written =
+      DeclareSource(InspectPath(arguments.path, std::nullopt), arguments.path, "fit");
+  if (!written) return Forward(written);
+  return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown};
+}
+
+/// What nothing tells has to be told.
+Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
+  std::vector<std::string> open;
+  for (const std::string& option : declared.unknown) {
+    const std::string key = "ingest.source." + option + "=";
+    const bool told = std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                                  [&](const std::string& assignment) { return assignment.rfind(key, 0) == 0; });
+    if (!told) open.push_back(option);
+  }
+  if (open.empty()) return {};
+  std::string names, example;
+  for (const std::string& option : open) {
+    names += (names.empty() ? "" : ", ") + option;
+    const char* value = option == "rate"    ? "'30 Hz'"
+                        : option == "axes"  ? "'+x +y +z'"
+                        : option == "units" ? "m"
+                                            : "...";
+    example += (example.empty() ? "" : " ") + std::string("--set ingest.source.") + option + "=" + value;
+  }
+  return Fail(ErrorCode::kUsage, "nothing in the files tells " + names, DisplayPath(arguments.path),
+              "add " + example + ", or --source with the name of a recipe or a config; `mocurate inspect` shows why");
+}
+
+bool HasRotations(const IngestOptions& ingest) {
+  switch (ingest.source.format) {
+    case SourceFormat::kBvh:
+    case SourceFormat::kAsfAmc:
+    case SourceFormat::kAmass:
+    case SourceFormat::kExpmap:
+    case SourceFormat::kVibeTracks:
+    case SourceFormat::kUestc:
+    case SourceFormat::kHumanAct12Pickle:
+      return true;
+    case SourceFormat::kMotions: {
+      const Expected<nlohmann::json> store = DescribeStore(ingest.path);
+      return store && store->dump().find("frames/rotation") != std::string::npos;
+    }
+    default:
+      return false;
+  }
+}
+
+/// Evidence and skeleton as the command line and the files have them.
+Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
+  const bool told = std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                                [](const std::string& text) { return text.rfind("fitting.method=", 0) == 0; });
+  if (told) return {};
+  const bool depth = options.ingest.source.format == SourceFormat::kDepthSequence;
+  options.fitting.method = depth ? FitMethod::kPointClouds : FitMethod::kJointTracks;
+  if (!HasRotations(options.ingest) || !arguments.skeleton.empty()) return {};
+  if (!options.fitting.contacts.remove_sliding) {
+    return Fail(ErrorCode::kUsage, "the motion has rotations already: there is nothing to fit",
+                DisplayPath(arguments.path),
+                "--skeleton NAME fits another skeleton to its joints, --contacts removes foot sliding");
+  }
+  options.fitting.method = FitMethod::kNone;
+  return {};
+}
+
+Expected<JobOptions> OptionsOf(const FitArguments& arguments) {
+  const Expected<Declared> declared = Declare(arguments);
+  if (!declared) return Forward(declared);
+  if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
+  std::error_code unknown;
+  const fs::path path = fs::absolute(arguments.path, unknown).lexically_normal();
+  std::vector<std::string> assignments = {"ingest.path=" + nlohmann::json(path.string()).dump(),
+                                          "fitting.other_joints=leave_out"};
+  if (!arguments.skeleton.empty()) assignments.push_back("skeleton=" + arguments.skeleton);
+  if (arguments.contacts) assignments.push_back("fitting.contacts.remove_sliding=true");
+  assignments.insert(assignments.end(), arguments.assignments.begin(), arguments.assignments.end());
+  Expected<LoadedJob> job = LoadJob(declared->config, assignments);
+  if (!job) return Forward(job);
+  JobOptions options = std::move(job->options);
+  if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
+  if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
+  return options;
+}
+
+/// The fits of a run as one dataset, sorted by id.
+Expected<Dataset> Gather(const StageReport& fits) {
+  Dataset whole;
+  whole.created_by = CreatedBy();
+  whole.recipe = "mocurate fit";
+  for (const ItemResult& item : fits.items) {
+    if (item.artifact.empty()) continue;
+    Expected<Dataset> part = ReadDataset(item.artifact);
+    if (!part) return Forward(part);
+    whole.skeleton = part->skeleton;
+    whole.joints_only = part->joints_only;
+    std::move(part->clips.begin(), part->clips.end(), std::back_inserter(whole.clips));
+    std::move(part->findings.begin(), part->findings.end(), std::back_inserter(whole.findings));
+  }
+  std::sort(whole.clips.begin(), whole.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+  for (const Clip& clip : whole.clips) {
+    if (!clip.label.empty() && whole.LabelIndex(clip.label) < 0) whole.labels.push_back({clip.label, ""});
+  }
+  std::sort(whole.labels.begin(), whole.labels.end(),
+            [](const LabelName& a, const LabelName& b) { return a.name < b.name; });
+  return whole;
+}
+
+void PrintFit(const ItemResult& item) {
+  const nlohmann::json& fit = item.outcome.summary;
+  std::printf("%s\n", item.item.c_str());
+  const auto number = [](const nlohmann::json& from, const char* key) {
+    return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>() : 0.0;
+  };
+  if (fit.value("method", "none") != "none") {
+    std::printf("  residual %.1f mm RMS, %.1f mm 95 %%\n", number(fit, "residual_rms_mm"),
+                number(fit, "residual_p95_mm"));
+  }
+  if (fit.contains("before")) {
+    const nlohmann::json& before = fit["before"];
+    const nlohmann::json& after = fit["after"];
+    std::printf("  bones change by %.1f -> %.1f mm, jerk %.0f -> %.0f m/s3\n", number(before, "bone_spread_mm"),
+                number(after, "bone_spread_mm"), number(before, "jerk"), number(after, "jerk"));
+  }
+  if (fit.contains("contacts")) {
+    const nlohmann::json& contacts = fit["contacts"];
+    std::printf(
+        "  standing feet slide %.3f -> %.3f m/s (they stand %.0f %% of the time); the largest change is %.0f mm (%s, "
+        "frame %d), %.1f degrees\n",
+        number(contacts, "sliding_before"), number(contacts, "sliding_after"),
+        100.0 * number(contacts, "contact_share"), number(contacts, "largest_shift_mm"),
+        contacts.value("joint", "").c_str(), contacts.value("frame", 0), number(contacts, "largest_turn_deg"));
+  }
+  for (const Finding& finding : item.outcome.findings) {
+    if (finding.severity != Severity::kInfo) std::printf("  %s: %s\n", finding.code.c_str(), finding.message.c_str());
+  }
+}
+
+nlohmann::json AnswerOf(const JobResult& result, const StageReport& fits, const fs::path& output) {
+  nlohmann::json clips = nlohmann::json::array();
+  for (const ItemResult& item : fits.items) {
+    nlohmann::json findings = nlohmann::json::array();
+    for (const Finding& finding : item.outcome.findings) {
+      findings.push_back({{"code", finding.code}, {"message", finding.message}, {"value", finding.value}});
+    }
+    clips.push_back({{"clip", item.item},
+                     {"fitted", !item.artifact.empty()},
+                     {"error", item.artifact.empty() ? item.outcome.error.Message() : std::string()},
+                     {"fit", item.outcome.summary},
+                     {"findings", findings}});
+  }
+  return {{"output", DisplayPath(output)}, {"clips", clips}, {"failed", result.counts.failed}};
+}
+
+Error FirstFailure(const JobResult& result) {
+  for (const StageReport& stage : result.stages) {
+    for (const ItemResult& item : stage.items) {
+      if (!item.artifact.empty() || item.outcome.error.what.empty()) continue;
+      Error error = item.outcome.error;
+      if (error.where.empty()) error.where = item.item;
+      return error;
+    }
+  }
+  return {ErrorCode::kInconsistent, "nothing could be fitted", "", ""};
+}
+
+}  // namespace
+
+Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
+  std::error_code unknown;
+  if (!fs::exists(arguments.path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
+  }
+  if (fs::exists(arguments.output, unknown) && !arguments.force) {
+    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
+                "--force overwrites it, -o names another");
+  }
+  const Expected<JobOptions> options = OptionsOf(arguments);
+  if (!options) return Forward(options);
+  const ScratchFolder scratch;
+  RunnerOptions settings;
+  settings.run_folder = scratch.path();
+  settings.jobs = arguments.jobs;
+  settings.progress = !common.quiet;
+  if (Status made = MakeFolder(settings.run_folder); !made) return made;
+  auto runner = Runner::Make(settings);
+  if (!runner) return Forward(runner);
+  const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner);
+  if (!result) return Forward(result);
+  const auto fits = std::find_if(result->stages.begin(), result->stages.end(),
+                                 [](const StageReport& stage) { return stage.stage == "fitting"; });
+  const bool any =
+      fits != result->stages.end() && std::any_of(fits->items.begin(), fits->items.end(),
+                                                  [](const ItemResult& item) { return !item.artifact.empty(); });
+  if (!any) return tl::unexpected<Error>(FirstFailure(*result));
+  const Expected<Dataset> whole = Gather(*fits);
+  if (!whole) return Forward(whole);
+  if (Status written = WriteDataset(*whole, arguments.output); !written) return written;
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s\n", AnswerOf(*result, *fits, arguments.output)
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  } else {
+    for (const ItemResult& item : fits->items) {
+      if (!item.artifact.empty()) PrintFit(item);
+    }
+    std::printf("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),
+                DisplayPath(arguments.output).c_str());
+  }
+  if (result->counts.failed == 0) return {};
+  Error error = FirstFailure(*result);
+  error.code = ErrorCode::kTooManyFailures;
+  error.what = Counted(result->counts.failed, "clip") + " could not be fitted; the first: " + error.what;
+  return tl::unexpected<Error>(error);
+}
+
+}  // namespace mocurate

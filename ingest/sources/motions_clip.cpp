@@ -1,0 +1,20 @@
+#include "ingest/sources/container.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+
+Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
+  Expected<Clip> clip = ReadMotionsEntry(file.container, file.entry, file.name);
+  if (!clip) return Forward(clip);
+  if (!clip->motion) return Fail(ErrorCode::kInconsistent, "the clip has no motion", file.name);
+  IngestedClip ingested;
+  ingested.content = BytesOf(clip->motion->joints.xyz);
+  for (const Quaterniond& rotation : clip->motion->rotation) {
+    ingested.content += BytesOf({rotation.w(), rotation.x(), rotation.y(), rotation.z()});
+  }
+  ingested.clip = *std::move(clip);
+  NoteRate(file.source, ingested.clip.rate.hz(), ingested.findings);
+  return ingested;
+}
+
+}  // namespace mocurate

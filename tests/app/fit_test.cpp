@@ -1,0 +1,129 @@
+// `mocurate fit`: rotations for one file without a config, for motions that have none, and feet that stand.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/store/store.h"
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::Folder;
+using program::Result;
+using program::RunProgram;
+using program::WriteText;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class FitVerbs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    data_ = std::getenv("MOCURATE_TEST_DATA");
+  }
+
+  Result Fit(const fs::path& path, std::vector<std::string> more) {
+    std::vector<std::string> words = {"fit", path.string(), "-o", output().string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunProgram(folder_, words);
+  }
+  fs::path output() const { return folder_ / "fitted.h5"; }
+  Dataset Fitted() const {
+    auto dataset = ReadDataset(output());
+    EXPECT_TRUE(dataset.has_value()) << dataset.error().Message();
+    return dataset ? *std::move(dataset) : Dataset();
+  }
+  fs::path kard() const { return data_ / "kinect/kard/a14_s02_e01_realworld.txt"; }
+
+  Folder folder_;
+  fs::path data_;
+};
+
+TEST_F(FitVerbs, OneFileOfARecipeGetsRotationsOnTheSkeletonAskedFor) {
+  const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "openni16", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Dataset dataset = Fitted();
+  ASSERT_EQ(dataset.clips.size(), 1u);
+  EXPECT_EQ(dataset.skeleton->name, "openni16");
+  EXPECT_EQ(dataset.clips[0].identity.person, "s02");
+  EXPECT_EQ(dataset.clips[0].label, "walk");
+  EXPECT_FALSE(dataset.clips[0].motion->joints_only());
+  const nlohmann::json fit = result.Json()["clips"][0]["fit"];
+  EXPECT_GT(fit["before"]["bone_spread_mm"], 1.0);
+  EXPECT_LT(fit["after"]["bone_spread_mm"], 1e-6);
+  EXPECT_LT(fit["residual_rms_mm"], 40.0);
+}
+
+TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {
+  const Result result = Fit(kard(), {"--source", "kard", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Fitted().skeleton->name, "smpl24");
+  EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), HasSubstr("has no torso"));
+}
+
+TEST_F(FitVerbs, WhatNoFileTellsIsAskedForAllAtOnce) {
+  const Result unknown = Fit(kard(), {});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("rate"));
+  EXPECT_THAT(unknown.err, HasSubstr("--set ingest.source.rate='30 Hz'"));
+  EXPECT_FALSE(fs::exists(output()));
+  const Result told = Fit(kard(), {"--set", "ingest.source.rate=30 Hz", "--set", "ingest.source.axes=+x +y -z"});
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+}
+
+TEST_F(FitVerbs, AMotionOfAnotherSkeletonIsFittedByItsOwnNamesOfJoints) {
+  const fs::path bvh = data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh";
+  const Result nothing = Fit(bvh, {});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("has rotations already"));
+  const Result result = Fit(bvh, {"--skeleton", "smpl24", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Dataset dataset = Fitted();
+  const Motion& motion = *dataset.clips[0].motion;
+  // Bandai's Hand_L is the wrist, its Foot_L the ankle: both lie where a person has them.
+  EXPECT_NEAR(motion.bone_length[*motion.skeleton->FindJoint("left_wrist")], 0.223, 0.01);
+  EXPECT_NEAR(motion.bone_length[*motion.skeleton->FindJoint("left_ankle")], 0.410, 0.01);
+  EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_p95_mm"], 40.0);
+}
+
+TEST_F(FitVerbs, FeetOfAMotionThatIsGivenNoLongerSlideAndTheRestIsItsOwn) {
+  ASSERT_EQ(Fit(data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh", {"--skeleton", "smpl24"}).exit_code, 0);
+  const Dataset before = Fitted();
+  const fs::path given = folder_ / "given.h5";
+  fs::rename(output(), given);
+  const Result result = Fit(given, {"--contacts", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json contacts = result.Json()["clips"][0]["fit"]["contacts"];
+  EXPECT_LT(contacts["sliding_after"], 0.7 * contacts["sliding_before"].get<double>());
+  EXPECT_GT(contacts["largest_shift_mm"], 0.0);
+  const Dataset after = Fitted();
+  const int neck = *after.skeleton->FindJoint("neck");
+  for (int f = 0; f < 100; f += 10) {
+    EXPECT_LT((after.clips[0].motion->joints.at(f, neck) - before.clips[0].motion->joints.at(f, neck)).norm(), 1e-5);
+  }
+  EXPECT_EQ(after.clips[0].identity.recording, before.clips[0].identity.recording);
+}
+
+TEST_F(FitVerbs, NothingIsWrittenOverAndNothingIsMadeOfNothing) {
+  WriteText(output(), "mine");
+  EXPECT_EQ(Fit(kard(), {"--source", "kard"}).exit_code, 2);
+  EXPECT_EQ(program::ReadText(output()), "mine");
+  EXPECT_EQ(Fit(kard(), {"--source", "kard", "--force"}).exit_code, 0);
+  fs::remove(output());
+  const Result missing = Fit(folder_ / "not_there.bvh", {});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_THAT(missing.err, HasSubstr("no such file"));
+  WriteText(folder_ / "broken.bvh", "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 x\n");
+  EXPECT_EQ(Fit(folder_ / "broken.bvh", {"--skeleton", "smpl24"}).exit_code, 3);
+  const Result recipe = Fit(kard(), {"--source", "card"});
+  EXPECT_EQ(recipe.exit_code, 2);
+  EXPECT_THAT(recipe.err, HasSubstr("did you mean"));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
+}  // namespace
+}  // namespace mocurate
