@@ -51,6 +51,8 @@ void CloudOutlierOptions::Declare(OptionVisitor& v) {
 }
 
 void PointCloudOptions::Declare(OptionVisitor& v) {
+  v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
+           "ceres, or our normal equations of the same costs, several times as fast");
   v.Number("voxel_size", voxel_size, Unit::kMetre, {1e-3, 0.5}, "points are thinned to one per voxel");
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
   v.Group("outliers", outliers, "statistical outlier removal");
@@ -107,8 +109,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 4, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 5, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 6, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 7, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -18,7 +18,7 @@ enum class NoiseScale { kPooled, kPerJoint };
 /// What becomes of tracked joints that the skeleton does not have.
 enum class OtherJoints { kRefuse, kLeaveOut };
 
-/// What solves the joint-track problem. Both minimise the same costs to the same optimum.
+/// What solves a problem of a fit. Both minimise the same costs to the same optimum.
 enum class TrackSolver { kCeres, kBanded };
 
 /// Fit of a skeleton to joint tracks. The noise of the tracks is estimated from them, never set here. Spreads are
@@ -54,6 +54,7 @@ struct CloudOutlierOptions {
 
 /// Fit of a capsule body to fused depth views.
 struct PointCloudOptions {
+  TrackSolver solver = TrackSolver::kCeres;
   double voxel_size = 0.015;  ///< m, after fusing the views
   double max_distance = 0.1;  ///< m from the body; farther points do not pull
   CloudOutlierOptions outliers;

@@ -6,15 +6,18 @@
 #include <cmath>
 #include <string>
 
+#include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_problem.h"
+#include "fitting/costs/huber.h"
 #include "fitting/solver/one_thread.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kSettled = 1e-3;        ///< m; joints move less on average: well below the error of the body
-constexpr int kWideMatchings = 4;        ///< look farther than the later ones
-constexpr int kSolverSteps = 4;          ///< between two matchings
+constexpr double kSettled = 1e-3;  ///< m; joints move less on average: well below the error of the body
+constexpr int kWideMatchings = 4;  ///< look farther than the later ones
+constexpr int kSolverSteps = 4;    ///< between two matchings
+constexpr double kRelativeTolerance = 1e-4;
 constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
 
 ceres::Solver::Options SolverOptions() {
@@ -22,7 +25,7 @@ ceres::Solver::Options SolverOptions() {
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
   solver.max_num_iterations = kSolverSteps;
-  solver.function_tolerance = 1e-4;
+  solver.function_tolerance = kRelativeTolerance;
   solver.logging_type = ceres::SILENT;
   return solver;
 }
@@ -44,6 +47,36 @@ double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
+/// A frame's points, each held to its capsule.
+struct MatchedFrame {
+  const FleshBody& body;
+  const FusedCloud& cloud;
+  const std::vector<CloudMatch>& matches;
+  const FrameFit& fit;
+  double sigma = 0.0;
+};
+
+Expected<CloudSolution> SolveWithCeres(const MatchedFrame& matched, PoseState& state,
+                                       const PointCloudOptions& options) {
+  const int frame = matched.fit.frame;
+  CloudProblem problem(matched.body, state, {frame, frame + 1, matched.fit.since_previous_s}, matched.sigma, options);
+  problem.AddFrame(frame, matched.cloud, matched.matches);
+  if (matched.fit.since_previous_s) problem.AddStep();
+  ceres::Solver::Summary summary;
+  const OneThread one_thread;
+  ceres::Solve(SolverOptions(), &problem.problem(), &summary);
+  if (!summary.IsSolutionUsable()) {
+    return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message, "frame " + std::to_string(frame));
+  }
+  return CloudSolution{summary.initial_cost, summary.final_cost};
+}
+
+Expected<CloudSolution> SolveDense(const MatchedFrame& matched, PoseState& state, const PointCloudOptions& options) {
+  CloudEquations equations(matched.body, state, matched.fit.frame, matched.cloud, matched.matches,
+                           PointWeight(matched.sigma, options.voxel_size), matched.fit.since_previous_s, options);
+  return SolveCloudEquations(equations, kSolverSteps, kRelativeTolerance);
+}
+
 }  // namespace
 
 Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
@@ -57,19 +90,13 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
     std::vector<double> distances;
     for (const CloudMatch& match : matches) distances.push_back(match.distance);
     outcome.sigma = RobustSigma(std::move(distances));
-    CloudProblem problem(body, state, {frame, frame + 1, fit.since_previous_s}, outcome.sigma, options);
-    problem.AddFrame(frame, cloud, matches);
-    if (fit.since_previous_s) problem.AddStep();
-
     const std::vector<Vector3d> before = JointsOf(state, frame);
-    ceres::Solver::Summary summary;
-    const OneThread one_thread;
-    ceres::Solve(SolverOptions(), &problem.problem(), &summary);
-    if (!summary.IsSolutionUsable()) {
-      return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message, "frame " + std::to_string(frame));
-    }
-    if (i == 0) outcome.initial_cost = summary.initial_cost;
-    outcome.final_cost = summary.final_cost;
+    const MatchedFrame matched{body, cloud, matches, fit, outcome.sigma};
+    const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveWithCeres;
+    const auto solution = solve(matched, state, options);
+    if (!solution) return Forward(solution);
+    if (i == 0) outcome.initial_cost = solution->initial_cost;
+    outcome.final_cost = solution->final_cost;
     ++outcome.iterations;
     state.Update(frame, frame + 1, false);
     outcome.moved = MeanMove(before, JointsOf(state, frame));
@@ -78,16 +105,13 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
   return outcome;
 }
 
-Expected<double> PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
-                          const PointCloudOptions& options) {
+double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+                const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, options.max_distance);
-  CloudProblem problem(body, state, {frame, frame + 1, std::nullopt}, kComparedSigma, options);
-  problem.AddFrame(frame, cloud, matches);
-  double cost = 0.0;
-  if (!problem.problem().Evaluate({}, &cost, nullptr, nullptr, nullptr)) {
-    return Fail(ErrorCode::kInternal, "a pose cannot be evaluated", "frame " + std::to_string(frame));
-  }
-  return cost + problem.CostOfPoint(options.max_distance) * (cloud.size() - static_cast<double>(matches.size()));
+  const double weight = PointWeight(kComparedSigma, options.voxel_size);
+  const double cost = CloudEquations(body, state, frame, cloud, matches, weight, std::nullopt, options).Cost();
+  const double of_a_far_point = 0.5 * HuberValue(std::pow(weight * options.max_distance, 2), PointHuber(options));
+  return cost + of_a_far_point * (cloud.size() - static_cast<double>(matches.size()));
 }
 
 double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,

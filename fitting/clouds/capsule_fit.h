@@ -40,7 +40,7 @@ double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseSt
 
 /// What a pose costs on its own: distances of all points weighted with one sigma, those of points without a match at
 /// their limit, and the priors. Compares poses of one cloud. Needs Update.
-Expected<double> PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
-                          const PointCloudOptions& options);
+double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+                const PointCloudOptions& options);
 
 }  // namespace mocurate

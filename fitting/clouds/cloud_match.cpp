@@ -13,17 +13,31 @@ constexpr double kTurnPenalty = 0.04;   ///< m that a surface facing another way
 constexpr double kLeastSigma = 0.003;   ///< m
 constexpr double kPriorPoints = 200.0;  ///< points that the radius known before counts as
 
+/// Holds a capsule.
+struct Ball {
+  Vector3d centre;
+  double radius = 0.0;
+};
+
 }  // namespace
 
 std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
                                     double max_distance) {
   std::vector<CapsuleEnds> ends;
-  for (const FleshCapsule& capsule : body.capsules) ends.push_back(EndsOf(capsule, state, frame));
+  std::vector<Ball> balls;
+  for (const FleshCapsule& capsule : body.capsules) {
+    ends.push_back(EndsOf(capsule, state, frame));
+    balls.push_back({0.5 * (ends.back().begin + ends.back().end),
+                     0.5 * (ends.back().end - ends.back().begin).norm() + capsule.radius});
+  }
   std::vector<CloudMatch> matches;
+  matches.reserve(cloud.size());
   for (int i = 0; i < cloud.size(); ++i) {
     CloudMatch best;
     double least = max_distance + 2.0 * kTurnPenalty;
     for (std::size_t c = 0; c < body.capsules.size(); ++c) {
+      const double reach = balls[c].radius + std::min(least, max_distance);
+      if ((cloud.points.col(i) - balls[c].centre).squaredNorm() > reach * reach) continue;
       const double radius = body.capsules[c].radius;
       const CapsulePoint on = ClosestOnCapsule(ends[c].begin, ends[c].end, radius, cloud.points.col(i));
       const double distance = std::abs(on.distance);

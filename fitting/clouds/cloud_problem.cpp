@@ -1,35 +1,25 @@
 #include "fitting/clouds/cloud_problem.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "fitting/clouds/capsule_distance_cost.h"
+#include "fitting/clouds/cloud_equations.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
 
 namespace mocurate {
-namespace {
-
-constexpr double kBodyPatch = 0.05;   ///< m; points closer than this share the error of the capsule body
-constexpr double kLimitSpread = 0.1;  ///< rad
-
-/// Square root of a point's share in its patch.
-double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
-
-}  // namespace
-
 CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const CloudFrames& frames, double sigma,
                            const PointCloudOptions& options)
     : body_(body),
       state_(state),
       frames_(frames),
       options_(options),
-      weight_(PatchShare(options.voxel_size) / sigma),
+      weight_(PointWeight(sigma, options.voxel_size)),
       rest_spreads_(RestSpreads(*body.skeleton, options.rest_spread)),
       update_(state, frames.since_previous_s ? frames.begin - 1 : frames.begin, frames.end),
-      loss_(options.huber_sigmas * PatchShare(options.voxel_size)),
+      loss_(PointHuber(options)),
       problem_(PoseProblemOptions(update_)) {}
 
 void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches) {
@@ -43,15 +33,8 @@ void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vecto
     problem_.AddResidualBlock(new RestPriorCost(rest_spreads_[j]), nullptr, state_.rotation(frame, j));
     const auto& limits = body_.skeleton->joints[j].limits;
     if (!limits) continue;
-    problem_.AddResidualBlock(new JointLimitCost(*limits, kLimitSpread), nullptr, state_.rotation(frame, j));
+    problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSpread), nullptr, state_.rotation(frame, j));
   }
-}
-
-double CloudProblem::CostOfPoint(double distance) const {
-  double rho[3];
-  const double whitened = weight_ * distance;
-  loss_.Evaluate(whitened * whitened, rho);
-  return 0.5 * rho[0];
 }
 
 void CloudProblem::AddStep() {

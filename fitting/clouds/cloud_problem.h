@@ -31,9 +31,6 @@ class CloudProblem {
   /// Joins the first frame to the one before it, which is held.
   void AddStep();
 
-  /// Robust cost of a point at this distance from its capsule (metres).
-  double CostOfPoint(double distance) const;
-
   ceres::Problem& problem() { return problem_; }
 
  private:

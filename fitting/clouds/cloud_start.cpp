@@ -64,9 +64,7 @@ Status Refine(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fi
               PoseState& state, Candidate& candidate) {
   const auto fitted = FitCloudFrame(body, cloud, fit, state, options);
   if (!fitted) return Forward(fitted);
-  const auto cost = PoseCost(body, cloud, state, fit.frame, options);
-  if (!cost) return Forward(cost);
-  candidate.cost = *cost;
+  candidate.cost = PoseCost(body, cloud, state, fit.frame, options);
   candidate.heading = HeadingOf(state, fit.frame);
   candidate.parameters = state.FrameParameters(fit.frame);
   return {};

@@ -1,41 +1,11 @@
-#include <algorithm>
 #include <cmath>
 
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/one_thread.h"
 #include "fitting/solver/track_equations.h"
+#include "fitting/solver/trust_region.h"
 
 namespace mocurate {
-namespace {
-
-/// Damping of Levenberg-Marquardt and how it follows the success of steps, as in Ceres: Nielsen 1999, section 2.
-class TrustRegion {
- public:
-  Eigen::VectorXd Damping(const Eigen::VectorXd& diagonal) const {
-    return diagonal.cwiseMax(kSmallestDiagonal * diagonal.maxCoeff()) / radius_;
-  }
-  /// `gain`: decrease of the cost over what the quadratic model foresaw.
-  void Accept(double gain) {
-    radius_ = std::min(radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), kLargestRadius);
-    shrink_ = 2.0;
-  }
-  void Reject() {
-    radius_ /= shrink_;
-    shrink_ *= 2.0;
-  }
-  bool exhausted() const { return radius_ < kSmallestRadius; }
-
- private:
-  static constexpr double kSmallestDiagonal = 1e-12;
-  static constexpr double kLargestRadius = 1e16;
-  static constexpr double kSmallestRadius = 1e-32;
-  double radius_ = 1e4;
-  double shrink_ = 2.0;
-};
-
-constexpr double kSmallestGain = 1e-3;  ///< of an accepted step
-
-}  // namespace
 
 Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   const OneThread one_thread;
@@ -62,7 +32,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
     track.SetParameters(parameters + step);
     const double next = track.Cost();
     const double gain = (cost - next) / foreseen;
-    if (!(foreseen > 0.0) || !(gain > kSmallestGain)) {
+    if (!(foreseen > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
       track.SetParameters(parameters);
       // At the minimum rounding decides: nothing more is to be had.
       if (foreseen <= 1e-3 * window.options.relative_tolerance * cost) {

@@ -4,17 +4,12 @@
 #include <cmath>
 
 #include "core/geometry/rotation.h"
+#include "fitting/costs/huber.h"
 
 namespace mocurate {
 namespace {
 
 double Square(double value) { return value * value; }
-
-/// Huber of a squared residual, as ceres::HuberLoss: value and derivative.
-double HuberValue(double square, double sigmas) {
-  return square <= Square(sigmas) ? square : 2.0 * sigmas * std::sqrt(square) - Square(sigmas);
-}
-double HuberSlope(double square, double sigmas) { return square <= Square(sigmas) ? 1.0 : sigmas / std::sqrt(square); }
 
 double BeyondLimit(double angle, double min, double max) {
   return angle > max ? angle - max : angle < min ? angle - min : 0.0;

@@ -1,0 +1,231 @@
+#include "fitting/clouds/cloud_equations.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/rotation.h"
+#include "fitting/costs/huber.h"
+#include "fitting/solver/trust_region.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kBodyPatch = 0.05;  ///< m; points closer than this share the error of the capsule body
+
+double Square(double value) { return value * value; }
+
+/// Square root of a point's share in its patch.
+double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
+
+double BeyondLimit(double angle, double min, double max) {
+  return angle > max ? angle - max : angle < min ? angle - min : 0.0;
+}
+
+/// The point of a capsule's axis nearest to another point.
+Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
+  const Vector3d axis = ends.end - ends.begin;
+  const double square = axis.squaredNorm();
+  const double along = (point - ends.begin).dot(axis);
+  return ends.begin + (square > 0.0 && along > 0.0 ? std::min(1.0, along / square) : 0.0) * axis;
+}
+
+}  // namespace
+
+double PointWeight(double sigma, double voxel_size) { return PatchShare(voxel_size) / sigma; }
+double PointHuber(const PointCloudOptions& options) { return options.huber_sigmas * PatchShare(options.voxel_size); }
+
+CloudEquations::CloudEquations(const FleshBody& body, PoseState& state, int frame, const FusedCloud& cloud,
+                               const std::vector<CloudMatch>& matches, double weight,
+                               std::optional<double> since_previous_s, const PointCloudOptions& options)
+    : body_(body),
+      state_(state),
+      frame_(frame),
+      cloud_(cloud),
+      matches_(matches),
+      weight_(weight),
+      huber_(PointHuber(options)),
+      rest_spreads_(RestSpreads(*body.skeleton, options.rest_spread)),
+      subtree_(state.joints()) {
+  if (since_previous_s) {
+    turn_weight_ = 1.0 / (Square(options.rotation_walk) * *since_previous_s);
+    move_weight_ = 1.0 / (Square(options.velocity_walk) * *since_previous_s);
+  }
+  for (int j = 0; j < state.joints(); ++j) {
+    column_.push_back(state.active(j) ? size_ : -1);
+    if (state.active(j)) size_ += 3;
+  }
+}
+
+double CloudEquations::Cost() const {
+  std::vector<CapsuleEnds> ends;
+  for (const FleshCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
+  double twice = 0.0;
+  for (const CloudMatch& match : matches_) {
+    const Vector3d point = cloud_.points.col(match.point);
+    const double distance = (point - NearestOnAxis(ends[match.capsule], point)).norm();
+    twice += HuberValue(Square(weight_ * (distance - body_.capsules[match.capsule].radius)), huber_);
+  }
+  for (int j = 0; j < state_.joints(); ++j) {
+    if (!state_.active(j)) continue;
+    if (turn_weight_ > 0.0) {
+      const Matrix3d turn = state_.local(frame_ - 1, j).transpose() * state_.local(frame_, j);
+      twice += turn_weight_ * LogMatrix(turn).squaredNorm();
+    }
+    if (j == 0) continue;
+    const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
+    twice += w.squaredNorm() / Square(rest_spreads_[j]);
+    const auto& limits = body_.skeleton->joints[j].limits;
+    for (int i = 0; limits && i < 3; ++i) {
+      twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSpread);
+    }
+  }
+  if (move_weight_ > 0.0) {
+    twice += move_weight_ * (state_.position(frame_, 0) - state_.position(frame_ - 1, 0)).squaredNorm();
+  }
+  return 0.5 * twice;
+}
+
+/// What the points say about the twist of each joint's subtree, about the root's place.
+void CloudEquations::SumPoints() {
+  std::vector<CapsuleEnds> ends;
+  for (const FleshCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
+  for (BodyInformation& sum : subtree_) sum = {};
+  const Vector3d& origin = state_.position(frame_, 0);
+  for (const CloudMatch& match : matches_) {
+    const FleshCapsule& capsule = body_.capsules[match.capsule];
+    const Vector3d point = cloud_.points.col(match.point);
+    const Vector3d nearest = NearestOnAxis(ends[match.capsule], point);
+    const Vector3d away = point - nearest;
+    const double length = away.norm();
+    if (length == 0.0) continue;  // on the axis: no direction
+    const double residual = weight_ * (length - capsule.radius);
+    Vector6d row;  // of the residual in the twist: -weight (n, q x n)
+    row.head<3>() = (-weight_ / length) * away;
+    row.tail<3>() = (nearest - origin).cross(row.head<3>());
+    const double slope = HuberSlope(Square(residual), huber_);
+    BodyInformation& sum = subtree_[capsule.frame];
+    sum.information.noalias() += (slope * row) * row.transpose();
+    sum.gradient += (slope * residual) * row;
+  }
+  for (int j = state_.joints() - 1; j > 0; --j) subtree_[state_.parent(j)] += subtree_[j];
+}
+
+void CloudEquations::AddPoints() {
+  std::vector<Twist> twists(state_.joints());
+  matrix_.topLeftCorner<3, 3>() += subtree_[0].information.topLeftCorner<3, 3>();
+  gradient_.head<3>() += subtree_[0].gradient.head<3>();
+  for (int j = 0; j < state_.joints(); ++j) {
+    const int c = column_[j];
+    if (c < 0) continue;
+    const Matrix3d& lever = state_.lever(frame_, j);
+    twists[j].topRows<3>().noalias() = Hat(state_.position(frame_, j) - state_.position(frame_, 0)) * lever;
+    twists[j].bottomRows<3>() = lever;
+    const Twist moved = subtree_[j].information * twists[j];
+    matrix_.block<3, 3>(0, c) += moved.topRows<3>();
+    matrix_.block<3, 3>(c, c).noalias() += twists[j].transpose() * moved;
+    for (const int a : state_.path(j)) {
+      matrix_.block<3, 3>(column_[a], c).noalias() += twists[a].transpose() * moved;
+    }
+    gradient_.segment<3>(c).noalias() += twists[j].transpose() * subtree_[j].gradient;
+  }
+}
+
+void CloudEquations::AddPriors() {
+  for (int j = 1; j < state_.joints(); ++j) {
+    const int c = column_[j];
+    if (c < 0) continue;
+    const double rest = 1.0 / Square(rest_spreads_[j]);
+    const double limit = 1.0 / Square(kCloudLimitSpread);
+    const auto& limits = body_.skeleton->joints[j].limits;
+    for (int i = 0; i < 3; ++i) {
+      const double w = std::as_const(state_).rotation(frame_, j)[i];
+      const double beyond = limits ? BeyondLimit(w, limits->min[i], limits->max[i]) : 0.0;
+      matrix_(c + i, c + i) += rest + (beyond == 0.0 ? 0.0 : limit);
+      gradient_[c + i] += rest * w + limit * beyond;
+    }
+  }
+}
+
+void CloudEquations::AddStep() {
+  matrix_.topLeftCorner<3, 3>().diagonal().array() += move_weight_;
+  gradient_.head<3>() += move_weight_ * (state_.position(frame_, 0) - state_.position(frame_ - 1, 0));
+  for (int j = 0; j < state_.joints(); ++j) {
+    const int c = column_[j];
+    if (c < 0) continue;
+    const Vector3d turn = LogMatrix(state_.local(frame_ - 1, j).transpose() * state_.local(frame_, j));
+    const Matrix3d after = RightJacobianInverse(turn) * state_.right_jacobian(frame_, j);
+    matrix_.block<3, 3>(c, c).noalias() += turn_weight_ * after.transpose() * after;
+    gradient_.segment<3>(c).noalias() += turn_weight_ * after.transpose() * turn;
+  }
+}
+
+void CloudEquations::Linearise() {
+  matrix_ = Eigen::MatrixXd::Zero(size_, size_);
+  gradient_ = Eigen::VectorXd::Zero(size_);
+  SumPoints();
+  AddPoints();
+  AddPriors();
+  if (turn_weight_ > 0.0) AddStep();
+}
+
+Eigen::VectorXd CloudEquations::Parameters() const {
+  const PoseState& state = state_;
+  Eigen::VectorXd parameters(size_);
+  parameters.head<3>() = Eigen::Map<const Vector3d>(state.translation(frame_));
+  for (int j = 0; j < state.joints(); ++j) {
+    if (column_[j] >= 0) parameters.segment<3>(column_[j]) = Eigen::Map<const Vector3d>(state.rotation(frame_, j));
+  }
+  return parameters;
+}
+
+void CloudEquations::SetParameters(const Eigen::VectorXd& parameters) {
+  Eigen::Map<Vector3d>(state_.translation(frame_)) = parameters.head<3>();
+  for (int j = 0; j < state_.joints(); ++j) {
+    if (column_[j] >= 0) Eigen::Map<Vector3d>(state_.rotation(frame_, j)) = parameters.segment<3>(column_[j]);
+  }
+  state_.Update(frame_, frame_ + 1, true);
+}
+
+Expected<CloudSolution> SolveCloudEquations(CloudEquations& equations, int steps, double relative_tolerance) {
+  TrustRegion region;
+  Eigen::VectorXd parameters = equations.Parameters();
+  equations.SetParameters(parameters);
+  CloudSolution solution;
+  double cost = solution.initial_cost = equations.Cost();
+  if (!std::isfinite(cost)) return Fail(ErrorCode::kInconsistent, "the cost of the start is no number", "clouds");
+  bool moved = true;
+  for (int i = 0; i < steps && !region.exhausted(); ++i) {
+    if (moved) equations.Linearise();
+    moved = false;
+    const Eigen::VectorXd damping = region.Damping(equations.matrix().diagonal());
+    Eigen::MatrixXd damped = equations.matrix();
+    damped.diagonal() += damping;
+    const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(damped);
+    if (factor.info() != Eigen::Success) {
+      region.Reject();
+      continue;
+    }
+    const Eigen::VectorXd step = -factor.solve(equations.gradient());
+    const double foreseen = 0.5 * (step.dot(damping.cwiseProduct(step)) - step.dot(equations.gradient()));
+    equations.SetParameters(parameters + step);
+    const double next = equations.Cost();
+    const double gain = (cost - next) / foreseen;
+    if (!(foreseen > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
+      equations.SetParameters(parameters);
+      if (foreseen <= 1e-3 * relative_tolerance * cost) break;
+      region.Reject();
+      continue;
+    }
+    parameters += step;
+    region.Accept(gain);
+    moved = true;
+    const bool settled = cost - next <= relative_tolerance * cost;
+    cost = next;
+    if (settled) break;
+  }
+  solution.final_cost = cost;
+  return solution;
+}
+
+}  // namespace mocurate

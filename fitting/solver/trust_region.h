@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+namespace mocurate {
+
+/// Damping of Levenberg-Marquardt and how it follows the success of steps, as in Ceres: Nielsen 1999, section 2.
+class TrustRegion {
+ public:
+  Eigen::VectorXd Damping(const Eigen::VectorXd& diagonal) const {
+    return diagonal.cwiseMax(kSmallestDiagonal * diagonal.maxCoeff()) / radius_;
+  }
+  /// `gain`: decrease of the cost over what the quadratic model foresaw.
+  void Accept(double gain) {
+    radius_ = std::min(radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), kLargestRadius);
+    shrink_ = 2.0;
+  }
+  void Reject() {
+    radius_ /= shrink_;
+    shrink_ *= 2.0;
+  }
+  bool exhausted() const { return radius_ < kSmallestRadius; }
+
+  static constexpr double kSmallestGain = 1e-3;  ///< of an accepted step
+
+ private:
+  static constexpr double kSmallestDiagonal = 1e-12;
+  static constexpr double kLargestRadius = 1e16;
+  static constexpr double kSmallestRadius = 1e-32;
+  double radius_ = 1e4;
+  double shrink_ = 2.0;
+};
+
+}  // namespace mocurate
