@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/geometry/axes.h"
 #include "core/geometry/camera.h"
 #include "core/motion/motion.h"
@@ -51,17 +52,46 @@ struct DepthView {
   std::vector<std::string> sha256;           ///< (F)
   std::vector<double> time_s;                ///< (F)
   double metres_per_unit = 0.001;
+  /// (F) or none: images of the same size, 8-bit PNG or JPEG, 128 and more where the person is. The rest is not of her
+  /// and may stand elsewhere: a person who turns before a fixed sensor is seen from all sides, the room is not.
+  std::vector<std::filesystem::path> masks;
+  std::vector<std::string> mask_sha256;  ///< (F) or none
+};
+
+/// People whom a detector found in the images of one calibrated camera. F images, P people (the most that one image
+/// lists), K points each. Frame f of all views of a clip is the same moment when their times are the same: an image
+/// that is missing is one in which nobody is seen. The order of an image's people is the detector's and means nothing.
+struct KeypointView {
+  Camera camera;               ///< named; two views of a clip have different names
+  std::vector<double> time_s;  ///< (F) increasing
+  int people = 0;              ///< P
+  std::vector<double> values;  ///< (F,P,K,3) u px, v px, confidence in [0, 1]; 0: not seen, u and v are never read
+
+  int frames() const { return static_cast<int>(time_s.size()); }
+  /// K; 0 when there is no image or nobody is ever seen.
+  int points() const;
+  /// u px, v px (as detected: with the lens's distortion, and possibly outside the image), confidence.
+  const double* at(int frame, int person, int point) const;
 };
 
 /// What sensors or other programs said. Never overwritten by what is fitted to it.
 struct Evidence {
   std::optional<JointTracks> tracks;
   std::vector<DepthView> depth_views;
+  std::vector<std::string> keypoint_names;  ///< (K) of the detector's layout: "nose", "left_knee", ...
+  std::vector<KeypointView> keypoint_views;
+  /// Which of the people in keypoint_views the clip is of, counted from 0 by how present they are: clips of several
+  /// people of one recording share the views.
+  int subject = 0;
 
-  bool empty() const { return !tracks && depth_views.empty(); }
+  bool empty() const { return !tracks && depth_views.empty() && keypoint_views.empty(); }
 };
 
-/// Depth images are referred to by their names in the source's folder; `files` says where each lies now.
+/// Whether names, shapes, times, cameras and values of the keypoint views hold together. Error kInconsistent naming the
+/// camera and the place.
+Status CheckKeypoints(const Evidence& evidence);
+
+/// Depth images and masks are referred to by their names in the source's folder; `files` says where each lies now.
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence);
 
 struct Clip {

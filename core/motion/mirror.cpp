@@ -96,13 +96,17 @@ std::string OtherSide(const std::string& name, const std::vector<std::string>& n
   return {};
 }
 
+void SwapNames(std::vector<std::string>& names) {
+  std::vector<std::string> renamed = names;
+  for (std::string& name : renamed) {
+    if (const std::string other = OtherSide(name, names); !other.empty()) name = other;
+  }
+  names = std::move(renamed);
+}
+
 void MirrorTracks(JointTracks& tracks) {
   ReflectPositions(tracks.positions);
-  std::vector<std::string> renamed = tracks.names;
-  for (std::string& name : renamed) {
-    if (const std::string other = OtherSide(name, tracks.names); !other.empty()) name = other;
-  }
-  tracks.names = std::move(renamed);
+  SwapNames(tracks.names);
 }
 
 /// The picture is not flipped: with the world and the camera's frame mirrored in x alike, its pixel x runs to the left,
@@ -120,6 +124,8 @@ Clip Mirror(const Clip& clip) {
   if (mirrored.motion) MirrorMotion(*mirrored.motion);
   if (mirrored.evidence.tracks) MirrorTracks(*mirrored.evidence.tracks);
   for (DepthView& view : mirrored.evidence.depth_views) MirrorCamera(view.camera);
+  for (KeypointView& view : mirrored.evidence.keypoint_views) MirrorCamera(view.camera);
+  SwapNames(mirrored.evidence.keypoint_names);
   mirrored.canonical_from_source = Reflected(clip.canonical_from_source);
   return mirrored;
 }

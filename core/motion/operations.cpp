@@ -74,7 +74,16 @@ void CutView(DepthView& view, const Span& span) {
   if (view.time_s.empty()) return;
   const Rows rows = RowsOf(span, view.time_s);
   KeepRows(view.sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  KeepRows(view.masks, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  KeepRows(view.mask_sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
   KeepRows(view.files, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  CutTimes(view.time_s, rows, span.begin_s);
+}
+
+void CutKeypoints(KeypointView& view, const Span& span) {
+  if (view.time_s.empty()) return;
+  const Rows rows = RowsOf(span, view.time_s);
+  KeepRows(view.values, view.frames(), rows.begin, rows.end);
   CutTimes(view.time_s, rows, span.begin_s);
 }
 
@@ -97,17 +106,23 @@ void CutIdentity(const Span& span, ClipIdentity& identity) {
   identity.end_frame = begin + static_cast<int>(std::lround(scale * span.end_frame));
 }
 
+/// Times of what a clip without motion counts its frames in.
+const std::vector<double>& EvidenceTimes(const Evidence& evidence) {
+  static const std::vector<double> none;
+  if (evidence.tracks) return evidence.tracks->time_s;
+  if (!evidence.depth_views.empty()) return evidence.depth_views.front().time_s;
+  return evidence.keypoint_views.empty() ? none : evidence.keypoint_views.front().time_s;
+}
+
 int FrameCount(const Clip& clip) {
   if (clip.motion) return clip.motion->frame_count();
-  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
-  return clip.evidence.depth_views.empty() ? 0 : static_cast<int>(clip.evidence.depth_views.front().files.size());
+  return static_cast<int>(EvidenceTimes(clip.evidence).size());
 }
 
 /// Time of frame `frame` (may be one past the last) from the first frame of what the clip's frames are counted in.
 double TimeOf(const Clip& clip, int frame) {
   if (clip.motion) return clip.motion->rate.FrameTime(frame);
-  const std::vector<double>& times =
-      clip.evidence.tracks ? clip.evidence.tracks->time_s : clip.evidence.depth_views.front().time_s;
+  const std::vector<double>& times = EvidenceTimes(clip.evidence);
   if (frame < static_cast<int>(times.size())) return times[static_cast<std::size_t>(frame)] - times.front();
   return times.back() - times.front() + clip.rate.FrameTime(1);
 }
@@ -176,6 +191,7 @@ Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
   if (cut.motion) KeepFrames(*cut.motion, begin_frame, end_frame);
   if (cut.evidence.tracks) CutTracks(*cut.evidence.tracks, span);
   for (DepthView& view : cut.evidence.depth_views) CutView(view, span);
+  for (KeypointView& view : cut.evidence.keypoint_views) CutKeypoints(view, span);
   cut.segments = CutSegments(clip.segments, span.begin_s, span.end_s);
   CutIdentity(span, cut.identity);
   return cut;
@@ -201,6 +217,9 @@ void Transform(const RigidTransform& world_from_clip, Clip& clip) {
   if (clip.evidence.tracks) TransformPositions(world_from_clip, clip.evidence.tracks->positions);
   const RigidTransform clip_from_world = Inverse(world_from_clip);
   for (DepthView& view : clip.evidence.depth_views) {
+    view.camera.camera_from_world = view.camera.camera_from_world * clip_from_world;
+  }
+  for (KeypointView& view : clip.evidence.keypoint_views) {
     view.camera.camera_from_world = view.camera.camera_from_world * clip_from_world;
   }
   clip.canonical_from_source = world_from_clip * clip.canonical_from_source;

@@ -129,6 +129,18 @@ void ResampleView(DepthView& view, FrameRate rate) {
   const int frames = static_cast<int>(view.files.size());
   view.files = Nearer(view.files, frames, places);
   view.sha256 = Nearer(view.sha256, frames, places);
+  view.masks = Nearer(view.masks, frames, places);
+  view.mask_sha256 = Nearer(view.mask_sha256, frames, places);
+  view.time_s = times;
+}
+
+/// Nobody is followed from image to image: the nearer image is taken whole.
+void ResampleKeypoints(KeypointView& view, FrameRate rate) {
+  if (view.time_s.size() < 2) return;
+  const std::vector<double> times = TimesBetween(view.time_s.front(), view.time_s.back(), rate);
+  std::vector<Place> places;
+  for (const double time : times) places.push_back(PlaceInTime(view.time_s, time));
+  view.values = Nearer(view.values, view.frames(), places);
   view.time_s = times;
 }
 
@@ -151,6 +163,7 @@ Clip Resample(const Clip& clip, FrameRate rate) {
   if (same_clip_rate) return resampled;
   if (resampled.evidence.tracks) ResampleTracks(*resampled.evidence.tracks, rate);
   for (DepthView& view : resampled.evidence.depth_views) ResampleView(view, rate);
+  for (KeypointView& view : resampled.evidence.keypoint_views) ResampleKeypoints(view, rate);
   return resampled;
 }
 

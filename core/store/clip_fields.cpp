@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -18,17 +17,6 @@ std::map<std::string, std::string> ProvenanceFrom(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   for (const auto& [key, value] : json.items()) provenance[key] = value.get<std::string>();
   return provenance;
-}
-
-void AppendTransform(std::vector<double>& values, const RigidTransform& transform) {
-  const Quaterniond& q = transform.rotation;
-  values.insert(values.end(), {q.w(), q.x(), q.y(), q.z(), transform.translation.x(), transform.translation.y(),
-                               transform.translation.z()});
-}
-
-RigidTransform TransformFrom(const std::vector<double>& values, std::size_t row) {
-  const double* v = values.data() + 7 * row;
-  return {Quaterniond(v[0], v[1], v[2], v[3]), Vector3d(v[4], v[5], v[6])};
 }
 
 /// A text field of all clips.
@@ -103,83 +91,18 @@ void PackIdentities(const std::vector<const Clip*>& clips, Content& content) {
   content.Put("/clips/end_frame", {clips.size()}, std::move(end));
 }
 
-void PackDepth(const std::vector<DepthView>& views, Content& content) {
-  std::vector<std::string> cameras;
-  std::vector<std::string> paths;
-  std::vector<std::string> hashes;
-  std::vector<std::int32_t> width;
-  std::vector<std::int32_t> height;
-  std::vector<double> intrinsics;
-  std::vector<double> distortion;
-  std::vector<double> extrinsics;
-  std::vector<double> scale;
-  std::vector<double> times;
-  std::vector<std::int64_t> counts;
-  for (const DepthView& view : views) {
-    const Camera& camera = view.camera;
-    cameras.push_back(camera.name);
-    width.push_back(camera.width);
-    height.push_back(camera.height);
-    intrinsics.insert(intrinsics.end(), {camera.fx, camera.fy, camera.cx, camera.cy});
-    const LensDistortion& lens = camera.distortion;
-    distortion.insert(distortion.end(), {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
-    AppendTransform(extrinsics, camera.camera_from_world);
-    scale.push_back(view.metres_per_unit);
-    counts.push_back(static_cast<std::int64_t>(view.files.size()));
-    for (const auto& file : view.files) paths.push_back(file.native());
-    hashes.insert(hashes.end(), view.sha256.begin(), view.sha256.end());
-    times.insert(times.end(), view.time_s.begin(), view.time_s.end());
-  }
-  const std::uint64_t V = views.size();
-  const std::uint64_t D = paths.size();
-  content.Put("/depth/camera", {V}, std::move(cameras));
-  content.Put("/depth/width", {V}, std::move(width));
-  content.Put("/depth/height", {V}, std::move(height));
-  content.Put("/depth/intrinsics", {V, 4}, std::move(intrinsics));
-  content.Put("/depth/distortion", {V, 5}, std::move(distortion));
-  content.Put("/depth/camera_from_world", {V, 7}, std::move(extrinsics));
-  content.Put("/depth/metres_per_unit", {V}, std::move(scale));
-  content.Put("/depth/count", {V}, std::move(counts));
-  content.Put("/depth/path", {D}, std::move(paths));
-  content.Put("/depth/sha256", {D}, std::move(hashes));
-  content.Put("/depth/time_s", {D}, std::move(times));
-}
-
-Camera CameraFrom(const Content& content, std::size_t row) {
-  const double* k = content.Values<double>("/depth/intrinsics").data() + 4 * row;
-  const double* d = content.Values<double>("/depth/distortion").data() + 5 * row;
-  Camera camera;
-  camera.name = content.Values<std::string>("/depth/camera")[row];
-  camera.width = content.Values<std::int32_t>("/depth/width")[row];
-  camera.height = content.Values<std::int32_t>("/depth/height")[row];
-  camera.fx = k[0];
-  camera.fy = k[1];
-  camera.cx = k[2];
-  camera.cy = k[3];
-  camera.distortion = {d[0], d[1], d[2], d[3], d[4]};
-  camera.camera_from_world = TransformFrom(content.Values<double>("/depth/camera_from_world"), row);
-  return camera;
-}
-
-std::vector<DepthView> UnpackDepth(const Content& content) {
-  std::vector<DepthView> views;
-  std::size_t next = 0;
-  const auto& counts = content.Values<std::int64_t>("/depth/count");
-  for (std::size_t row = 0; row < counts.size(); ++row) {
-    DepthView view;
-    view.camera = CameraFrom(content, row);
-    view.metres_per_unit = content.Values<double>("/depth/metres_per_unit")[row];
-    for (const std::size_t end = next + static_cast<std::size_t>(counts[row]); next < end; ++next) {
-      view.files.emplace_back(content.Values<std::string>("/depth/path")[next]);
-      view.sha256.push_back(content.Values<std::string>("/depth/sha256")[next]);
-      view.time_s.push_back(content.Values<double>("/depth/time_s")[next]);
-    }
-    views.push_back(std::move(view));
-  }
-  return views;
-}
-
 }  // namespace
+
+void AppendTransform(std::vector<double>& values, const RigidTransform& transform) {
+  const Quaterniond& q = transform.rotation;
+  values.insert(values.end(), {q.w(), q.x(), q.y(), q.z(), transform.translation.x(), transform.translation.y(),
+                               transform.translation.z()});
+}
+
+RigidTransform TransformFrom(const std::vector<double>& values, std::size_t row) {
+  const double* v = values.data() + 7 * row;
+  return {Quaterniond(v[0], v[1], v[2], v[3]), Vector3d(v[4], v[5], v[6])};
+}
 
 ClipIdentity IdentityOf(const Content& content, std::size_t row) {
   const auto text = [&](const char* name) { return content.Values<std::string>(std::string("/clips/") + name)[row]; };
@@ -246,51 +169,6 @@ std::vector<Clip> UnpackClips(const Content& content) {
   }
   UnpackSegments(content, clips);
   return clips;
-}
-
-Status PackEvidence(const Evidence& evidence, Content& content) {
-  for (const DepthView& view : evidence.depth_views) {
-    if (view.sha256.size() == view.files.size() && view.time_s.size() == view.files.size()) continue;
-    return Fail(ErrorCode::kInconsistent,
-                "view has " + std::to_string(view.files.size()) + " depth images, " +
-                    std::to_string(view.sha256.size()) + " hashes and " + std::to_string(view.time_s.size()) + " times",
-                view.camera.name);
-  }
-  if (!evidence.depth_views.empty()) PackDepth(evidence.depth_views, content);
-  if (!evidence.tracks) return {};
-  const JointTracks& tracks = *evidence.tracks;
-  const std::uint64_t T = tracks.time_s.size();
-  const std::uint64_t K = tracks.names.size();
-  if (tracks.positions.xyz.size() != T * K * 3 || tracks.confidence.size() != T * K) {
-    return Fail(ErrorCode::kInconsistent,
-                "tracks have " + std::to_string(T) + " times and " + std::to_string(K) + " names, but " +
-                    std::to_string(tracks.positions.xyz.size()) + " coordinates and " +
-                    std::to_string(tracks.confidence.size()) + " confidences",
-                "/tracks");
-  }
-  std::vector<double> positions = tracks.positions.xyz;
-  for (std::size_t i = 0; i < positions.size(); ++i) {  // never read where nothing was observed
-    if (tracks.confidence[i / 3] == 0.0 && positions[i] - positions[i] != 0.0) positions[i] = 0.0;
-  }
-  content.Put("/tracks/names", {K}, tracks.names);
-  content.Put("/tracks/time_s", {T}, tracks.time_s);
-  content.Put("/tracks/positions", {T, K, 3}, std::move(positions));
-  content.Put("/tracks/confidence", {T, K}, tracks.confidence);
-  return {};
-}
-
-Evidence UnpackEvidence(const Content& content) {
-  Evidence evidence;
-  if (content.Has("/depth/count")) evidence.depth_views = UnpackDepth(content);
-  if (!content.Has("/tracks/names")) return evidence;
-  JointTracks tracks;
-  tracks.names = content.Values<std::string>("/tracks/names");
-  tracks.time_s = content.Values<double>("/tracks/time_s");
-  tracks.positions = JointPositions(static_cast<int>(tracks.time_s.size()), static_cast<int>(tracks.names.size()));
-  tracks.positions.xyz = content.Values<double>("/tracks/positions");
-  tracks.confidence = content.Values<double>("/tracks/confidence");
-  evidence.tracks = std::move(tracks);
-  return evidence;
 }
 
 }  // namespace mocurate::store

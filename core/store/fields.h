@@ -41,6 +41,10 @@ std::string CommonRate(const std::vector<std::string>& rates);
 Status PackEvidence(const Evidence& evidence, Content& content);
 Evidence UnpackEvidence(const Content& content);
 
+/// Seven numbers: w x y z of the rotation, then the translation.
+void AppendTransform(std::vector<double>& values, const RigidTransform& transform);
+RigidTransform TransformFrom(const std::vector<double>& values, std::size_t row);
+
 /// A unit quaternion from four stored numbers (w, x, y, z) whose norm is nearly 1.
 Quaterniond ReadQuaternion(const float* stored);
 /// The four numbers stored for `rotation`: a quaternion read and stored again keeps its bits.

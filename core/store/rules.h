@@ -43,7 +43,10 @@ Rule OptionalFieldMask();
 Rule SplitRows();
 Rule ForwardKinematicsJoints();
 
-Rule ViewCounts();
+/// Counts of views that sum to the rows of `field`.
+Rule ViewCounts(const std::string& field);
 Rule RisingPerView();
+/// A row of values per person of every image, by the counts and people beside it: u px, v px, confidence.
+Rule KeypointValues();
 
 }  // namespace mocurate::store

@@ -208,18 +208,18 @@ Rule ForwardKinematicsJoints() {
           }};
 }
 
-Rule ViewCounts() {
-  return {"not negative; together the rows of path", [](const RuleContext& c) -> Problem {
-            const std::uint64_t files = c.content.fields.at("/depth/path").rows();
+Rule ViewCounts(const std::string& field) {
+  return {"not negative; together the rows of " + field, [field](const RuleContext& c) -> Problem {
+            const std::uint64_t images = c.content.fields.at(field).rows();
             std::uint64_t total = 0;
             for (const std::int64_t count : c.array.as<std::int64_t>()) {
-              if (count < 0 || static_cast<std::uint64_t>(count) > files - total) {
-                return "announces " + std::to_string(count) + " of " + std::to_string(files) + " images";
+              if (count < 0 || static_cast<std::uint64_t>(count) > images - total) {
+                return "announces " + std::to_string(count) + " of " + std::to_string(images) + " images";
               }
               total += static_cast<std::uint64_t>(count);
             }
-            if (total == files) return std::nullopt;
-            return "sums to " + std::to_string(total) + " of " + std::to_string(files) + " images";
+            if (total == images) return std::nullopt;
+            return "sums to " + std::to_string(total) + " of " + std::to_string(images) + " images";
           }};
 }
 
@@ -227,7 +227,7 @@ Rule RisingPerView() {
   return {"finite, strictly rising within a view", [](const RuleContext& c) -> Problem {
             const auto& times = c.array.as<double>();
             std::size_t begin = 0;
-            for (const std::int64_t count : c.content.Values<std::int64_t>("/depth/count")) {
+            for (const std::int64_t count : c.Sibling("count")->as<std::int64_t>()) {
               const std::size_t end = begin + static_cast<std::size_t>(count);
               for (std::size_t i = begin; i < end && i < times.size(); ++i) {
                 if (!std::isfinite(times[i]) || (i > begin && !(times[i] > times[i - 1]))) {
@@ -235,6 +235,30 @@ Rule RisingPerView() {
                 }
               }
               begin = end;
+            }
+            return std::nullopt;
+          }};
+}
+
+Rule KeypointValues() {
+  return {"a row per person of every image; u and v finite, confidence in [0, 1]", [](const RuleContext& c) -> Problem {
+            const auto& counts = c.Sibling("count")->as<std::int64_t>();
+            const auto& people = c.Sibling("people")->as<std::int32_t>();
+            std::uint64_t rows = 0;  // counts are at most the rows of time_s, people are 32 bits: no overflow
+            for (std::size_t view = 0; view < counts.size(); ++view) {
+              rows += static_cast<std::uint64_t>(counts[view]) * static_cast<std::uint64_t>(people[view]);
+            }
+            if (rows != c.array.rows()) {
+              return "has " + std::to_string(c.array.rows()) + " rows; count and people ask for " +
+                     std::to_string(rows);
+            }
+            const auto& values = c.array.as<double>();
+            for (std::size_t i = 0; i < values.size(); ++i) {
+              const bool good = i % 3 == 2 ? values[i] >= 0.0 && values[i] <= 1.0 : std::isfinite(values[i]);
+              if (good) continue;
+              const std::size_t points = c.array.shape[1];
+              return "[" + std::to_string(i / 3 / points) + ", " + std::to_string(i / 3 % points) + ", " +
+                     std::to_string(i % 3) + "] is " + FormatDouble(values[i]);
             }
             return std::nullopt;
           }};

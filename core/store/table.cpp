@@ -179,11 +179,30 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("distortion", kF8, {"V", "5"}, "", Finite(), "k1 k2 p1 p2 k3 (OpenCV)")
       .Add("camera_from_world", kF8, {"V", "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
       .Add("metres_per_unit", kF8, {"V"}, "m", AtLeast(0), "depth of one unit of the images")
-      .Add("count", kI8, {"V"}, "", ViewCounts(), "images of each view")
+      .Add("count", kI8, {"V"}, "", ViewCounts("/depth/path"), "images of each view")
       .Add("path", kText, {"D"}, "", NotEmpty(),
            "16-bit PNG files of view 0, then view 1, ...; bytes as the system has them")
       .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty")
       .Add("time_s", kF8, {"D"}, "s", RisingPerView(), "time of each image");
+  Group(fields, "/depth_masks", Presence::kGroup)
+      .Add("path", kText, {"D"}, "", Anything(),
+           "8-bit PNG or JPEG per depth image, 128 and more where the person is; empty: the image has none")
+      .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty");
+  Group(fields, "/keypoints", Presence::kGroup)
+      .Add("names", kText, {"E"}, "", UniqueNames(), "points of the detector's layout")
+      .Add("subject", kI4, {"1"}, "", AtLeast(0), "which of the people seen the clip is of, 0 the most present")
+      .Add("camera", kText, {"W"}, "", UniqueNames(), "name of each view")
+      .Add("width", kI4, {"W"}, "px", AtLeast(0), "of the image; 0: not known")
+      .Add("height", kI4, {"W"}, "px", AtLeast(0), "of the image; 0: not known")
+      .Add("intrinsics", kF8, {"W", "4"}, "px", Finite(), "fx fy cx cy; the centre of the first pixel is (0, 0)")
+      .Add("distortion", kF8, {"W", "5"}, "", Finite(), "k1 k2 p1 p2 k3 (OpenCV)")
+      .Add("camera_from_world", kF8, {"W", "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
+      .Add("people", kI4, {"W"}, "", AtLeast(0), "rows that each image of the view has in values")
+      .Add("count", kI8, {"W"}, "", ViewCounts("/keypoints/time_s"), "images of each view")
+      .Add("time_s", kF8, {"I"}, "s", RisingPerView(), "time of each image of view 0, then view 1, ...")
+      .Add("values", kF8, {"U", "E", "3"}, "px", KeypointValues(),
+           "u, v with the lens's distortion, and a confidence without unit, 0: not seen; a row per person of an image, "
+           "whose order means nothing");
 }
 
 Schema MakeDatasetSchema() {
@@ -257,6 +276,10 @@ std::vector<std::pair<std::string, std::string>> Symbols() {
           {"T", "frames of the tracks"},
           {"V", "views"},
           {"D", "depth images of all views"},
+          {"E", "keypoints of a person"},
+          {"W", "views with keypoints"},
+          {"I", "images of all views with keypoints"},
+          {"U", "people of all these images"},
           {"*", "any number"}};
 }
 

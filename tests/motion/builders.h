@@ -61,7 +61,8 @@ inline Motion SwingingPerson(const SkeletonPtr& skeleton, int frames, FrameRate 
   return motion;
 }
 
-/// A clip that has something in every field: motion, tracks at the same times, one depth view, two segments.
+/// A clip that has something in every field: motion, tracks at the same times, a view with depth and one with
+/// keypoints of two people, two segments.
 inline Clip FullClip(const std::string& skeleton_name, int frames, FrameRate rate = {30, 1}) {
   Clip clip;
   clip.identity = {"set", "s01", "take", "day", "front", "CC0", 100, 100 + frames};
@@ -80,6 +81,15 @@ inline Clip FullClip(const std::string& skeleton_name, int frames, FrameRate rat
     view.files.push_back("depth_" + std::to_string(f) + ".png");
     view.sha256.push_back("sha_" + std::to_string(f));
   }
+  KeypointView seen;
+  seen.camera = view.camera;
+  seen.time_s = view.time_s;
+  seen.people = 2;
+  clip.evidence.keypoint_names = {"nose", "left_knee", "right_knee"};
+  for (int f = 0; f < frames; ++f) {
+    for (int cell = 0; cell < 6; ++cell) seen.values.insert(seen.values.end(), {100.0 * cell, 1.0 * f, 0.5});
+  }
+  clip.evidence.keypoint_views.push_back(std::move(seen));
   clip.evidence.tracks = std::move(tracks);
   clip.evidence.depth_views.push_back(std::move(view));
   const double end = rate.FrameTime(frames);

@@ -83,6 +83,10 @@ TEST(Mirror, TheReflectedCameraSeesTheReflectedPointInTheSamePixel) {
   const Vector2d pixel = clip.evidence.depth_views[0].camera.ProjectWorld(point).value();
   const Camera& camera = mirrored.evidence.depth_views[0].camera;
   EXPECT_LT((camera.ProjectWorld(Vector3d(-0.4, 1.1, 0.3)).value() - pixel).norm(), 1e-9);
+  const KeypointView& seen = mirrored.evidence.keypoint_views[0];
+  EXPECT_LT((seen.camera.ProjectWorld(Vector3d(-0.4, 1.1, 0.3)).value() - pixel).norm(), 1e-9);
+  EXPECT_EQ(seen.values, clip.evidence.keypoint_views[0].values);
+  EXPECT_EQ(mirrored.evidence.keypoint_names, (std::vector<std::string>{"nose", "right_knee", "left_knee"}));
 }
 
 TEST(Mirror, AStandingPersonKeepsHerPoseInBandaisTwistedFrames) {

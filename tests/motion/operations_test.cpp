@@ -33,6 +33,9 @@ void ExpectSameClip(const Clip& a, const Clip& b, double tolerance) {
   EXPECT_EQ(a.evidence.tracks->time_s.size(), b.evidence.tracks->time_s.size());
   EXPECT_EQ(a.evidence.depth_views[0].files, b.evidence.depth_views[0].files);
   EXPECT_EQ(a.evidence.depth_views[0].sha256, b.evidence.depth_views[0].sha256);
+  EXPECT_EQ(a.evidence.keypoint_names, b.evidence.keypoint_names);
+  EXPECT_EQ(a.evidence.keypoint_views[0].values, b.evidence.keypoint_views[0].values);
+  EXPECT_TRUE(CheckKeypoints(b.evidence));
   ASSERT_EQ(a.segments.size(), b.segments.size());
   for (std::size_t i = 0; i < a.segments.size(); ++i) {
     EXPECT_NEAR(a.segments[i].begin_s, b.segments[i].begin_s, 1e-12);
@@ -59,6 +62,8 @@ TEST(Cut, TakesTheSpanOutOfEveryField) {
   EXPECT_EQ(cut.evidence.tracks->time_s.front(), 0.0);
   EXPECT_EQ(cut.evidence.depth_views[0].files.front(), "depth_25.png");
   EXPECT_EQ(cut.evidence.depth_views[0].sha256.size(), 10u);
+  EXPECT_EQ(cut.evidence.keypoint_views[0].frames(), 10);
+  EXPECT_EQ(cut.evidence.keypoint_views[0].at(0, 1, 2)[1], 25.0);
   ASSERT_EQ(cut.segments.size(), 1u) << "the walk ends before the span";
   EXPECT_EQ(cut.segments[0].label, "wave");
   EXPECT_NEAR(cut.segments[0].begin_s, 0.0, 1e-12);
@@ -99,6 +104,9 @@ TEST(Resample, DoubledAndHalvedIsTheSameMotion) {
   const Clip doubled = Resample(clip, {60, 1});
   EXPECT_EQ(doubled.motion->frame_count(), 41);
   EXPECT_EQ(doubled.evidence.tracks->positions.frames, 41);
+  EXPECT_EQ(doubled.evidence.keypoint_views[0].frames(), 41);
+  EXPECT_EQ(doubled.evidence.keypoint_views[0].at(40, 1, 2)[1], 20.0);
+  EXPECT_TRUE(CheckKeypoints(doubled.evidence));
   EXPECT_TRUE(doubled.motion->Check()) << doubled.motion->Check().error().Message();
   EXPECT_LT(LargestDistance(Resample(doubled, {30, 1}).motion->joints, clip.motion->joints), 1e-12);
 }
@@ -143,6 +151,8 @@ TEST(Transform, MovesEverythingThatHasAPlace) {
   EXPECT_LT((after.evidence.tracks->positions.at(3, 20) - move * hand).norm(), 1e-12);
   const Vector2d pixel = before.evidence.depth_views[0].camera.ProjectWorld(hand).value();
   EXPECT_LT((after.evidence.depth_views[0].camera.ProjectWorld(move * hand).value() - pixel).norm(), 1e-9);
+  const auto seen = after.evidence.keypoint_views[0].camera.ProjectWorld(move * hand).value();
+  EXPECT_LT((seen - pixel).norm(), 1e-9) << "a detection stays where it was seen";
   const Vector3d source(4, 5, 6);
   EXPECT_LT((after.canonical_from_source * source - move * (before.canonical_from_source * source)).norm(), 1e-12);
   Transform(Inverse(move), after);

@@ -162,6 +162,18 @@ inline DepthView MakeView(const std::string& name) {
   return view;
 }
 
+/// Three images, of which the second shows nobody and the third two people.
+inline KeypointView MakeKeypointView(const std::string& name) {
+  KeypointView view;
+  view.camera = MakeView(name).camera;
+  view.time_s = {0.0, 1.0 / 30, 2.0 / 30};
+  view.people = 2;
+  view.values = {10.5, -3.25, 0.5, 0, 0, 0,   0, 0, 0, 0, 0, 0,  // one person, the second point not seen
+                 0,    0,     0,   0, 0, 0,   0, 0, 0, 0, 0, 0,  // nobody
+                 11.5, 4,     1,   7, 8, 0.1, 1, 2, 1, 3, 4, 0.75};
+  return view;
+}
+
 inline Clip MakeEvidenceClip(bool with_motion) {
   Clip clip = MakeClip("p1", "a", 3);
   JointTracks tracks;
@@ -172,6 +184,13 @@ inline Clip MakeEvidenceClip(bool with_motion) {
   tracks.confidence = {1, 0.5, 0, 1, 0.25, 1};
   clip.evidence.tracks = tracks;
   clip.evidence.depth_views = {MakeView("left"), MakeView("right")};
+  clip.evidence.depth_views[1].masks = {"masks/0.jpg", "masks/1.jpg"};
+  clip.evidence.depth_views[1].mask_sha256 = {std::string(64, '2'), std::string(64, '3')};
+  clip.evidence.keypoint_names = {"nose", "left_knee"};
+  clip.evidence.keypoint_views = {MakeKeypointView("cam01"), MakeKeypointView("cam02")};
+  clip.evidence.keypoint_views[1].people = 0;
+  clip.evidence.keypoint_views[1].values.clear();
+  clip.evidence.subject = 1;
   if (with_motion) {
     clip.motion = Wander(Walker(), clip.rate, 3, "evidence");
     AddOptionalFields(*clip.motion);

@@ -151,6 +151,8 @@ void ExpectSameEvidence(const Evidence& read, const Evidence& written) {
     const DepthView& b = written.depth_views[i];
     EXPECT_EQ(a.files, b.files);
     EXPECT_EQ(a.sha256, b.sha256);
+    EXPECT_EQ(a.masks, b.masks);
+    EXPECT_EQ(a.mask_sha256, b.mask_sha256);
     EXPECT_EQ(a.time_s, b.time_s);
     EXPECT_EQ(a.camera.name, b.camera.name);
     EXPECT_EQ(a.camera.width, b.camera.width);
@@ -158,6 +160,23 @@ void ExpectSameEvidence(const Evidence& read, const Evidence& written) {
     EXPECT_EQ(a.camera.distortion.p2, b.camera.distortion.p2);
     EXPECT_EQ(a.camera.camera_from_world.rotation.coeffs(), b.camera.camera_from_world.rotation.coeffs());
     EXPECT_EQ(a.camera.camera_from_world.translation, b.camera.camera_from_world.translation);
+  }
+}
+
+void ExpectSameKeypoints(const Evidence& read, const Evidence& written) {
+  EXPECT_EQ(read.keypoint_names, written.keypoint_names);
+  EXPECT_EQ(read.subject, written.subject);
+  ASSERT_EQ(read.keypoint_views.size(), written.keypoint_views.size());
+  for (std::size_t i = 0; i < read.keypoint_views.size(); ++i) {
+    const KeypointView& a = read.keypoint_views[i];
+    const KeypointView& b = written.keypoint_views[i];
+    EXPECT_EQ(a.camera.name, b.camera.name);
+    EXPECT_EQ(a.camera.fy, b.camera.fy);
+    EXPECT_EQ(a.camera.distortion.k3, b.camera.distortion.k3);
+    EXPECT_EQ(a.camera.camera_from_world.translation, b.camera.camera_from_world.translation);
+    EXPECT_EQ(a.people, b.people);
+    EXPECT_EQ(a.time_s, b.time_s);
+    EXPECT_EQ(a.values, b.values);
   }
 }
 
@@ -171,6 +190,7 @@ TEST(Store, evidence_comes_back_exactly_with_paths_that_are_not_utf8) {
     ASSERT_TRUE(read) << read.error().Message();
     ExpectSameClip(*read, written);
     ExpectSameEvidence(read->evidence, written.evidence);
+    ExpectSameKeypoints(read->evidence, written.evidence);
     ASSERT_EQ(read->motion.has_value(), with_motion);
     if (with_motion) ExpectSameMotion(*read->motion, *written.motion);
   }
@@ -202,6 +222,21 @@ TEST(Store, the_value_of_a_missing_observation_is_never_kept_as_not_a_number) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInconsistent);
   EXPECT_NE(refused.error().where.find(":/tracks/positions"), std::string::npos) << refused.error().Message();
+}
+
+TEST(Store, a_keypoint_that_was_not_seen_may_be_anything_and_one_that_was_seen_may_not) {
+  const Folder folder;
+  Clip clip = MakeEvidenceClip(false);
+  std::vector<double>& values = clip.evidence.keypoint_views[0].values;
+  values[3] = std::numeric_limits<double>::quiet_NaN();  // confidence 0
+  ASSERT_TRUE(WriteEvidence(clip, folder / "evidence.h5"));
+  EXPECT_EQ(ReadEvidence(folder / "evidence.h5")->evidence.keypoint_views[0].at(0, 0, 1)[0], 0.0);
+  values[0] = std::numeric_limits<double>::quiet_NaN();  // confidence 0.5
+  const Status refused = WriteEvidence(clip, folder / "evidence.h5");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInconsistent);
+  EXPECT_NE(refused.error().Message().find("cam01"), std::string::npos) << refused.error().Message();
+  EXPECT_NE(refused.error().what.find("frame 0, person 0, nose"), std::string::npos) << refused.error().Message();
 }
 
 TEST(Store, truth_comes_back_by_clip) {
@@ -264,6 +299,7 @@ TEST(Store, a_description_names_schema_counts_and_fields) {
   EXPECT_TRUE((*json)["unknown"].empty());
   ASSERT_TRUE(WriteEvidence(MakeEvidenceClip(false), folder / "evidence.h5"));
   EXPECT_EQ((*DescribeStore(folder / "evidence.h5"))["counts"]["views"], 2);
+  EXPECT_EQ((*DescribeStore(folder / "evidence.h5"))["counts"]["keypoint_images"], 6);
   ASSERT_TRUE(WriteTruth(MakeTruth(), folder / "truth.h5"));
   EXPECT_EQ((*DescribeStore(folder / "truth.h5"))["counts"]["clips"], 2);
 }
