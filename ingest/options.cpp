@@ -44,8 +44,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
   v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
            "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or makes "
-           "what it "
-           "holds missing");
+           "what it holds missing; bvh, ntu_skeleton: a count of frames that is not that of the rows refuses it, or "
+           "the rows decide");
   v.TextMap(
       "bodies", bodies,
       "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
@@ -132,7 +132,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 8, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 9, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
