@@ -137,6 +137,7 @@ Status DoctorVerb(CommonArguments& common) {
   const Check threads = CheckThreads();  // before the check of the BLAS sets its threads
   std::vector<Check> checks = {{"version", true, std::string(CreatedBy()), ""}};
   for (const auto& [name, does] : {std::pair<const char*, const char*>{"mocurate-annotate", "ingesting and fitting"},
+                                   {"mocurate-video", "telling of video files"},
                                    {"mocurate-learn", "training and evaluating"}}) {
     const std::vector<Check> worker = CheckWorker(name, does);
     checks.insert(checks.end(), worker.begin(), worker.end());

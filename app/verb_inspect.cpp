@@ -4,6 +4,7 @@
 #include "app/config_loading.h"
 #include "app/inspect_made.h"
 #include "app/verbs.h"
+#include "app/video_probe.h"
 #include "core/base/file.h"
 #include "ingest/sense/inspect.h"
 
@@ -51,7 +52,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     if (!job) return Forward(job);
     source = job->options.ingest.source;
   }
-  const nlohmann::json inspection = InspectPath(arguments.path, source);
+  const nlohmann::json inspection = InspectPath(arguments.path, source, AskVideoProgram());
   common.answered = common.json;
   if (common.json)
     PrintJson(inspection);

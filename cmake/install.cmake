@@ -2,7 +2,7 @@
 if(TARGET mocurate)
   install(TARGETS mocurate RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-foreach(worker mocurate-annotate mocurate-learn)
+foreach(worker mocurate-annotate mocurate-video mocurate-learn)
   if(TARGET ${worker})
     install(TARGETS ${worker} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/mocurate)
   endif()

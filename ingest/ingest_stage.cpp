@@ -4,6 +4,7 @@
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "core/formats/header_count.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
 #include "ingest/sources/source_file.h"
@@ -167,6 +168,24 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
   return summary;
 }
 
+/// A file that cannot be used. A header that contradicts what follows is a finding as well.
+Expected<StageOutcome> Unusable(const Error& error, const std::string& item) {
+  const std::optional<double> announced = AnnouncedCount(error);
+  if (!announced) return tl::unexpected<Error>(error);
+  StageOutcome outcome;
+  outcome.kind = OutcomeKind::kRefused;
+  outcome.error = error;
+  Finding finding;
+  finding.clip = item;
+  finding.code = "count_contradiction";
+  finding.severity = Severity::kError;
+  finding.value = *announced;
+  finding.message = error.where + ": " + error.what;
+  finding.action = "refused";
+  outcome.findings.push_back(std::move(finding));
+  return outcome;
+}
+
 /// No artifact: the last finding names the rule.
 StageOutcome LeftOut(const DroppedClip& dropped, const std::string& name, StageOutcome outcome) {
   Finding rule = dropped.finding;
@@ -220,7 +239,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     read += file.skeleton_bytes;
   }
   Expected<IngestedClip> ingested = ReadClip(file);
-  if (!ingested) return Forward(ingested);
+  if (!ingested) return Unusable(ingested.error(), request.item);
   if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
   CheckBody(*source, *ingested);
   const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested);

@@ -50,8 +50,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
   v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
            "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or makes "
-           "what it "
-           "holds missing");
+           "what it holds missing; bvh, ntu_skeleton: a count of frames that is not that of the rows refuses it, or "
+           "the rows decide");
   v.TextMap(
       "bodies", bodies,
       "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");

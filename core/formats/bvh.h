@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/formats/damaged_rows.h"
 #include "core/geometry/rotation.h"
 
 namespace mocurate {
@@ -31,7 +33,8 @@ struct Bvh {
   int channel_count = 0;
   int frames = 0;
   double frame_time_s = 0.0;
-  std::vector<double> values;  ///< (frames, channel_count)
+  std::vector<double> values;     ///< (frames, channel_count)
+  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "frame_count", "cut_off"
 
   double hz() const { return 1.0 / frame_time_s; }
   double value(int frame, int channel) const {
@@ -41,8 +44,12 @@ struct Bvh {
 
 /// Any order of channels per joint, positions on any joint, joints without End Site, LF or CRLF, one ROOT. Error
 /// kMalformed "name:line": empty or cut-off file, unknown channel, a channel twice, a frame with another count of
-/// numbers, NaN, frame time that is not positive. Nothing is allocated on the word of a header.
-Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name);
+/// numbers, NaN, frame time that is not positive; kInconsistent: `Frames:` is not the count of rows. Nothing is
+/// allocated on the word of a header. With DamagedRows::kReport a count of frames that is not the count of whole rows
+/// is reported and the rows decide; so is a last row that is cut off, which is left out. Another damaged row stays an
+/// error.
+Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name,
+                       DamagedRows damaged_rows = DamagedRows::kRefuse);
 
 std::string WriteBvh(const Bvh& bvh);
 

@@ -5,6 +5,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
+#include "core/formats/header_count.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
@@ -25,7 +26,8 @@ std::optional<BvhChannel> ChannelOf(std::string_view word) {
 
 class Parser {
  public:
-  Parser(std::string_view bytes, const std::string& name) : lines_(bytes, name), name_(name) {}
+  Parser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
+      : lines_(bytes, name), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<Bvh> Run() {
     const std::string_view first = lines_.Next();
@@ -155,6 +157,7 @@ class Parser {
     }
     if (*frames < 1) return Bad("the file holds " + std::to_string(*frames) + " frames");
     announced_ = *frames;
+    announced_line_ = lines_.number();
     line = lines_.Next();
     if (line.empty()) return lines_.CutOff("'Frame Time:'");
     const std::size_t second = std::min(line.find(':'), line.size() - 1);
@@ -189,6 +192,13 @@ class Parser {
                    scanner.line(), "mend or cut the frame, or leave the file out");
       }
       more = token != Token::kEnd;
+      if (reports_ && !more && in_row != 0 && in_row < static_cast<std::size_t>(bvh_.channel_count) && rows > 0) {
+        Report("cut_off", static_cast<double>(in_row), line, rows,
+               "frame " + std::to_string(rows) + " has " + std::to_string(in_row) + " numbers of " +
+                   std::to_string(bvh_.channel_count));
+        bvh_.values.resize(begin);
+        break;
+      }
       if (in_row != 0 && in_row != static_cast<std::size_t>(bvh_.channel_count)) {
         return Bad("frame " + std::to_string(rows) + " has " + std::to_string(in_row) + " numbers, the hierarchy has " +
                        std::to_string(bvh_.channel_count) + " channels",
@@ -197,24 +207,43 @@ class Parser {
       if (in_row != 0) ++rows;
       line = scanner.line();
     }
-    if (rows != announced_) {
-      return Bad("the file announces " + std::to_string(announced_) + " frames and holds " + std::to_string(rows), line,
-                 rows < announced_ ? "the file is cut off: copy it again" : "correct the line 'Frames:'");
-    }
+    if (rows == 0) return Bad("no frame follows", line, "the file is cut off: copy it again");
     if (rows > std::numeric_limits<int>::max()) return Bad("too many frames");
+    if (rows != announced_) {
+      const auto contradiction =
+          CountContradiction("Frames", static_cast<double>(announced_), static_cast<double>(rows),
+                             name_ + ":" + std::to_string(announced_line_));
+      if (!reports_) return contradiction;
+      Report("frame_count", static_cast<double>(announced_), announced_line_, 0, contradiction.value().what);
+    }
     bvh_.frames = static_cast<int>(rows);
     return {};
   }
 
+  void Report(const char* code, double value, int line, long long frame, const std::string& what) {
+    Finding finding;
+    finding.code = code;
+    finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
+    finding.frame_end = frame > 0 ? finding.frame_begin + 1 : 0;
+    finding.value = value;
+    finding.message = name_ + ":" + std::to_string(line) + ": " + what;
+    finding.action = frame > 0 ? "dropped" : "kept";
+    bvh_.findings.push_back(std::move(finding));
+  }
+
   LineReader lines_;
   const std::string& name_;
+  bool reports_;
   Bvh bvh_;
   std::vector<int> stack_;
   long long announced_ = 0;
+  int announced_line_ = 0;
 };
 
 }  // namespace
 
-Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name) { return Parser(bytes, name).Run(); }
+Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name, DamagedRows damaged_rows) {
+  return Parser(bytes, name, damaged_rows).Run();
+}
 
 }  // namespace mocurate

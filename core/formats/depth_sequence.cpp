@@ -60,7 +60,10 @@ Expected<std::vector<DepthSequenceLabel>> Labels(const JsonPlace& root, int fram
     if (!item.value->is_object()) return item.Bad("an object is expected");
     DepthSequenceLabel label;
     label.action = TextAt(*item.value, "action");
-    if (label.action.empty()) return item.Bad("'action' must be a text");
+    if (label.action.empty()) {
+      const Expected<JsonPlace> action = item.Key("action");
+      return action ? action->Bad("a text is expected") : Forward(action);
+    }
     const Expected<int> first = IntegerAt(item, "first", 0, frames - 1);
     if (!first) return Forward(first);
     const Expected<int> last = IntegerAt(item, "last", *first, frames - 1);

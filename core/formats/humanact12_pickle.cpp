@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "core/formats/array_fields.h"
-#include "core/formats/pickle.h"
 #include "core/formats/pickle_writer.h"
 
 namespace mocurate {
@@ -32,36 +31,56 @@ Expected<PickleRef> List(const PickleRef& top, const char* key) {
 
 }  // namespace
 
-Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name) {
-  const Expected<Pickle> pickle = ParsePickle(bytes, name);
+Expected<HumanAct12Archive> HumanAct12Archive::Open(std::string_view bytes, const std::string& name) {
+  Expected<Pickle> pickle = ParsePickle(bytes, name);
   if (!pickle) return Forward(pickle);
-  const PickleRef top = pickle->top();
+  HumanAct12Archive archive;
+  archive.pickle_ = std::move(*pickle);
+  const PickleRef top = archive.pickle_.top();
   const Expected<PickleRef> poses = List(top, "poses");
   if (!poses) return Forward(poses);
-  const Expected<PickleRef> joints = List(top, "joints3D");
-  if (!joints) return Forward(joints);
-  const Expected<PickleRef> labels = List(top, "y");
-  if (!labels) return Forward(labels);
-  for (const PickleRef& list : {*joints, *labels}) {
-    if (list.size() == poses->size()) continue;
-    return list.Bad(std::to_string(list.size()) + " clips, but " + std::to_string(poses->size()) + " under 'poses'");
+  archive.size_ = poses->size();
+  for (const char* key : {"joints3D", "y"}) {
+    const Expected<PickleRef> list = List(top, key);
+    if (!list) return Forward(list);
+    if (list->size() == archive.size_) continue;
+    return list->Bad(std::to_string(list->size()) + " clips, but " + std::to_string(archive.size_) + " under 'poses'");
   }
+  return archive;
+}
+
+Expected<int> HumanAct12Archive::Label(std::size_t clip) const {
+  const PickleRef item = pickle_.top().Find("y")->Item(clip);
+  const Expected<std::int64_t> label = item.Integer();
+  if (!label) return Forward(label);
+  if (*label < 0 || *label >= kClasses) return item.Bad("class " + std::to_string(*label) + " is none of 0 to 11");
+  return static_cast<int>(*label);
+}
+
+Expected<HumanAct12Clip> HumanAct12Archive::Clip(std::size_t index) const {
+  const PickleRef top = pickle_.top();
+  HumanAct12Clip clip;
+  Expected<std::vector<double>> taken =
+      Take(top.Find("poses")->Item(index), {kAnyExtent, 3 * kJoints}, pickle_.name, clip.frames);
+  if (!taken) return Forward(taken);
+  clip.poses = std::move(*taken);
+  taken = Take(top.Find("joints3D")->Item(index), {clip.frames, kJoints, 3}, pickle_.name, clip.frames);
+  if (!taken) return Forward(taken);
+  clip.joints = std::move(*taken);
+  const Expected<int> label = Label(index);
+  if (!label) return Forward(label);
+  clip.label = *label;
+  return clip;
+}
+
+Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name) {
+  const Expected<HumanAct12Archive> archive = HumanAct12Archive::Open(bytes, name);
+  if (!archive) return Forward(archive);
   std::vector<HumanAct12Clip> clips;
-  for (std::size_t i = 0; i < poses->size(); ++i) {
-    HumanAct12Clip clip;
-    Expected<std::vector<double>> taken = Take(poses->Item(i), {kAnyExtent, 3 * kJoints}, name, clip.frames);
-    if (!taken) return Forward(taken);
-    clip.poses = std::move(*taken);
-    taken = Take(joints->Item(i), {clip.frames, kJoints, 3}, name, clip.frames);
-    if (!taken) return Forward(taken);
-    clip.joints = std::move(*taken);
-    const Expected<std::int64_t> label = labels->Item(i).Integer();
-    if (!label) return Forward(label);
-    if (*label < 0 || *label >= kClasses) {
-      return labels->Item(i).Bad("class " + std::to_string(*label) + " is none of 0 to 11");
-    }
-    clip.label = static_cast<int>(*label);
-    clips.push_back(std::move(clip));
+  for (std::size_t i = 0; i < archive->size(); ++i) {
+    Expected<HumanAct12Clip> clip = archive->Clip(i);
+    if (!clip) return Forward(clip);
+    clips.push_back(std::move(*clip));
   }
   return clips;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/formats/pickle.h"
 
 namespace mocurate {
 
@@ -20,6 +21,20 @@ struct HumanAct12Clip {
 /// `humanact12poses.pkl`: lists `poses`, `joints3D`, `y` with one entry per clip; `oldposes` is not data. Errors
 /// kMalformed name list and clip.
 Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name);
+
+/// The same, a clip at a time.
+class HumanAct12Archive {
+ public:
+  /// `bytes` must outlive the archive.
+  static Expected<HumanAct12Archive> Open(std::string_view bytes, const std::string& name);
+  std::size_t size() const { return size_; }
+  Expected<int> Label(std::size_t clip) const;
+  Expected<HumanAct12Clip> Clip(std::size_t clip) const;
+
+ private:
+  Pickle pickle_;
+  std::size_t size_ = 0;
+};
 
 /// Protocol 2. Error kInconsistent: sizes that do not fit.
 Expected<std::string> EncodeHumanAct12Pickle(const std::vector<HumanAct12Clip>& clips, const std::string& name);

@@ -1,11 +1,14 @@
 #include "core/formats/npy.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "core/base/text.h"
 #include "core/formats/array_elements.h"
+#include "core/formats/header_count.h"
 
 namespace mocurate {
 namespace {
@@ -168,10 +171,11 @@ Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
   const std::string_view data = parts->data;
   const std::optional<std::size_t> count = ElementCount(header.shape, type->bytes, data.size());
   if (!count) {
-    return Fail(ErrorCode::kMalformed,
-                "the shape " + ShapeText(header.shape) + " of elements of " + std::to_string(type->bytes) +
-                    " bytes contradicts the file, which holds " + std::to_string(data.size()) + " bytes of them",
-                name, "the file is cut off: copy it again");
+    double announced = 1.0;
+    for (const std::size_t extent : header.shape) announced *= static_cast<double>(extent);
+    const double held = static_cast<double>(data.size()) / static_cast<double>(std::max<std::size_t>(1, type->bytes));
+    const double whole = std::floor(held) == announced ? held : std::floor(held);
+    return CountContradiction("shape " + ShapeText(header.shape), announced, whole, name);
   }
   NpyArray array;
   array.shape = header.shape;

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/base/text.h"
+#include "core/formats/header_count.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
@@ -50,9 +51,8 @@ class Parser {
     const Expected<int> frames = Count("frame count", std::numeric_limits<int>::max());
     if (!frames) return Forward(frames);
     const int line = line_;
-    for (frame_ = 0; frame_ < *frames || reports_; ++frame_) {
+    for (frame_ = 0; !AtEnd(); ++frame_) {
       body_ = -1;
-      if (reports_ && AtEnd()) break;
       const Expected<int> bodies = Count("body count", kMostBodies);
       if (!bodies) return Forward(bodies);
       skeleton_.frames.emplace_back();
@@ -61,10 +61,11 @@ class Parser {
       }
     }
     body_ = -1;
-    const std::string announces = "the frame count announces " + std::to_string(*frames) + " frames, and ";
-    if (!AtEnd()) return Bad(announces + "more follows", ErrorCode::kInconsistent, "correct the first line");
     if (const int held = static_cast<int>(skeleton_.frames.size()); held != *frames) {
-      Report("frame_count", *frames, line, announces + std::to_string(held) + " follow");
+      const auto contradiction =
+          CountContradiction("the frame count", *frames, held, name_ + ":" + std::to_string(line));
+      if (!reports_) return contradiction;
+      Report("frame_count", *frames, line, contradiction.value().what);
     }
     return std::move(skeleton_);
   }

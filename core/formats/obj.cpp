@@ -1,6 +1,7 @@
 #include "core/formats/obj.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -33,9 +34,8 @@ class ObjParser {
         joined.append(line).append(" ");
         continue;
       }
-      joined.append(line);
-      Status read = Line(joined);
-      if (!read) return Forward(read);
+      if (!joined.empty()) line = joined.append(line);
+      if (Status read = Line(line); !read) return Forward(read);
       joined.clear();
     }
     if (!joined.empty()) return Bad("the last line is to be continued, but the file ends");
@@ -61,62 +61,82 @@ class ObjParser {
   Status Line(std::string_view line) {
     line = Trim(line.substr(0, line.find('#')));
     if (line.empty()) return {};
-    const std::vector<std::string_view> words = SplitBlanks(line);
-    if (words[0] == "v") return Vertex(words);
-    if (words[0] == "vn") return Normal(words);
-    if (words[0] == "vt") return Texture(words);
-    if (words[0] == "f") return Face(words);
-    if (IsPassedOver(words[0])) return {};
-    return Bad("'" + ShownText(words[0]) + "' is no keyword of the format");
+    Split(line);
+    const std::string_view keyword = words_[0];
+    if (keyword == "v") return Vertex();
+    if (keyword == "vn") return Normal();
+    if (keyword == "vt") return Texture();
+    if (keyword == "f") return Face();
+    if (IsPassedOver(keyword)) return {};
+    return Bad("'" + ShownText(keyword) + "' is no keyword of the format");
   }
 
-  Expected<std::vector<double>> Numbers(const std::vector<std::string_view>& words) const {
-    std::vector<double> numbers;
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      const std::optional<double> number = ParseDouble(words[i]);
-      if (!number || !std::isfinite(*number)) return Bad("'" + ShownText(words[i]) + "' is not a finite number");
-      numbers.push_back(*number);
+  /// SplitBlanks into words_, whose memory is used again.
+  void Split(std::string_view line) {
+    constexpr std::string_view kBlanks = " \t\r\v\f";
+    words_.clear();
+    for (std::size_t at = 0; (at = line.find_first_not_of(kBlanks, at)) != std::string_view::npos;) {
+      const std::size_t end = std::min(line.find_first_of(kBlanks, at), line.size());
+      words_.push_back(line.substr(at, end - at));
+      at = end;
     }
-    return numbers;
   }
 
-  Status Vertex(const std::vector<std::string_view>& words) {
-    const Expected<std::vector<double>> numbers = Numbers(words);
-    if (!numbers) return Forward(numbers);
-    const std::size_t n = numbers->size();
+  /// The words behind the first into numbers_.
+  Status Numbers() {
+    numbers_.clear();
+    for (std::size_t i = 1; i < words_.size(); ++i) {
+      const std::optional<double> number = ParseDouble(words_[i]);
+      if (!number || !std::isfinite(*number)) return Bad("'" + ShownText(words_[i]) + "' is not a finite number");
+      numbers_.push_back(*number);
+    }
+    return {};
+  }
+
+  Status Vertex() {
+    if (Status read = Numbers(); !read) return read;
+    const std::size_t n = numbers_.size();
     if (n != 3 && n != 4 && n != 6 && n != 7) return Bad("a vertex has 3 numbers, not " + std::to_string(n));
-    obj_.vertices.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    obj_.vertices.emplace_back(numbers_[0], numbers_[1], numbers_[2]);
     return {};
   }
 
-  Status Normal(const std::vector<std::string_view>& words) {
-    const Expected<std::vector<double>> numbers = Numbers(words);
-    if (!numbers) return Forward(numbers);
-    if (numbers->size() != 3) return Bad("a normal has 3 numbers, not " + std::to_string(numbers->size()));
-    obj_.normals.emplace_back((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  Status Normal() {
+    if (Status read = Numbers(); !read) return read;
+    if (numbers_.size() != 3) return Bad("a normal has 3 numbers, not " + std::to_string(numbers_.size()));
+    obj_.normals.emplace_back(numbers_[0], numbers_[1], numbers_[2]);
     return {};
   }
 
-  Status Texture(const std::vector<std::string_view>& words) {
-    const Expected<std::vector<double>> numbers = Numbers(words);
-    if (!numbers) return Forward(numbers);
-    if (numbers->empty() || numbers->size() > 3) return Bad("a texture point has 1 to 3 numbers");
-    obj_.textures.emplace_back((*numbers)[0], numbers->size() > 1 ? (*numbers)[1] : 0.0);
+  Status Texture() {
+    if (Status read = Numbers(); !read) return read;
+    if (numbers_.empty() || numbers_.size() > 3) return Bad("a texture point has 1 to 3 numbers");
+    obj_.textures.emplace_back(numbers_[0], numbers_.size() > 1 ? numbers_[1] : 0.0);
     return {};
   }
 
-  Status Face(const std::vector<std::string_view>& words) {
-    if (words.size() < 4) return Bad("a face has at least 3 corners, not " + std::to_string(words.size() - 1));
+  Status Face() {
+    if (words_.size() < 4) return Bad("a face has at least 3 corners, not " + std::to_string(words_.size() - 1));
     std::vector<ObjCorner> face;
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      const std::vector<std::string_view> parts = SplitText(words[i], '/');
-      if (parts.size() > 3) return Bad("'" + ShownText(words[i]) + "' is no corner v, v/vt, v//vn or v/vt/vn");
+    face.reserve(words_.size() - 1);
+    for (std::size_t i = 1; i < words_.size(); ++i) {
+      std::array<std::string_view, 3> parts;
+      std::size_t count = 0;
+      for (std::string_view rest = words_[i];; ++count) {
+        if (count == parts.size()) {
+          return Bad("'" + ShownText(words_[i]) + "' is no corner v, v/vt, v//vn or v/vt/vn");
+        }
+        const std::size_t end = rest.find('/');
+        parts[count] = rest.substr(0, end);
+        if (end == std::string_view::npos) break;
+        rest.remove_prefix(end + 1);
+      }
       ObjCorner corner;
       Status read = Index(parts[0], obj_.vertices.size(), "vertex", corner.vertex);
-      if (read && parts.size() > 1 && !(parts[1].empty() && parts.size() == 3)) {
+      if (read && count > 0 && !(parts[1].empty() && count == 2)) {
         read = Index(parts[1], obj_.textures.size(), "texture point", corner.texture);
       }
-      if (read && parts.size() > 2) read = Index(parts[2], obj_.normals.size(), "normal", corner.normal);
+      if (read && count > 1) read = Index(parts[2], obj_.normals.size(), "normal", corner.normal);
       if (!read) return read;
       face.push_back(corner);
     }
@@ -124,12 +144,13 @@ class ObjParser {
     return {};
   }
 
-  Status Index(std::string_view text, std::size_t count, const std::string& what, int& index) const {
+  Status Index(std::string_view text, std::size_t count, const char* what, int& index) const {
     const std::optional<long long> number = ParseInteger(text);
     const auto size = static_cast<long long>(count);
     if (!number) return Bad("'" + ShownText(text) + "' is no index of a " + what);
     if (*number == 0 || *number > size || *number < -size) {
-      return Bad("there is no " + what + " " + std::to_string(*number) + " (" + std::to_string(size) + " so far)");
+      return Bad(std::string("there is no ") + what + " " + std::to_string(*number) + " (" + std::to_string(size) +
+                 " so far)");
     }
     index = static_cast<int>(*number > 0 ? *number - 1 : size + *number);
     return {};
@@ -139,6 +160,8 @@ class ObjParser {
   const std::string& name_;
   std::size_t at_ = 0;
   int line_ = 0;
+  std::vector<std::string_view> words_;
+  std::vector<double> numbers_;
   Obj obj_;
 };
 

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/text.h"
+#include "core/formats/header_count.h"
 #include "core/formats/joint_table.h"
 #include "core/formats/line_reader.h"
 
@@ -24,10 +25,7 @@ class Parser {
 
  private:
   tl::unexpected<Error> Contradiction(const char* key, long long announced, long long found, int line) const {
-    return Fail(
-        ErrorCode::kInconsistent,
-        std::string(key) + " announces " + std::to_string(announced) + ", the file holds " + std::to_string(found),
-        lines_.Place(line), announced > found ? "the file is cut off, or the header is wrong" : "correct the header");
+    return CountContradiction(key, static_cast<double>(announced), static_cast<double>(found), lines_.Place(line));
   }
 
   Status Header() {

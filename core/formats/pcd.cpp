@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/text.h"
+#include "core/formats/header_count.h"
 #include "core/formats/lzf.h"
 #include "core/formats/number_scanner.h"
 
@@ -120,6 +121,7 @@ class PcdParser {
     }
     if (key == "WIDTH") pcd_.width = static_cast<int>(*value);
     if (key == "HEIGHT") pcd_.height = static_cast<int>(*value);
+    if (key == "POINTS") points_line_ = line_;
     if (key == "POINTS" && *value != static_cast<long long>(pcd_.width) * pcd_.height) {
       return Fail(ErrorCode::kInconsistent, "POINTS is not WIDTH times HEIGHT", name_ + ":" + std::to_string(line_));
     }
@@ -196,7 +198,7 @@ class PcdParser {
   Status Ascii() {
     std::size_t columns = 0;
     for (const PcdField& field : pcd_.fields) columns += static_cast<std::size_t>(field.count);
-    if (points() > (bytes_.size() - at_) / (2 * columns) + 1) return TooShort();
+    if (const std::size_t most = (bytes_.size() - at_) / (2 * columns) + 1; points() > most) return Contradiction(most);
     pcd_.missing.assign(points(), 0);
     NumberScanner scanner(bytes_.substr(at_), false, line_ + 1);
     using Token = NumberScanner::Token;
@@ -206,7 +208,7 @@ class PcdParser {
       line_ = scanner.line();
       for (PcdField& field : pcd_.fields) {
         for (int k = 0; k < field.count; ++k, token = scanner.Next()) {
-          if (token == Token::kEnd) return TooShort();
+          if (token == Token::kEnd) return Contradiction(i);
           if (token == Token::kLineEnd) return BadLine("the line has too few numbers, '" + field.name + "' is missing");
           const bool nan = token == Token::kNotFinite && scanner.text().find_first_of("nN") < 2 &&
                            scanner.text().find_first_of("fF") == std::string_view::npos;
@@ -222,13 +224,18 @@ class PcdParser {
     }
     while (token == Token::kLineEnd) token = scanner.Next();
     line_ = scanner.line();
-    return token == Token::kEnd ? Status() : BadLine("the file holds more points than POINTS announces");
+    if (token == Token::kEnd) return {};
+    std::size_t held = points() + 1;
+    for (bool line_ended = false; token != Token::kEnd; token = scanner.Next()) {
+      if (token != Token::kLineEnd && line_ended) ++held;
+      line_ended = token == Token::kLineEnd;
+    }
+    return Contradiction(held);
   }
 
-  tl::unexpected<Error> TooShort() const {
-    return Fail(ErrorCode::kInconsistent,
-                "the file holds fewer points than the " + std::to_string(points()) + " announced", name_,
-                "is the file cut off?");
+  tl::unexpected<Error> Contradiction(std::size_t held) const {
+    return CountContradiction("POINTS", static_cast<double>(points()), static_cast<double>(held),
+                              name_ + ":" + std::to_string(points_line_));
   }
 
   Status Binary() {
@@ -237,7 +244,7 @@ class PcdParser {
     std::string unpacked;
     const bool by_field = pcd_.encoding == Pcd::Encoding::kBinaryCompressed;
     if (by_field) {
-      if (data.size() < 8) return TooShort();
+      if (data.size() < 8) return Contradiction(0);
       const auto packed = static_cast<std::size_t>(LoadNumber(data.data(), NumberType::kUint32, ByteOrder::kLittle));
       const auto size = static_cast<std::size_t>(LoadNumber(data.data() + 4, NumberType::kUint32, ByteOrder::kLittle));
       data.remove_prefix(8);
@@ -250,10 +257,10 @@ class PcdParser {
       unpacked = std::move(*block);
       data = unpacked;
     }
-    if (data.size() / stride < points()) return TooShort();
-    if (data.size() != points() * stride) {
+    if (data.size() / stride != points()) return Contradiction(data.size() / stride);
+    if (data.size() % stride != 0) {
       return Fail(ErrorCode::kInconsistent,
-                  std::to_string(data.size() - points() * stride) + " bytes are left over after the last point", name_);
+                  std::to_string(data.size() % stride) + " bytes are left over after the last point", name_);
     }
     pcd_.missing.assign(points(), 0);
     std::size_t begin = 0;  // of the field, in the point or in the file
@@ -286,6 +293,7 @@ class PcdParser {
   const std::string& name_;
   std::size_t at_ = 0;
   int line_ = 0;
+  int points_line_ = 0;
   std::vector<long long> sizes_;
   Pcd pcd_;
 };

@@ -61,6 +61,7 @@ Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& na
   PhspdPose pose;
   const Expected<JointTable> table = Rows(bytes, std::move(names), name, pose.frame);
   if (!table) return Forward(table);
+  pose.position_m.reserve(static_cast<std::size_t>(table->frames) * kPhspdJoints * 3);
   for (int row = 0; row < table->frames; ++row) {
     const auto begin = table->values.begin() + static_cast<std::ptrdiff_t>(row) * kPoseColumns;
     pose.position_m.insert(pose.position_m.end(), begin + 1, begin + kPoseColumns);

@@ -35,11 +35,11 @@ enum class PickleKind {
 /// One value. Values stand in one list and refer to each other by position, so shared and deep ones cost nothing.
 struct PickleValue {
   PickleKind kind = PickleKind::kNone;
+  int array = -1;             ///< of kArray, and for the shape of kSparse
   std::int64_t integer = 0;   ///< of kBool, kInteger
   double number = 0.0;        ///< of kFloat; may be NaN
   std::string_view text;      ///< of kText, kBytes; "csc", "csr" or "coo" of kSparse
   std::vector<int> children;  ///< items; key, value, key, value, ... of kDict; the list of items of an object array
-  int array = -1;             ///< of kArray, and for the shape of kSparse
 };
 
 /// Elements of an array where they stand in the file.

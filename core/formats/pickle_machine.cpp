@@ -20,6 +20,21 @@ Status PickleMachine::Push(PickleValue value) {
   return {};
 }
 
+Status PickleMachine::PushConstant(PickleValue value) {
+  if (value.kind == PickleKind::kInteger && (value.integer < 0 || value.integer > 255)) return Push(std::move(value));
+  const std::int64_t slot = value.kind == PickleKind::kNone   ? 0
+                            : value.kind == PickleKind::kBool ? 1 + value.integer
+                                                              : 3 + value.integer;
+  int& known = constants_[static_cast<std::size_t>(slot)];
+  if (known > 0) {
+    stack_.push_back(known - 1);
+    return {};
+  }
+  if (Status pushed = Push(std::move(value)); !pushed) return pushed;
+  known = stack_.back() + 1;
+  return {};
+}
+
 Status PickleMachine::Charge(std::size_t steps) {
   charged_ += static_cast<std::int64_t>(steps);
   if (charged_ > limits_.objects) return Bad("more work than a file of data needs", ErrorCode::kUnsupported);
@@ -214,12 +229,12 @@ Status PickleMachine::Step(unsigned char opcode) {
     case 0x93:
       return StepClass(opcode);
     case 'N':
-      return Push(std::move(value));
+      return PushConstant(std::move(value));
     case 0x88:
     case 0x89:
       value.kind = PickleKind::kBool;
       value.integer = opcode == 0x88;
-      return Push(std::move(value));
+      return PushConstant(std::move(value));
     case '}':
       value.kind = PickleKind::kDict;
       return Push(std::move(value));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -126,6 +127,8 @@ class PickleMachine {
   Expected<int> Attribute(const PickleValue& dict, std::string_view key);
 
   Status Push(PickleValue value);
+  /// None, a truth value or a small number: one value stands for all that are alike.
+  Status PushConstant(PickleValue value);
   Status PushText(PickleKind kind, std::string_view text);
   Status PushBytes(std::string_view text);
   /// Keeps a text that does not stand in the file as it is.
@@ -158,7 +161,8 @@ class PickleMachine {
   std::map<std::string, int, std::less<>> storage_of_key_;
   std::int64_t charged_ = 0;
   std::size_t owned_bytes_ = 0;
-  bool inside_ = false;  ///< an inner pickle is being read
+  std::array<int, 259> constants_{};  ///< position + 1 of None, false, true, 0 to 255; 0: not yet there
+  bool inside_ = false;               ///< an inner pickle is being read
 };
 
 /// Elements of an array in C order, gathered by its strides. Error when they reach outside the data.

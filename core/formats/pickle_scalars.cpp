@@ -146,13 +146,13 @@ Status PickleMachine::StepNumber(unsigned char opcode) {
     if (opcode == 'I' && (digits == "00" || digits == "01")) {
       value.kind = PickleKind::kBool;
       value.integer = digits == "01";
-      return Push(std::move(value));
+      return PushConstant(std::move(value));
     }
     if (opcode == 'L' && !digits.empty() && digits.back() == 'L') digits.remove_suffix(1);
     const std::optional<long long> integer = ParseInteger(digits);
     if (!integer) return Bad("'" + DisplayPath(std::string(digits.substr(0, 40))) + "' is no integer of 64 bits");
     value.integer = *integer;
-    return Push(std::move(value));
+    return PushConstant(std::move(value));
   }
   if (opcode == 'G') {  // BINFLOAT, big-endian
     std::string_view data;
@@ -172,14 +172,14 @@ Status PickleMachine::StepNumber(unsigned char opcode) {
     std::uint64_t bits = *taken;
     if (*count > 0 && *count < 8 && (bits >> (8 * *count - 1)) != 0) bits |= ~std::uint64_t{0} << (8 * *count);
     value.integer = static_cast<std::int64_t>(bits);
-    return Push(std::move(value));
+    return PushConstant(std::move(value));
   }
   const std::size_t count = opcode == 'K' ? 1 : opcode == 'M' ? 2 : 4;
   const Expected<std::uint64_t> taken = TakeUnsigned(count);
   if (!taken) return Forward(taken);
   value.integer =
       count == 4 ? static_cast<std::int32_t>(static_cast<std::uint32_t>(*taken)) : static_cast<std::int64_t>(*taken);
-  return Push(std::move(value));
+  return PushConstant(std::move(value));
 }
 
 Status PickleMachine::StepText(unsigned char opcode) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/header_count.h"
 #include "core/formats/number_scanner.h"
 #include "core/formats/ply.h"
 
@@ -152,19 +153,23 @@ class PlyParser {
     return {};
   }
 
+  /// Bytes that an item takes at least.
+  std::size_t SmallestItem(const PlyElement& element) const {
+    std::size_t smallest = 0;
+    for (const PlyProperty& property : element.properties) {
+      const std::size_t binary = SizeOf(property.list_count.value_or(property.type));
+      smallest += ply_.encoding == Ply::Encoding::kAscii ? 1 : binary;
+    }
+    return smallest;
+  }
+
   /// Nothing is reserved that the bytes left could not hold.
   Status CheckSizes() {
     std::size_t left = bytes_.size() - at_;
     for (PlyElement& element : ply_.elements) {
-      std::size_t smallest = 0;
-      for (const PlyProperty& property : element.properties) {
-        const std::size_t binary = SizeOf(property.list_count.value_or(property.type));
-        smallest += ply_.encoding == Ply::Encoding::kAscii ? 1 : binary;
-      }
+      const std::size_t smallest = SmallestItem(element);
       if (smallest > 0 && element.count > left / smallest + (ply_.encoding == Ply::Encoding::kAscii ? 1 : 0)) {
-        return Fail(ErrorCode::kInconsistent,
-                    "the header announces " + std::to_string(element.count) + " items, the bytes left hold fewer",
-                    name_ + ":element " + element.name, "is the file cut off?");
+        return Contradiction(element, left / smallest, name_ + ":" + std::to_string(line_));
       }
       left -= std::min(left, smallest * element.count);
       for (PlyProperty& property : element.properties) {
@@ -173,6 +178,11 @@ class PlyParser {
       }
     }
     return {};
+  }
+
+  tl::unexpected<Error> Contradiction(const PlyElement& element, std::size_t held, const std::string& where) const {
+    return CountContradiction("element " + element.name, static_cast<double>(element.count), static_cast<double>(held),
+                              where);
   }
 
   Status Put(const PlyElement& element, std::size_t item, PlyProperty& property, double value) {
@@ -190,21 +200,27 @@ class PlyParser {
         for (PlyProperty& property : element.properties) {
           double count = 1.0;
           if (property.list_count) {
-            if (!Load(*property.list_count, order, count)) return CutOff(element, i, property);
+            if (!Load(*property.list_count, order, count)) return CutOff(element, i);
             if (count < 0.0) return BadItem(element, i, property, "a list of " + FormatDouble(count) + " values");
           }
           for (double k = 0.0; k < count; ++k) {
             double value = 0.0;
-            if (!Load(property.type, order, value)) return CutOff(element, i, property);
+            if (!Load(property.type, order, value)) return CutOff(element, i);
             if (Status put = Put(element, i, property, value); !put) return put;
           }
           if (property.list_count) property.first.push_back(property.values.size());
         }
       }
     }
-    if (at_ == bytes_.size()) return {};
-    return Fail(ErrorCode::kInconsistent,
-                std::to_string(bytes_.size() - at_) + " bytes are left over after the last element", name_,
+    const std::size_t left = bytes_.size() - at_;
+    if (left == 0) return {};
+    std::size_t smallest = 0;
+    if (!ply_.elements.empty()) smallest = SmallestItem(ply_.elements.back());
+    if (smallest > 0 && left >= smallest && ply_.elements.back().count > 0) {
+      const PlyElement& last = ply_.elements.back();
+      return Contradiction(last, last.count + left / smallest, name_);
+    }
+    return Fail(ErrorCode::kInconsistent, std::to_string(left) + " bytes are left over after the last element", name_,
                 "the counts or types of the header are wrong");
   }
 
@@ -215,8 +231,8 @@ class PlyParser {
     return true;
   }
 
-  tl::unexpected<Error> CutOff(const PlyElement& element, std::size_t item, const PlyProperty& property) const {
-    return BadItem(element, item, property, "the file is cut off here");
+  tl::unexpected<Error> CutOff(const PlyElement& element, std::size_t whole) const {
+    return Contradiction(element, whole, name_ + ":" + element.name + " " + std::to_string(whole));
   }
 
   /// One item per line; blank lines are skipped.
@@ -231,6 +247,7 @@ class PlyParser {
     for (PlyElement& element : ply_.elements) {
       for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
         skip_blank_lines();
+        if (token == Token::kEnd) return Contradiction(element, i, name_ + ":" + std::to_string(line_));
         for (PlyProperty& property : element.properties) {
           double count = 1.0;
           for (double k = property.list_count ? -1.0 : 0.0; k < count; ++k) {
@@ -260,7 +277,18 @@ class PlyParser {
       }
     }
     skip_blank_lines();
-    return token == Token::kEnd ? Status() : BadLine("the line belongs to no element of the header");
+    if (token == Token::kEnd) return {};
+    if (ply_.elements.empty()) return BadLine("the line belongs to no element of the header");
+    const std::string where = name_ + ":" + std::to_string(line_);
+    std::size_t more = 1;
+    for (; token != Token::kEnd; token = scanner.Next()) {
+      if (token != Token::kLineEnd) continue;
+      skip_blank_lines();
+      if (token == Token::kEnd) break;
+      ++more;
+    }
+    const PlyElement& last = ply_.elements.back();
+    return Contradiction(last, last.count + more, where);
   }
 
   std::string_view bytes_;

@@ -117,12 +117,19 @@ class TopKeys : public nlohmann::json_sax<nlohmann::json> {
   int depth_ = 0;
 };
 
+bool IsVideo(std::string_view bytes) {
+  if (StartsWith(bytes, "RIFF") && bytes.substr(std::min<std::size_t>(8, bytes.size()), 4) == "AVI ") return true;
+  if (bytes.substr(std::min<std::size_t>(4, bytes.size()), 4) == "ftyp") return true;
+  return StartsWith(bytes, "\x1A\x45\xDF\xA3") || StartsWith(bytes, std::string_view("\0\0\1\xBA", 4));
+}
+
 }  // namespace
 
 FileKind KindOf(std::string_view bytes) {
   if (StartsWith(bytes, "\x93NUMPY")) return FileKind::kNpy;
   if (StartsWith(bytes, "\x89PNG\r\n\x1a\n")) return FileKind::kPng;
   if (StartsWith(bytes, "\xFF\xD8\xFF")) return FileKind::kJpeg;
+  if (IsVideo(bytes)) return FileKind::kVideo;
   if (StartsWith(bytes, "PK\x03\x04")) return FileKind::kZip;
   if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
   if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);

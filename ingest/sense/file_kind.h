@@ -25,7 +25,8 @@ enum class FileKind {
   kOpenCvYaml,
   kToml,
   kPng,
-  kJpeg
+  kJpeg,
+  kVideo  ///< AVI, MP4 and its kin, Matroska, MPEG
 };
 
 /// Looks at the first 8 KiB only.

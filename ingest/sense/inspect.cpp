@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/formats/header_count.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_groups.h"
@@ -78,7 +79,8 @@ const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
 /// What is being looked at, and what was found so far.
 class Inspector {
  public:
-  Inspector(const std::optional<SourceOptions>& source, bool folder) : source_(source), folder_(folder) {}
+  Inspector(const std::optional<SourceOptions>& source, bool folder, const VideoProbe& probe)
+      : source_(source), folder_(folder), probe_(probe) {}
 
   void Look(const FileToInspect& file);
   /// Clips of several files, and what belongs to the whole.
@@ -95,10 +97,13 @@ class Inspector {
  private:
   Status Read(const FileToInspect& file, FileKind kind);
   void Add(const ObservedFile& file, const std::string& name);
+  void AddVideos();
   Json& findings() { return inspection["findings"]; }
 
   const std::optional<SourceOptions>& source_;
   bool folder_;
+  const VideoProbe& probe_;
+  std::vector<FileToInspect> videos_;
   ObservedSequences sequences_;
   std::vector<std::string> others_;
 };
@@ -134,6 +139,30 @@ void Inspector::Add(const ObservedFile& file, const std::string& name) {
   }
 }
 
+void Inspector::AddVideos() {
+  std::vector<std::filesystem::path> paths;
+  for (const FileToInspect& video : videos_) paths.push_back(video.path);
+  const std::vector<Expected<VideoFacts>> answers = probe_ ? probe_(paths) : std::vector<Expected<VideoFacts>>();
+  for (std::size_t i = 0; i < videos_.size(); ++i) {
+    ObservedCompanion companion{videos_[i].name, "video", {}, {}};
+    if (i < answers.size() && !answers[i]) {
+      AddError(answers[i].error(), videos_[i].name,
+               answers[i].error().code == ErrorCode::kMissingOnHost ? "unreadable" : "malformed", findings());
+      continue;
+    }
+    if (i < answers.size()) {
+      const VideoFacts& facts = *answers[i];
+      if (!facts.codec.empty()) companion.texts.emplace_back("codec", facts.codec);
+      companion.numbers = {{"frames", facts.frames},
+                           {"rate_hz", facts.rate_hz},
+                           {"width", facts.width},
+                           {"height", facts.height},
+                           {"duration_s", facts.frames / facts.rate_hz}};
+    }
+    inspection["companions"].push_back(CompanionReport(companion));
+  }
+}
+
 /// Files of unknown content are errors where they are asked for, and counted in a folder.
 void Inspector::Look(const FileToInspect& file) {
   if (!file.regular) {
@@ -150,6 +179,7 @@ void Inspector::Look(const FileToInspect& file) {
     others_.push_back(file.name);
     return;
   }
+  if (kind == FileKind::kVideo) return videos_.push_back(file);
   if (kind == FileKind::kPng || kind == FileKind::kJpeg) {
     return sequences_.AddImage({*head, file.name, file.path}, kind == FileKind::kPng);
   }
@@ -169,6 +199,10 @@ void Inspector::Look(const FileToInspect& file) {
     return;
   }
   AddError(read.error(), file.name, CodeOf(code, kind, source_.has_value()), findings());
+  if (const std::optional<double> announced = AnnouncedCount(read.error())) {
+    findings().back()["code"] = "count_contradiction";
+    findings().back()["value"] = *announced;
+  }
 }
 
 std::string FormatOf(const Json& inspection) {
@@ -183,6 +217,7 @@ std::string FormatOf(const Json& inspection) {
 
 void Inspector::Finish(const std::string& path) {
   for (const auto& [folder, file] : sequences_.Finish()) Add(file, folder.empty() ? path : folder);
+  AddVideos();
   if (!others_.empty()) {
     findings().push_back(InspectionFinding(
         "other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
@@ -201,9 +236,10 @@ void Inspector::Finish(const std::string& path) {
 
 }  // namespace
 
-Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source) {
+Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
+                 const VideoProbe& videos) {
   std::error_code unknown;
-  Inspector inspector(source, std::filesystem::is_directory(path, unknown));
+  Inspector inspector(source, std::filesystem::is_directory(path, unknown), videos);
   inspector.inspection["path"] = DisplayPath(path);
   if (!std::filesystem::exists(path, unknown)) {
     AddError({ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), ""}, "", "not_found",

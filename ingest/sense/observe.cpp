@@ -122,6 +122,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kOpenCvYaml:
     case FileKind::kPng:
     case FileKind::kJpeg:
+    case FileKind::kVideo:
     case FileKind::kUnknown:
       break;
   }

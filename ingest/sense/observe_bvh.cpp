@@ -12,7 +12,7 @@ constexpr int kMostFrames = 256;  // forward kinematics of more tells nothing ne
 }  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
-  const Expected<Bvh> bvh = ParseBvh(bytes, name);
+  const Expected<Bvh> bvh = ParseBvh(bytes, name, DamagedRows::kReport);
   if (!bvh) return Forward(bvh);
   ObservedClip clip;
   clip.format = "bvh";
@@ -34,6 +34,9 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
   FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
   clip.layout_evidence = "header of the file";
+  for (const Finding& finding : bvh->findings) {
+    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+  }
   return std::vector<ObservedClip>{std::move(clip)};
 }
 

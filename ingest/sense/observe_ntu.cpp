@@ -57,7 +57,11 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
 
 Expected<std::vector<ObservedClip>> ObserveNtu(std::string_view bytes, const std::string& name) {
   const Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(bytes, name, DamagedRows::kReport);
-  if (!skeleton) return Forward(skeleton);
+  if (!skeleton) {
+    Error error = skeleton.error();
+    error.code = ErrorCode::kMalformed;  // kInconsistent is said of takes without a person
+    return tl::unexpected<Error>(std::move(error));
+  }
   std::vector<std::uint64_t> ids;
   std::size_t most = 0, fewest = skeleton->frames.empty() ? 0 : skeleton->frames[0].size();
   for (const std::vector<NtuBody>& frame : skeleton->frames) {

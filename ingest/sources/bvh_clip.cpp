@@ -60,10 +60,11 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   if (!frame) return Forward(frame);
   const Expected<SkeletonPtr> declared = SourceSkeleton(source);
   if (!declared) return Forward(declared);
-  const Expected<Bvh> bvh = ParseBvh(file.bytes, file.name);
+  const Expected<Bvh> bvh = ParseBvh(file.bytes, file.name, source.damaged_rows);
   if (!bvh) return Forward(bvh);
 
   IngestedClip ingested;
+  ingested.findings = bvh->findings;
   NoteRate(source, bvh->hz(), ingested.findings);
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;

@@ -72,7 +72,8 @@ struct OpenCache {
 
 struct OpenPickle {
   Version version;
-  std::vector<HumanAct12Clip> clips;
+  std::shared_ptr<const MappedFile> file;
+  HumanAct12Archive archive;
 };
 
 Expected<std::string> ReadBeside(const std::filesystem::path& folder, const std::string& name) {
@@ -113,11 +114,11 @@ Expected<std::shared_ptr<const OpenPickle>> HumanAct12Of(const std::filesystem::
   const Version version = VersionOf(path);
   if (last && last->version == version) return last;
   last.reset();
-  const auto file = MappedFile::Open(path);
+  auto file = MappedFile::Open(path);
   if (!file) return Forward(file);
-  Expected<std::vector<HumanAct12Clip>> clips = ParseHumanAct12Pickle((*file)->bytes(), DisplayPath(path.filename()));
-  if (!clips) return Forward(clips);
-  last = std::make_shared<const OpenPickle>(OpenPickle{version, std::move(*clips)});
+  Expected<HumanAct12Archive> archive = HumanAct12Archive::Open((*file)->bytes(), DisplayPath(path.filename()));
+  if (!archive) return Forward(archive);
+  last = std::make_shared<const OpenPickle>(OpenPickle{version, std::move(*file), std::move(*archive)});
   return last;
 }
 
@@ -125,9 +126,11 @@ Expected<std::vector<ContainerEntry>> HumanAct12Entries(const std::filesystem::p
   const auto pickle = HumanAct12Of(path);
   if (!pickle) return Forward(pickle);
   std::vector<ContainerEntry> entries;
-  for (std::size_t i = 0; i < (*pickle)->clips.size(); ++i) {
+  for (std::size_t i = 0; i < (*pickle)->archive.size(); ++i) {
+    const Expected<int> label = (*pickle)->archive.Label(i);
+    if (!label) return Forward(label);
     char name[48];
-    std::snprintf(name, sizeof(name), "c%04zu_y%02d", i + 1, (*pickle)->clips[i].label + 1);
+    std::snprintf(name, sizeof(name), "c%04zu_y%02d", i + 1, *label + 1);
     entries.push_back({name, "", 0, ""});
   }
   return entries;
@@ -203,9 +206,9 @@ Expected<HumanAct12Clip> ReadHumanAct12Entry(const std::filesystem::path& contai
                                              const std::string& name) {
   const auto pickle = HumanAct12Of(container);
   if (!pickle) return Forward(pickle);
-  const auto& clips = (*pickle)->clips;
-  if (entry < 0 || static_cast<std::size_t>(entry) >= clips.size()) return NoEntry(entry, clips.size(), name);
-  return clips[static_cast<std::size_t>(entry)];
+  const HumanAct12Archive& archive = (*pickle)->archive;
+  if (entry < 0 || static_cast<std::size_t>(entry) >= archive.size()) return NoEntry(entry, archive.size(), name);
+  return archive.Clip(static_cast<std::size_t>(entry));
 }
 
 }  // namespace mocurate

@@ -128,10 +128,15 @@ TEST(BadInput, ATruncatedBvhNamesLineAndCountsInARunAndInInspect) {
   const Folder folder;
   const std::string cut = std::string(kBvhHead) + "Frames: 3\nFrame Time: 0.033\n0 0 0\n";
   WriteText(folder / "data/walk_p1.bvh", cut);
-  const std::vector<std::string> parts = {"walk_p1.bvh:11", "the file announces 3 frames and holds 1",
-                                          "the file is cut off: copy it again"};
-  ExpectError(RunFolder(folder, kBvh), 3, parts);
-  ExpectError(RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"}), 3, parts);
+  ExpectError(RunFolder(folder, kBvh), 3,
+              {"walk_p1.bvh:8", "Frames announces 3, the file holds 1",
+               "the file is cut off, or its header is wrong: copy it again"});
+  const Result inspected = RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"});
+  const nlohmann::json finding = nlohmann::json::parse(inspected.out).at("findings").at(0);
+  EXPECT_EQ(finding.at("code"), "frame_count");
+  EXPECT_EQ(finding.at("value"), 3);
+  EXPECT_NE(finding.at("message").get<std::string>().find("walk_p1.bvh:8: Frames announces 3, the file holds 1"),
+            std::string::npos);
 }
 
 TEST(BadInput, ABvhWithNanNamesLineFrameAndChannelInARunAndInInspect) {
@@ -318,6 +323,26 @@ TEST(GivenMotion, IsNotBroughtToAnotherSkeletonInSilence) {
   WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 1\nFrame Time: 0.033\n0 0 0\n");
   ExpectError(RunFolder(folder, std::string(kBvh) + "skeleton: smpl24\n"), 2,
               {"job.yaml:", "skeleton: motion of the format bvh is kept on the skeleton of its files"});
+}
+
+TEST(BadInput, AHeaderThatContradictsTheRowsIsAFindingOfTheRunWithItsNumber) {
+  const Folder folder;
+  std::string rows;
+  for (int i = 0; i < 40; ++i) rows += std::to_string(i) + " 90 0\n";
+  WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 60\nFrame Time: 0.033\n" + rows);
+  WriteText(folder / "data/walk_p2.bvh", std::string(kBvhHead) + "Frames: 40\nFrame Time: 0.033\n" + rows);
+  std::size_t clips = 0;
+  RunFolder(folder, kBvh);
+  std::vector<nlohmann::json> flagged = Flagged(folder / "run", "count_contradiction", clips);
+  EXPECT_EQ(clips, 2u);
+  ASSERT_EQ(flagged.size(), 1u);
+  EXPECT_EQ(flagged[0]["value"], 60);
+  EXPECT_THAT(flagged[0]["message"].get<std::string>(), HasSubstr("walk_p1.bvh:8: Frames announces 60"));
+  RunFolder(folder, std::string(kBvh) + "    damaged_rows: report\n");
+  flagged = Flagged(folder / "run", "frame_count", clips);
+  ASSERT_EQ(flagged.size(), 1u);
+  EXPECT_EQ(flagged[0]["value"], 60);
+  EXPECT_THAT(flagged[0]["clip"].get<std::string>(), HasSubstr("#0-40"));
 }
 
 }  // namespace

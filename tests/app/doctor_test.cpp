@@ -64,7 +64,7 @@ class Installed {
     fs::create_directories(folder / "prefix/bin");
     surroundings_.program = folder / "prefix/bin/mocurate";
     fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", surroundings_.program);
-    for (const char* worker : {"mocurate-annotate", "mocurate-learn"}) {
+    for (const char* worker : {"mocurate-annotate", "mocurate-video", "mocurate-learn"}) {
       fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / worker, workers_ / worker);
     }
   }

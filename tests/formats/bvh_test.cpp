@@ -91,7 +91,7 @@ TEST(Bvh, BadInputIsRefusedWithPlaceAndReason) {
   EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n4 5 6 0\n")),
               HasSubstr("clip.bvh:16: frame 1 has 4 numbers, the hierarchy has 10 channels (the file is cut off"));
   EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n")),
-              HasSubstr("announces 2 frames and holds 1 (the file is cut off: copy it again)"));
+              HasSubstr("clip.bvh:13: Frames announces 2, the file holds 1 (the file is cut off"));
   EXPECT_THAT(Fails(TwoJoints("1 2 nan 0 0 90 7 0 0 0\n", "1")),
               HasSubstr("clip.bvh:15: 'nan' in frame 0, channel 2 is no finite number"));
   EXPECT_THAT(Fails(TwoJoints("1 2 x 0 0 90 7 0 0 0\n", "1")), HasSubstr("'x' in frame 0, channel 2"));

@@ -67,8 +67,8 @@ TEST(NtuSkeletonText, CarriageReturnsChangeNothingAndAnEmptyTakeIsEmpty) {
 
 TEST(NtuSkeletonText, CountsThatContradictTheDataAreRefusedWhereItShows) {
   const std::string text = WriteNtuSkeleton(Scene());
-  EXPECT_THAT(Fails("4" + text.substr(1)), HasSubstr("the file ends where the body count is expected, frame 3"));
-  EXPECT_THAT(Fails("2" + text.substr(1)), HasSubstr("announces 2 frames, and more follows"));
+  EXPECT_THAT(Fails("4" + text.substr(1)), HasSubstr("a.skeleton:1: the frame count announces 4, the file holds 3"));
+  EXPECT_THAT(Fails("2" + text.substr(1)), HasSubstr("a.skeleton:1: the frame count announces 2, the file holds 3"));
   EXPECT_THAT(Fails(Replaced(text, "\n25\n", "\n24\n")), HasSubstr("a.skeleton:4: joint count 24 is not 25"));
   EXPECT_THAT(Fails("3\n2" + text.substr(3)), HasSubstr("frame 0, body 1"));
   EXPECT_THAT(Fails("3\n0" + text.substr(3)), HasSubstr("a.skeleton:3: 10 numbers stand where 1 are expected"));

@@ -212,6 +212,28 @@ TEST(Pickle, WhatTheWriterWritesIsReadAgain) {
   EXPECT_THAT(top.Key("text")->Array()->texts, ElementsAre("h\xc3\xa9"));
 }
 
+TEST(Pickle, AnArrayCostsTheIndexFewValuesHoweverManyThereAre) {
+  const auto values = [](int arrays) {
+    PickleWriter writer;
+    writer.BeginList();
+    for (int i = 0; i < arrays; ++i) writer.Array(MakeArray({2, 3}, {1, 2, 3, 4, 5, 6}));
+    writer.End();
+    const std::string bytes = writer.Finish("many").value();
+    return ParsePickle(bytes, "many").value().values.size();
+  };
+  EXPECT_LE(values(1001) - values(1), 1000u * 25u);
+  PickleWriter writer;
+  writer.BeginList();
+  for (int i = 0; i < 1000; ++i) writer.Integer(i % 100);
+  for (int i = 0; i < 1000; ++i) writer.Bool(i % 2 == 0);
+  writer.End();
+  const std::string bytes = writer.Finish("constants").value();
+  const auto pickle = ParsePickle(bytes, "constants");
+  EXPECT_LT(pickle->values.size(), 110u) << "small numbers and truth values are one value each";
+  EXPECT_EQ(pickle->top().Item(250).Integer().value(), 50);
+  EXPECT_EQ(pickle->top().Item(1001).Integer().value(), 0);
+}
+
 TEST(Pickle, TheWriterRefusesWhatDoesNotFit) {
   PickleWriter writer;
   writer.Array(MakeArray({3}, {1}));

@@ -12,7 +12,7 @@ file(REMOVE_RECURSE ${SCRATCH})
 set(prefix ${SCRATCH}/prefix)
 set(ENV{MOCURATE_CACHE} ${SCRATCH}/cache)
 must_run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-foreach(file bin/mocurate libexec/mocurate/mocurate-annotate libexec/mocurate/mocurate-learn
+foreach(file bin/mocurate libexec/mocurate/mocurate-annotate libexec/mocurate/mocurate-video libexec/mocurate/mocurate-learn
     share/mocurate/configs/kard.yaml include/mocurate/core/store/store.h)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "${file} is not installed")

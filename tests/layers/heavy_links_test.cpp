@@ -27,7 +27,9 @@ const char* const kRooms[] = {"core", "ingest", "fitting", "canon", "train", "ev
 const std::map<std::string, std::set<std::string>> kHeavyLinks = {
     {"Ceres::", {"mocurate_fitting"}},
     {"Open3D::", {"mocurate_fitting_clouds"}},
-    {"opencv_", {"mocurate_ingest_opencv", "mocurate_fitting", "mocurate_fitting_clouds", "mocurate_report"}},
+    {"opencv_",
+     {"mocurate_ingest_opencv", "mocurate_ingest_video", "mocurate_fitting", "mocurate_fitting_clouds",
+      "mocurate_report"}},
     {"mocurate_torch", {"mocurate_recognisers", "mocurate_train", "mocurate_eval"}},
     {"${TORCH_LIBRARIES}", {"mocurate_torch"}},
     {"yaml-cpp", {"mocurate_config"}},
@@ -37,7 +39,8 @@ const std::map<std::string, std::set<std::string>> kHeavyLinks = {
 /// Program -> heavy libraries that it must not reach through anything it links.
 const std::map<std::string, std::vector<std::string>> kForbiddenReach = {
     {"mocurate", {"Ceres::", "Open3D::", "opencv_", "mocurate_torch"}},
-    {"mocurate-annotate", {"mocurate_torch"}},
+    {"mocurate-annotate", {"mocurate_torch", "opencv_videoio"}},
+    {"mocurate-video", {"Ceres::", "Open3D::", "mocurate_torch"}},
     {"mocurate-learn", {"Ceres::", "Open3D::", "opencv_", "CLI11::"}},
     {"mocurate_canon", {"Ceres::", "Open3D::", "opencv_", "mocurate_torch"}},
     {"mocurate_eval_metrics", {"Ceres::", "Open3D::", "opencv_", "mocurate_torch"}},

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "ingest/sense/inspect.h"
+
+namespace mocurate {
+
+/// Asks the program mocurate-video beside this one. Error kMissingOnHost where it is not there or does not start; a
+/// file that it dies of is kMalformed, and the others are asked again.
+VideoProbe AskVideoProgram();
+
+}  // namespace mocurate

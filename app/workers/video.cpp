@@ -1,0 +1,34 @@
+// Tells of video files for `mocurate inspect`: mocurate-video FILE ... prints a line of JSON per file, at once. A
+// program of its own: OpenCV's decoders load some 200 libraries, and what a damaged file makes of them ends here.
+
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/base/version.h"
+#include "ingest/sources/video.h"
+
+int main(int argc, char** argv) {
+  using namespace mocurate;
+  if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
+    std::printf("%s\n", std::string(CreatedBy()).c_str());
+    return 0;
+  }
+  for (int i = 1; i < argc; ++i) {
+    const auto video = VideoReader::Open(argv[i]);
+    nlohmann::json line;
+    if (video) {
+      const VideoFacts& facts = video->facts();
+      line = {{"frames", facts.frames},
+              {"rate_hz", facts.rate_hz},
+              {"width", facts.width},
+              {"height", facts.height},
+              {"codec", facts.codec}};
+    } else {
+      line = {{"error", video.error().what}, {"hint", video.error().hint}};
+    }
+    std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::fflush(stdout);
+  }
+  return 0;
+}

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace mocurate {
+
+/// What the header of a video file says. `frames` is its own count: what can be decoded may be fewer.
+struct VideoFacts {
+  int frames = 0;  ///< 0: the file does not say
+  double rate_hz = 0.0;
+  int width = 0, height = 0;  ///< pixels
+  std::string codec;          ///< four characters, "MJPG"; empty where there are none
+};
+
+}  // namespace mocurate

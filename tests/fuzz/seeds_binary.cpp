@@ -1,0 +1,173 @@
+#include <cstdio>
+#include <cstdlib>
+
+#include "core/formats/amass.h"
+#include "core/formats/array_fields.h"
+#include "core/formats/humanact12_pickle.h"
+#include "core/formats/npz.h"
+#include "core/formats/obj.h"
+#include "core/formats/pcd.h"
+#include "core/formats/pickle_writer.h"
+#include "core/formats/ply.h"
+#include "core/formats/smpl_model.h"
+#include "core/formats/vibe_pickle.h"
+#include "core/formats/zip_archive.h"
+#include "tests/formats/pickle_samples.h"
+#include "tests/fuzz/seeds.h"
+
+namespace mocurate {
+namespace {
+
+void Add(FuzzSeeds& seeds, const std::string& target, const Expected<std::string>& bytes) {
+  if (!bytes) {
+    std::fprintf(stderr, "seed of %s: %s\n", target.c_str(), bytes.error().Message().c_str());
+    std::abort();
+  }
+  seeds.push_back({target, *bytes});
+}
+
+void AddArrays(FuzzSeeds& seeds) {
+  for (const char* type : {"<f4", ">f8", "<i8", "|u1", "<f2", "|b1"}) {
+    Add(seeds, "npy", EncodeNpy(MakeArray({4, 2}, {1, 0, 1, 1, 0, 0, 1, 0}, type), "seed"));
+  }
+  Add(seeds, "npy", EncodeNpy(MakeTextArray("female"), "seed"));
+  Npz npz;
+  npz.members.push_back({"a", MakeArray({4, 2}, {1, 2, 3, 4, 5, 6, 7, 8}, "<f4"), ""});
+  npz.members.push_back({"t", MakeTextArray("male"), ""});
+  Add(seeds, "npz", EncodeNpz(npz, "seed"));
+  for (const auto& [layout, columns] :
+       {std::pair{Amass::Layout::kLegacy, 156}, std::pair{Amass::Layout::kSplit, 165}}) {
+    Amass amass;
+    amass.layout = layout;
+    amass.rate_hz = 120.00004577636719;
+    amass.gender = "female";
+    amass.frames = 2;
+    amass.pose_columns = static_cast<std::size_t>(columns);
+    amass.poses.assign(2 * amass.pose_columns, 0.25);
+    amass.translation_m = {0, 0.1, 0.9, 0, 0.2, 0.95};
+    amass.betas = {0.5, -1};
+    if (layout == Amass::Layout::kLegacy) {
+      amass.dmpl_columns = 8;
+      amass.dmpls.assign(16, 0.25);
+    } else {
+      amass.surface_model = "smplx";
+    }
+    Add(seeds, "amass", EncodeAmass(amass, "seed"));
+  }
+}
+
+SmplModel SmallModel() {
+  SmplModel model;
+  model.vertices = 4;
+  model.joints = 3;
+  model.shapes = 2;
+  model.pose_columns = 18;
+  model.v_template = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  model.shapedirs.assign(24, 0.1);
+  model.posedirs.assign(4 * 3 * 18, 0.01);
+  model.joint_regressor = {1, 0, 0, 0, 0, 0.5, 0.5, 0, 0, 0, 0, 1};
+  model.weights = {1, 0, 0, 0.5, 0.5, 0, 0, 1, 0, 0, 0, 1};
+  model.parents = {-1, 0, 1};
+  model.faces = {0, 1, 2, 0, 2, 3};
+  return model;
+}
+
+void AddPickles(FuzzSeeds& seeds) {
+  for (const char* digits : {kPickleP0, kPickleP1, kPickleP2, kPickleP3, kPickleP4, kPickleP5, kPickleJoblib,
+                             kPickleCsc, kPickleCsr, kPickleCoo, kPickleCh2, kPickleCh0, kPickleFortran, kPicklePy2}) {
+    seeds.push_back({"pickle", FromHex(digits)});
+  }
+  VibeTrack track;
+  track.id = 3;
+  track.frames = 2;
+  track.joints = 2;
+  track.pose.assign(144, 0.5);
+  track.joints3d.assign(12, 0.5);
+  track.betas.assign(20, 0.25);
+  track.original_camera.assign(8, 1);
+  track.frame_ids = {0, 4};
+  Add(seeds, "vibe_pickle", EncodeVibeTracks({track}, "seed"));
+  track.id = 0;
+  track.frame_ids.clear();
+  Add(seeds, "vibe_pickle", EncodeVibeCache({track, track}, "seed"));
+  const HumanAct12Clip clip{1, std::vector<double>(72, 0.5), std::vector<double>(72, 0.5), 3};
+  Add(seeds, "humanact12_pickle", EncodeHumanAct12Pickle({clip, clip}, "seed"));
+  const std::string model = EncodeSmplModelNpz(SmallModel(), "seed").value();
+  seeds.push_back({"smpl_model", model});
+  PickleWriter writer;
+  writer.BeginDict();
+  const Npz members = ParseNpz(model, "seed").value();
+  for (const NpzMember& member : members.members) {
+    writer.Text(member.name);
+    writer.Array(member.array);
+  }
+  writer.End();
+  Add(seeds, "smpl_model", writer.Finish("seed"));
+}
+
+/// {"w": 2 x 3 floats} as torch.save wrote it, before zip files and in one.
+void AddTorch(FuzzSeeds& seeds) {
+  const auto pickle = [](const std::string& body) { return std::string("\x80\x02", 2) + body + "."; };
+  const auto text = [](const std::string& value) {
+    return std::string("X") + static_cast<char>(value.size()) + std::string(3, '\0') + value;
+  };
+  const auto object = [&](const std::string& end_of_storage) {
+    const std::string storage =
+        "((" + text("storage") + "ctorch\nFloatStorage\n" + text("7") + text("cpu") + "K\x06" + end_of_storage + "tQ";
+    return "}" + text("w") + "ctorch._utils\n_rebuild_tensor_v2\n" + storage +
+           std::string("K\0K\x02K\x03\x86K\x03K\x01\x86\x89NtRs", 16);
+  };
+  const std::string numbers(24, '\0');
+  seeds.push_back({"torch_pickle", std::string("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 15) +
+                                       pickle(std::string("M\xe9\x03", 3)) +
+                                       pickle("}" + text("little_endian") + "\x88s") + pickle(object("N")) +
+                                       pickle("](" + text("7") + "e") + std::string("\x06\0\0\0\0\0\0\0", 8) +
+                                       numbers});
+  Add(seeds, "torch_pickle",
+      WriteStoredZip({{"archive/data.pkl", pickle(object(""))}, {"archive/data/7", numbers}}, "seed"));
+}
+
+void AddClouds(FuzzSeeds& seeds) {
+  Ply ply;
+  PlyElement vertices{"vertex", 3, {}};
+  for (const char* axis : {"x", "y", "z"})
+    vertices.properties.push_back({axis, NumberType::kFloat32, {}, {1, 2, 3}, {}});
+  PlyElement faces{"face", 1, {{"vertex_indices", NumberType::kInt32, NumberType::kUint8, {0, 1, 2}, {0, 3}}}};
+  ply.comments = {"made"};
+  ply.elements = {vertices, faces};
+  using PlyEncoding = Ply::Encoding;
+  for (const auto encoding : {PlyEncoding::kAscii, PlyEncoding::kBinaryLittleEndian, PlyEncoding::kBinaryBigEndian}) {
+    ply.encoding = encoding;
+    seeds.push_back({"ply", WritePly(ply)});
+  }
+  Pcd pcd;
+  pcd.width = 2;
+  pcd.missing = {0, 1};
+  pcd.fields = {{"x", NumberType::kFloat32, 1, {1, 0}},
+                {"y", NumberType::kFloat32, 1, {2, 0}},
+                {"z", NumberType::kFloat32, 1, {3, 0}},
+                {"rgb", NumberType::kFloat32, 1, {7, 8}}};
+  using PcdEncoding = Pcd::Encoding;
+  for (const auto encoding : {PcdEncoding::kAscii, PcdEncoding::kBinary, PcdEncoding::kBinaryCompressed}) {
+    pcd.encoding = encoding;
+    seeds.push_back({"pcd", WritePcd(pcd)});
+  }
+  Obj obj;
+  obj.vertices = {{0, 0, 0}, {1, 2, 3}, {0, 1, 0}};
+  obj.textures = {{0, 1}};
+  obj.normals = {{0, 0, 1}};
+  obj.faces = {{{0, 0, 0}, {1, -1, 0}, {2, -1, -1}}};
+  seeds.push_back({"obj", WriteObj(obj)});
+  seeds.push_back({"obj", "o a\nv 0 0 0 1\nv 1 2 3\nvt 0 1\nvn 0 0 1\ng b\nusemtl c\ns off\nf 1/1/1 2//1 -1\n"});
+}
+
+}  // namespace
+
+void AddBinarySeeds(FuzzSeeds& seeds) {
+  AddArrays(seeds);
+  AddPickles(seeds);
+  AddTorch(seeds);
+  AddClouds(seeds);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,60 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/base/file.h"
+#include "tests/fuzz/seeds.h"
+#include "tests/store/builders.h"
+#include "train/checkpoint/checkpoint.h"
+
+namespace mocurate {
+namespace {
+
+/// The bytes of what `write` writes at a path.
+template <typename Write>
+void Add(FuzzSeeds& seeds, const std::string& target, const Write& write) {
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("mocurate_seed_" + std::to_string(::getpid()));
+  const Status written = write(path);
+  const Expected<std::string> bytes = ReadFile(path);
+  std::filesystem::remove(path);
+  if (!written || !bytes) {
+    std::fprintf(stderr, "seed of %s cannot be written to %s\n", target.c_str(), path.c_str());
+    std::abort();
+  }
+  seeds.push_back({target, *bytes});
+}
+
+Checkpoint SmallCheckpoint() {
+  Checkpoint checkpoint;
+  checkpoint.kind = kGruRecogniserKind;
+  checkpoint.labels = {"a", "b"};
+  checkpoint.skeleton = test::Walker();
+  checkpoint.history["loss"] = {3.0, 2.0};
+  AddLinear("classifier", 3, 2, checkpoint.parameters);
+  Random random(1, "seeds");
+  Initialise(checkpoint.parameters, random);
+  return checkpoint;
+}
+
+}  // namespace
+
+void AddStoredSeeds(FuzzSeeds& seeds) {
+  Add(seeds, "store", [](const auto& path) { return WriteDataset(test::MakeDataset(), path); });
+  Add(seeds, "store", [](const auto& path) { return WriteEvidence(test::MakeEvidenceClip(true), path); });
+  Add(seeds, "store", [](const auto& path) { return WriteTruth(test::MakeTruth(), path); });
+  Add(seeds, "checkpoint", [](const auto& path) { return WriteCheckpoint(SmallCheckpoint(), path); });
+}
+
+FuzzSeeds AllFuzzSeeds() {
+  FuzzSeeds seeds;
+  AddMotionSeeds(seeds);
+  AddNotedSeeds(seeds);
+  AddBinarySeeds(seeds);
+  AddStoredSeeds(seeds);
+  return seeds;
+}
+
+}  // namespace mocurate
