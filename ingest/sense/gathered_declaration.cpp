@@ -92,9 +92,8 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
   const std::optional<GatheredNames> guessed = GuessGathered(names, views);
   if (guessed) {
     writer.Value("files", Quoted(guessed->pattern),
-                 "guessed from " + std::to_string(names.size()) +
-                     " folders: files that differ in {camera} and {frame} "
-                     "alone are one clip");
+                 "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
+                     " folders: files that differ in {camera} and {frame} alone are one clip");
     writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
                  guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
   } else {

@@ -41,15 +41,13 @@ std::string PatternOf(const std::string& name, bool cameras) {
   const std::optional<Split> split = AtFrame(std::string(parts.back()));
   if (!split) return {};
   const std::string folder(parts.size() > 1 ? parts[parts.size() - 2] : "");
-  std::size_t above = parts.size() < 2 ? 0 : parts.size() - 2;
+  const std::size_t above = parts.size() < 2 ? 0 : parts.size() - 2;
   std::string last = folder.empty() ? "" : "{recording}/";
   std::string before = split->before;
   if (cameras && !folder.empty()) {
     const std::string camera = Shared(folder, before);
     last = camera.empty() ? "{camera}/" : "{camera}" + folder.substr(camera.size()) + "/";
     if (!camera.empty()) before = "{camera}" + before.substr(camera.size());
-  } else {
-    above = parts.size() < 2 ? 0 : parts.size() - 2;
   }
   std::string pattern;
   for (std::size_t i = 0; i < above; ++i) {
@@ -62,17 +60,19 @@ std::string PatternOf(const std::string& name, bool cameras) {
 }  // namespace
 
 std::optional<GatheredNames> GuessGathered(const std::vector<std::string>& files, bool cameras) {
+  GatheredNames best;
   for (const std::string& file : files) {
     const std::string text = PatternOf(file, cameras);
-    if (text.empty()) continue;
+    if (text.empty() || text == best.pattern) continue;
     const auto pattern = NamePattern::Parse(text, "ingest.source.files");
     if (!pattern) continue;
-    const auto matching = std::count_if(files.begin(), files.end(),
-                                        [&](const std::string& name) { return pattern->Match(name).has_value(); });
-    if (static_cast<std::size_t>(matching) < files.size()) continue;
-    return GatheredNames{text, text.find("{recording}") != std::string::npos};
+    const auto matching = static_cast<std::size_t>(std::count_if(
+        files.begin(), files.end(), [&](const std::string& name) { return pattern->Match(name).has_value(); }));
+    if (matching <= best.matching) continue;
+    best = {text, text.find("{recording}") != std::string::npos, matching};
   }
-  return std::nullopt;
+  if (2 * best.matching < files.size() || best.matching == 0) return std::nullopt;
+  return best;
 }
 
 }  // namespace mocurate

@@ -10,6 +10,9 @@
 
 #include "core/base/sha256.h"
 #include "core/geometry/triangulation.h"
+#include "ingest/sense/gathered_names.h"
+#include "ingest/sense/inspect.h"
+#include "ingest/sense/source_declaration.h"
 #include "ingest/sources/depth_pixels.h"
 #include "ingest/wanted_files.h"
 #include "tests/ingest/studio_folders.h"
@@ -170,6 +173,30 @@ TEST_F(RecordedViews, WhatADoctorLooksForIsThere) {
     ASSERT_TRUE(wanted) << wanted.error().Message();
     for (const WantedFile& file : *wanted) EXPECT_GT(file.found, 0u) << name << ": " << file.pattern;
   }
+}
+
+TEST(GatheredNames, TheCameraIsWhatFolderAndFileShareAndTheLastDigitsAreTheFrame) {
+  const auto pattern = [](const std::vector<std::string>& names, bool cameras) {
+    const auto guessed = GuessGathered(names, cameras);
+    return guessed ? guessed->pattern : std::string();
+  };
+  EXPECT_EQ(pattern({"walk/cam01_json/cam01.0000.json", "run/cam02_json/cam02.0000.json"}, true),
+            "{recording}/{camera}_json/{camera}.{frame}.json");
+  EXPECT_EQ(pattern({"left/video_000000000000_keypoints.json", "right/video_000000000000_keypoints.json"}, true),
+            "{camera}/video_{frame}_keypoints.json");
+  EXPECT_EQ(pattern({"band/body3DScene_00000168.json"}, false), "{recording}/body3DScene_{frame}.json");
+  EXPECT_EQ(pattern({"a/cam1/x.json"}, true), "") << "no number of a frame";
+}
+
+TEST_F(RecordedViews, ADeclarationOfKeypointsIsWrittenFromWhatTheFolderHolds) {
+  const std::filesystem::path folder = Declared("pose2sim_single").path;
+  const auto written = DeclareSource(InspectPath(folder, std::nullopt), folder, "mine");
+  ASSERT_TRUE(written) << written.error().Message();
+  for (const char* line : {"format: openpose", "files: \"{recording}/{camera}_json/{camera}.{frame}.json\"",
+                           "calibration: [Calib.qca.txt]", "axes: \"+x -z +y\"", "keypoints: BODY_25B"}) {
+    EXPECT_THAT(written->yaml, HasSubstr(line));
+  }
+  EXPECT_EQ(written->unknown, std::vector<std::string>{"rate"}) << written->yaml;
 }
 
 TEST_F(Layouts, KeypointsOfTheStudioMeetInTheTruth) {
