@@ -26,7 +26,8 @@ struct ContainerEntry {
 Expected<std::vector<ContainerEntry>> EntriesOf(const SourceOptions& source, const std::filesystem::path& folder);
 
 /// A pickle of thousands of clips is mapped and parsed once by a process, and kept until another is asked for. What is
-/// kept is where each array stands, 5 KB per video of UESTC, and never its numbers: those of one clip are decoded at a time.
+/// kept is where each array stands, 5 KB per video of UESTC, and never its numbers: those of one clip are decoded at a
+/// time.
 Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int entry, const std::string& name);
 Expected<Clip> ReadMotionsEntry(const std::filesystem::path& container, int entry, const std::string& name);
 Expected<HumanAct12Clip> ReadHumanAct12Entry(const std::filesystem::path& container, int entry,
