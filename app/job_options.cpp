@@ -44,6 +44,7 @@ ProportionsOptions ProportionsOf(const JobOptions& options) {
   static_cast<ProportionsSettings&>(proportions) = options.proportions;
   proportions.method = options.fitting.method;
   proportions.point_clouds = options.fitting.point_clouds;
+  proportions.keypoints = options.fitting.keypoints;
   return proportions;
 }
 
