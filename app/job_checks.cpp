@@ -86,6 +86,9 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
     case SourceFormat::kDepthSequence:
       wanted = "point_clouds", method = FitMethod::kPointClouds;
       break;
+    case SourceFormat::kOpenPose:
+      wanted = "keypoints", method = FitMethod::kKeypoints;
+      break;
     case SourceFormat::kBvh:
     case SourceFormat::kNpy:
     case SourceFormat::kAsfAmc:
@@ -101,6 +104,7 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
               "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
                   (method == FitMethod::kNone          ? "motion"
                    : method == FitMethod::kPointClouds ? "depth views"
+                   : method == FitMethod::kKeypoints   ? "keypoints of several cameras"
                                                        : "joint tracks"),
               "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
 }

@@ -1,11 +1,12 @@
 #include "ingest/discover.h"
 
 #include <algorithm>
-#include <map>
 #include <tuple>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/folder_files.h"
+#include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/container.h"
@@ -13,73 +14,6 @@
 
 namespace mocurate {
 namespace {
-
-constexpr std::size_t kMostCounted = 10000;  // files of a folder that is not looked into
-
-struct FolderFile {
-  std::string name;  ///< below the folder, with '/', printable
-  std::filesystem::path path;
-  std::string problem = {};  ///< why it cannot be read: a link that leads nowhere, a pipe
-};
-
-/// What lies below a folder down to a depth.
-struct Listing {
-  std::vector<FolderFile> files;  ///< sorted by name
-  std::map<std::string, std::size_t>
-      folders_below;  ///< folders that are deeper (and links to folders) -> files in them
-};
-
-/// At most one more than kMostCounted.
-std::size_t FilesBelow(const std::filesystem::path& folder) {
-  namespace fs = std::filesystem;
-  std::size_t count = 0;
-  std::error_code error;
-  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    std::error_code unknown;
-    if (!at->is_directory(unknown) && ++count > kMostCounted) break;
-  }
-  return count;
-}
-
-/// Files down to `depth` folders below `folder`. Links to folders are not followed.
-Expected<Listing> ListFiles(const std::filesystem::path& folder, int depth) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (folder.empty() || !fs::exists(folder, error)) {
-    return Fail(ErrorCode::kNotFound, folder.empty() ? "no folder with captures is given" : "the folder does not exist",
-                folder.empty() ? "ingest.path" : DisplayPath(folder), "set ingest.path (--set ingest.path=DIR)");
-  }
-  if (!fs::is_directory(folder, error)) {
-    return Fail(ErrorCode::kUnreadable, "is no folder", DisplayPath(folder),
-                "ingest.path names the folder of the files");
-  }
-  Listing listing;
-  fs::recursive_directory_iterator at(folder, error);
-  if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
-  for (const fs::recursive_directory_iterator end; at != end;) {
-    std::error_code unknown;
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
-    const bool link = at->is_symlink(unknown);
-    if (at->is_directory(unknown)) {
-      if (at.depth() >= depth) at.disable_recursion_pending();
-      if (at.depth() >= depth || link) listing.folders_below[name] = FilesBelow(at->path());
-    } else if (link && !at->exists(unknown)) {
-      const std::string target = DisplayPath(fs::read_symlink(at->path(), unknown));
-      listing.files.push_back({name, at->path(), "is a link to '" + target + "', which does not exist"});
-    } else {
-      const bool regular = at->is_regular_file(unknown);
-      listing.files.push_back({name, at->path(), regular ? "" : "is no regular file"});
-    }
-    at.increment(error);
-    if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
-  }
-  std::sort(listing.files.begin(), listing.files.end(), [](const FolderFile& a, const FolderFile& b) {
-    return a.name != b.name ? a.name < b.name : a.path.native() < b.path.native();
-  });
-  return listing;
-}
-
-int DepthOf(const std::string& name) { return static_cast<int>(std::count(name.begin(), name.end(), '/')); }
 
 /// Adds the depth images of one sequence: those whose fields agree with the fields of the sequence's own name.
 void AddDepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamedFile& named,
@@ -362,7 +296,8 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   const Expected<NamePattern> skeleton_pattern =
       NamePattern::Parse(source.skeleton_files, "ingest.source.skeleton_files");
   if (!skeleton_pattern) return Forward(skeleton_pattern);
-  const int depth = std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth()});
+  const int depth =
+      std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth(), GatheredFiles::Depth(source)});
   const Expected<Listing> listing = ListFiles(options.path, depth);
   if (!listing) return Forward(listing);
   const std::vector<FolderFile>& files = listing->files;
@@ -373,12 +308,16 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
   if (!babel) return Forward(babel);
 
+  const Expected<GatheredFiles> gathered = GatheredFiles::Of(source, *pattern, files);
+  if (!gathered) return Forward(gathered);
+
   Discovery discovery;
   const bool has_depth = source.format == SourceFormat::kDepthSequence;
   const nlohmann::json stage_options = OptionsToJson(source);
   for (const FolderFile& file : files) {
     if (only && only->count(file.name) == 0) continue;
     if (has_depth && depth_pattern->Match(file.name)) continue;
+    if (gathered->BelongsToAnother(file.name)) continue;
     if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
     if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
     if (file.name == source.label_table) continue;
@@ -406,7 +345,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
                                             "ingest.source.known_issues: report keeps such clips"));
       continue;
     }
-    if (!file.problem.empty()) {
+    if (!file.problem.empty() && gathered->empty()) {
       const Error why{ErrorCode::kUnreadable, file.problem, file.name, "mend or remove it"};
       discovery.left_out.push_back(Refused(named->item(), "unreadable_file", why));
       continue;
@@ -423,6 +362,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
         continue;
       }
       item.options["told_label"] = *label;
+    }
+    if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
+      discovery.left_out.push_back(Refused(item.item, "calibration_missing", added.error()));
+      continue;
     }
     if (!source.skeleton_files.empty()) {
       if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {

@@ -38,6 +38,12 @@ Expected<IngestedClip> ReadClip(const SourceFile& file) {
       return ReadUestcClip(file);
     case SourceFormat::kHumanAct12Pickle:
       return ReadHumanAct12Clip(file);
+    case SourceFormat::kOpenPose:
+      return ReadOpenPoseClip(file);
+    case SourceFormat::kDepthViews:
+      return ReadDepthViewsClip(file);
+    case SourceFormat::kPanoptic:
+      return ReadPanopticClip(file);
     case SourceFormat::kNone:
       break;
   }
@@ -47,10 +53,16 @@ Expected<IngestedClip> ReadClip(const SourceFile& file) {
 int FrameCount(const Clip& clip) {
   if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
   if (clip.motion) return clip.motion->frame_count();
-  return clip.evidence.depth_views.empty() ? 0 : static_cast<int>(clip.evidence.depth_views[0].files.size());
+  if (!clip.evidence.depth_views.empty()) return static_cast<int>(clip.evidence.depth_views[0].files.size());
+  return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
 }
 
 double MissingShare(const Clip& clip) {
+  std::size_t points = 0, unseen = 0;
+  for (const KeypointView& view : clip.evidence.keypoint_views) {
+    for (std::size_t i = 2; i < view.values.size(); i += 3) ++points, unseen += view.values[i] == 0.0 ? 1 : 0;
+  }
+  if (points > 0) return static_cast<double>(unseen) / static_cast<double>(points);
   if (!clip.evidence.tracks) return 0.0;
   const std::vector<double>& confidence = clip.evidence.tracks->confidence;
   const auto missing = std::count(confidence.begin(), confidence.end(), 0.0);
@@ -81,6 +93,7 @@ Status CheckExtent(const Clip& clip, const std::string& name) {
 
 int JointCount(const Clip& clip) {
   if (clip.evidence.tracks) return clip.evidence.tracks->positions.joints;
+  if (!clip.evidence.keypoint_names.empty()) return static_cast<int>(clip.evidence.keypoint_names.size());
   return clip.motion ? clip.motion->joint_count() : 0;
 }
 
@@ -118,6 +131,7 @@ std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
   if (evidence.depth_views.empty()) return hash;
   for (const DepthView& view : evidence.depth_views) {
     for (const std::string& image : view.sha256) hash += '\n' + image;
+    for (const std::string& mask : view.mask_sha256) hash += '\n' + mask;
   }
   return Sha256Hex(hash);
 }
@@ -146,7 +160,8 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
                             {"rate_hz", clip.rate.hz()},
                             {"missing_share", MissingShare(clip)}};
   if (!style.empty()) summary["style"] = style;
-  if (!clip.evidence.depth_views.empty()) summary["views"] = clip.evidence.depth_views.size();
+  const std::size_t views = clip.evidence.depth_views.size() + clip.evidence.keypoint_views.size();
+  if (views > 0) summary["views"] = views;
   return summary;
 }
 
@@ -172,14 +187,18 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(declared);
   if (!source) return Forward(source);
   if (Status ok = CheckSource(*source); !ok) return Forward(ok);
-  const auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
-                                  [](const StageInput& candidate) { return candidate.role == "source"; });
+  auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
+                            [](const StageInput& candidate) { return candidate.role == "source"; });
+  const bool gathered = IsGathered(source->format);
+  if (gathered && input == request.inputs.end()) input = request.inputs.begin();  // depth images
   if (input == request.inputs.end()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
   const std::string& name = facts.entry_name.empty() ? input->name : facts.entry_name;
   Expected<NamedFile> named = ReadName(*source, name, facts.body);
   if (!named) return Forward(named);
   if (facts.label) named->label = *facts.label;
-  const Expected<std::string> bytes = source->container.empty() ? ReadFile(input->path) : std::string();
+  if (gathered) named->fields["file"] = named->identity.recording;
+  const bool whole = source->container.empty() && !gathered;
+  const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
   SourceFile file{*source, *named, name, *bytes, {}};
   file.annotation = facts.annotation;
@@ -189,6 +208,8 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   std::string read = *bytes;
   for (const StageInput& candidate : request.inputs) {
     if (candidate.role == "depth") file.depth_files.push_back(candidate);
+    if (candidate.role == "calibration") file.calibrations.push_back(candidate);
+    if (candidate.role == "source" && gathered) file.frame_files.push_back(candidate);
     if (candidate.role != "skeleton_file") continue;
     Expected<std::string> skeleton = ReadFile(candidate.path);
     if (!skeleton) return Forward(skeleton);

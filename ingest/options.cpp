@@ -17,9 +17,14 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"phspd", SourceFormat::kPhspd},
             {"vibe_tracks", SourceFormat::kVibeTracks},
             {"uestc", SourceFormat::kUestc},
-            {"humanact12_pickle", SourceFormat::kHumanAct12Pickle}},
+            {"humanact12_pickle", SourceFormat::kHumanAct12Pickle},
+            {"openpose", SourceFormat::kOpenPose},
+            {"depth_views", SourceFormat::kDepthViews},
+            {"panoptic", SourceFormat::kPanoptic}},
            "what the files are");
-  v.Text("files", files, "pattern of the file names with {fields}; {field:4} is four characters wide");
+  v.Text("files", files,
+         "pattern of the file names with {fields}; {field:4} is four characters wide; openpose, depth_views, panoptic: "
+         "files that differ in {camera} and {frame} alone are one clip, {-} is passed over");
   v.Text("container", container,
          "uestc, humanact12_pickle: the one file that holds all clips; `files` is the pattern of their names");
   v.Text(
@@ -65,8 +70,29 @@ void SourceOptions::Declare(OptionVisitor& v) {
       "joint_table: a joint that has a position counts at least so much, where the file says 0 of followed joints");
   v.Number("max_slide", max_slide, Unit::kMetre, {0.0, 1.0},
            "bvh: most that a joint may slide along its bone; more is refused");
-  v.Text("depth_files", depth_files, "depth_sequence: pattern of the depth images with {view} and {frame}");
-  v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "depth_sequence: length of one step of a depth value");
+  v.Text("depth_files", depth_files,
+         "depth_sequence: pattern of the depth images with {view} and, unless there is but one each, {frame}");
+  v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0},
+           "depth_sequence, depth_views: length of one step of a depth value");
+  v.Text("mask_files", mask_files,
+         "depth_views: pattern of the images (PNG, JPEG) that are white where the person is, one per depth image");
+  v.Texts(
+      "calibration", calibration,
+      "openpose, depth_views: calibration file below the folder, from the fields of the clip's names; OpenCV's intri "
+      "and extri as two; with {camera} one file per camera");
+  v.Choice("camera_pose", camera_pose,
+           {{"measured", CameraPose::kMeasured},
+            {"world_to_camera", CameraPose::kWorldToCamera},
+            {"centre", CameraPose::kCentre},
+            {"camera_to_world", CameraPose::kCameraToWorld}},
+           "what rotation and translation of a calibration mean whose format does not say it");
+  v.TextMap(
+      "cameras", cameras,
+      "{camera} of the files' names -> its name in the calibration, where they are not alike in letters and digits");
+  v.Text("keypoints", keypoints,
+         "openpose: order of the detector's points: BODY_25, BODY_25B, COCO_17, COCO_18, or measured by bone lengths");
+  v.Integer("subjects", subjects, {1.0, 26.0},
+            "openpose, panoptic: people of a recording who are a clip each, the most present first");
   v.Text("person", person, "who performs, from the fields of the name; {body} tells several people of a file apart");
   v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
   v.Text("label", label, "what is performed, from the fields of the name");
@@ -132,7 +158,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 8, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 9, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }

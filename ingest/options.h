@@ -30,8 +30,13 @@ enum class SourceFormat {
   kPhspd,
   kVibeTracks,
   kUestc,
-  kHumanAct12Pickle
+  kHumanAct12Pickle,
+  kOpenPose,
+  kDepthViews,
+  kPanoptic
 };
+/// What the rotation and the translation of a calibration mean, where its format does not say it.
+enum class CameraPose { kMeasured, kWorldToCamera, kCentre, kCameraToWorld };
 /// What to do with files of the folder that the pattern does not match.
 enum class OtherFiles { kIgnore, kFinding, kError };
 /// How a joint table says that a joint was not seen.
@@ -95,7 +100,13 @@ struct SourceOptions {
   MissingValue missing = MissingValue::kNone;
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
   std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"
-  double depth_unit = 0.001;  ///< depth_sequence: metres per step of a depth value
+  double depth_unit = 0.001;  ///< depth_sequence, depth_views: metres per step of a depth value
+  std::string mask_files;     ///< depth_views: "views/{camera}_mask.jpg"; the person in the image of the same fields
+  std::vector<std::string> calibration;  ///< openpose, depth_views: below the folder; {camera}: one per camera
+  CameraPose camera_pose = CameraPose::kMeasured;  ///< openpose, depth_views
+  std::map<std::string, std::string> cameras;      ///< {camera} of a file's name -> the calibration's name for it
+  std::string keypoints = "measured";              ///< openpose: a layout's name, or "measured"
+  std::int64_t subjects = 1;                       ///< openpose, panoptic: people of a recording, a clip each
 
   std::string person = "{person}";
   std::string recording = "{file}";  ///< {file}: the path without its ending, '/' as '.'
@@ -140,6 +151,9 @@ struct IngestOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Whether a clip of this format is many files: one per camera, per moment, or both.
+bool IsGathered(SourceFormat format);
+
 /// "joint_table", as a configuration says it.
 std::string FormatName(SourceFormat format);
 
@@ -155,7 +169,7 @@ Expected<JointLayout> TableLayout(const SourceOptions& source);
 /// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
 int RowsPerFrame(const SourceOptions& source);
 
-/// People in a file whose label text, before renaming, is `label`; 1 where `bodies` says nothing.
+/// People in a file whose label text, before renaming, is `label`; `subjects` where `bodies` says nothing.
 int BodiesOf(const SourceOptions& source, const std::string& label);
 
 /// Metres per unit of `units`. Error kConfig.

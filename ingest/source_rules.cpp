@@ -3,7 +3,9 @@
 
 #include "core/base/text.h"
 #include "core/formats/joint_layout.h"
+#include "core/formats/openpose.h"
 #include "ingest/options.h"
+#include "ingest/sources/pattern.h"
 
 namespace mocurate {
 namespace {
@@ -24,7 +26,12 @@ Status CheckUnits(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
                 Place("units"), "take `units` out");
   }
-  if (s.units.empty() && s.format != SourceFormat::kDepthSequence && !by_definition) {
+  if (s.format == SourceFormat::kPanoptic && !s.units.empty() && s.units != "cm") {
+    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but panoptic files are in centimetres",
+                Place("units"), "take `units` out");
+  }
+  const bool by_calibration = IsGathered(s.format) || s.format == SourceFormat::kDepthSequence;
+  if (s.units.empty() && !by_calibration && !by_definition) {
     return Fail(
         ErrorCode::kConfig,
         "source '" + s.name + "' does not say its unit of length, and " + FormatName(s.format) + " files do not either",
@@ -94,11 +101,18 @@ Status CheckFilledIn(const SourceOptions& s) {
                                                               {"axes", &s.axes},
                                                               {"skeleton", &s.skeleton},
                                                               {"skeleton_files", &s.skeleton_files},
-                                                              {"depth_files", &s.depth_files}};
+                                                              {"depth_files", &s.depth_files},
+                                                              {"mask_files", &s.mask_files},
+                                                              {"recording", &s.recording}};
   for (const auto& [option, text] : texts) {
     if (!open(*text)) continue;
     return Fail(ErrorCode::kConfig, "'" + *text + "' is still to be filled in", Place(option),
                 "nothing in the files tells it: write what the set's documentation says");
+  }
+  for (const std::string& file : s.calibration) {
+    if (!open(file)) continue;
+    return Fail(ErrorCode::kConfig, "'" + file + "' is still to be filled in", Place("calibration"),
+                "write where the calibration of the cameras lies below the folder");
   }
   for (const std::string& joint : s.joints) {
     if (!open(joint)) continue;
@@ -120,11 +134,48 @@ Status CheckBodies(const SourceOptions& s) {
   }
   const bool told_apart =
       s.person.find("{body}") != std::string::npos || s.recording.find("{body}") != std::string::npos;
-  if (!s.bodies.empty() && !told_apart) {
+  if ((!s.bodies.empty() || s.subjects > 1) && !told_apart) {
     return Fail(ErrorCode::kConfig, "several people of one file would be one clip", Place("bodies"),
                 "write {body} into ingest.source.person, e.g. person: 'P{person}{body}'");
   }
   return {};
+}
+
+/// A clip of many files: which fields tell its files apart, and what else is needed.
+Status CheckGathered(const SourceOptions& s) {
+  const std::vector<std::string> fields = FieldsOf(s.files);
+  const auto has = [](const std::vector<std::string>& list, const char* field) {
+    return std::find(list.begin(), list.end(), field) != list.end();
+  };
+  const bool views = s.format != SourceFormat::kPanoptic;
+  if ((views && !has(fields, "camera")) || (s.format != SourceFormat::kDepthViews && !has(fields, "frame"))) {
+    return Fail(
+        ErrorCode::kConfig, "'" + s.files + "' does not say which camera and which frame a file is of", Place("files"),
+        views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
+  }
+  for (const auto& [option, text] : {std::pair{"recording", &s.recording}, {"person", &s.person}}) {
+    for (const char* field : {"camera", "frame", "file"}) {
+      if (!has(FieldsOf(*text), field)) continue;
+      return Fail(ErrorCode::kConfig,
+                  "'" + *text + "' names {" + field + "}, which differs between the files of one clip", Place(option),
+                  "name what the files of a clip have in common, e.g. {recording}, or write a fixed name");
+    }
+  }
+  if (views && s.calibration.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where the cameras stand",
+                Place("calibration"), "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
+  }
+  bool known = s.keypoints == "measured";
+  std::string names;
+  for (const KeypointLayout& layout : KeypointLayouts()) {
+    known = known || layout.name == s.keypoints;
+    names += layout.name + ", ";
+  }
+  if (!known) {
+    return Fail(ErrorCode::kConfig, "'" + s.keypoints + "' is no known layout of keypoints", Place("keypoints"),
+                "known are " + names + "and measured");
+  }
+  return CheckBodies(s);
 }
 
 }  // namespace
@@ -155,10 +206,20 @@ std::string FormatName(SourceFormat format) {
       return "uestc";
     case SourceFormat::kHumanAct12Pickle:
       return "humanact12_pickle";
+    case SourceFormat::kOpenPose:
+      return "openpose";
+    case SourceFormat::kDepthViews:
+      return "depth_views";
+    case SourceFormat::kPanoptic:
+      return "panoptic";
     case SourceFormat::kNone:
       break;
   }
   return "none";
+}
+
+bool IsGathered(SourceFormat format) {
+  return format == SourceFormat::kOpenPose || format == SourceFormat::kDepthViews || format == SourceFormat::kPanoptic;
 }
 
 Expected<double> MetresPerUnit(const std::string& units) {
@@ -178,7 +239,7 @@ Expected<double> MetresPerUnit(const std::string& units) {
 
 int BodiesOf(const SourceOptions& s, const std::string& label) {
   const auto bodies = s.bodies.find(label);
-  if (bodies == s.bodies.end()) return 1;
+  if (bodies == s.bodies.end()) return static_cast<int>(s.subjects);
   return static_cast<int>(std::clamp(ParseInteger(bodies->second).value_or(1), 1LL, kMostBodies));
 }
 
@@ -213,8 +274,8 @@ Status CheckSource(const SourceOptions& s) {
   if (s.format == SourceFormat::kNone) {
     return Fail(
         ErrorCode::kConfig, "source '" + s.name + "' does not say its format", Place("format"),
-        "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc, amass, expmap, phspd, vibe_tracks, uestc "
-        "or humanact12_pickle");
+        "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc, amass, expmap, phspd, vibe_tracks, uestc, "
+        "humanact12_pickle, openpose, depth_views or panoptic");
   }
   if (s.files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", Place("files"),
@@ -235,6 +296,9 @@ Status CheckSource(const SourceOptions& s) {
   }
   if (s.format == SourceFormat::kJointTable) {
     if (Status table = CheckTable(s); !table) return table;
+  }
+  if (IsGathered(s.format)) {
+    if (Status gathered = CheckGathered(s); !gathered) return gathered;
   }
   if (s.format == SourceFormat::kNtuSkeleton) {
     if (Status bodies = CheckBodies(s); !bodies) return bodies;

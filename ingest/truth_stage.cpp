@@ -74,7 +74,8 @@ Expected<Motion> TruthMotion(const DepthSequenceTruth& truth, const SkeletonPtr&
     MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(truth.frames),
                        static_cast<std::size_t>(truth.joints));
   }
-  Motion motion = MakeMotion(*body, FrameRate::FromHz(truth.fps), std::move(root), std::move(rotation), {});
+  Motion motion = MakeMotion(*body, truth.fps > 0.0 ? FrameRate::FromHz(truth.fps) : FrameRate{1, 1}, std::move(root),
+                             std::move(rotation), {});
   if (Status ok = CompareJoints(truth, motion, world_from_rig, name); !ok) return Forward(ok);
   return motion;
 }

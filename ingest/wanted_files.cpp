@@ -20,7 +20,11 @@ std::vector<WantedFile> Named(const IngestOptions& ingest) {
     if (told.insert(pattern).second)
       wanted.push_back({pattern, explained != ingest.expected.end() ? explained->second : what, 0});
   };
-  if (source.container.empty()) want(source.files, "a clip each");
+  if (source.container.empty()) {
+    want(source.files, IsGathered(source.format) ? "a clip together, but for {camera} and {frame}" : "a clip each");
+  }
+  for (const std::string& file : source.calibration) want(file, "calibration of the cameras");
+  want(source.mask_files, "masks of the person");
   want(source.container, "all clips");
   want(source.skeleton_files, "skeletons of the motions");
   want(source.depth_files, "depth images");

@@ -29,7 +29,7 @@ Expected<RigidTransform> Extrinsics(const JsonPlace& place) {
   return RigidTransform{Quaterniond(NearestRotation(*rotation)).normalized(), *t};
 }
 
-Expected<DepthSequenceView> View(const JsonPlace& place, const std::string& name) {
+Expected<DepthSequenceView> View(const JsonPlace& place, const std::string& name, bool moment) {
   DepthSequenceView view;
   view.name = name;
   const Expected<RigidTransform> extrinsics = Extrinsics(place);
@@ -39,6 +39,7 @@ Expected<DepthSequenceView> View(const JsonPlace& place, const std::string& name
   if (!intrinsics) return Forward(intrinsics);
   view.fx = (*intrinsics)[0], view.fy = (*intrinsics)[1], view.cx = (*intrinsics)[2], view.cy = (*intrinsics)[3];
   if (view.fx <= 0.0 || view.fy <= 0.0) return place.Bad("focal lengths must be positive");
+  if (moment && !place.Has("size")) return view;
   const Expected<std::vector<double>> size = NumbersAt(place, "size", 2);
   if (!size) return Forward(size);
   for (const double side : *size) {
@@ -82,6 +83,8 @@ Expected<Document> Open(std::string_view bytes, const std::string& name) {
   if (!value) return Forward(value);
   document.value = std::move(*value);
   const JsonPlace root{&document.value, "", &name};
+  document.frames = 1;
+  if (document.value.is_object() && !root.Has("fps") && !root.Has("frames")) return document;
   const Expected<JsonPlace> fps = root.Key("fps");
   if (!fps) return Forward(fps);
   const Expected<double> rate = fps->Number();
@@ -94,6 +97,29 @@ Expected<Document> Open(std::string_view bytes, const std::string& name) {
   document.fps = *rate;
   document.frames = *frames;
   return document;
+}
+
+/// Appends one frame's translation_added, rotvec24 and joints_m.
+Status ReadTruthFrame(const JsonPlace& frame, DepthSequenceTruth& truth) {
+  const Expected<JsonPlace> translation = frame.Key("translation_added");
+  if (!translation) return Forward(translation);
+  const Expected<Vector3d> t = translation->Vector();
+  if (!t) return Forward(t);
+  truth.translation.push_back(*t);
+  for (const auto& [key, target] : {std::pair{"rotvec24", &truth.rotation_vector}, {"joints_m", &truth.joint}}) {
+    const Expected<JsonPlace> rows = frame.Key(key);
+    if (!rows) return Forward(rows);
+    if (!rows->value->is_array() || rows->value->empty()) return rows->Bad("rows of 3 numbers are expected");
+    const int count = static_cast<int>(rows->value->size());
+    if (truth.joints == 0) truth.joints = count;
+    if (count != truth.joints) return rows->Bad(std::to_string(truth.joints) + " rows are expected");
+    for (std::size_t j = 0; j < rows->value->size(); ++j) {
+      const Expected<Vector3d> row = rows->Item(j).Vector();
+      if (!row) return Forward(row);
+      target->push_back(*row);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -111,7 +137,8 @@ Expected<DepthSequence> ParseDepthSequence(std::string_view bytes, const std::st
   if (!views) return Forward(views);
   if (!views->value->is_object() || views->value->empty()) return views->Bad("at least one view is expected");
   for (const auto& item : views->value->items()) {
-    Expected<DepthSequenceView> view = View({&item.value(), views->path + "/" + item.key(), &name}, item.key());
+    Expected<DepthSequenceView> view =
+        View({&item.value(), views->path + "/" + item.key(), &name}, item.key(), sequence.fps == 0.0);
     if (!view) return Forward(view);
     sequence.views.push_back(std::move(*view));
   }
@@ -125,8 +152,17 @@ Expected<DepthSequenceTruth> ParseDepthSequenceTruth(std::string_view bytes, con
   const Expected<Document> document = Open(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&document->value, "", &name};
-  if (!document->value.contains("frames_data")) {
-    return Fail(ErrorCode::kNotFound, "the file carries no truth (frames_data)", name);
+  const bool moment = document->fps == 0.0;
+  const char* key = moment ? "rotvec24" : "frames_data";
+  if (!document->value.contains(key)) {
+    return Fail(ErrorCode::kNotFound, "the file carries no truth (" + std::string(key) + ")", name);
+  }
+  DepthSequenceTruth truth;
+  truth.fps = document->fps;
+  truth.frames = document->frames;
+  if (moment) {
+    if (Status read = ReadTruthFrame(root, truth); !read) return Forward(read);
+    return truth;
   }
   const Expected<JsonPlace> list = root.Key("frames_data");
   if (!list->value->is_array() || list->value->size() != static_cast<std::size_t>(document->frames)) {
@@ -134,29 +170,8 @@ Expected<DepthSequenceTruth> ParseDepthSequenceTruth(std::string_view bytes, con
                 "frames_data does not hold the " + std::to_string(document->frames) + " frames the file announces",
                 name + ":" + list->path);
   }
-  DepthSequenceTruth truth;
-  truth.fps = document->fps;
-  truth.frames = document->frames;
   for (std::size_t f = 0; f < list->value->size(); ++f) {
-    const JsonPlace frame = list->Item(f);
-    const Expected<JsonPlace> translation = frame.Key("translation_added");
-    if (!translation) return Forward(translation);
-    const Expected<Vector3d> t = translation->Vector();
-    if (!t) return Forward(t);
-    truth.translation.push_back(*t);
-    for (const auto& [key, target] : {std::pair{"rotvec24", &truth.rotation_vector}, {"joints_m", &truth.joint}}) {
-      const Expected<JsonPlace> rows = frame.Key(key);
-      if (!rows) return Forward(rows);
-      if (!rows->value->is_array() || rows->value->empty()) return rows->Bad("rows of 3 numbers are expected");
-      const int count = static_cast<int>(rows->value->size());
-      if (truth.joints == 0) truth.joints = count;
-      if (count != truth.joints) return rows->Bad(std::to_string(truth.joints) + " rows are expected");
-      for (std::size_t j = 0; j < rows->value->size(); ++j) {
-        const Expected<Vector3d> row = rows->Item(j).Vector();
-        if (!row) return Forward(row);
-        target->push_back(*row);
-      }
-    }
+    if (Status read = ReadTruthFrame(list->Item(f), truth); !read) return Forward(read);
   }
   return truth;
 }

@@ -14,7 +14,7 @@ struct DepthSequenceView {
   std::string name;
   RigidTransform camera_from_rig;
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  int width = 0, height = 0;
+  int width = 0, height = 0;  ///< 0: the file of one moment does not say it
 };
 
 /// Labelled frames, both ends included.
@@ -25,9 +25,10 @@ struct DepthSequenceLabel {
 };
 
 /// A JSON description of synchronous depth views: keys fps, frames, views.NAME.{R_p_to_d, t_m, fx_fy_cx_cy, size},
-/// labels[].{action, first, last}, and words about body, frame and floor.
+/// labels[].{action, first, last}, and words about body, frame and floor. Without fps and frames it is of one moment,
+/// and views need no size.
 struct DepthSequence {
-  double fps = 0.0;
+  double fps = 0.0;  ///< 0: one moment
   int frames = 0;
   std::string body;
   std::string floor;
@@ -35,7 +36,7 @@ struct DepthSequence {
   std::vector<DepthSequenceLabel> labels;
 };
 
-/// The truth that stands in the same file (frames_data), in the rig's frame.
+/// The truth that stands in the same file (frames_data; of one moment at the top), in the rig's frame.
 struct DepthSequenceTruth {
   double fps = 0.0;
   int frames = 0;

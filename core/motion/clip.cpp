@@ -8,9 +8,11 @@ std::string ClipIdentity::id() const {
 
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence) {
   for (DepthView& view : evidence.depth_views) {
-    for (std::filesystem::path& file : view.files) {
-      const auto found = files.find(file.string());
-      if (found != files.end()) file = found->second;
+    for (auto* paths : {&view.files, &view.masks}) {
+      for (std::filesystem::path& file : *paths) {
+        const auto found = files.find(file.string());
+        if (found != files.end()) file = found->second;
+      }
     }
   }
 }

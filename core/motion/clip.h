@@ -52,6 +52,10 @@ struct DepthView {
   std::vector<std::string> sha256;           ///< (F)
   std::vector<double> time_s;                ///< (F)
   double metres_per_unit = 0.001;
+  /// (F) or none: images of the same size, 8-bit PNG or JPEG, 128 and more where the person is. The rest is not of her
+  /// and may stand elsewhere: a person who turns before a fixed sensor is seen from all sides, the room is not.
+  std::vector<std::filesystem::path> masks;
+  std::vector<std::string> mask_sha256;  ///< (F) or none
 };
 
 /// People whom a detector found in the images of one calibrated camera. F images, P people (the most that one image
@@ -87,7 +91,7 @@ struct Evidence {
 /// camera and the place.
 Status CheckKeypoints(const Evidence& evidence);
 
-/// Depth images are referred to by their names in the source's folder; `files` says where each lies now.
+/// Depth images and masks are referred to by their names in the source's folder; `files` says where each lies now.
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence);
 
 struct Clip {

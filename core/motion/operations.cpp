@@ -74,6 +74,8 @@ void CutView(DepthView& view, const Span& span) {
   if (view.time_s.empty()) return;
   const Rows rows = RowsOf(span, view.time_s);
   KeepRows(view.sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  KeepRows(view.masks, static_cast<int>(view.files.size()), rows.begin, rows.end);
+  KeepRows(view.mask_sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
   KeepRows(view.files, static_cast<int>(view.files.size()), rows.begin, rows.end);
   CutTimes(view.time_s, rows, span.begin_s);
 }

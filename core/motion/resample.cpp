@@ -129,6 +129,8 @@ void ResampleView(DepthView& view, FrameRate rate) {
   const int frames = static_cast<int>(view.files.size());
   view.files = Nearer(view.files, frames, places);
   view.sha256 = Nearer(view.sha256, frames, places);
+  view.masks = Nearer(view.masks, frames, places);
+  view.mask_sha256 = Nearer(view.mask_sha256, frames, places);
   view.time_s = times;
 }
 

@@ -51,6 +51,15 @@ Camera CameraFrom(const Content& content, const std::string& group, std::size_t 
 
 Status CheckDepth(const std::vector<DepthView>& views) {
   for (const DepthView& view : views) {
+    const bool masks =
+        (view.masks.empty() || view.masks.size() == view.files.size()) && view.mask_sha256.size() == view.masks.size();
+    if (!masks) {
+      return Fail(ErrorCode::kInconsistent,
+                  "view has " + std::to_string(view.files.size()) + " depth images, " +
+                      std::to_string(view.masks.size()) + " masks and " + std::to_string(view.mask_sha256.size()) +
+                      " hashes of masks",
+                  view.camera.name);
+    }
     if (view.sha256.size() == view.files.size() && view.time_s.size() == view.files.size()) continue;
     return Fail(ErrorCode::kInconsistent,
                 "view has " + std::to_string(view.files.size()) + " depth images, " +
@@ -58,6 +67,23 @@ Status CheckDepth(const std::vector<DepthView>& views) {
                 view.camera.name);
   }
   return {};
+}
+
+void PackMasks(const std::vector<DepthView>& views, Content& content) {
+  std::vector<std::string> paths;
+  std::vector<std::string> hashes;
+  bool any = false;
+  for (const DepthView& view : views) {
+    any = any || !view.masks.empty();
+    for (std::size_t i = 0; i < view.files.size(); ++i) {
+      paths.push_back(view.masks.empty() ? "" : view.masks[i].native());
+      hashes.push_back(view.masks.empty() ? "" : view.mask_sha256[i]);
+    }
+  }
+  if (!any) return;
+  const std::uint64_t D = paths.size();
+  content.Put("/depth_masks/path", {D}, std::move(paths));
+  content.Put("/depth_masks/sha256", {D}, std::move(hashes));
 }
 
 void PackDepth(const std::vector<DepthView>& views, Content& content) {
@@ -81,6 +107,19 @@ void PackDepth(const std::vector<DepthView>& views, Content& content) {
   content.Put("/depth/path", {D}, std::move(paths));
   content.Put("/depth/sha256", {D}, std::move(hashes));
   content.Put("/depth/time_s", {D}, std::move(times));
+  PackMasks(views, content);
+}
+
+/// Masks of the images [next, next + files), if they have any.
+void UnpackMasks(const Content& content, std::size_t next, DepthView& view) {
+  if (!content.Has("/depth_masks/path") || view.files.empty()) return;
+  const auto& paths = content.Values<std::string>("/depth_masks/path");
+  const auto& hashes = content.Values<std::string>("/depth_masks/sha256");
+  if (paths[next].empty()) return;
+  for (std::size_t i = next; i < next + view.files.size(); ++i) {
+    view.masks.emplace_back(paths[i]);
+    view.mask_sha256.push_back(hashes[i]);
+  }
 }
 
 std::vector<DepthView> UnpackDepth(const Content& content) {
@@ -96,6 +135,7 @@ std::vector<DepthView> UnpackDepth(const Content& content) {
       view.sha256.push_back(content.Values<std::string>("/depth/sha256")[next]);
       view.time_s.push_back(content.Values<double>("/depth/time_s")[next]);
     }
+    UnpackMasks(content, next - view.files.size(), view);
     views.push_back(std::move(view));
   }
   return views;

@@ -184,6 +184,10 @@ void AddEvidence(std::vector<Field>& fields) {
            "16-bit PNG files of view 0, then view 1, ...; bytes as the system has them")
       .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty")
       .Add("time_s", kF8, {"D"}, "s", RisingPerView(), "time of each image");
+  Group(fields, "/depth_masks", Presence::kGroup)
+      .Add("path", kText, {"D"}, "", Anything(),
+           "8-bit PNG or JPEG per depth image, 128 and more where the person is; empty: the image has none")
+      .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty");
   Group(fields, "/keypoints", Presence::kGroup)
       .Add("names", kText, {"E"}, "", UniqueNames(), "points of the detector's layout")
       .Add("subject", kI4, {"1"}, "", AtLeast(0), "which of the people seen the clip is of, 0 the most present")

@@ -18,6 +18,34 @@ namespace {
 
 constexpr int kNormalNeighbours = 16;
 
+/// `hash`: of the file when it was ingested, or empty.
+Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash) {
+  if (hash.empty()) return {};
+  const Expected<std::string> now = Sha256OfFile(file);
+  if (!now) return Forward(now);
+  if (*now == hash) return {};
+  return Fail(ErrorCode::kInconsistent, "the file has changed since it was ingested", file.string(), "ingest it again");
+}
+
+/// What is not of the person is taken as not measured.
+Status ApplyMask(const DepthView& view, int frame, DepthImage& image) {
+  if (view.masks.empty()) return {};
+  const std::filesystem::path& file = view.masks[frame];
+  const Expected<PixelMask> mask = ReadPixelMask(file);
+  if (!mask) return Forward(mask);
+  if (mask->width != image.width || mask->height != image.height) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(mask->width) + " x " + std::to_string(mask->height) + " pixels, the depth image has " +
+                    std::to_string(image.width) + " x " + std::to_string(image.height),
+                file.string(), "does the mask belong to this image?");
+  }
+  if (Status same = CheckUnchanged(file, view.mask_sha256[frame]); !same) return same;
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (mask->inside[i] == 0) image.values[i] = 0;
+  }
+  return {};
+}
+
 Status CheckImage(const DepthView& view, int frame, const DepthImage& image) {
   const std::string file = view.files[frame].string();
   if (image.width != view.camera.width || image.height != view.camera.height) {
@@ -27,11 +55,7 @@ Status CheckImage(const DepthView& view, int frame, const DepthImage& image) {
                     std::to_string(view.camera.height),
                 file, "does the image belong to this camera?");
   }
-  if (static_cast<int>(view.sha256.size()) <= frame || view.sha256[frame].empty()) return {};
-  const Expected<std::string> hash = Sha256OfFile(view.files[frame]);
-  if (!hash) return Forward(hash);
-  if (*hash == view.sha256[frame]) return {};
-  return Fail(ErrorCode::kInconsistent, "the file has changed since it was ingested", file, "ingest it again");
+  return CheckUnchanged(view.files[frame], static_cast<int>(view.sha256.size()) > frame ? view.sha256[frame] : "");
 }
 
 /// Sorted copy of a cloud: Open3D's order of voxels comes from a hash map.
@@ -68,9 +92,10 @@ FusedCloud ThinAndClean(const open3d::geometry::PointCloud& cloud, const FusionO
 }  // namespace
 
 Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame) {
-  const Expected<DepthImage> image = ReadDepthImage(view.files[frame]);
+  Expected<DepthImage> image = ReadDepthImage(view.files[frame]);
   if (!image) return Forward(image);
   if (Status fits = CheckImage(view, frame, *image); !fits) return Forward(fits);
+  if (Status masked = ApplyMask(view, frame, *image); !masked) return Forward(masked);
   const auto is_measured = [](std::uint16_t value) { return value != 0; };
   Eigen::Matrix3Xd points(3, std::count_if(image->values.begin(), image->values.end(), is_measured));
   const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);

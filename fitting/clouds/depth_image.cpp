@@ -6,6 +6,7 @@
 
 #include <cstring>
 #include <exception>
+#include <fstream>
 #include <string>
 
 namespace mocurate {
@@ -23,13 +24,47 @@ bool ReadPng(const std::filesystem::path& path, open3d::geometry::Image& image) 
   }
 }
 
+bool ReadJpeg(const std::filesystem::path& path, open3d::geometry::Image& image) {
+  Silence();
+  try {
+    return open3d::io::ReadImageFromJPG(path.string(), image) && image.HasData();
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+bool IsPng(const std::filesystem::path& path) {
+  char head[4] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof head);
+  return std::memcmp(head, "\x89PNG", sizeof head) == 0;
+}
+
+Status Exists(const std::filesystem::path& path, const char* what) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error)) return {};
+  return Fail(ErrorCode::kNotFound, std::string("the ") + what + " does not exist", path.string(),
+              "is the folder complete?");
+}
+
 }  // namespace
 
-Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    return Fail(ErrorCode::kNotFound, "the depth image does not exist", path.string(), "is the folder complete?");
+Expected<PixelMask> ReadPixelMask(const std::filesystem::path& path) {
+  if (Status there = Exists(path, "mask"); !there) return Forward(there);
+  open3d::geometry::Image image;
+  if (!(IsPng(path) ? ReadPng(path, image) : ReadJpeg(path, image))) {
+    return Fail(ErrorCode::kUnreadable, "no PNG or JPEG image, or a damaged one", path.string());
   }
+  if (image.bytes_per_channel_ != 1) {
+    return Fail(ErrorCode::kMalformed, "a mask has channels of 8 bits", path.string());
+  }
+  PixelMask mask{image.width_, image.height_, {}};
+  const auto channels = static_cast<std::size_t>(image.num_of_channels_);
+  for (std::size_t i = 0; i < image.data_.size(); i += channels) mask.inside.push_back(image.data_[i] >= 128 ? 1 : 0);
+  return mask;
+}
+
+Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path) {
+  if (Status there = Exists(path, "depth image"); !there) return Forward(there);
   open3d::geometry::Image image;
   if (!ReadPng(path, image)) {
     return Fail(ErrorCode::kUnreadable, "no PNG image, or a damaged one", path.string());

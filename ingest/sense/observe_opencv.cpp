@@ -129,6 +129,14 @@ Status SetPinhole(const Storage& storage, const std::string& key, CalibratedView
   return fault.empty() ? Status() : Fail(ErrorCode::kMalformed, fault, storage.file + ":" + key);
 }
 
+/// k1 k2 p1 p2, and k3 where there is one.
+Status SetDistortion(const Storage& storage, const std::string& key, CalibratedView& view) {
+  const auto k = storage.Get(key, 4, 5);
+  if (!k) return Forward(k);
+  view.distortion = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], k->size() > 4 ? (*k)[4] : 0.0};
+  return {};
+}
+
 Status SetPose(const Storage& storage, const std::string& matrix_key, const std::string& vector_key,
                const std::string& t_key, CalibratedView& view) {
   const bool has_matrix = storage.numbers.count(matrix_key) > 0;
@@ -182,6 +190,7 @@ Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std
     CalibratedView view;
     view.name = name;
     if (Status set = SetPinhole(*intrinsic, "K_" + name, view); !set) return Forward(set);
+    if (Status set = SetDistortion(*intrinsic, "dist_" + name, view); !set) return Forward(set);
     if (Status set = SetPose(*extrinsic, "Rot_" + name, "R_" + name, "T_" + name, view); !set) return Forward(set);
     for (const auto& [key, side] : {std::pair{"W_", &view.width}, {"H_", &view.height}}) {
       const auto size = intrinsic->numbers.find(key + name);

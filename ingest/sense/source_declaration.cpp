@@ -11,6 +11,7 @@
 #include "core/base/text.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_votes.h"
+#include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sources/pattern.h"
 
@@ -22,7 +23,6 @@ using Json = nlohmann::json;
 constexpr double kFacingHabit = 0.6;   // share of votes that face one way, below which facing is no habit of the source
 constexpr double kFewestVoters = 0.1;  // share of clips that must show something, to be believed of all
 constexpr double kOneRate = 0.99;      // share of files that say the same rate
-constexpr std::size_t kTextWidth = 116;
 constexpr std::size_t kMostFindings = 10;
 
 /// Format of an inspection -> ingest.source.format.
@@ -37,84 +37,16 @@ const std::map<std::string, std::string>& Formats() {
                                                              {"depth_sequence", "depth_sequence"},
                                                              {"vibe_tracks", "vibe_tracks"},
                                                              {"vibe_cache", "uestc"},
-                                                             {"humanact12_pickle", "humanact12_pickle"}};
+                                                             {"humanact12_pickle", "humanact12_pickle"},
+                                                             {"openpose", "openpose"},
+                                                             {"panoptic_bodies", "panoptic"},
+                                                             {"depth_still", "depth_sequence"}};
   return formats;
-}
-
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
 }
 
 std::string Rounded(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
 
-class Writer {
- public:
-  explicit Writer(WrittenDeclaration& out) : out_(out) {}
-
-  void Line(const std::string& text) { out_.yaml += text + "\n"; }
-  /// A long comment stands above the value.
-  void Value(const std::string& key, const std::string& value, const std::string& comment) {
-    const std::string line = "    " + key + ": " + value;
-    if (comment.empty()) return Line(line);
-    if (line.size() + comment.size() + 4 <= kTextWidth) return Line(line + "  # " + comment);
-    Comment(comment);
-    Line(line);
-  }
-  void Comment(const std::string& text) {
-    std::string line = "    #";
-    for (const std::string_view word : SplitBlanks(text)) {
-      if (line.size() + word.size() + 1 > kTextWidth) {
-        Line(line);
-        line = "    #";
-      }
-      line += " " + std::string(word);
-    }
-    Line(line);
-  }
-  /// What has to be said and nobody says.
-  void Unknown(const std::string& key, const std::string& why) {
-    out_.unknown.push_back(key);
-    Value(key, Quoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
-  }
-  void UnknownJoints() {
-    out_.unknown.emplace_back("joints");
-    List("joints", {std::string(kFillIn)}, "unknown: names in the order of the file, \"-\" for what is no joint");
-  }
-  void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
-    Comment(comment);
-    std::string line = "    " + key + ": [";
-    for (std::size_t i = 0; i < texts.size(); ++i) {
-      const std::string word = (texts[i] == "-" ? "\"-\"" : texts[i]) + (i + 1 < texts.size() ? "," : "]");
-      if (line.size() + word.size() + 1 > kTextWidth) {
-        Line(line);
-        line = "            ";
-      }
-      line += (line.back() == '[' || line.back() == ' ' ? "" : " ") + word;
-    }
-    Line(line);
-  }
-
- private:
-  WrittenDeclaration& out_;
-};
-
-/// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
-std::optional<std::string> AxesFrom(const std::string& up, bool right) {
-  static const std::map<std::string, std::string> turned = {{"+y", "+x +y +z"}, {"-y", "+x -y -z"}, {"+z", "+x -z +y"},
-                                                            {"-z", "+x +z -y"}, {"+x", "+y -x +z"}, {"-x", "-y +x +z"}};
-  const auto axes = turned.find(up);
-  if (axes == turned.end()) return std::nullopt;
-  std::string text = axes->second;
-  if (!right) text[0] = text[0] == '+' ? '-' : '+';
-  return text;
-}
-
-void WriteAxes(const ClipVotes& source, Writer& writer) {
+void WriteAxes(const ClipVotes& source, DeclarationWriter& writer) {
   const Vote axes = source.Ask("axes");
   const Vote up = source.Ask("up");
   const Vote hand = source.Ask("handedness");
@@ -138,16 +70,17 @@ void WriteAxes(const ClipVotes& source, Writer& writer) {
                      (hand.value.is_null() ? "is not told (" + hand.comment + ")" : hand.value.get<std::string>()));
 }
 
-void WriteUnits(const ClipVotes& source, const std::string& format, Writer& writer) {
+void WriteUnits(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const bool by_format = format == "ntu_skeleton" || format == "amass" || format == "vibe_tracks" ||
                          format == "uestc" || format == "humanact12_pickle" || format == "depth_sequence";
+  if (format == "panoptic") return writer.Line("    # units: centimetres, declared by the format");
   if (by_format) return writer.Line("    # units: metres, declared by the format");
   const Vote units = source.Ask("units");
   if (units.value.is_null()) return writer.Unknown("units", units.comment);
   writer.Value("units", Quoted(units.value), units.comment);
 }
 
-void WriteRate(const ClipVotes& source, const std::string& format, Writer& writer) {
+void WriteRate(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const Vote rate = source.Ask("rate_hz");
   if (!rate.value.is_null() && rate.share < kOneRate) {
     return writer.Comment("rate: each file says its own, most " + FormatDouble(rate.value.get<double>()) + " Hz");
@@ -169,7 +102,7 @@ std::vector<std::string> JointsOf(const Json& clip) {
   return joints;
 }
 
-void WriteSkeleton(const ClipVotes& source, const std::string& format, Writer& writer) {
+void WriteSkeleton(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const Vote skeleton = source.Ask("skeleton");
   const bool own = skeleton.value.is_string() && skeleton.value.get<std::string>().rfind("own tree", 0) == 0;
   if (format == "bvh" || format == "asf_amc") {
@@ -191,7 +124,7 @@ void WriteSkeleton(const ClipVotes& source, const std::string& format, Writer& w
   writer.List("joints", JointsOf(source.Surest("skeleton")), "in the order of the file, as for the skeleton");
 }
 
-void WriteTable(const ClipVotes& source, Writer& writer) {
+void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
   const auto fact = [&](const char* key) {
     for (const std::string& text : source.Facts(key)) {
       if (!text.empty()) return text;
@@ -217,7 +150,7 @@ void WriteTable(const ClipVotes& source, Writer& writer) {
 }
 
 /// NTU's names say everything; how many people a file holds is declared per action.
-void WriteNtuNames(const ClipVotes& source, Writer& writer) {
+void WriteNtuNames(const ClipVotes& source, DeclarationWriter& writer) {
   writer.Value("files", "\"S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton\"",
                "declared by the format");
   writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} tells several people of a file apart");
@@ -251,7 +184,7 @@ void NamePerson(GuessedNames& guessed, std::string& skeletons) {
   if (was_action && guessed.Has("style")) Rename(guessed, skeletons, "style", "action");
 }
 
-void WriteNames(const ClipVotes& source, const std::string& format, Writer& writer) {
+void WriteNames(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   std::vector<std::string> names;
   for (const Json* clip : source.clips()) {
     const std::string file = clip->at("file");
@@ -324,7 +257,7 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspection, const std::fi
   const std::string& format = Formats().at(observed);
   const ClipVotes source(inspection, observed);
   WrittenDeclaration written;
-  Writer writer(written);
+  DeclarationWriter writer(written);
   std::error_code unknown;
   const bool folder = std::filesystem::is_directory(path, unknown);
   writer.Line("# Made by `mocurate config init` from " + std::to_string(source.clips().size()) + " clips of format " +
@@ -338,13 +271,18 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspection, const std::fi
   writer.Line("  source:");
   writer.Value("name", Quoted(name), "a choice: the first part of every clip's id");
   writer.Value("format", format, "declared by the file");
-  WriteNames(source, format, writer);
+  const bool gathered = format == "openpose" || format == "panoptic";
+  if (gathered) {
+    WriteGathered(source, inspection, path, format, writer);
+  } else {
+    WriteNames(source, format, writer);
+  }
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
   writer.Value("licence", "\"\"", "unknown: no file says it");
-  WriteUnits(source, format, writer);
-  WriteAxes(source, writer);
+  if (format != "openpose") WriteUnits(source, format, writer);
+  if (format != "openpose") WriteAxes(source, writer);
   WriteRate(source, format, writer);
-  WriteSkeleton(source, format, writer);
+  if (!gathered) WriteSkeleton(source, format, writer);
   if (format == "joint_table") WriteTable(source, writer);
   std::map<std::string, std::pair<std::size_t, std::string>> findings;
   for (const Json& finding : inspection.at("findings")) {

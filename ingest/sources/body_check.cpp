@@ -26,13 +26,17 @@ HandednessPoints PointsOf(const Skeleton& skeleton) {
 
 HandednessPoints PointsOf(const SourceOptions& source, const JointTracks& tracks) {
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-  return FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
+  const auto find = [&](std::string_view name) -> std::optional<int> {
     const std::optional<int> joint = skeleton && *skeleton ? (*skeleton)->FindJoint(name) : std::nullopt;
     for (std::size_t k = 0; k < tracks.names.size(); ++k) {
       if (tracks.names[k] == name) return static_cast<int>(k);
       if (joint && (*skeleton)->FindJoint(tracks.names[k]) == joint) return static_cast<int>(k);
     }
     return std::nullopt;
+  };
+  return FindHandednessPoints([&](std::string_view name) {
+    const std::optional<int> point = find(name);
+    return point || name != "head" ? point : find("nose");  // detectors' layouts have no head
   });
 }
 

@@ -6,6 +6,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/formats/depth_sequence.h"
+#include "ingest/sources/depth_header.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -20,11 +21,12 @@ Expected<std::map<std::string, FilesOfView>> SortFiles(const SourceFile& file) {
   std::map<std::string, FilesOfView> views;
   for (const StageInput& input : file.depth_files) {
     const std::optional<NameFields> fields = pattern->Match(input.name);
-    if (!fields || fields->count("view") == 0 || fields->count("frame") == 0) {
-      return Fail(ErrorCode::kConfig, "'" + file.source.depth_files + "' gives no {view} and {frame} for " + input.name,
+    if (!fields || fields->count("view") == 0) {
+      return Fail(ErrorCode::kConfig, "'" + file.source.depth_files + "' gives no {view} for " + input.name,
                   "ingest.source.depth_files", "e.g. 'depth/{view}_{frame:4}.png'");
     }
-    const std::optional<long long> frame = ParseInteger(fields->at("frame"));
+    const auto number = fields->find("frame");
+    const std::optional<long long> frame = number == fields->end() ? 0 : ParseInteger(number->second);
     if (!frame) continue;
     views[fields->at("view")][*frame] = &input;
   }
@@ -61,6 +63,9 @@ Expected<DepthView> MakeView(const SourceFile& file, const DepthSequence& sequen
                   file.name, "check ingest.source.depth_files, or the folder is incomplete");
     }
     const StageInput& input = *found->second;
+    if (f == 0 && made.camera.width == 0) {
+      if (Status sized = SetImageSize(input, made.camera); !sized) return Forward(sized);
+    }
     std::string hash = input.sha256;
     if (hash.empty()) {
       Expected<std::string> computed = Sha256OfFile(input.path);
@@ -90,7 +95,10 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   if (!views) return Forward(views);
   IngestedClip ingested;
   Clip& clip = ingested.clip;
-  clip.rate = FrameRate::FromHz(sequence->fps);
+  if (sequence->fps > 0.0)
+    clip.rate = FrameRate::FromHz(sequence->fps);
+  else
+    clip.rate = {1, 1};  // one moment has none
   const RigidTransform world_from_rig{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
   const long long first = FirstNumber(*sequence, *views);
   for (const DepthSequenceView& view : sequence->views) {

@@ -57,7 +57,9 @@ struct SourceFile {
   const std::string& name;
   const std::string& bytes;
   std::vector<StageInput> depth_files;
-  std::string skeleton_name = {};  ///< asf_amc: the .asf
+  std::vector<StageInput> frame_files = {};   ///< of a gathered clip: openpose, panoptic
+  std::vector<StageInput> calibrations = {};  ///< openpose, depth_views
+  std::string skeleton_name = {};             ///< asf_amc: the .asf
   std::string skeleton_bytes = {};
   std::string annotation = {};           ///< amass: JSON of one BABEL sequence, or empty
   std::filesystem::path container = {};  ///< the file that holds this clip among others; `bytes` is empty then
@@ -115,6 +117,19 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file);
 /// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
 /// places recorded; on another the places alone.
 Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file);
+
+/// JSON files of a detector, one per camera and frame, and the calibration of the cameras -> keypoint views in the
+/// canonical world, everybody who is seen. Frames without a file, or with one that cannot be read, are frames in which
+/// nobody is seen: findings "frames_missing", "unreadable_frames" per camera. "camera_not_calibrated",
+/// "camera_without_files": files and calibration that do not belong together by name. The order of the points is
+/// declared or measured; "keypoints_contradiction" where the bones speak against the declaration.
+Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file);
+
+/// Depth images of one camera each, with calibration and masks -> depth views by reference.
+Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file);
+
+/// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, by how long they are there.
+Expected<IngestedClip> ReadPanopticClip(const SourceFile& file);
 
 /// Appends a finding "rate_contradiction" where the file's rate is not the declared one.
 void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings);

@@ -151,6 +151,8 @@ void ExpectSameEvidence(const Evidence& read, const Evidence& written) {
     const DepthView& b = written.depth_views[i];
     EXPECT_EQ(a.files, b.files);
     EXPECT_EQ(a.sha256, b.sha256);
+    EXPECT_EQ(a.masks, b.masks);
+    EXPECT_EQ(a.mask_sha256, b.mask_sha256);
     EXPECT_EQ(a.time_s, b.time_s);
     EXPECT_EQ(a.camera.name, b.camera.name);
     EXPECT_EQ(a.camera.width, b.camera.width);

@@ -1,0 +1,101 @@
+#include "ingest/gathered_files.h"
+
+#include <algorithm>
+
+namespace mocurate {
+namespace {
+
+NameFields OfClip(NameFields fields) {
+  fields.erase("camera");
+  fields.erase("frame");
+  fields.erase("-");
+  return fields;
+}
+
+}  // namespace
+
+int GatheredFiles::Depth(const SourceOptions& source) {
+  int depth = DepthOf(source.mask_files);
+  for (const std::string& file : source.calibration) depth = std::max(depth, DepthOf(file));
+  return depth;
+}
+
+Expected<GatheredFiles> GatheredFiles::Of(const SourceOptions& source, const NamePattern& pattern,
+                                          const std::vector<FolderFile>& files) {
+  GatheredFiles gathered;
+  if (!IsGathered(source.format)) return gathered;
+  gathered.source_ = &source;
+  gathered.files_ = &files;
+  for (const std::string& text : source.calibration) {
+    Expected<NamePattern> calibration = NamePattern::Parse(text, "ingest.source.calibration");
+    if (!calibration) return Forward(calibration);
+    gathered.calibrations_.push_back(std::move(*calibration));
+  }
+  if (!source.mask_files.empty()) {
+    Expected<NamePattern> masks = NamePattern::Parse(source.mask_files, "ingest.source.mask_files");
+    if (!masks) return Forward(masks);
+    gathered.masks_.push_back(std::move(*masks));
+  }
+  std::map<NameFields, std::string> first;
+  for (const FolderFile& file : files) {
+    const auto matches = [&](const NamePattern& companion) { return companion.Match(file.name).has_value(); };
+    if (std::any_of(gathered.calibrations_.begin(), gathered.calibrations_.end(), matches) ||
+        std::any_of(gathered.masks_.begin(), gathered.masks_.end(), matches)) {
+      gathered.others_.insert(file.name);
+      continue;
+    }
+    const std::optional<NameFields> fields = pattern.Match(file.name);
+    if (!fields) continue;
+    const auto [clip, fresh] = first.emplace(OfClip(*fields), file.name);
+    if (!fresh) gathered.others_.insert(file.name);
+    gathered.clips_[clip->second].push_back(&file);
+  }
+  return gathered;
+}
+
+bool GatheredFiles::BelongsToAnother(const std::string& name) const { return others_.count(name) != 0; }
+
+std::vector<const FolderFile*> GatheredFiles::Companions(const NamePattern& pattern, const NameFields& fields) const {
+  std::vector<const FolderFile*> found;
+  const NameFields clip = OfClip(fields);
+  for (const FolderFile& file : *files_) {
+    const std::optional<NameFields> own = pattern.Match(file.name);
+    if (!own) continue;
+    const bool same = std::all_of(own->begin(), own->end(), [&](const auto& field) {
+      const auto wanted = clip.find(field.first);
+      return wanted == clip.end() || wanted->second == field.second;
+    });
+    if (same) found.push_back(&file);
+  }
+  return found;
+}
+
+Status GatheredFiles::AddInputs(const std::string& first, const NameFields& fields, ItemSpec& item) const {
+  const auto clip = clips_.find(first);
+  if (clip == clips_.end()) return {};
+  item.inputs.clear();
+  const char* role = source_->format == SourceFormat::kDepthViews ? "depth" : "source";
+  for (const FolderFile* file : clip->second) {
+    if (file->problem.empty()) item.inputs.push_back({role, file->name, file->path, ""});
+  }
+  for (const NamePattern& pattern : masks_) {
+    for (const FolderFile* file : Companions(pattern, fields)) {
+      if (file->problem.empty()) item.inputs.push_back({"depth", file->name, file->path, ""});
+    }
+  }
+  for (const NamePattern& pattern : calibrations_) {
+    const std::vector<const FolderFile*> found = Companions(pattern, fields);
+    if (found.empty()) {
+      return Fail(ErrorCode::kNotFound,
+                  "its calibration '" + FillFields(pattern.text(), OfClip(fields)) + "' is not in the folder", first,
+                  "put it there, or mend ingest.source.calibration");
+    }
+    for (const FolderFile* file : found) {
+      if (!file->problem.empty()) return Fail(ErrorCode::kUnreadable, file->problem, file->name);
+      item.inputs.push_back({"calibration", file->name, file->path, ""});
+    }
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/text.h"
+#include "ingest/options.h"
+#include "ingest/sense/clip_votes.h"
+#include "ingest/sense/source_declaration.h"
+
+namespace mocurate {
+
+/// A text as YAML.
+std::string Quoted(const std::string& text);
+
+/// Lines of ingest.source, each value with a comment that says where it comes from.
+class DeclarationWriter {
+ public:
+  explicit DeclarationWriter(WrittenDeclaration& out) : out_(out) {}
+
+  void Line(const std::string& text) { out_.yaml += text + "\n"; }
+  /// A long comment stands above the value.
+  void Value(const std::string& key, const std::string& value, const std::string& comment) {
+    const std::string line = "    " + key + ": " + value;
+    if (comment.empty()) return Line(line);
+    if (line.size() + comment.size() + 4 <= kTextWidth) return Line(line + "  # " + comment);
+    Comment(comment);
+    Line(line);
+  }
+  void Comment(const std::string& text) {
+    std::string line = "    #";
+    for (const std::string_view word : SplitBlanks(text)) {
+      if (line.size() + word.size() + 1 > kTextWidth) {
+        Line(line);
+        line = "    #";
+      }
+      line += " " + std::string(word);
+    }
+    Line(line);
+  }
+  /// What has to be said and nobody says.
+  void Unknown(const std::string& key, const std::string& why) {
+    out_.unknown.push_back(key);
+    Value(key, Quoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
+  }
+  void UnknownList(const std::string& key, const std::string& why) {
+    out_.unknown.push_back(key);
+    List(key, {std::string(kFillIn)}, "unknown: " + why);
+  }
+  void UnknownJoints() { UnknownList("joints", "names in the order of the file, \"-\" for what is no joint"); }
+  void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
+    Comment(comment);
+    std::string line = "    " + key + ": [";
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const std::string word = (texts[i] == "-" ? "\"-\"" : texts[i]) + (i + 1 < texts.size() ? "," : "]");
+      if (line.size() + word.size() + 1 > kTextWidth) {
+        Line(line);
+        line = "            ";
+      }
+      line += (line.back() == '[' || line.back() == ' ' ? "" : " ") + word;
+    }
+    Line(line);
+  }
+
+ private:
+  static constexpr std::size_t kTextWidth = 116;
+  WrittenDeclaration& out_;
+};
+
+/// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
+std::optional<std::string> AxesFrom(const std::string& up, bool right);
+
+/// Names, cameras and keypoints of a source whose clips are many files: of those in the folders that the inspection
+/// names.
+void WriteGathered(const ClipVotes& source, const nlohmann::json& inspection, const std::filesystem::path& path,
+                   const std::string& format, DeclarationWriter& writer);
+
+}  // namespace mocurate

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/base/file.h"
+#include "ingest/sense/declaration_writer.h"
+#include "ingest/sense/gathered_names.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Names of files directly in a folder, sorted, below `path`.
+std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
+                                 const std::set<std::string>& endings) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(path / folder, error), end; !error && at != end; at.increment(error)) {
+    if (endings.count(at->path().extension().string()) == 0) continue;
+    const std::string name = DisplayPath(at->path().filename());
+    names.push_back(folder.empty() ? name : folder + "/" + name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void WriteCalibration(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
+  const Json& cameras = inspection.at("cameras");
+  if (cameras.empty()) {
+    writer.UnknownList("calibration", "no file of cameras is in the folder");
+    writer.Unknown("axes", "nothing says which way is up");
+    return;
+  }
+  const Json& first = cameras.front();
+  const std::string file = first.at("file");
+  if (first.at("format") == "opencv_rig") {
+    writer.List("calibration", FilesIn(path, file, {".yml", ".yaml", ".xml"}), "the files of cameras in the folder");
+  } else {
+    writer.List("calibration", {file}, "the first file of cameras in the folder");
+  }
+  const Json& reading = first.at("reading");
+  if (reading.at("from") == "measured") {
+    writer.Value("camera_pose", reading.at("value"), "measured: " + reading.at("evidence").get<std::string>());
+  }
+  const Json& units = first.at("units");
+  if (units.at("from") == "measured") {
+    writer.Value("units", units.at("value"), "measured: " + units.at("evidence").get<std::string>());
+  }
+  const Json& up = first.at("up");
+  const auto axes = up.at("value").is_string() ? AxesFrom(up.at("value"), true) : std::nullopt;
+  if (axes) {
+    writer.Value("axes", Quoted(*axes),
+                 "up from the cameras: " + up.at("evidence").get<std::string>() + "; which way is front is a choice");
+  } else {
+    writer.Unknown("axes", "the cameras do not agree which way is up");
+  }
+}
+
+}  // namespace
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::optional<std::string> AxesFrom(const std::string& up, bool right) {
+  static const std::map<std::string, std::string> turned = {{"+y", "+x +y +z"}, {"-y", "+x -y -z"}, {"+z", "+x -z +y"},
+                                                            {"-z", "+x +z -y"}, {"+x", "+y -x +z"}, {"-x", "-y +x +z"}};
+  const auto axes = turned.find(up);
+  if (axes == turned.end()) return std::nullopt;
+  std::string text = axes->second;
+  if (!right) text[0] = text[0] == '+' ? '-' : '+';
+  return text;
+}
+
+void WriteGathered(const ClipVotes& source, const Json& inspection, const std::filesystem::path& path,
+                   const std::string& format, DeclarationWriter& writer) {
+  std::set<std::string> folders;
+  for (const Json* clip : source.clips()) folders.insert(clip->at("file").get<std::string>());
+  std::vector<std::string> names;
+  for (const std::string& folder : folders) {
+    const std::vector<std::string> files = FilesIn(path, folder == "." ? "" : folder, {".json"});
+    if (!files.empty()) names.push_back(files.front());
+  }
+  const bool views = format == "openpose";
+  const std::optional<GatheredNames> guessed = GuessGathered(names, views);
+  if (guessed) {
+    writer.Value("files", Quoted(guessed->pattern),
+                 "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
+                     " folders: files that differ in {camera} and {frame} alone are one clip");
+    writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
+                 guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
+  } else {
+    writer.Unknown("files", "the names of the files have no form in common");
+    writer.Unknown("recording", "what the files of a clip have in common");
+  }
+  const int most = source.Ask("people").value.is_number() ? source.Ask("people").value.get<int>() : 1;
+  writer.Value("person", Quoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
+  writer.Value("subjects", views ? "1" : std::to_string(std::max(1, most)),
+               views
+                   ? "a choice: in most files up to " + std::to_string(most) + " people are seen, bystanders among them"
+                   : "measured: most bodies in a file");
+  writer.Value("label", Quoted(""), "unknown: the names do not say it");
+  if (!views) return;
+  WriteCalibration(inspection, path, writer);
+  const Vote layout = source.Ask("skeleton");
+  writer.Value("keypoints", layout.value.is_string() ? layout.value.get<std::string>() : "measured", layout.comment);
+}
+
+}  // namespace mocurate

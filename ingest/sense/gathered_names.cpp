@@ -1,0 +1,78 @@
+#include "ingest/sense/gathered_names.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "core/base/text.h"
+#include "ingest/sources/pattern.h"
+
+namespace mocurate {
+namespace {
+
+bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+bool IsAlnum(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
+
+/// "cam01.0000.json" as "cam01.", "0000", ".json".
+struct Split {
+  std::string before;
+  std::string after;
+};
+
+std::optional<Split> AtFrame(const std::string& file) {
+  const std::size_t dot = std::min(file.rfind('.'), file.size());
+  std::size_t end = dot;
+  while (end > 0 && !IsDigit(file[end - 1])) --end;
+  if (end == 0) return std::nullopt;
+  std::size_t begin = end;
+  while (begin > 0 && IsDigit(file[begin - 1])) --begin;
+  return Split{file.substr(0, begin), file.substr(end)};
+}
+
+/// The beginning that folder and file share, up to its last letter or digit.
+std::string Shared(const std::string& folder, const std::string& file) {
+  std::size_t length = 0;
+  while (length < folder.size() && length < file.size() && folder[length] == file[length]) ++length;
+  while (length > 0 && !IsAlnum(folder[length - 1])) --length;
+  return folder.substr(0, length);
+}
+
+std::string PatternOf(const std::string& name, bool cameras) {
+  const std::vector<std::string_view> parts = SplitText(name, '/');
+  const std::optional<Split> split = AtFrame(std::string(parts.back()));
+  if (!split) return {};
+  const std::string folder(parts.size() > 1 ? parts[parts.size() - 2] : "");
+  const std::size_t above = parts.size() < 2 ? 0 : parts.size() - 2;
+  std::string last = folder.empty() ? "" : "{recording}/";
+  std::string before = split->before;
+  if (cameras && !folder.empty()) {
+    const std::string camera = Shared(folder, before);
+    last = camera.empty() ? "{camera}/" : "{camera}" + folder.substr(camera.size()) + "/";
+    if (!camera.empty()) before = "{camera}" + before.substr(camera.size());
+  }
+  std::string pattern;
+  for (std::size_t i = 0; i < above; ++i) {
+    const bool nearest = i + 1 == above && cameras;
+    pattern += nearest ? "{recording}/" : "{group" + (above > 2 ? std::to_string(i) : std::string()) + "}/";
+  }
+  return pattern + last + before + "{frame}" + split->after;
+}
+
+}  // namespace
+
+std::optional<GatheredNames> GuessGathered(const std::vector<std::string>& files, bool cameras) {
+  GatheredNames best;
+  for (const std::string& file : files) {
+    const std::string text = PatternOf(file, cameras);
+    if (text.empty() || text == best.pattern) continue;
+    const auto pattern = NamePattern::Parse(text, "ingest.source.files");
+    if (!pattern) continue;
+    const auto matching = static_cast<std::size_t>(std::count_if(
+        files.begin(), files.end(), [&](const std::string& name) { return pattern->Match(name).has_value(); }));
+    if (matching <= best.matching) continue;
+    best = {text, text.find("{recording}") != std::string::npos, matching};
+  }
+  if (2 * best.matching < files.size() || best.matching == 0) return std::nullopt;
+  return best;
+}
+
+}  // namespace mocurate

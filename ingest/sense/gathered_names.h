@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mocurate {
+
+/// How the files of clips of many files are named.
+struct GatheredNames {
+  std::string pattern;       ///< "{recording}/{camera}_json/{camera}.{frame}.json"
+  bool recording = false;    ///< the pattern has {recording}
+  std::size_t matching = 0;  ///< names that follow it
+};
+
+/// From one file of each folder: the last digits are the frame, what folder and file have in common before them is the
+/// camera (without `cameras`, the folder is the recording). Empty where less than half of the names are alike.
+std::optional<GatheredNames> GuessGathered(const std::vector<std::string>& files, bool cameras);
+
+}  // namespace mocurate

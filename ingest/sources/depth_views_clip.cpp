@@ -1,0 +1,74 @@
+#include "core/base/sha256.h"
+#include "ingest/sources/depth_header.h"
+#include "ingest/sources/rig_calibration.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+Expected<std::string> HashOf(const StageInput& input) {
+  return input.sha256.empty() ? Sha256OfFile(input.path) : Expected<std::string>(input.sha256);
+}
+
+/// The file of a camera and frame. Error kNotFound.
+Expected<const StageInput*> At(const std::map<std::string, FilesOfCamera>& cameras, const std::string& camera,
+                               long long number, const char* what, const SourceFile& file) {
+  const auto files = cameras.find(camera);
+  if (files != cameras.end()) {
+    const auto found = files->second.find(number);
+    if (found != files->second.end()) return found->second;
+  }
+  return Fail(ErrorCode::kNotFound,
+              "camera '" + camera + "' has no " + what + " of frame number " + std::to_string(number), file.name,
+              "the other cameras have it; mend ingest.source.files, or complete the folder");
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
+  IngestedClip ingested;
+  Expected<Rig> rig = ReadRig(file);
+  if (!rig) return Forward(rig);
+  ingested.findings = rig->findings;
+  ingested.content = rig->content;
+  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.depth_files);
+  if (!cameras) return Forward(cameras);
+  const auto masks = SortByCamera(file.source.mask_files, "ingest.source.mask_files", file.depth_files);
+  if (!masks) return Forward(masks);
+  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  if (!span) return Forward(span);
+  Clip& clip = ingested.clip;
+  clip.rate = FrameRate::FromHz(*file.source.rate_hz);
+  const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings);
+  if (!partners) return Forward(partners);
+  for (const auto& [name, camera] : *partners) {
+    DepthView view;
+    view.camera = *camera;
+    view.camera.name = name;
+    view.metres_per_unit = file.source.depth_unit;
+    for (int f = 0; f < span->frames; ++f) {
+      const auto image = At(*cameras, name, span->first + f, "depth image", file);
+      if (!image) return Forward(image);
+      if (f == 0) {
+        if (Status sized = SetImageSize(**image, view.camera); !sized) return Forward(sized);
+      }
+      const Expected<std::string> hash = HashOf(**image);
+      if (!hash) return Forward(hash);
+      view.files.emplace_back((*image)->name);
+      view.sha256.push_back(*hash);
+      view.time_s.push_back(clip.rate.FrameTime(f));
+      if (file.source.mask_files.empty()) continue;
+      const auto mask = At(*masks, name, span->first + f, "mask", file);
+      if (!mask) return Forward(mask);
+      const Expected<std::string> mask_hash = HashOf(**mask);
+      if (!mask_hash) return Forward(mask_hash);
+      view.masks.emplace_back((*mask)->name);
+      view.mask_sha256.push_back(*mask_hash);
+    }
+    clip.evidence.depth_views.push_back(std::move(view));
+  }
+  clip.provenance["calibration"] = rig->meaning;
+  return ingested;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "core/formats/openpose.h"
+#include "ingest/sense/keypoint_layout_sense.h"
+#include "ingest/sources/rig_calibration.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+using Poses = std::vector<std::vector<DetectedKeypoint>>;  ///< of the people of an image who have a point
+
+/// What one camera's files say.
+struct ViewFrames {
+  const Camera* camera = nullptr;
+  std::vector<Poses> frames;  ///< (F)
+};
+
+bool Seen(const OpenPosePerson& person) {
+  return std::any_of(person.pose.begin(), person.pose.end(), [](const DetectedKeypoint& p) { return p.detected(); });
+}
+
+/// Reads a camera's files. A frame without a file, or with one that cannot be read, is one in which nobody is seen.
+ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span,
+                    std::vector<Finding>& findings, std::string& content) {
+  ViewFrames view;
+  view.frames.resize(static_cast<std::size_t>(span.frames));
+  std::vector<int> missing, broken;
+  std::string problem;
+  for (int f = 0; f < span.frames; ++f) {
+    const auto file = files.find(span.first + f);
+    if (file == files.end()) {
+      missing.push_back(f);
+      continue;
+    }
+    const Expected<std::string> bytes = ReadFile(file->second->path);
+    content += file->second->name + ' ' + (bytes ? Sha256Hex(*bytes) : "unreadable") + '\n';
+    Expected<OpenPoseFrame> frame = bytes ? ParseOpenPose(*bytes, file->second->name) : Forward(bytes);
+    if (!frame) {
+      if (broken.empty()) problem = frame.error().Message();
+      broken.push_back(f);
+      continue;
+    }
+    for (OpenPosePerson& person : frame->people) {
+      if (Seen(person)) view.frames[static_cast<std::size_t>(f)].push_back(std::move(person.pose));
+    }
+  }
+  const auto note = [&](const std::vector<int>& frames, const char* code, const std::string& what) {
+    if (frames.empty()) return;
+    Finding finding = CameraFinding(code, static_cast<double>(frames.size()), what, "nobody is seen there");
+    finding.frame_begin = frames.front();
+    finding.frame_end = frames.back() + 1;
+    findings.push_back(std::move(finding));
+  };
+  const std::string of = " of " + Counted(span.frames, "frame");
+  note(missing, "frames_missing",
+       "camera '" + camera + "' has no file for " + std::to_string(missing.size()) + of + ", the first is number " +
+           std::to_string(span.first + (missing.empty() ? 0 : missing.front())));
+  note(broken, "unreadable_frames",
+       "camera '" + camera + "': the files of " + std::to_string(broken.size()) + of +
+           " cannot be read; the first: " + problem);
+  return view;
+}
+
+const KeypointLayout* LayoutNamed(const std::string& name) {
+  for (const KeypointLayout& layout : KeypointLayouts()) {
+    if (layout.name == name) return &layout;
+  }
+  return nullptr;
+}
+
+/// The declared layout, checked against what the bones say, or the measured one.
+Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vector<ViewFrames>& views,
+                                         IngestedClip& ingested) {
+  std::vector<OpenPosePerson> people;
+  std::map<std::size_t, std::size_t> counts;  // points -> people
+  for (const ViewFrames& view : views) {
+    for (const Poses& poses : view.frames) {
+      for (const auto& pose : poses) ++counts[pose.size()];
+    }
+  }
+  if (counts.empty()) {
+    return Fail(ErrorCode::kInconsistent, "nobody is seen in any of " + Counted(views.size(), "view"), file.name,
+                "are these files of keypoints?");
+  }
+  const auto usual =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (const ViewFrames& view : views) {
+    for (const Poses& poses : view.frames) {
+      for (const auto& pose : poses) {
+        if (pose.size() != usual->first) continue;
+        people.emplace_back();
+        people.back().pose = pose;
+      }
+    }
+  }
+  const Measured measured = SenseKeypointLayout(people);
+  const bool declared = file.source.keypoints != "measured";
+  if (!declared && measured.value.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                "the order of the " + std::to_string(usual->first) + " keypoints is not told: " + measured.evidence,
+                file.name, "write ingest.source.keypoints: the layout's name");
+  }
+  const KeypointLayout* layout = LayoutNamed(declared ? file.source.keypoints : measured.value);
+  if (layout->points.size() != usual->first) {
+    return Fail(ErrorCode::kInconsistent,
+                "people have " + std::to_string(usual->first) + " keypoints, the layout " + layout->name + " has " +
+                    std::to_string(layout->points.size()),
+                file.name, "mend ingest.source.keypoints");
+  }
+  if (!measured.value.empty()) ingested.shown["keypoints_contradiction"] = {measured.value != layout->name, 1.0};
+  if (declared && !measured.value.empty() && measured.value != layout->name) {
+    Finding finding = CameraFinding("keypoints_contradiction", measured.confidence,
+                                    "the source declares keypoints " + layout->name + ", the bones are those of " +
+                                        measured.value + ": " + measured.evidence + "; mend ingest.source.keypoints",
+                                    file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged");
+    finding.severity = Severity::kError;
+    ingested.findings.push_back(std::move(finding));
+  }
+  ingested.clip.provenance["keypoints"] =
+      layout->name + (declared ? " (declared)" : " (measured: " + measured.evidence + ")");
+  return layout;
+}
+
+KeypointView MakeView(const ViewFrames& frames, std::size_t points, FrameRate rate, std::size_t& odd) {
+  KeypointView view;
+  view.camera = *frames.camera;
+  std::size_t most = 0;
+  for (const Poses& poses : frames.frames) most = std::max(most, poses.size());
+  view.people = static_cast<int>(most);
+  view.values.assign(frames.frames.size() * most * points * 3, 0.0);
+  for (std::size_t f = 0; f < frames.frames.size(); ++f) {
+    view.time_s.push_back(rate.FrameTime(static_cast<std::int64_t>(f)));
+    double* value = view.values.data() + f * most * points * 3;
+    for (const auto& pose : frames.frames[f]) {
+      if (pose.size() != points) {
+        ++odd;
+        continue;
+      }
+      for (const DetectedKeypoint& point : pose) {
+        if (point.detected()) {
+          value[0] = point.u_px, value[1] = point.v_px;
+          value[2] = std::min(point.confidence, 1.0);  // peaks of heat maps reach a little beyond
+        }
+        value += 3;
+      }
+    }
+  }
+  return view;
+}
+
+/// Fewer people than clips: what the second best view shows, as one view sees no depth.
+void NoteMissingPeople(const SourceFile& file, const Evidence& evidence, std::vector<Finding>& findings) {
+  std::vector<int> people;
+  for (const KeypointView& view : evidence.keypoint_views) people.push_back(view.people);
+  std::sort(people.rbegin(), people.rend());
+  const int seen = people.size() > 1 ? people[1] : people[0];
+  if (file.named.bodies <= seen) return;
+  findings.push_back(CameraFinding("people_missing", seen,
+                                   std::to_string(file.named.bodies) +
+                                       " people are declared, two views never see more "
+                                       "than " +
+                                       std::to_string(seen) + " at once",
+                                   "flagged"));
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
+  IngestedClip ingested;
+  Expected<Rig> rig = ReadRig(file);
+  if (!rig) return Forward(rig);
+  ingested.findings = rig->findings;
+  ingested.content = rig->content;
+  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
+  if (!cameras) return Forward(cameras);
+  const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings);
+  if (!partners) return Forward(partners);
+  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  if (!span) return Forward(span);
+  std::vector<ViewFrames> views;
+  for (const auto& [name, camera] : *partners) {
+    views.push_back(ReadView(name, cameras->at(name), *span, ingested.findings, ingested.content));
+    views.back().camera = camera;
+  }
+  const auto layout = LayoutOf(file, views, ingested);
+  if (!layout) return Forward(layout);
+  Clip& clip = ingested.clip;
+  clip.rate = FrameRate::FromHz(*file.source.rate_hz);
+  clip.evidence.keypoint_names = (*layout)->points;
+  clip.evidence.subject = file.named.body - 1;
+  std::size_t odd = 0;
+  for (const ViewFrames& view : views) {
+    clip.evidence.keypoint_views.push_back(MakeView(view, (*layout)->points.size(), clip.rate, odd));
+  }
+  if (odd > 0) {
+    ingested.findings.push_back(CameraFinding(
+        "keypoint_count", static_cast<double>(odd),
+        std::to_string(odd) + " people have another number of keypoints than " + (*layout)->name, "taken as not seen"));
+  }
+  NoteMissingPeople(file, clip.evidence, ingested.findings);
+  clip.provenance["calibration"] = rig->meaning;
+  if (Status checked = CheckKeypoints(clip.evidence); !checked) return Forward(checked);
+  return ingested;
+}
+
+}  // namespace mocurate

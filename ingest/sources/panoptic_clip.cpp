@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "core/formats/panoptic_bodies.h"
+#include "ingest/sources/rig_calibration.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kLeastConfidence = 1e-6;  // of a joint that is there: files give a confidence of 0 to some
+
+/// The ids in the files, those that are there longest first.
+std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
+  std::map<int, int> presence;
+  for (const PanopticBodies& frame : frames) {
+    std::set<int> ids;
+    for (const PanopticBody& body : frame.bodies) {
+      if (ids.insert(body.id).second) ++presence[body.id];
+    }
+  }
+  std::vector<int> ids;
+  for (const auto& [id, count] : presence) ids.push_back(id);
+  std::stable_sort(ids.begin(), ids.end(), [&](int a, int b) { return presence.at(a) > presence.at(b); });
+  return ids;
+}
+
+/// (F) frames; one without a file, or with one that cannot be read, holds nobody.
+std::vector<PanopticBodies> ReadFrames(const FilesOfCamera& files, const FrameSpan& span, IngestedClip& ingested) {
+  std::vector<PanopticBodies> frames(static_cast<std::size_t>(span.frames));
+  int missing = 0, broken = 0;
+  std::string problem;
+  for (int f = 0; f < span.frames; ++f) {
+    const auto file = files.find(span.first + f);
+    if (file == files.end()) {
+      ++missing;
+      continue;
+    }
+    const Expected<std::string> bytes = ReadFile(file->second->path);
+    ingested.content += file->second->name + ' ' + (bytes ? Sha256Hex(*bytes) : "unreadable") + '\n';
+    Expected<PanopticBodies> frame = bytes ? ParsePanopticBodies(*bytes, file->second->name) : Forward(bytes);
+    if (frame) {
+      frames[static_cast<std::size_t>(f)] = std::move(*frame);
+    } else if (broken++ == 0) {
+      problem = frame.error().Message();
+    }
+  }
+  const std::string of = " of " + Counted(span.frames, "frame");
+  if (missing > 0) {
+    ingested.findings.push_back(
+        CameraFinding("frames_missing", missing, "there is no file of " + std::to_string(missing) + of, "missing"));
+  }
+  if (broken > 0) {
+    ingested.findings.push_back(CameraFinding(
+        "unreadable_frames", broken,
+        "the files of " + std::to_string(broken) + of + " cannot be read; the first: " + problem, "missing"));
+  }
+  return frames;
+}
+
+/// Frames per second by the files' own clock, between the first and the last that have one.
+double RateOf(const std::vector<PanopticBodies>& frames) {
+  int first = -1, last = -1;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (frames[f].time_ms <= 0.0) continue;
+    if (first < 0) first = static_cast<int>(f);
+    last = static_cast<int>(f);
+  }
+  if (last <= first) return 0.0;
+  const double span = frames[static_cast<std::size_t>(last)].time_ms - frames[static_cast<std::size_t>(first)].time_ms;
+  return span > 0.0 ? 1000.0 * (last - first) / span : 0.0;
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
+  if (!axes) return Forward(axes);
+  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
+  if (!cameras) return Forward(cameras);
+  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  if (!span) return Forward(span);
+  IngestedClip ingested;
+  const std::vector<PanopticBodies> frames = ReadFrames(cameras->begin()->second, *span, ingested);
+  const std::vector<int> ids = RankedIds(frames);
+  if (file.named.body > static_cast<int>(ids.size())) {
+    return Fail(ErrorCode::kInconsistent,
+                "person " + std::to_string(file.named.body) + " is asked for, the files hold " +
+                    std::to_string(ids.size()) + " bodies",
+                file.name, "ingest.source.subjects says how many");
+  }
+  if (static_cast<int>(ids.size()) > file.named.bodies) {
+    ingested.findings.push_back(CameraFinding("bodies_left_out", static_cast<double>(ids.size()),
+                                              "the files hold " + std::to_string(ids.size()) + " bodies, " +
+                                                  std::to_string(file.named.bodies) + " are asked for",
+                                              "those that are there longest are taken"));
+  }
+  const int id = ids[static_cast<std::size_t>(file.named.body - 1)];
+  std::size_t joints = 0;
+  for (const PanopticBodies& frame : frames) {
+    for (const PanopticBody& body : frame.bodies) joints = std::max(joints, body.position_cm.size());
+  }
+  JointTracks tracks;
+  const auto& names = PanopticJointNames();
+  tracks.names.assign(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(joints));
+  tracks.positions = JointPositions(span->frames, static_cast<int>(joints));
+  tracks.confidence.assign(static_cast<std::size_t>(span->frames) * joints, 0.0);
+  Clip& clip = ingested.clip;
+  clip.rate = FrameRate::FromHz(*file.source.rate_hz);
+  for (int f = 0; f < span->frames; ++f) {
+    tracks.time_s.push_back(clip.rate.FrameTime(f));
+    for (const PanopticBody& body : frames[static_cast<std::size_t>(f)].bodies) {
+      for (std::size_t j = 0; body.id == id && j < body.position_cm.size(); ++j) {
+        if (body.confidence[j] < 0.0) continue;
+        tracks.positions.at(f, static_cast<int>(j)) = 0.01 * (axes->canonical_from_source * body.position_cm[j]);
+        tracks.confidence[static_cast<std::size_t>(f) * joints + j] =
+            std::clamp(body.confidence[j], kLeastConfidence, 1.0);
+      }
+    }
+  }
+  if (const double hz = RateOf(frames); hz > 0.0) NoteRate(file.source, hz, ingested.findings);
+  NoteEmptyFrames(tracks, ingested.findings);
+  clip.evidence.tracks = std::move(tracks);
+  clip.provenance["body_id"] = std::to_string(id);
+  return ingested;
+}
+
+}  // namespace mocurate

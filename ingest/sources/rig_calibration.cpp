@@ -1,0 +1,292 @@
+#include "ingest/sources/rig_calibration.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/formats/camera_files.h"
+#include "ingest/sense/calibration_sense.h"
+#include "ingest/sense/observe.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kMostNamed = 5;
+
+/// "cam01, cam02, ... (7 in all)".
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < kMostNamed; ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return names.size() <= kMostNamed ? text : text + ", ... (" + std::to_string(names.size()) + " in all)";
+}
+
+std::string LettersAndDigits(const std::string& text) {
+  std::string kept;
+  for (const char c : text) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter) != 0) kept += static_cast<char>(std::tolower(letter));
+  }
+  return kept;
+}
+
+bool IsOpenCv(const std::string& bytes) {
+  return bytes.rfind("%YAML", 0) == 0 || bytes.find("<opencv_storage>") != std::string::npos;
+}
+
+/// One file per camera: named by the {camera} of its name.
+Expected<Calibration> ReadViews(const std::vector<std::pair<std::string, std::string>>& files,
+                                const NamePattern& pattern) {
+  Calibration all;
+  for (const auto& [name, bytes] : files) {
+    Expected<Calibration> one = ObserveOpenCv({{name, bytes}});
+    if (!one) return Forward(one);
+    const std::optional<NameFields> fields = pattern.Match(name);
+    if (!fields || one->views.size() != 1) {
+      return Fail(ErrorCode::kInconsistent, "one camera is expected, not " + std::to_string(one->views.size()), name);
+    }
+    one->views[0].name = fields->at("camera");
+    all.dialect = one->dialect;
+    all.views.push_back(std::move(one->views[0]));
+  }
+  return all;
+}
+
+Expected<Calibration> ReadFiles(const SourceFile& file, std::string& content) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const StageInput& input : file.calibrations) {
+    Expected<std::string> bytes = ReadFile(input.path);
+    if (!bytes) return Forward(bytes);
+    content += *bytes;
+    files.emplace_back(input.name, std::move(*bytes));
+  }
+  if (files.empty()) {
+    return Fail(ErrorCode::kNotFound, "the clip has no calibration", file.name, "mend ingest.source.calibration");
+  }
+  const std::vector<std::string>& declared = file.source.calibration;
+  const std::vector<std::string> fields = FieldsOf(declared[0]);
+  if (std::find(fields.begin(), fields.end(), "camera") != fields.end()) {
+    const Expected<NamePattern> pattern = NamePattern::Parse(declared[0], "ingest.source.calibration");
+    if (!pattern) return Forward(pattern);
+    return ReadViews(files, *pattern);
+  }
+  if (IsOpenCv(files[0].second)) return ObserveOpenCv(files);
+  if (files.size() > 1) {
+    return Fail(ErrorCode::kConfig, std::to_string(files.size()) + " files calibrate the cameras", files[1].first,
+                "only OpenCV's intri and extri are two; mend ingest.source.calibration");
+  }
+  return ParseCalibration(files[0].second, files[0].first);
+}
+
+/// Where the format is silent, the declaration speaks; where both do and differ, that is a contradiction.
+Status Declare(const SourceOptions& source, Calibration& calibration, std::vector<Finding>& findings) {
+  const std::map<CameraPose, PoseReading> readings = {{CameraPose::kMeasured, PoseReading::kUnknown},
+                                                      {CameraPose::kWorldToCamera, PoseReading::kWorldToCamera},
+                                                      {CameraPose::kCentre, PoseReading::kCentre},
+                                                      {CameraPose::kCameraToWorld, PoseReading::kCameraToWorld}};
+  const PoseReading pose = readings.at(source.camera_pose);
+  const auto contradict = [&](const std::string& message) {
+    Finding finding;
+    finding.code = "calibration_contradiction";
+    finding.severity = Severity::kError;
+    finding.message = message;
+    finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "the declaration is used";
+    findings.push_back(std::move(finding));
+  };
+  if (pose != PoseReading::kUnknown) {
+    if (calibration.reading != PoseReading::kUnknown && calibration.reading != pose) {
+      contradict("a file of the format " + calibration.dialect + " holds " + std::string(Name(calibration.reading)) +
+                 ", the source declares " + std::string(Name(pose)));
+    }
+    calibration.reading = pose;
+  }
+  if (source.units.empty()) return {};
+  const Expected<double> metres = MetresPerUnit(source.units);
+  if (!metres) return Forward(metres);
+  if (calibration.metres_per_unit > 0.0 && std::abs(calibration.metres_per_unit / *metres - 1.0) > 1e-9) {
+    contradict("a file of the format " + calibration.dialect + " has a unit of " +
+               FormatDouble(calibration.metres_per_unit) + " m, the source declares " + source.units);
+  }
+  calibration.metres_per_unit = *metres;
+  return {};
+}
+
+std::string Told(const char* what, const Measured& measured, bool given) {
+  return std::string(what) + " " + measured.value +
+         (given ? "" : " (measured: " + measured.evidence + "; " + RoundedText(measured.confidence, 3) + ")");
+}
+
+/// "+z" as a direction of the source.
+Vector3d Direction(const std::string& axis) {
+  Vector3d direction = Vector3d::Zero();
+  direction[axis.back() - 'x'] = axis[0] == '-' ? -1.0 : 1.0;
+  return direction;
+}
+
+/// The images' top against the declared axes.
+void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Measured& up,
+             std::vector<Finding>& findings) {
+  if (up.value.empty()) return;
+  const double rises = (axes.canonical_from_source * Direction(up.value)).y();
+  if (rises > 0.5) return;
+  Finding finding;
+  finding.code = "up_contradiction";
+  finding.severity = Severity::kError;
+  finding.value = up.confidence;
+  finding.message = "with axes '" + source.axes +
+                    "' the cameras lie on their sides or heads: the top of their images " + "points to " + up.value +
+                    " (" + up.evidence + "); mend ingest.source.axes";
+  finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+  findings.push_back(std::move(finding));
+}
+
+}  // namespace
+
+const Camera* Rig::Find(const SourceOptions& source, const std::string& camera) const {
+  const auto declared = source.cameras.find(camera);
+  const std::string wanted = declared == source.cameras.end() ? camera : declared->second;
+  for (const Camera& own : cameras) {
+    if (own.name == wanted) return &own;
+  }
+  const Camera* alike = nullptr;
+  for (const Camera& own : cameras) {
+    if (declared != source.cameras.end() || LettersAndDigits(own.name) != LettersAndDigits(wanted)) continue;
+    if (alike != nullptr) return nullptr;
+    alike = &own;
+  }
+  return alike;
+}
+
+Expected<Rig> ReadRig(const SourceFile& file) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
+  if (!axes) return Forward(axes);
+  if (axes->handedness() == Handedness::kLeft) {
+    return Fail(ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
+                "a rig of cameras with rotations is right-handed");
+  }
+  Rig rig;
+  Expected<Calibration> calibration = ReadFiles(file, rig.content);
+  if (!calibration) return Forward(calibration);
+  if (Status declared = Declare(file.source, *calibration, rig.findings); !declared) return Forward(declared);
+  const CalibrationSense sense = SenseCalibration(*calibration);
+  const bool pose_given = calibration->reading != PoseReading::kUnknown;
+  if (sense.reading.value.empty() || sense.unit.value.empty()) {
+    const bool pose = sense.reading.value.empty();
+    return Fail(ErrorCode::kInconsistent,
+                std::string(pose ? "what R and t of the cameras mean" : "the unit of length of the cameras") +
+                    " is not told: " + (pose ? sense.reading.evidence : sense.unit.evidence),
+                file.calibrations[0].name,
+                pose ? "write ingest.source.camera_pose: world_to_camera, centre or camera_to_world"
+                     : "write ingest.source.units: m, cm or mm");
+  }
+  rig.meaning =
+      Told("pose", sense.reading, pose_given) + ", " + Told("unit", sense.unit, calibration->metres_per_unit > 0.0);
+  for (const Remark& remark : sense.remarks) {
+    Finding finding;
+    finding.code = remark.code;
+    finding.severity = Severity::kError;
+    finding.value = remark.value;
+    finding.message = remark.message;
+    finding.action = file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    rig.findings.push_back(std::move(finding));
+  }
+  CheckUp(file.source, *axes, sense.up, rig.findings);
+  const RigidTransform world_from_source{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
+  rig.cameras = sense.cameras;
+  for (Camera& camera : rig.cameras) {
+    camera.camera_from_world = camera.camera_from_world * Inverse(world_from_source);
+    camera.camera_from_world.rotation.normalize();
+  }
+  return rig;
+}
+
+Expected<std::map<std::string, FilesOfCamera>> SortByCamera(const std::string& text, const char* option,
+                                                            const std::vector<StageInput>& files) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(text, option);
+  if (!pattern) return Forward(pattern);
+  std::map<std::string, FilesOfCamera> cameras;
+  for (const StageInput& input : files) {
+    const std::optional<NameFields> fields = pattern->Match(input.name);
+    if (!fields) continue;
+    const auto camera = fields->find("camera");
+    const auto frame = fields->find("frame");
+    const std::optional<long long> number = frame == fields->end() ? 0 : ParseInteger(frame->second);
+    if (!number || *number < 0) {
+      return Fail(ErrorCode::kInconsistent, "'" + frame->second + "' is no number of a frame", input.name,
+                  std::string("mend ") + option);
+    }
+    const auto [other, fresh] = cameras[camera == fields->end() ? "" : camera->second].emplace(*number, &input);
+    if (!fresh) {
+      return Fail(ErrorCode::kInconsistent, "the same frame as " + other->second->name, input.name,
+                  "one file per camera and frame is expected");
+    }
+  }
+  return cameras;
+}
+
+Expected<FrameSpan> SpanOf(const std::map<std::string, FilesOfCamera>& cameras, const std::string& name) {
+  constexpr long long kMostGaps = 20;  // frames per file
+  std::optional<long long> first, last;
+  std::size_t most = 0;
+  for (const auto& [camera, files] : cameras) {
+    if (files.empty()) continue;
+    first = std::min(first.value_or(files.begin()->first), files.begin()->first);
+    last = std::max(last.value_or(files.rbegin()->first), files.rbegin()->first);
+    most = std::max(most, files.size());
+  }
+  if (!first) return Fail(ErrorCode::kNotFound, "the clip has no files that can be read", name);
+  if (*last - *first >= kMostGaps * static_cast<long long>(most) + 1000) {
+    return Fail(ErrorCode::kInconsistent,
+                "frames are numbered from " + std::to_string(*first) + " to " + std::to_string(*last) +
+                    ", but a camera has at most " + std::to_string(most),
+                name, "is a file among them that does not belong there? mend ingest.source.files");
+  }
+  return FrameSpan{*first, static_cast<int>(*last - *first + 1)};
+}
+
+Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
+                              const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings) {
+  Partners partners;
+  std::vector<std::string> uncalibrated, unused;
+  for (const auto& [name, files] : cameras) {
+    const Camera* camera = rig.Find(file.source, name);
+    if (camera == nullptr)
+      uncalibrated.push_back(name);
+    else
+      partners.emplace_back(name, camera);
+  }
+  for (const Camera& camera : rig.cameras) {
+    const bool used =
+        std::any_of(partners.begin(), partners.end(), [&](const auto& partner) { return partner.second == &camera; });
+    if (!used) unused.push_back(camera.name);
+  }
+  if (!uncalibrated.empty()) {
+    findings.push_back(CameraFinding("camera_not_calibrated", static_cast<double>(uncalibrated.size()),
+                                     "no calibration is named as the files of " + Listed(uncalibrated) +
+                                         "; ingest.source.cameras says which is theirs",
+                                     "left out"));
+  }
+  if (!unused.empty()) {
+    findings.push_back(CameraFinding("camera_without_files", static_cast<double>(unused.size()),
+                                     "there are no files of the calibrated " + Listed(unused), "left out"));
+  }
+  if (partners.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                "no camera of the files is calibrated: those of the files are " + Listed(uncalibrated) +
+                    ", calibrated are " + Listed(unused),
+                file.calibrations[0].name, "write ingest.source.cameras: {name in the files: name in the calibration}");
+  }
+  return partners;
+}
+
+Finding CameraFinding(const std::string& code, double value, const std::string& message, const std::string& action) {
+  Finding finding;
+  finding.code = code;
+  finding.value = value;
+  finding.message = message;
+  finding.action = action;
+  return finding;
+}
+
+}  // namespace mocurate

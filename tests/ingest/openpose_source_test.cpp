@@ -1,0 +1,330 @@
+// Keypoints of several calibrated cameras as evidence: the Pose2Sim demo, and small recordings of our own in which one
+// thing is wrong.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/formats/openpose.h"
+#include "core/geometry/triangulation.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Pose2Sim : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+};
+
+const ItemSpec* Find(const Discovery& discovery, const std::string& item) {
+  for (const ItemSpec& candidate : discovery.items) {
+    if (candidate.item == item) return &candidate;
+  }
+  ADD_FAILURE() << "no item " << item;
+  return nullptr;
+}
+
+std::vector<std::string> Codes(const StageOutcome& outcome) {
+  std::vector<std::string> codes;
+  for (const Finding& finding : outcome.findings) codes.push_back(finding.code);
+  return codes;
+}
+
+TEST_F(Pose2Sim, ARecordingIsOneClipOfAllItsCameras) {
+  const auto discovery = Discover(Declared("pose2sim_single"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 1u);
+  EXPECT_TRUE(discovery->left_out.empty());
+  const ItemSpec* item = Find(*discovery, "pose2sim/p1/single");
+  ASSERT_NE(item, nullptr);
+  const Ingested ingested = RunIngest(*item, "pose2sim_single");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_TRUE(Codes(*ingested.outcome).empty()) << ingested.outcome->findings[0].message;
+  const Clip& clip = ingested.clip;
+  EXPECT_EQ(clip.id(), "pose2sim/p1/single#0-80");
+  EXPECT_EQ(clip.rate, (FrameRate{60, 1}));
+  const Evidence& evidence = clip.evidence;
+  EXPECT_EQ(evidence.subject, 0);
+  ASSERT_EQ(evidence.keypoint_names.size(), 25u);
+  EXPECT_EQ(evidence.keypoint_names[13], "left_knee");
+  ASSERT_EQ(evidence.keypoint_views.size(), 4u);
+  EXPECT_EQ(evidence.keypoint_views[0].people, 3);
+  EXPECT_EQ(evidence.keypoint_views[3].people, 1);
+  for (const KeypointView& view : evidence.keypoint_views) {
+    EXPECT_EQ(view.frames(), 80);
+    EXPECT_EQ(view.camera.width, 1088);
+    EXPECT_GT(view.camera.Centre().y(), 1.5) << "the cameras hang over the floor of a world with y up";
+  }
+}
+
+/// Median and 90th percentile in px, and share of points, of the subject (the first entry, as the set's README says)
+/// triangulated from all sets of three or four cameras, whichever fits best.
+struct Reprojection {
+  double median = 0.0;
+  double p90 = 0.0;
+  double share = 0.0;
+};
+
+Reprojection Reproject(const Evidence& evidence, int frames) {
+  std::vector<double> errors;
+  int points = 0;
+  for (int f = 0; f < frames; ++f) {
+    for (std::size_t k = 0; k < evidence.keypoint_names.size(); ++k) {
+      std::vector<Sighting> seen;
+      for (const KeypointView& view : evidence.keypoint_views) {
+        const double* v = view.at(f, 0, static_cast<int>(k));
+        if (v[2] > 0.0) seen.push_back({&view.camera, Vector2d(v[0], v[1]), 1.0});
+      }
+      std::vector<double> best;
+      double least = 30.0;
+      for (std::size_t out = 0; out <= seen.size() && seen.size() >= 3; ++out) {
+        std::vector<Sighting> used = seen;
+        if (out < seen.size()) used.erase(used.begin() + static_cast<std::ptrdiff_t>(out));
+        if (used.size() < 3) continue;
+        const auto point = TriangulateLinear(used);
+        if (!point) continue;
+        std::vector<double> own;
+        for (const Sighting& sighting : used) own.push_back(ReprojectionError(sighting, *point).value_or(1e3));
+        const double worst = *std::max_element(own.begin(), own.end());
+        if (worst < least) least = worst, best = own;
+      }
+      points += best.empty() ? 0 : 1;
+      errors.insert(errors.end(), best.begin(), best.end());
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  if (errors.empty()) return {};
+  return {errors[errors.size() / 2], errors[errors.size() * 9 / 10], points / (25.0 * frames)};
+}
+
+TEST_F(Pose2Sim, TheCamerasAgreeWhereTheSubjectIs) {
+  // README_multiview.md, section 6: median <= 8.5 px, p90 <= 17 px, >= 79 % of all joints.
+  const auto discovery = Discover(Declared("pose2sim_single"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(*Find(*discovery, "pose2sim/p1/single"), "pose2sim_dlt");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  const Reprojection found = Reproject(ingested.clip.evidence, 80);
+  EXPECT_LT(found.median, 8.5);
+  EXPECT_LT(found.p90, 17.0);
+  EXPECT_GT(found.share, 0.75);
+}
+
+TEST_F(Pose2Sim, EveryDialectOfTheCalibrationGivesTheSameCameras) {
+  std::vector<Camera> first;
+  for (const std::string calibration :
+       {"[Calib.qca.txt]", "[Calib_converted.toml]", "[calib_converted.json]", "[intri.yml, extri.yml]"}) {
+    IngestOptions options = Declared("pose2sim_static", {"ingest.source.calibration=" + calibration});
+    const std::filesystem::path folder = FreshFolder("dialects");
+    for (const char* name : {"Calib.qca.txt", "Calib_converted.toml", "calib_converted.json"}) {
+      std::filesystem::copy_file(options.path / name, folder / name);
+    }
+    for (const char* name : {"intri.yml", "extri.yml"}) {
+      std::filesystem::copy_file(options.path.parent_path() / "cameras" / "opencv_yml" / name, folder / name);
+    }
+    std::filesystem::copy(options.path / "static_p1", folder / "static_p1", std::filesystem::copy_options::recursive);
+    options.path = folder;
+    const auto discovery = Discover(options);
+    ASSERT_TRUE(discovery) << discovery.error().Message();
+    const Ingested ingested = RunIngest(discovery->items.at(0), "dialect");
+    ASSERT_TRUE(ingested.outcome) << calibration << ": " << ingested.outcome.error().Message();
+    ASSERT_EQ(ingested.clip.evidence.keypoint_views.size(), 4u) << calibration;
+    std::vector<Camera> cameras;
+    for (const KeypointView& view : ingested.clip.evidence.keypoint_views) cameras.push_back(view.camera);
+    if (first.empty()) first = cameras;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Vector3d point(0.2, 1.1, -1.3);
+      EXPECT_LT((*cameras[c].ProjectWorld(point) - *first[c].ProjectWorld(point)).norm(), 1e-3) << calibration;
+    }
+  }
+}
+
+TEST_F(Pose2Sim, StaticTrialsAreAClipOfOnePersonEach) {
+  const auto discovery = Discover(Declared("pose2sim_static"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 2u);
+  for (const ItemSpec& item : discovery->items) {
+    const Ingested ingested = RunIngest(item, "static");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    EXPECT_TRUE(Codes(*ingested.outcome).empty()) << ingested.outcome->findings[0].message;
+    ASSERT_EQ(ingested.clip.evidence.keypoint_views.size(), 4u);
+    for (const KeypointView& view : ingested.clip.evidence.keypoint_views) EXPECT_EQ(view.people, 1);
+    EXPECT_EQ(ingested.clip.identity.end_frame, 12);
+  }
+}
+
+TEST_F(Pose2Sim, TwoPeopleAreTwoClipsOfTheSameViews) {
+  const auto discovery = Discover(Declared("pose2sim_two"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 2u);
+  const Ingested a = RunIngest(*Find(*discovery, "pose2sim_two/pa/two"), "two_a");
+  const Ingested b = RunIngest(*Find(*discovery, "pose2sim_two/pb/two"), "two_b");
+  ASSERT_TRUE(a.outcome) << a.outcome.error().Message();
+  ASSERT_TRUE(b.outcome) << b.outcome.error().Message();
+  EXPECT_EQ(a.clip.evidence.subject, 0);
+  EXPECT_EQ(b.clip.evidence.subject, 1);
+  ASSERT_EQ(a.clip.evidence.keypoint_views.size(), 4u);
+  double least_u = 0.0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    const KeypointView& view = a.clip.evidence.keypoint_views[v];
+    EXPECT_EQ(view.values, b.clip.evidence.keypoint_views[v].values);
+    for (std::size_t i = 0; i < view.values.size(); i += 3) least_u = std::min(least_u, view.values[i]);
+  }
+  EXPECT_LT(least_u, 0.0) << "points beside the image are kept as they were detected";
+  // Frame 1 of cam01 lists a person without keypoints: nobody.
+  const KeypointView& view = a.clip.evidence.keypoint_views[0];
+  EXPECT_LE(view.people, 4);
+}
+
+TEST_F(Pose2Sim, AWrongLayoutIsToldByTheBones) {
+  const auto declared = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=BODY_25"}));
+  ASSERT_TRUE(declared);
+  const Ingested wrong = RunIngest(*Find(*declared, "pose2sim/p1/single"), "wrong_layout");
+  ASSERT_TRUE(wrong.outcome) << wrong.outcome.error().Message();
+  EXPECT_EQ(wrong.outcome->kind, OutcomeKind::kDoubtful);
+  EXPECT_THAT(Codes(*wrong.outcome), ::testing::ElementsAre("keypoints_contradiction"));
+  EXPECT_THAT(wrong.outcome->findings[0].message, HasSubstr("BODY_25B"));
+  const auto measured = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=measured"}));
+  ASSERT_TRUE(measured);
+  const Ingested right = RunIngest(*Find(*measured, "pose2sim/p1/single"), "measured_layout");
+  ASSERT_TRUE(right.outcome) << right.outcome.error().Message();
+  EXPECT_EQ(right.clip.evidence.keypoint_names[17], "upper_neck");
+  EXPECT_THAT(right.clip.provenance.at("keypoints"), HasSubstr("BODY_25B (measured"));
+  const auto other = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=COCO_17"}));
+  ASSERT_TRUE(other);
+  const Ingested refused = RunIngest(*Find(*other, "pose2sim/p1/single"), "coco");
+  ASSERT_FALSE(refused.outcome);
+  EXPECT_THAT(refused.outcome.error().Message(), HasSubstr("people have 25 keypoints, the layout COCO_17 has 17"));
+}
+
+TEST_F(Pose2Sim, CamerasOnTheirSidesAreAContradiction) {
+  const auto discovery = Discover(Declared("pose2sim_single", {"ingest.source.axes='+x +y +z'"}));
+  ASSERT_TRUE(discovery);
+  const Ingested ingested = RunIngest(*Find(*discovery, "pose2sim/p1/single"), "sideways");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Codes(*ingested.outcome), ::testing::Contains("up_contradiction"));
+}
+
+/// The first frames of a trial in a folder of its own, where tests may break things.
+class BrokenRecording : public Pose2Sim {
+ protected:
+  void SetUp() override {
+    Pose2Sim::SetUp();
+    if (IsSkipped()) return;
+    options_ = Declared("pose2sim_single");
+    const std::filesystem::path from = options_.path;
+    folder_ = FreshFolder("broken");
+    for (const char* camera : {"cam01", "cam02", "cam03", "cam04"}) {
+      for (const char* frame : {"0000", "0001", "0002", "0003"}) {
+        const std::string name = "single/" + std::string(camera) + "_json/" + camera + "." + frame + ".json";
+        std::filesystem::create_directories((folder_ / name).parent_path());
+        std::filesystem::copy_file(from / name, folder_ / name);
+      }
+    }
+    std::filesystem::copy_file(from / "Calib.qca.txt", folder_ / "Calib.qca.txt");
+    options_.path = folder_;
+  }
+
+  Ingested Ingest(const std::string& name) {
+    const auto discovery = Discover(options_);
+    if (!discovery) return {tl::unexpected<Error>(discovery.error()), {}, {}};
+    return RunIngest(discovery->items.at(0), name);
+  }
+
+  IngestOptions options_;
+  std::filesystem::path folder_;
+};
+
+TEST_F(BrokenRecording, AFrameThatIsMissingOrUnreadableCostsThatFrameOfThatView) {
+  std::filesystem::remove(folder_ / "single/cam02_json/cam02.0001.json");
+  Put(folder_ / "single/cam03_json/cam03.0002.json", "{\"people\": [{\"pose_keypoints_2d\": [1, 2");
+  const Ingested ingested = Ingest("broken_frames");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("frames_missing", "unreadable_frames"));
+  EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 1);
+  EXPECT_THAT(ingested.outcome->findings[1].message, HasSubstr("cam03.0002.json"));
+  const auto& views = ingested.clip.evidence.keypoint_views;
+  ASSERT_EQ(views.size(), 4u);
+  const auto sees = [&](int view, int frame) {
+    const KeypointView& v = views[static_cast<std::size_t>(view)];
+    double sum = 0.0;
+    for (int p = 0; p < v.people; ++p) {
+      for (int k = 0; k < v.points(); ++k) sum += v.at(frame, p, k)[2];
+    }
+    return sum > 0.0;
+  };
+  EXPECT_FALSE(sees(1, 1));
+  EXPECT_FALSE(sees(2, 2));
+  EXPECT_TRUE(sees(1, 2)) << "what follows a gap is not shifted";
+  EXPECT_TRUE(sees(2, 3));
+  EXPECT_EQ(ingested.clip.id(), "pose2sim/p1/single#0-4");
+}
+
+TEST_F(BrokenRecording, CamerasWithoutPartnersAreNamed) {
+  std::filesystem::rename(folder_ / "single/cam04_json", folder_ / "single/gopro_json");
+  for (const char* frame : {"0000", "0001", "0002", "0003"}) {
+    std::filesystem::rename(folder_ / ("single/gopro_json/cam04." + std::string(frame) + ".json"),
+                            folder_ / ("single/gopro_json/gopro." + std::string(frame) + ".json"));
+  }
+  const Ingested ingested = Ingest("partners");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("camera_not_calibrated", "camera_without_files"));
+  EXPECT_THAT(ingested.outcome->findings[0].message, HasSubstr("gopro"));
+  EXPECT_THAT(ingested.outcome->findings[1].message, HasSubstr("cam_04"));
+  EXPECT_EQ(ingested.clip.evidence.keypoint_views.size(), 3u);
+  options_.source.cameras = {{"gopro", "cam_04"}};
+  const Ingested told = Ingest("partners_told");
+  ASSERT_TRUE(told.outcome) << told.outcome.error().Message();
+  EXPECT_EQ(told.clip.evidence.keypoint_views.size(), 4u);
+  EXPECT_TRUE(Codes(*told.outcome).empty());
+}
+
+TEST_F(BrokenRecording, AnUnreadableCalibrationRefusesTheClip) {
+  Put(folder_ / "Calib.qca.txt", "<calibration><cameras><camera serial=\"cam_01\">");
+  const Ingested broken = Ingest("calibration_broken");
+  ASSERT_FALSE(broken.outcome);
+  EXPECT_THAT(broken.outcome.error().Message(), HasSubstr("Calib.qca.txt"));
+  std::filesystem::remove(folder_ / "Calib.qca.txt");
+  const auto discovery = Discover(options_);
+  ASSERT_FALSE(discovery);
+  EXPECT_THAT(discovery.error().Message(), HasSubstr("'Calib.qca.txt' is not in the folder"));
+}
+
+TEST_F(BrokenRecording, MorePeopleThanAnybodySeesAreDoubted) {
+  options_.source.subjects = 5;
+  options_.source.person = "p{body}";
+  const Ingested ingested = Ingest("five_people");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("people_missing"));
+}
+
+TEST_F(BrokenRecording, AFileNumberedFarAwayIsNoFrame) {
+  std::filesystem::copy_file(folder_ / "single/cam01_json/cam01.0000.json",
+                             folder_ / "single/cam01_json/cam01.20240101.json");
+  const Ingested ingested = Ingest("far_number");
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("numbered from 0 to 20240101"));
+}
+
+TEST_F(BrokenRecording, WhatTellsNoFilesOfAClipApartIsRefused) {
+  options_.source.recording = "{file}";
+  EXPECT_THAT(Discover(options_).error().Message(), HasSubstr("differs between the files of one clip"));
+  options_.source.recording = "single";
+  options_.source.keypoints = "BODY_25C";
+  EXPECT_THAT(Discover(options_).error().Message(), HasSubstr("'BODY_25C' is no known layout"));
+  options_.source.keypoints = "measured";
+  options_.source.subjects = 2;
+  EXPECT_THAT(Discover(options_).error().Message(), HasSubstr("{body}"));
+  options_.source.subjects = 1;
+  options_.source.calibration.clear();
+  EXPECT_THAT(Discover(options_).error().Message(), HasSubstr("does not say where the cameras stand"));
+}
+
+}  // namespace
+}  // namespace mocurate
