@@ -87,6 +87,9 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
     case SourceFormat::kDepthSequence:
       wanted = "point_clouds", gives = "depth views", methods = {FitMethod::kPointClouds};
       break;
+    case SourceFormat::kOpenPose:
+      wanted = "keypoints", gives = "keypoints of several cameras", methods = {FitMethod::kKeypoints};
+      break;
     case SourceFormat::kBvh:
     case SourceFormat::kNpy:
     case SourceFormat::kAsfAmc:

@@ -45,6 +45,7 @@ ProportionsOptions ProportionsOf(const JobOptions& options) {
   proportions.method = options.fitting.method;
   proportions.other_joints = options.fitting.other_joints;
   proportions.point_clouds = options.fitting.point_clouds;
+  proportions.keypoints = options.fitting.keypoints;
   return proportions;
 }
 

@@ -113,13 +113,24 @@ bool HasRotations(const IngestOptions& ingest) {
   }
 }
 
+FitMethod MethodFor(SourceFormat format) {
+  switch (format) {
+    case SourceFormat::kDepthSequence:
+    case SourceFormat::kDepthViews:
+      return FitMethod::kPointClouds;
+    case SourceFormat::kOpenPose:
+      return FitMethod::kKeypoints;
+    default:
+      return FitMethod::kJointTracks;
+  }
+}
+
 /// Evidence and skeleton as the command line and the files have them.
 Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
   const bool told = std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
                                 [](const std::string& text) { return text.rfind("fitting.method=", 0) == 0; });
   if (told) return {};
-  const bool depth = options.ingest.source.format == SourceFormat::kDepthSequence;
-  options.fitting.method = depth ? FitMethod::kPointClouds : FitMethod::kJointTracks;
+  options.fitting.method = MethodFor(options.ingest.source.format);
   if (!HasRotations(options.ingest) || !arguments.skeleton.empty()) return {};
   if (!options.fitting.contacts.remove_sliding) {
     return Fail(ErrorCode::kUsage, "the motion has rotations already: there is nothing to fit",

@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "core/quality/measures.h"
 #include "fitting/evidence/motion_tracks.h"
+#include "fitting/keypoint_fit.h"
 #include "fitting/solver/joint_track_fit.h"
 
 namespace mocurate {
@@ -21,6 +22,8 @@ std::string MethodName(FitMethod method) {
       return "joint_tracks";
     case FitMethod::kPointClouds:
       return "point_clouds";
+    case FitMethod::kKeypoints:
+      return "keypoints";
     case FitMethod::kNone:
       return "none";
   }
@@ -53,6 +56,30 @@ nlohmann::json StateCounts(const Motion& motion) {
   return {{"observed", counts[0]}, {"repaired", counts[1]}, {"interpolated", counts[2]}, {"inferred", counts[3]}};
 }
 
+nlohmann::json KeypointsJson(const KeypointReport& report) {
+  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+  nlohmann::json points = nlohmann::json::object();
+  for (std::size_t k = 0; k < report.keypoint_names.size(); ++k) {
+    points[report.keypoint_names[k]] = rounded(report.keypoint_share[k]);
+  }
+  nlohmann::json cameras = nlohmann::json::object();
+  for (std::size_t v = 0; v < report.cameras.size(); ++v) {
+    const CameraAgreement& camera = report.cameras[v];
+    cameras[report.camera_names[v]] = {{"detections", camera.detections},
+                                       {"left_out", camera.left_out},
+                                       {"median_px", rounded(camera.median_px)},
+                                       {"disagrees", camera.disagrees}};
+  }
+  return {{"people", report.people},
+          {"seen_share", rounded(report.seen_share)},
+          {"triangulated_share", rounded(report.triangulated)},
+          {"triangulated_share_of", points},
+          {"median_px", rounded(report.median_px)},
+          {"p90_px", rounded(report.p90_px)},
+          {"views_per_point", rounded(report.views)},
+          {"cameras", cameras}};
+}
+
 }  // namespace
 
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
@@ -64,6 +91,20 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   Expected<FitResult> fit = FitJointTracks(*tracks, clip.rate, bones, Bones::kFixed, options.joint_tracks);
   if (fit && !left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
   return fit;
+}
+
+Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
+                                       const std::vector<double>& bone_length, const FittingOptions& options) {
+  if (clip.evidence.keypoint_views.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the clip has no keypoints of calibrated views", clip.id(),
+                clip.evidence.tracks ? "set fitting.method to joint_tracks for joint tracks"
+                                     : "set fitting.method to what its source gives");
+  }
+  Expected<FitResult> result = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bone_length, options);
+  if (result) return result;
+  Error error = result.error();
+  error.where = clip.id() + ": " + error.where;
+  return tl::unexpected<Error>(error);
 }
 
 Expected<FitResult> TakeGivenMotion(const Clip& clip) {
@@ -92,6 +133,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                                      "the body lies far from its evidence: is it the right skeleton and unit?"));
     outcome.kind = OutcomeKind::kDoubtful;
   }
+  if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
   for (Finding& finding : outcome.findings) finding.clip = clip.id();
 
   const Skeleton& skeleton = *fit.motion.skeleton;
@@ -106,10 +148,14 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                      {"cost", std::round(fit.final_cost * 1e3) / 1e3},
                      {"states", StateCounts(fit.motion)},
                      {"after", MeasuresJson(MeasureMotion(fit.motion), skeleton)}};
-  if (options.method != FitMethod::kJointTracks) return outcome;
-  if (const Expected<SkeletonTracks> tracks = TracksOfClip(clip, fit.motion.skeleton, options.other_joints)) {
+  if (fit.keypoints) outcome.summary["keypoints"] = KeypointsJson(*fit.keypoints);
+  const auto measure_before = [&](const SkeletonTracks& tracks) {
     outcome.summary["before"] =
-        MeasuresJson(MeasureJoints(skeleton, tracks->positions, tracks->confidence, tracks->time_s), skeleton);
+        MeasuresJson(MeasureJoints(skeleton, tracks.positions, tracks.confidence, tracks.time_s), skeleton);
+  };
+  if (fit.triangulated) measure_before(*fit.triangulated);
+  if (options.method == FitMethod::kJointTracks) {
+    if (const auto tracks = TracksOfClip(clip, fit.motion.skeleton, options.other_joints)) measure_before(*tracks);
   }
   return outcome;
 }

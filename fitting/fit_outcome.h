@@ -13,6 +13,12 @@ namespace mocurate {
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options);
 
+/// Fit of the person of a clip's keypoint views. `body` is the skeleton with the detector's points
+/// (WithDetectorPoints), `bone_length` of the body (empty: measured on this clip); the motion has the skeleton's own
+/// joints. Errors of TriangulateKeypoints, MapTracks and FitJointTracks; kInconsistent for a clip without keypoints.
+Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
+                                       const std::vector<double>& bone_length, const FittingOptions& options);
+
 /// Hands the motion of a clip on as a result. Error kInconsistent without one.
 Expected<FitResult> TakeGivenMotion(const Clip& clip);
 

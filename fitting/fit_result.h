@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
+#include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/triangulation/keypoint_report.h"
 
 namespace mocurate {
 
@@ -20,8 +23,10 @@ struct FitResult {
   std::string termination;       ///< "converged", "iteration limit" or the solver's own words
   double initial_cost = 0.0;     ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
-  std::string capsule_radii;      ///< RadiiText of the body that was fitted; empty without one
-  std::vector<Finding> findings;  ///< clip id left empty
+  std::string capsule_radii;                   ///< RadiiText of the body that was fitted; empty without one
+  std::optional<KeypointReport> keypoints;     ///< of a fit to 2-D keypoints
+  std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
+  std::vector<Finding> findings;               ///< clip id left empty
 };
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/contacts/foot_contacts.h"
 #include "fitting/evidence/depth_files.h"
+#include "fitting/evidence/detector_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
@@ -30,6 +31,12 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   if (options.method == FitMethod::kNone) return TakeGivenMotion(clip);
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(options.skeleton);
   if (!skeleton) return Forward(skeleton);
+  if (options.method == FitMethod::kKeypoints) {
+    const SkeletonPtr body = WithDetectorPoints(*skeleton, DetectorNames(clip.evidence.keypoint_names));
+    const Expected<std::vector<double>> bones = ReadBoneLengths(request, *body);
+    if (!bones) return Forward(bones);
+    return FitKeypointsOfClip(clip, *skeleton, body, *bones, options);
+  }
   const Expected<std::vector<double>> bones = ReadBoneLengths(request, **skeleton);
   if (!bones) return Forward(bones);
   if (options.method == FitMethod::kPointClouds) return FitClouds(clip, *skeleton, *bones, options.point_clouds);

@@ -11,6 +11,7 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
   v.Choice("method", method,
            {{"joint_tracks", FitMethod::kJointTracks},
             {"point_clouds", FitMethod::kPointClouds},
+            {"keypoints", FitMethod::kKeypoints},
             {"none", FitMethod::kNone}},
            "evidence the skeleton is fitted to; none hands a given motion on");
 }
@@ -73,6 +74,18 @@ void ContactOptions::Declare(OptionVisitor& v) {
   v.Number("blend", blend_s, Unit::kSecond, {0.0, 10.0}, "over which a foot comes back to where it was");
 }
 
+void TriangulationOptions::Declare(OptionVisitor& v) {
+  v.Number("min_confidence", min_confidence, Unit::kNone, {0.0, 1.0}, "detections below are not read");
+  v.Number("outlier", outlier, Unit::kPixel, {0.1, 1e4}, "views further off from the others' point are left out");
+  v.Number("noise", noise, Unit::kPixel, {0.01, 1e3}, "standard deviation of a detection of confidence 1");
+  v.Integer("min_views", min_views, {2, 1000},
+            "views that must agree on a point, and always most of those that see it");
+}
+
+void KeypointFitOptions::Declare(OptionVisitor& v) {
+  v.Group("triangulation", triangulation, "points from the views that agree on them");
+}
+
 void FittingOptions::Declare(OptionVisitor& v) {
   DeclareMethod(v, method);
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
@@ -80,6 +93,7 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
   v.Group("contacts", contacts, "feet on the floor, after the fit");
+  v.Group("keypoints", keypoints, "fit of 2-D keypoints of several views");
 }
 
 void ProportionsSettings::Declare(OptionVisitor& v) {
@@ -96,6 +110,7 @@ void ProportionsOptions::Declare(OptionVisitor& v) {
   DeclareOtherJoints(v, other_joints);
   ProportionsSettings::Declare(v);
   v.Group("point_clouds", point_clouds, "tracking of the clouds the lengths are read from");
+  v.Group("keypoints", keypoints, "points of 2-D keypoints that the lengths are read from");
 }
 
 std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids) {
@@ -109,8 +124,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 5, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 6, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 7, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 8, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

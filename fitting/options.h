@@ -10,7 +10,7 @@
 namespace mocurate {
 
 /// Which evidence a clip is fitted to. kNone hands a given motion on as it is.
-enum class FitMethod { kJointTracks, kPointClouds, kNone };
+enum class FitMethod { kJointTracks, kPointClouds, kKeypoints, kNone };
 
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };
@@ -79,6 +79,24 @@ struct ContactOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Triangulation that survives wrong detections. Lengths in pixels of the original images.
+struct TriangulationOptions {
+  double min_confidence = 0.1;  ///< detections below are not read
+  double outlier = 30.0;        ///< px; a view further off than this from the others' point is left out
+  double noise = 4.0;           ///< px, standard deviation per axis of a detection of confidence 1
+  std::int64_t min_views = 2;   ///< that must agree; and always most of those that see the point
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Fit of 2-D keypoints of several calibrated views: people are associated across views and followed, one is
+/// triangulated, and the points are fitted as joint tracks are.
+struct KeypointFitOptions {
+  TriangulationOptions triangulation;
+
+  void Declare(OptionVisitor& v);
+};
+
 struct FittingOptions {
   FitMethod method = FitMethod::kJointTracks;
   std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
@@ -86,6 +104,7 @@ struct FittingOptions {
   JointTrackOptions joint_tracks;
   PointCloudOptions point_clouds;
   ContactOptions contacts;
+  KeypointFitOptions keypoints;
 
   void Declare(OptionVisitor& v);
 };
@@ -105,6 +124,7 @@ struct ProportionsOptions : ProportionsSettings {
   FitMethod method = FitMethod::kJointTracks;
   OtherJoints other_joints = OtherJoints::kRefuse;
   PointCloudOptions point_clouds;  ///< tracking of the clouds the lengths are read from
+  KeypointFitOptions keypoints;    ///< how the points that they are read from are found
 
   void Declare(OptionVisitor& v);
 };

@@ -50,6 +50,14 @@ Status Refine(const std::vector<SkeletonTracks>& clips, const ProportionsOptions
   return {};
 }
 
+/// Of the person against the rest skeleton; 1 where the artifact does not say it.
+double ScaleFromJson(const nlohmann::json& json) {
+  const auto found = json.find("scale");
+  if (found == json.end() || !found->is_number()) return 1.0;
+  const auto scale = found->get<double>();
+  return scale > 0.1 && scale < 10.0 ? scale : 1.0;
+}
+
 }  // namespace
 
 Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
@@ -126,6 +134,10 @@ Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, co
   std::vector<double> lengths(skeleton.joints.size(), 0.0);
   for (int j = 1; j < skeleton.joint_count(); ++j) {
     const auto found = json["bone_length_m"].find(skeleton.joints[j].name);
+    if (found == json["bone_length_m"].end() && skeleton.joints[j].landmark) {
+      lengths[j] = skeleton.joints[j].rest_offset.norm() * ScaleFromJson(json);
+      continue;
+    }
     if (found == json["bone_length_m"].end() || !found->is_number()) {
       return Fail(ErrorCode::kInconsistent, "no length for the bone that ends at '" + skeleton.joints[j].name + "'",
                   where);

@@ -35,8 +35,8 @@ std::vector<double> RoundedLengths(std::vector<double> lengths);
 ///  "frames", "scale", "stature_m"}
 nlohmann::json ProportionsJson(const Proportions& proportions);
 
-/// Bone lengths (J) of a proportions artifact for a skeleton. Error kInconsistent for another skeleton or a missing
-/// joint, kMalformed for what is no length.
+/// Bone lengths (J) of a proportions artifact for a skeleton; landmarks that it does not name have rest length times
+/// the person's scale. Error kInconsistent for another skeleton or a missing joint, kMalformed for what is no length.
 Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
                                                   const std::string& where);
 

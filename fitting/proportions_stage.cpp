@@ -1,16 +1,31 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/file.h"
 #include "core/store/store.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/evidence/depth_files.h"
+#include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
+#include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
 
 namespace mocurate {
+namespace {
+
+Finding NothingFrom(const Clip& clip, const Error& error) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = "no_proportions_from_clip";
+  finding.message = error.Message();
+  finding.action = "left out";
+  return finding;
+}
+
+}  // namespace
 
 Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   const Expected<ProportionsOptions> options = OptionsFromJson<ProportionsOptions>(request.options, "proportions");
@@ -27,6 +42,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   StageOutcome outcome;
   std::vector<SkeletonTracks> clips;
   std::vector<Clip> cloud_clips;
+  std::vector<Clip> keypoint_clips;
+  std::set<std::string> points;
   std::vector<std::string> ids;
   for (const std::string& name : ChooseProportionClips(names)) {
     Expected<Clip> clip = ReadEvidence(inputs[name]->path);
@@ -37,20 +54,30 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       cloud_clips.push_back(std::move(*clip));
       continue;
     }
+    if (options->method == FitMethod::kKeypoints) {
+      for (const std::string& point : DetectorNames(clip->evidence.keypoint_names)) points.insert(point);
+      keypoint_clips.push_back(std::move(*clip));
+      continue;
+    }
     if (options->method != FitMethod::kJointTracks) continue;
     Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton, options->other_joints);
     if (tracks) {
       clips.push_back(std::move(*tracks));
       continue;
     }
-    Finding finding;
-    finding.clip = clip->id();
-    finding.code = "no_proportions_from_clip";
-    finding.message = tracks.error().Message();
-    finding.action = "left out";
-    outcome.findings.push_back(finding);
+    outcome.findings.push_back(NothingFrom(*clip, tracks.error()));
   }
-  Expected<Proportions> person = EstimateProportions(clips, *skeleton, *options);
+  // One body for all clips, whatever points each shows.
+  const SkeletonPtr body = WithDetectorPoints(*skeleton, {points.begin(), points.end()});
+  for (const Clip& clip : keypoint_clips) {
+    Expected<BodyTracks> found = TracksOnBody(clip.evidence, **skeleton, body, options->keypoints);
+    if (found) {
+      clips.push_back(std::move(found->tracks));
+    } else {
+      outcome.findings.push_back(NothingFrom(clip, found.error()));
+    }
+  }
+  Expected<Proportions> person = EstimateProportions(clips, body, *options);
   if (!person) return Forward(person);
   if (!cloud_clips.empty()) {
     Expected<std::vector<double>> lengths = BoneLengthsFromClouds(cloud_clips, *skeleton, options->point_clouds);

@@ -18,6 +18,11 @@ constexpr double kTrust = 1.0 / 3.0;  ///< of the outlier limit: up to here a vi
 constexpr double kBehind = 1e6;       ///< px; error of a point that is not in front
 constexpr double kOddShare = 0.5;
 constexpr double kOddRatio = 4.0;
+constexpr int kLeastViewsToJudge = 4;
+constexpr int kMostViewsToJudge = 12;
+constexpr int kFramesToJudge = 20;
+constexpr double kOddError = 0.85;    ///< of the error without any other view
+constexpr double kOddDistance = 3.0;  ///< of that error, at which the odd view's detections lie
 
 using Rays = std::vector<ViewRay>;
 
@@ -195,15 +200,6 @@ void NameTheOddOnes(std::vector<CameraAgreement>& cameras) {
 
 }  // namespace
 
-void TriangulationOptions::Declare(OptionVisitor& v) {
-  v.Number("min_confidence", min_confidence, Unit::kNone, {0.0, 1.0}, "detections below are not read");
-  v.Number("outlier", outlier, Unit::kNone, {0.1, 1e4},
-           "pixels; views further off from the others' point are left out");
-  v.Number("noise", noise, Unit::kNone, {0.01, 1e3}, "pixels, standard deviation of a detection of confidence 1");
-  v.Integer("min_views", min_views, {2, 1000},
-            "views that must agree on a point, and always most of those that see it");
-}
-
 TriangulationView::TriangulationView(const Camera& calibrated)
     : camera(calibrated),
       rotation(calibrated.camera_from_world.rotation.toRotationMatrix()),
@@ -214,6 +210,17 @@ ViewRay::ViewRay(const TriangulationView& seen_by, int view_index, const Vector2
   const Vector3d seen = seen_by.camera.Unproject(pixel, 1.0);
   normalised = seen.head<2>();
   direction = (seen_by.rotation.transpose() * seen).normalized();
+}
+
+ViewRay ViewRay::Undistorted(const TriangulationView& seen_by, int view_index, const Vector2d& normalised,
+                             double confidence) {
+  ViewRay ray;
+  ray.view = &seen_by;
+  ray.index = view_index;
+  ray.normalised = normalised;
+  ray.direction = (seen_by.rotation.transpose() * Vector3d(normalised.x(), normalised.y(), 1.0)).normalized();
+  ray.weight = confidence;
+  return ray;
 }
 
 std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& rays,
@@ -233,24 +240,33 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
 }
 
 TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
-                                    const TriangulationOptions& options) {
+                                    const TriangulationOptions& options, int aside) {
   const std::size_t count = static_cast<std::size_t>(frames) * keypoints;
   TriangulatedTracks tracks;
   tracks.positions = JointPositions(frames, keypoints);
   tracks.confidence.assign(count, 0.0);
   tracks.view_count.assign(count, 0);
   tracks.error_px.assign(count, 0.0);
+  tracks.covariance.assign(count, Matrix3d::Zero());
   tracks.cameras.resize(views.size());
   std::vector<TriangulationView> prepared;
   for (const ViewKeypoints& view : views) prepared.emplace_back(view.camera);
   std::vector<std::vector<double>> errors(views.size());
   Rays rays;
+  Rays measured;  // of the view aside
   for (std::size_t i = 0; i < count; ++i) {
     rays.clear();
+    measured.clear();
     for (std::size_t v = 0; v < views.size(); ++v) {
       const double confidence = views[v].confidence[i];
       if (confidence <= 0.0 || confidence < options.min_confidence) continue;
-      rays.emplace_back(prepared[v], static_cast<int>(v), views[v].pixel[i], confidence);
+      const auto index = static_cast<int>(v);
+      Rays& side = index == aside ? measured : rays;
+      if (views[v].normalised.empty()) {
+        side.emplace_back(prepared[v], index, views[v].pixel[i], confidence);
+      } else {
+        side.push_back(ViewRay::Undistorted(prepared[v], index, views[v].normalised[i], confidence));
+      }
     }
     const auto point = TriangulateRobust(rays, options);
     if (!point) continue;
@@ -259,6 +275,8 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
     tracks.confidence[i] = std::sqrt(point->covariance.trace());
     tracks.view_count[i] = point->view_count;
     tracks.error_px[i] = point->error_px;
+    tracks.covariance[i] = point->covariance;
+    rays.insert(rays.end(), measured.begin(), measured.end());
     for (const ViewRay& ray : rays) {
       const double error = ErrorLength(ray, point->position);
       errors[ray.index].push_back(error);
@@ -269,7 +287,50 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
   for (std::size_t v = 0; v < views.size(); ++v) tracks.cameras[v].median_px = Median(errors[v]);
   ConfidenceOfPrecision(tracks.confidence);
   NameTheOddOnes(tracks.cameras);
+  if (aside >= 0) tracks.cameras[aside].disagrees = true;
   return tracks;
+}
+
+std::optional<int> OddView(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
+                           const TriangulationOptions& options) {
+  const auto count = static_cast<int>(views.size());
+  if (count < kLeastViewsToJudge || count > kMostViewsToJudge || frames == 0) return {};
+  const int step = std::max(1, frames / kFramesToJudge);
+  std::vector<ViewKeypoints> some(views.size());
+  int kept = 0;
+  for (int f = 0; f < frames; f += step, ++kept) {
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      some[v].camera = views[v].camera;
+      const auto append = [&](const auto& from, auto& to) {
+        const auto first = from.begin() + static_cast<std::ptrdiff_t>(f) * keypoints;
+        if (!from.empty()) to.insert(to.end(), first, first + keypoints);
+      };
+      append(views[v].pixel, some[v].pixel);
+      append(views[v].normalised, some[v].normalised);
+      append(views[v].confidence, some[v].confidence);
+    }
+  }
+  TriangulationOptions plain = options;
+  plain.outlier = kBehind;  // least squares over all other views
+  int best = -1;
+  double least = kBehind;
+  double second = kBehind;
+  double away = 0.0;
+  for (int v = 0; v < count; ++v) {
+    const TriangulatedTracks without = TriangulateViews(some, kept, keypoints, plain, v);
+    double error = 0.0;
+    for (int other = 0; other < count; ++other) {
+      if (other != v) error += without.cameras[other].median_px / (count - 1);
+    }
+    if (without.cameras[v].detections == 0) continue;
+    second = std::min(second, std::max(error, least));
+    if (error >= least) continue;
+    least = error;
+    away = without.cameras[v].median_px;
+    best = v;
+  }
+  if (best < 0 || least > kOddError * second || away < std::max(kOddDistance * least, options.noise)) return {};
+  return best;
 }
 
 }  // namespace mocurate

@@ -4,21 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/options.h"
 #include "core/geometry/camera.h"
 #include "core/motion/motion.h"
+#include "fitting/options.h"
 
 namespace mocurate {
-
-/// Triangulation that survives wrong detections. Lengths in pixels of the original images.
-struct TriangulationOptions {
-  double min_confidence = 0.1;  ///< detections below are not read
-  double outlier = 30.0;        ///< px; a view further off than this from the others' point is left out
-  double noise = 4.0;           ///< px, standard deviation per axis of a detection of confidence 1
-  std::int64_t min_views = 2;   ///< that must agree; and always most of those that see the point
-
-  void Declare(OptionVisitor& v);
-};
 
 /// A camera with what triangulation asks of it over and over, computed once.
 struct TriangulationView {
@@ -38,6 +28,12 @@ struct ViewRay {
   double weight = 1.0;                     ///< confidence
 
   ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& pixel, double confidence);
+  /// Of a detection at depth 1 whose lens distortion is undone.
+  static ViewRay Undistorted(const TriangulationView& seen_by, int view_index, const Vector2d& normalised,
+                             double confidence);
+
+ private:
+  ViewRay() = default;
 };
 
 struct TriangulatedPoint {
@@ -59,8 +55,9 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
 /// Detections of one person's K keypoints in one camera over F frames; confidence 0: missed, the pixel is not read.
 struct ViewKeypoints {
   Camera camera;
-  std::vector<Vector2d> pixel;     ///< (F*K)
-  std::vector<double> confidence;  ///< (F*K) in [0, 1]
+  std::vector<Vector2d> pixel;       ///< (F*K); not read where `normalised` is given
+  std::vector<double> confidence;    ///< (F*K) in [0, 1]
+  std::vector<Vector2d> normalised;  ///< (F*K) at depth 1 without lens distortion; or empty
 };
 
 /// How a camera agrees with the others.
@@ -76,11 +73,19 @@ struct TriangulatedTracks {
   std::vector<double> confidence;  ///< (F*K) 0 where not found; 1 for the median precision of the take, less for worse
   std::vector<int> view_count;     ///< (F*K)
   std::vector<double> error_px;    ///< (F*K) mean over the agreeing views
+  std::vector<Matrix3d> covariance;  ///< (F*K) m^2, of detections with the stated noise
   std::vector<CameraAgreement> cameras;
 };
 
-/// Every keypoint of every frame. All views have F*K entries.
+/// Every keypoint of every frame. All views have F*K entries. A view `aside` (index; -1: none) is only measured against
+/// the points of the others, and disagrees.
 TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
-                                    const TriangulationOptions& options);
+                                    const TriangulationOptions& options, int aside = -1);
+
+/// The view without which the others agree much better than without any other of them: moved after its calibration, or
+/// with another clock. Judged on at most 20 frames. Empty for fewer than four views, of which three could not be told
+/// from each other, for more than twelve, where the others outvote it, and where no view stands out.
+std::optional<int> OddView(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
+                           const TriangulationOptions& options);
 
 }  // namespace mocurate

@@ -1,0 +1,303 @@
+#include "fitting/association/associate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fitting/association/propose.h"
+#include "fitting/evidence/noise.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kLeastKeypoints = 4;    ///< of an entry, to tell whose it is
+constexpr double kGate = 0.2;         ///< of the extent: entries further off are not the person
+constexpr double kWidestGate = 0.5;   ///< of the extent, after a while unseen
+constexpr double kSpeed = 1.0;        ///< extents per second that a person may have moved while not seen
+constexpr double kSamePlace = 0.25;   ///< of the extent: nobody else stands there
+constexpr double kSearch_s = 0.1;     ///< new people are looked for this often
+constexpr double kForgotten_s = 0.5;  ///< not seen for so long: found again as somebody new would be
+constexpr double kSameShape = 0.2;    ///< of log lengths: the same person after a gap
+constexpr double kLeastShare = 0.1;   ///< of the frames of whom is seen most: seen less, nobody
+
+/// Somebody followed in time.
+struct Track {
+  BodyPoints body;
+  BodyPoints first;
+  std::vector<std::vector<int>> entry;        ///< [view][frame of the view]
+  std::vector<std::vector<double>> measured;  ///< samples of each known length
+  std::vector<int> seen_in;                   ///< frames of the take
+  double last_s = 0.0;
+};
+
+std::vector<double> MedianLengths(const Track& track) {
+  std::vector<double> lengths;
+  for (std::vector<double> samples : track.measured) lengths.push_back(Median(samples));
+  return lengths;
+}
+
+Vector3d Middle(const BodyPoints& body) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t k = 0; k < body.known.size(); ++k) {
+    if (body.known[k] != 0) sum += body.position[k];
+  }
+  return sum / std::max(body.KnownCount(), 1);
+}
+
+/// Median of |log ratio| of what both have measured; 0 when they share nothing.
+double ShapeDistance(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> logs;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] > 0.0 && b[i] > 0.0) logs.push_back(std::abs(std::log(a[i] / b[i])));
+  }
+  return Median(logs);
+}
+
+class Follower {
+ public:
+  Follower(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths) : rig_(rig), lengths_(lengths) {
+    for (const RigView& view : rig) {
+      if (view.time_s.size() > take_.time_s.size()) take_.time_s = view.time_s;
+      owned_.emplace_back(view.seen.size(), 0);
+    }
+    MapFrames();
+  }
+
+  Association Follow() {
+    const auto frames = static_cast<int>(take_.time_s.size());
+    double searched_s = -kNoMatch;
+    for (int f = 0; f < frames; ++f) {
+      std::vector<std::size_t> all(tracks_.size());
+      for (std::size_t t = 0; t < all.size(); ++t) all[t] = t;
+      const bool somebody = Assign(f, all);
+      if (somebody && Time(f) - searched_s < kSearch_s) continue;
+      searched_s = Time(f);
+      FindNew(f);
+    }
+    for (Track& track : tracks_) FollowBack(track);
+    return Rank();
+  }
+
+ private:
+  struct Match {
+    double distance = 0.0;
+    std::size_t track = 0;
+    Sight sight;
+  };
+
+  double Time(int frame) const { return take_.time_s[static_cast<std::size_t>(frame)]; }
+
+  /// Which frame of each view is nearest to a frame of the take; -1: none within half a frame.
+  void MapFrames() {
+    const std::vector<double>& time = take_.time_s;
+    std::vector<double> steps;
+    for (std::size_t f = 1; f < time.size(); ++f) steps.push_back(time[f] - time[f - 1]);
+    const double reach = steps.empty() ? kNoMatch : 0.5 * Median(steps) + 1e-9;
+    for (const RigView& view : rig_) {
+      std::vector<int> nearest(time.size(), -1);
+      std::size_t at = 0;
+      for (std::size_t f = 0; f < time.size() && !view.time_s.empty(); ++f) {
+        const auto off = [&](std::size_t i) { return std::abs(view.time_s[i] - time[f]); };
+        while (at + 1 < view.time_s.size() && off(at + 1) <= off(at) + 1e-6) ++at;
+        if (off(at) <= reach) nearest[f] = static_cast<int>(at);
+      }
+      frame_of_.push_back(std::move(nearest));
+    }
+  }
+
+  /// Entries of a frame that nobody owns and that show enough.
+  std::vector<Sight> FreeEntries(int frame) const {
+    std::vector<Sight> entries;
+    for (std::size_t v = 0; v < rig_.size(); ++v) {
+      const int at = frame_of_[v][static_cast<std::size_t>(frame)];
+      for (int p = 0; at >= 0 && p < rig_[v].people; ++p) {
+        const std::size_t entry = rig_[v].Entry(at, p);
+        if (rig_[v].seen[entry] < kLeastKeypoints || owned_[v][entry] != 0) continue;
+        entries.push_back({static_cast<int>(v), at, p});
+      }
+    }
+    return entries;
+  }
+
+  /// Metres; 0 for somebody who was not seen for too long.
+  static double Gate(const Track& track, double now) {
+    const double away = std::abs(now - track.last_s);
+    return away > kForgotten_s ? 0.0 : track.body.extent * std::min(kGate + kSpeed * away, kWidestGate);
+  }
+
+  bool Own(Track& track, const Sight& sight) {
+    const auto v = static_cast<std::size_t>(sight.view);
+    char& owned = owned_[v][rig_[v].Entry(sight.frame, sight.person)];
+    int& place = track.entry[v][static_cast<std::size_t>(sight.frame)];
+    if (owned != 0 || place >= 0) return false;
+    owned = 1;
+    place = sight.person;
+    return true;
+  }
+
+  /// Gives free entries of a frame to those of `tracks`, nearest first, one per view and track. Whether two views see
+  /// any of them.
+  bool Assign(int frame, const std::vector<std::size_t>& tracks) {
+    const std::vector<Sight> entries = FreeEntries(frame);
+    std::vector<Match> matches;
+    for (const std::size_t t : tracks) {
+      const Track& track = tracks_[t];
+      const double gate = Gate(track, Time(frame));
+      if (gate <= 0.0) continue;
+      for (const Sight& sight : entries) {
+        const RigView& view = rig_[static_cast<std::size_t>(sight.view)];
+        const double distance = EntryDistance(view, sight.frame, sight.person, track.body, kLeastKeypoints);
+        if (distance <= gate) matches.push_back({distance / track.body.extent, t, sight});
+      }
+    }
+    std::sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.distance < b.distance; });
+    std::vector<std::vector<Sight>> sights(tracks_.size());
+    for (const Match& match : matches) {
+      if (Own(tracks_[match.track], match.sight)) sights[match.track].push_back(match.sight);
+    }
+    bool anybody = false;
+    for (const std::size_t t : tracks) {
+      if (sights[t].size() >= 2 && Renew(tracks_[t], frame, sights[t])) anybody = true;
+    }
+    return anybody;
+  }
+
+  /// The body as the entries show it now; keypoints not seen now stay where they were, moved along with the others.
+  bool Renew(Track& track, int frame, const std::vector<Sight>& sights) const {
+    BodyPoints now = NearestBody(rig_, sights);
+    if (now.KnownCount() < kLeastKeypoints) return false;
+    const std::vector<double> measured = MeasureLengths(now, lengths_);
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      if (measured[i] > 0.0) track.measured[i].push_back(measured[i]);
+    }
+    if (track.body.extent > 0.0) {
+      now.extent = 0.9 * track.body.extent + 0.1 * now.extent;
+      Vector3d moved = Vector3d::Zero();
+      int shared = 0;
+      for (std::size_t k = 0; k < now.known.size(); ++k) {
+        if (now.known[k] == 0 || track.body.known[k] == 0) continue;
+        moved += now.position[k] - track.body.position[k];
+        ++shared;
+      }
+      if (shared > 0) moved /= shared;
+      for (std::size_t k = 0; k < now.known.size(); ++k) {
+        if (now.known[k] != 0 || track.body.known[k] == 0) continue;
+        now.position[k] = track.body.position[k] + moved;
+        now.known[k] = 1;
+      }
+    }
+    track.body = std::move(now);
+    track.last_s = Time(frame);
+    track.seen_in.push_back(frame);
+    return true;
+  }
+
+  void FindNew(int frame) {
+    std::vector<double> scales;
+    for (const Track& track : tracks_) {
+      const ShapeMatch shape = CompareShape(MedianLengths(track), lengths_);
+      if (shape.scale > 0.0) scales.push_back(shape.scale);
+    }
+    const double usual_scale = Median(scales);
+    for (const std::vector<Sight>& sights : ProposePeople(rig_, FreeEntries(frame), lengths_, usual_scale)) {
+      Track started;
+      for (const RigView& view : rig_) started.entry.emplace_back(view.time_s.size(), -1);
+      started.measured.resize(lengths_.size());
+      if (!Renew(started, frame, sights) || OnSomebody(started, frame)) continue;
+      started.first = started.body;
+      const std::size_t known = SamePerson(started);
+      if (known == tracks_.size()) {
+        tracks_.push_back(std::move(started));
+      } else {
+        Track& track = tracks_[known];
+        track.body = std::move(started.body);
+        track.last_s = started.last_s;
+        track.seen_in.push_back(frame);
+      }
+      for (const Sight& sight : sights) Own(tracks_[known], sight);
+    }
+  }
+
+  /// Whether a body lies on somebody who is seen in the same frame: two poorly calibrated views of the same person.
+  bool OnSomebody(const Track& started, int frame) const {
+    return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
+      return !track.seen_in.empty() && track.seen_in.back() == frame &&
+             (Middle(track.body) - Middle(started.body)).norm() < kSamePlace * track.body.extent;
+    });
+  }
+
+  /// The track of somebody who was not seen for a while, whose place and bone lengths these are; tracks_.size():
+  /// nobody.
+  std::size_t SamePerson(const Track& started) const {
+    std::size_t best = tracks_.size();
+    double nearest = kNoMatch;
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+      const Track& track = tracks_[t];
+      const double away = started.last_s - track.last_s;
+      const double distance = (Middle(track.body) - Middle(started.body)).norm();
+      if (!(away > 0.0) || distance > track.body.extent * (kGate + kSpeed * away) || distance >= nearest) continue;
+      if (ShapeDistance(MedianLengths(track), MedianLengths(started)) > kSameShape) continue;
+      nearest = distance;
+      best = t;
+    }
+    return best;
+  }
+
+  /// Before they were found, as long as they are seen.
+  void FollowBack(Track& track) {
+    const auto t = static_cast<std::size_t>(&track - tracks_.data());
+    const int first = track.seen_in.front();
+    track.body = track.first;
+    track.last_s = Time(first);
+    for (int f = first - 1; f >= 0 && Gate(track, Time(f)) > 0.0; --f) Assign(f, {t});
+  }
+
+  Association Rank() {
+    std::size_t most = 0;
+    for (const Track& track : tracks_) most = std::max(most, track.seen_in.size());
+    for (const Track& track : tracks_) {
+      if (static_cast<double>(track.seen_in.size()) < kLeastShare * static_cast<double>(most)) continue;
+      AssociatedPerson person;
+      person.entry = track.entry;
+      person.frames_seen = static_cast<int>(track.seen_in.size());
+      for (std::size_t v = 0; v < rig_.size(); ++v) {
+        for (std::size_t f = 0; f < person.entry[v].size(); ++f) {
+          if (person.entry[v][f] < 0) continue;
+          const std::size_t first = rig_[v].Point(static_cast<int>(f), person.entry[v][f], 0);
+          for (int k = 0; k < rig_[v].keypoints; ++k)
+            person.presence += rig_[v].confidence[first + static_cast<std::size_t>(k)];
+        }
+      }
+      take_.people.push_back(std::move(person));
+    }
+    std::stable_sort(take_.people.begin(), take_.people.end(),
+                     [](const auto& a, const auto& b) { return a.presence > b.presence; });
+    for (std::size_t v = 0; v < rig_.size(); ++v) {
+      const auto enough =
+          std::count_if(rig_[v].seen.begin(), rig_[v].seen.end(), [](int seen) { return seen >= kLeastKeypoints; });
+      int owned = 0;
+      for (const AssociatedPerson& person : take_.people) {
+        owned += static_cast<int>(
+            std::count_if(person.entry[v].begin(), person.entry[v].end(), [](int entry) { return entry >= 0; }));
+      }
+      take_.entries.push_back(static_cast<int>(enough));
+      take_.left_out.push_back(static_cast<int>(enough) - owned);
+    }
+    return std::move(take_);
+  }
+
+  const std::vector<RigView>& rig_;
+  const std::vector<KnownLength>& lengths_;
+  Association take_;
+  std::vector<std::vector<int>> frame_of_;  ///< [view][frame of the take]: frame of the view; -1: none
+  std::vector<std::vector<char>> owned_;    ///< [view][entry]
+  std::vector<Track> tracks_;
+};
+
+}  // namespace
+
+Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths) {
+  return Follower(rig, lengths).Follow();
+}
+
+}  // namespace mocurate

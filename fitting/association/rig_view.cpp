@@ -1,0 +1,142 @@
+#include "fitting/association/rig_view.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "fitting/evidence/noise.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kParallel = 0.0175;   ///< sine of the smallest angle between rays, 1 degree
+constexpr double kTrustShare = 0.04;   ///< of the distance from the camera: rays further off hardly count
+constexpr double kTrustSpread = 0.02;  ///< the same as a scale
+
+struct Ray {
+  const RigView* view = nullptr;
+  Vector2d normalised = Vector2d::Zero();
+  Vector3d direction = Vector3d::Zero();
+  double weight = 0.0;
+};
+
+Vector3d Nearest(const std::vector<Ray>& rays, const std::vector<double>& weight) {
+  Matrix3d sum = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Matrix3d across = weight[i] * (Matrix3d::Identity() - rays[i].direction * rays[i].direction.transpose());
+    sum += across;
+    right += across * rays[i].view->camera.centre;
+  }
+  return sum.inverse() * right;
+}
+
+bool AllParallel(const std::vector<Ray>& rays) {
+  for (std::size_t i = 1; i < rays.size(); ++i) {
+    if (rays[0].direction.cross(rays[i].direction).norm() >= kParallel) return false;
+  }
+  return true;
+}
+
+/// The point nearest to the rays; false where there is none in front of them.
+bool Meet(const std::vector<Ray>& rays, std::vector<double>& weight, Vector3d& point) {
+  if (rays.size() < 2 || AllParallel(rays)) return false;
+  weight.clear();
+  for (const Ray& ray : rays) weight.push_back(ray.weight);
+  point = Nearest(rays, weight);
+  for (std::size_t i = 0; rays.size() > 2 && i < rays.size(); ++i) {
+    const double off = OffTheRay(*rays[i].view, rays[i].normalised, point);
+    const double distance = (point - rays[i].view->camera.centre).norm();
+    const double trust = off == kNoMatch ? 1e-3 : 1.0 / (1.0 + std::pow(off / (kTrustSpread * distance), 2));
+    weight[i] = rays[i].weight * trust * trust;
+  }
+  if (rays.size() > 2) point = Nearest(rays, weight);
+  if (!point.allFinite()) return false;
+  int near = 0;
+  for (const Ray& ray : rays) {
+    const double distance = (point - ray.view->camera.centre).norm();
+    near += OffTheRay(*ray.view, ray.normalised, point) < kTrustShare * distance ? 1 : 0;
+  }
+  return near >= 2;
+}
+
+}  // namespace
+
+RigView::RigView(const KeypointView& view, int keypoint_count, double min_confidence)
+    : camera(view.camera), time_s(view.time_s), people(view.people), keypoints(keypoint_count) {
+  const std::size_t points = time_s.size() * static_cast<std::size_t>(people) * static_cast<std::size_t>(keypoints);
+  normalised.assign(points, Vector2d::Zero());
+  confidence.assign(points, 0.0);
+  seen.assign(time_s.size() * static_cast<std::size_t>(people), 0);
+  for (std::size_t i = 0; i < points; ++i) {
+    const double sure = view.values[3 * i + 2];
+    if (!(sure > 0.0) || sure < min_confidence) continue;
+    const Vector2d pixel(view.values[3 * i], view.values[3 * i + 1]);
+    normalised[i] = view.camera.Unproject(pixel, 1.0).head<2>();
+    if (!normalised[i].allFinite()) continue;
+    confidence[i] = sure;
+    ++seen[i / static_cast<std::size_t>(keypoints)];
+  }
+}
+
+int BodyPoints::KnownCount() const { return static_cast<int>(std::count(known.begin(), known.end(), 1)); }
+
+void BodyPoints::MeasureExtent() {
+  Vector3d low = Vector3d::Constant(kNoMatch);
+  Vector3d high = Vector3d::Constant(-kNoMatch);
+  for (std::size_t k = 0; k < position.size(); ++k) {
+    if (known[k] == 0) continue;
+    low = low.cwiseMin(position[k]);
+    high = high.cwiseMax(position[k]);
+  }
+  extent = KnownCount() > 0 ? (high - low).norm() : 0.0;
+}
+
+double OffTheRay(const RigView& view, const Vector2d& normalised, const Vector3d& point) {
+  const Vector3d in_camera = view.camera.rotation * (point - view.camera.centre);
+  if (!(in_camera.z() > 0.0)) return kNoMatch;
+  return (in_camera.head<2>() - in_camera.z() * normalised).norm();
+}
+
+double EntryDistance(const RigView& view, int frame, int person, const BodyPoints& body, int least) {
+  constexpr int kMost = 64;
+  double off[kMost];
+  int count = 0;
+  const std::size_t first = view.Point(frame, person, 0);
+  for (int k = 0; k < view.keypoints && count < kMost; ++k) {
+    const std::size_t at = first + static_cast<std::size_t>(k);
+    if (body.known[static_cast<std::size_t>(k)] == 0 || view.confidence[at] <= 0.0) continue;
+    off[count++] = OffTheRay(view, view.normalised[at], body.position[static_cast<std::size_t>(k)]);
+  }
+  if (count < std::max(least, 1)) return kNoMatch;
+  std::nth_element(off, off + count / 2, off + count);
+  return off[count / 2];
+}
+
+BodyPoints NearestBody(const std::vector<RigView>& rig, const std::vector<Sight>& sights) {
+  BodyPoints body;
+  const int keypoints = rig.empty() ? 0 : rig[0].keypoints;
+  body.position.assign(static_cast<std::size_t>(keypoints), Vector3d::Zero());
+  body.known.assign(static_cast<std::size_t>(keypoints), 0);
+  std::vector<Ray> rays;
+  std::vector<double> weight;
+  for (int k = 0; k < keypoints; ++k) {
+    rays.clear();
+    for (const Sight& sight : sights) {
+      const RigView& view = rig[static_cast<std::size_t>(sight.view)];
+      const std::size_t at = view.Point(sight.frame, sight.person, k);
+      if (view.confidence[at] <= 0.0) continue;
+      const Vector3d in_camera(view.normalised[at].x(), view.normalised[at].y(), 1.0);
+      rays.push_back({&view, view.normalised[at], (view.camera.rotation.transpose() * in_camera).normalized(),
+                      view.confidence[at]});
+    }
+    Vector3d point;
+    if (!Meet(rays, weight, point)) continue;
+    body.position[static_cast<std::size_t>(k)] = point;
+    body.known[static_cast<std::size_t>(k)] = 1;
+  }
+  body.MeasureExtent();
+  return body;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/motion/clip.h"
+#include "fitting/triangulation/robust_triangulation.h"
+
+namespace mocurate {
+
+/// One camera's detections of everybody, without lens distortion. F frames of the camera, P entries per frame, K
+/// keypoints.
+struct RigView {
+  /// Detections of less confidence than `min_confidence` count as not seen.
+  RigView(const KeypointView& view, int keypoint_count, double min_confidence);
+
+  TriangulationView camera;
+  std::vector<double> time_s;        ///< (F)
+  int people = 0;                    ///< P
+  int keypoints = 0;                 ///< K
+  std::vector<Vector2d> normalised;  ///< (F,P,K) at depth 1
+  std::vector<double> confidence;    ///< (F,P,K) in [0, 1]; 0: not seen
+  std::vector<int> seen;             ///< (F,P) keypoints seen of an entry; 0: no entry
+
+  int frames() const { return static_cast<int>(time_s.size()); }
+  std::size_t Entry(int frame, int person) const { return static_cast<std::size_t>(frame) * people + person; }
+  std::size_t Point(int frame, int person, int keypoint) const { return Entry(frame, person) * keypoints + keypoint; }
+};
+
+/// Keypoints of a person in the world, those that are known.
+struct BodyPoints {
+  std::vector<Vector3d> position;  ///< (K) metres
+  std::vector<char> known;         ///< (K)
+  double extent = 0.0;             ///< diagonal of their bounding box, metres
+
+  int KnownCount() const;
+  void MeasureExtent();
+};
+
+inline constexpr double kNoMatch = std::numeric_limits<double>::infinity();
+
+/// How far off a point is from a ray, across the line of sight at the depth of the point: metres; kNoMatch behind the
+/// camera.
+double OffTheRay(const RigView& view, const Vector2d& normalised, const Vector3d& point);
+
+/// Median of OffTheRay over the keypoints that the entry and the body share; kNoMatch when they share fewer than
+/// `least`.
+double EntryDistance(const RigView& view, int frame, int person, const BodyPoints& body, int least);
+
+/// An entry of a frame of a view (indices into the rig).
+struct Sight {
+  int view = 0;
+  int frame = 0;   ///< of the view
+  int person = 0;  ///< entry
+};
+
+/// Points nearest to the rays of some entries, each ray by confidence, and once more by how well it agrees. Known where
+/// at least two see the keypoint with rays not parallel to within 1 degree, and the point is in front of them.
+BodyPoints NearestBody(const std::vector<RigView>& rig, const std::vector<Sight>& sights);
+
+}  // namespace mocurate

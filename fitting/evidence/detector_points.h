@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/motion/motion.h"
+#include "fitting/evidence/skeleton_tracks.h"
+
+namespace mocurate {
+
+/// Names of a 2-D detector's keypoints as a skeleton means them: where a detector lists the face, its "neck" is the
+/// middle between the shoulders ("mid_shoulder"; BODY_25, COCO_18), not a joint of the spine.
+std::vector<std::string> DetectorNames(const std::vector<std::string>& names);
+
+/// The skeleton with a joint more at the end, marked `landmark`, for each of `names` (in the sense of DetectorNames)
+/// that is no joint but a point fixed to one: the skeleton's own landmarks, else nose, eyes, ears, head_top,
+/// upper_neck, mid_shoulder, toes and heels where a body of the skeleton's size has them (measured on the CC0 body
+/// template). Names of no such point are left out.
+SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<std::string>& names);
+
+/// The tracks, or the motion, without the joints that WithDetectorPoints appended to `skeleton`.
+SkeletonTracks WithoutDetectorPoints(const SkeletonTracks& tracks, const SkeletonPtr& skeleton);
+Motion WithoutDetectorPoints(const Motion& motion, const SkeletonPtr& skeleton);
+
+}  // namespace mocurate

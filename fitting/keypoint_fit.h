@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/motion/clip.h"
+#include "fitting/fit_result.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// A person's triangulated keypoints on a body, and what was found on the way.
+struct BodyTracks {
+  SkeletonTracks tracks;
+  KeypointReport report;
+  std::vector<Finding> findings;  ///< clip id left empty
+};
+
+/// TriangulateKeypoints and MapTracks; keypoints that the body does not know are left out. Errors of both.
+Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
+                                  const KeypointFitOptions& options);
+
+/// Skeleton motion of the person in keypoint views: TriangulateKeypoints, then FitJointTracks on `body`, which is
+/// `skeleton` with the detector's points (WithDetectorPoints); the motion has the skeleton's own joints. `bone_length`
+/// of the body, metres; empty: measured on this take. Errors of both.
+Expected<FitResult> FitKeypoints(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
+                                 const SkeletonPtr& body, const std::vector<double>& bone_length,
+                                 const FittingOptions& options);
+
+}  // namespace mocurate

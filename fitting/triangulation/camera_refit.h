@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+
+#include "fitting/triangulation/robust_triangulation.h"
+
+namespace mocurate {
+
+/// A camera put where its detections say it stands.
+struct CameraRefit {
+  Camera camera;
+  double before_px = 0.0;  ///< median distance of its detections from the points
+  double after_px = 0.0;
+  double moved_m = 0.0;  ///< of its centre
+  double turned_rad = 0.0;
+};
+
+/// Pose of a view that minimises the distances of its detections from points that the other views gave (Gauss-Newton on
+/// the six numbers, Huber at 10 px, lens and focal length as calibrated). Empty where fewer than 100 detections belong
+/// to a point, or the median distance does not fall below half.
+std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points);
+
+}  // namespace mocurate

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fitting/triangulation/robust_triangulation.h"
+
+namespace mocurate {
+
+/// What became of a clip's keypoints.
+struct KeypointReport {
+  int people = 0;           ///< that at least two views agree on
+  double seen_share = 0.0;  ///< of the frames, in which at least two views see the person
+  double median_px = 0.0;   ///< over triangulated points, each the mean over its agreeing views
+  double p90_px = 0.0;
+  double triangulated = 0.0;  ///< share of frames x keypoints
+  double views = 0.0;         ///< that agree on a point, mean
+  bool doubtful = false;      ///< a finding says why
+  std::vector<std::string> keypoint_names;
+  std::vector<double> keypoint_share;  ///< (K) of the frames, triangulated
+  std::vector<std::string> camera_names;
+  std::vector<CameraAgreement> cameras;
+};
+
+}  // namespace mocurate

@@ -1,0 +1,214 @@
+// bench_keypoints [CLIPS [CAMERAS [NOISE [SEED [OPTION=NUMBER ...]]]]]: the studio's people before RGB cameras, all 24
+// joints detected with NOISE px (4), 10 % missed, 3 % in another place; from keypoints to a motion, one core. Speed of
+// the whole path and of its parts beside the errors: joints (mm), and rotations where joints decide them (degrees):
+// full rotations of joints with two or more children that do not lie on a line, directions of single bones of 6 cm and
+// more. Options: ceres, uncertainty, walk_refits, rotation_walk, velocity_walk, huber_sigmas.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fitting/evidence/detector_points.h"
+#include "fitting/keypoint_fit.h"
+#include "fitting/proportions.h"
+#include "ingest/synthetic/humanact12_set.h"
+#include "ingest/synthetic/keypoint_detector.h"
+#include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/take_plan.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kShortBone = 0.06;
+constexpr double kRateHz = 30.0;
+
+double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+struct StudioTake {
+  std::string person;
+  std::string name;
+  Motion truth;
+  Evidence evidence;
+};
+
+/// Angle of a rotation, or between two directions, in degrees.
+double Between(const Matrix3d& a, const Matrix3d& b) { return kDegrees * LogMatrix(a.transpose() * b).norm(); }
+double Between(const Vector3d& a, const Vector3d& b) { return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+std::vector<Matrix3d> Global(const Motion& motion, int frame) {
+  std::vector<Matrix3d> global;
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    const Matrix3d local = motion.rotation_at(frame, j).toRotationMatrix();
+    const int parent = motion.skeleton->joints[j].parent;
+    global.push_back(parent < 0 ? local : Matrix3d(global[parent] * local));
+  }
+  return global;
+}
+
+struct Errors {
+  double joint_mm = 0.0;
+  double rotation_deg = 0.0;
+  double joints = 0.0;
+  double rotations = 0.0;
+};
+
+void AddErrors(const Motion& truth, const Motion& fit, Errors& errors) {
+  const Skeleton& skeleton = *truth.skeleton;
+  const auto children = skeleton.Children();
+  for (int f = 0; f < truth.frame_count(); ++f) {
+    const auto real = Global(truth, f);
+    const auto fitted = Global(fit, f);
+    for (int j = 0; j < truth.joint_count(); ++j) {
+      errors.joint_mm += 1e3 * (truth.joints.at(f, j) - fit.joints.at(f, j)).norm();
+      errors.joints += 1.0;
+      if (children[j].size() >= 2) {
+        errors.rotation_deg += Between(real[j], fitted[j]);
+        errors.rotations += 1.0;
+      } else if (children[j].size() == 1) {
+        const int c = children[j][0];
+        const Vector3d bone = truth.joints.at(f, c) - truth.joints.at(f, j);
+        if (bone.norm() < kShortBone) continue;
+        errors.rotation_deg += Between(bone, Vector3d(fit.joints.at(f, c) - fit.joints.at(f, j)));
+        errors.rotations += 1.0;
+      }
+    }
+  }
+}
+
+std::vector<StudioTake> Perform(int clips, int cameras, double noise, std::int64_t seed) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  StudioOptions options;
+  options.seed = seed;
+  options.subjects = 5;
+  options.clips = 1;
+  options.rig.kind = cameras > 0 ? RigKind::kRing : RigKind::kHuman36m;
+  options.rig.cameras = std::max(cameras, 1);
+  options.keypoints.noise = noise;
+  options.keypoints.miss_share = 0.10;
+  options.keypoints.wrong_share = 0.03;
+  options.keypoints.wrong_px = 120.0;
+  std::vector<SetClass> classes;
+  for (const std::string& action : KnownActions()) {
+    for (const HumanAct12Variant& variant : HumanAct12Variants()) {
+      if (action != variant.action) continue;
+      classes.push_back({static_cast<int>(classes.size()) + 1, variant.action, variant.action, variant.seated});
+      break;
+    }
+  }
+  const auto cast = Cast(options.seed, options.subjects, *skeleton);
+  const auto plan = PlanTakes(options, classes, {options.subjects, 1, kRateHz, 0.3, 0.6});
+  const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
+  std::vector<StudioTake> takes;
+  for (const PlannedTake& planned : *plan) {
+    if (static_cast<int>(takes.size()) >= clips) break;
+    StudioTake take;
+    take.person = cast[planned.subject - 1].name;
+    take.name = planned.Key();
+    take.truth = PerformScript(planned.script, cast[planned.subject - 1], skeleton, FrameRate{30, 1});
+    for (const Joint& joint : skeleton->joints) take.evidence.keypoint_names.push_back(joint.name);
+    for (const Camera& camera : rig) {
+      KeypointView view;
+      view.camera = camera;
+      view.people = 1;
+      for (int f = 0; f < take.truth.frame_count(); ++f) {
+        view.time_s.push_back(take.truth.rate.FrameTime(f));
+        std::vector<ImagePoint> points;
+        for (int k = 0; k < skeleton->joint_count(); ++k) {
+          points.push_back({camera.ProjectWorld(take.truth.joints.at(f, k)), false});
+        }
+        const OpenPosePerson person =
+            Detected(points, options.keypoints, options.seed, take.name + "/" + camera.name + "/" + std::to_string(f));
+        for (const DetectedKeypoint& point : person.pose) {
+          view.values.insert(view.values.end(), {point.u_px, point.v_px, point.confidence});
+        }
+      }
+      take.evidence.keypoint_views.push_back(std::move(view));
+    }
+    takes.push_back(std::move(take));
+  }
+  return takes;
+}
+
+}  // namespace
+}  // namespace mocurate
+
+int main(int argc, char** argv) {
+  using namespace mocurate;
+  const auto argument = [&](int place, double otherwise) { return argc > place ? std::atof(argv[place]) : otherwise; };
+  FittingOptions options;
+  options.joint_tracks.solver = TrackSolver::kBanded;
+  for (int i = 5; i < argc; ++i) {
+    const std::string text = argv[i];
+    const auto at = text.find('=');
+    const std::string name = text.substr(0, at);
+    const double value = std::atof(text.c_str() + at + 1);
+    if (name == "walk_refits") options.joint_tracks.walk_refits = static_cast<std::int64_t>(value);
+    if (name == "rotation_walk") options.joint_tracks.rotation_walk = value;
+    if (name == "velocity_walk") options.joint_tracks.velocity_walk = value;
+    if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;
+    if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
+    if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
+  }
+  const auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), argument(3, 4.0),
+                             static_cast<std::int64_t>(argument(4, 4711)));
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  std::map<std::string, std::vector<SkeletonTracks>> of_person;
+  double frames = 0.0;
+  double tracks_s = 0.0;
+  Errors raw;
+  for (const StudioTake& take : takes) {
+    const double begin = CpuSeconds();
+    auto found = TracksOnBody(take.evidence, *skeleton, skeleton, options.keypoints);
+    tracks_s += CpuSeconds() - begin;
+    frames += take.truth.frame_count();
+    if (!found) {
+      std::fprintf(stderr, "%s: %s\n", take.name.c_str(), found.error().Message().c_str());
+      continue;
+    }
+    for (int f = 0; f < take.truth.frame_count(); ++f) {
+      for (int j = 0; j < skeleton->joint_count(); ++j) {
+        if (!found->tracks.seen(f, j)) continue;
+        raw.joint_mm += 1e3 * (found->tracks.positions.at(f, j) - take.truth.joints.at(f, j)).norm();
+        raw.joints += 1.0;
+      }
+    }
+    of_person[take.person].push_back(std::move(found->tracks));
+  }
+  ProportionsOptions medians;
+  medians.symmetric = true;
+  std::map<std::string, std::vector<double>> bones;
+  for (const auto& [person, clips] : of_person)
+    bones[person] = EstimateProportions(clips, skeleton, medians)->bone_length;
+  Errors errors;
+  double fit_s = 0.0;
+  double iterations = 0.0;
+  double sigma = 0.0;
+  for (const StudioTake& take : takes) {
+    const double begin = CpuSeconds();
+    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, skeleton, bones[take.person], options);
+    fit_s += CpuSeconds() - begin;
+    if (!fit) continue;
+    Errors own;
+    AddErrors(take.truth, fit->motion, own);
+    iterations += fit->iterations;
+    sigma += fit->noise_sigma;
+    std::fprintf(stderr, "%-28s %4d frames, %5.1f mm, %4.1f deg, %d iterations\n", take.name.c_str(),
+                 take.truth.frame_count(), own.joint_mm / own.joints, own.rotation_deg / own.rotations,
+                 fit->iterations);
+    AddErrors(take.truth, fit->motion, errors);
+  }
+  std::printf(
+      "{\"name\": \"keypoints\", \"clips\": %zu, \"cameras\": %zu, \"frames\": %.0f, \"triangulated_mm\": %.2f, "
+      "\"triangulated_share\": %.4f, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, \"sigma_mm\": %.1f, \"iterations\": "
+      "%.1f, "
+      "\"tracks_frames_per_s\": %.0f, \"frames_per_s\": %.0f, \"threads\": 1}\n",
+      takes.size(), takes.empty() ? 0 : takes[0].evidence.keypoint_views.size(), frames, raw.joint_mm / raw.joints,
+      raw.joints / (frames * skeleton->joint_count()), errors.joint_mm / errors.joints,
+      errors.rotation_deg / errors.rotations, 1e3 * sigma / static_cast<double>(takes.size()),
+      iterations / static_cast<double>(takes.size()), frames / tracks_s, frames / fit_s);
+}
