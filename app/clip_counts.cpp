@@ -8,6 +8,7 @@ std::string ClipsText(const ClipCounts& counts) {
   std::string text = Counted(counts.clips, "clip") + ", " + std::to_string(counts.kept) +
                      " kept, left out by rule: " + std::to_string(counts.left_out) + ", " +
                      std::to_string(counts.failed) + " failed";
+  if (counts.doubtful > 0) text += ", " + std::to_string(counts.doubtful) + " doubtful";
   if (counts.undecided > 0) text += ", " + std::to_string(counts.undecided) + " undecided (the run ended before)";
   if (counts.folders > 0) text += "; " + Counted(counts.folders, "folder") + " not looked into";
   return text;

@@ -8,13 +8,15 @@ namespace mocurate {
 struct ClipCounts {
   int clips = 0;
   int kept = 0;       ///< with at least one clip in the dataset
+  int doubtful = 0;   ///< of those that did not end, with a finding of severity error
   int left_out = 0;   ///< by a rule of the configuration: no failure
   int failed = 0;     ///< refused or crashed anywhere before the dataset
   int undecided = 0;  ///< the run ended before the dataset
   int folders = 0;    ///< no clips: folders that were not looked into
 };
 
-/// "15 clips, 13 kept, left out by rule: 1, 1 failed"; the undecided and the folders only where there are some.
+/// "15 clips, 13 kept, left out by rule: 1, 1 failed"; the doubtful (", 2 doubtful"), the undecided and the folders
+/// only where there are some.
 std::string ClipsText(const ClipCounts& counts);
 
 }  // namespace mocurate

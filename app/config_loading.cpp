@@ -65,14 +65,31 @@ void InheritOrigins(ConfigNode& root) {
   Inherit(root, "evaluate", "split", recogniser == nullptr ? nullptr : recogniser->Find("split"));
 }
 
-/// Where the value of a dotted path is said; nothing where it is not.
-std::optional<std::string> PlaceOf(const ConfigNode& root, const std::string& option) {
+/// The value of a dotted path; null where it is not said.
+const ConfigNode* FindSaid(const ConfigNode& root, const std::string& option) {
   const ConfigNode* node = &root;
   for (const std::string_view key : SplitText(option, '.')) {
     node = node->Find(std::string(key));
-    if (node == nullptr) return std::nullopt;
+    if (node == nullptr) return nullptr;
   }
+  return node;
+}
+
+std::optional<std::string> PlaceOf(const ConfigNode& root, const std::string& option) {
+  const ConfigNode* node = FindSaid(root, option);
+  if (node == nullptr) return std::nullopt;
   return node->origin.Text();
+}
+
+/// Words about the job and its duration speak of the configuration's own data, not of those that the command line sets.
+void DropForeignWords(const ConfigNode& root, JobOptions& options) {
+  const auto set = [&](const char* option) {
+    const ConfigNode* node = FindSaid(root, option);
+    return node != nullptr && node->origin.file == "--set";
+  };
+  if (!set("ingest.path")) return;
+  if (!set("description")) options.description.clear();
+  if (!set("takes")) options.takes.clear();
 }
 
 /// Values that are wrong by themselves though their type is right, all at once.
@@ -131,6 +148,7 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   if (!options) return Forward(options);
   if (Status seeds = CheckSeeds(options->train); !seeds) return Forward(seeds);
   if (Status values = CheckValues(*options, *node); !values) return Forward(values);
+  DropForeignWords(*node, *options);
   ResolveDefaults(*options);
   InheritOrigins(*node);
   return LoadedJob{std::move(*node), std::move(*options)};

@@ -15,6 +15,7 @@ const char* Decision(const ClipRecord& clip) {
 
 nlohmann::json LineOf(const ClipRecord& clip) {
   nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
+  if (clip.doubtful()) line["doubtful"] = true;
   if (const auto source = clip.evidence.outcome.summary.find("source_sha256");
       source != clip.evidence.outcome.summary.end()) {
     line["source_sha256"] = *source;

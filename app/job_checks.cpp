@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "canon/splits/groups.h"
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
 #include "ingest/synthetic/actions.h"
@@ -121,16 +122,11 @@ Status CheckNames(const JobOptions& options, JobStage last) {
 Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery) {
   for (const SplitOptions& split : options.splits) {
     const bool by_person = split.by == SplitBy::kPerson;
-    if (split.absent != AbsentGroups::kRefuse || (!by_person && split.by != SplitBy::kStyle)) continue;
+    if (!NamesGroups(split.by)) continue;
     const std::set<std::string>& there = by_person ? discovery.persons : discovery.styles;
-    const std::vector<std::string> known(there.begin(), there.end());
-    for (const auto* names : {&split.test, &split.validation}) {
-      for (const std::string& name : *names) {
-        if (there.count(name) != 0) continue;
-        return tl::unexpected<Error>(Unknown(by_person ? "person" : "style", name, "assemble.splits." + split.name,
-                                             known, "the captures have: "));
-      }
-    }
+    if (there.empty()) continue;  // the names of the files do not tell: seen when the set is assembled
+    std::vector<Finding> told;    // again when the set is assembled
+    if (const auto met = MeetGroups(split, there, told); !met) return Forward(met);
   }
   return {};
 }

@@ -10,8 +10,7 @@ namespace mocurate {
 /// stages up to `last` ask for. Error kConfig with the option, and the nearest name there is.
 Status CheckNames(const JobOptions& options, JobStage last);
 
-/// The same for persons and styles of splits that refuse to draw others (assemble.splits.absent: refuse), once the
-/// names of the files are known.
+/// Splits by person or style that these captures cannot meet (canon/splits), once the names of the files are known.
 Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery);
 
 /// The joints of canon.skeleton that the unfitted tracks of the source do not give ("left_toe, right_toe"), as far as

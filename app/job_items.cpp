@@ -1,19 +1,16 @@
 #include "app/job_items.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "app/main_job.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/resources.h"
 #include "core/base/sha256.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "ingest/discover.h"
+#include "ingest/files_check.h"
 
 namespace mocurate {
 namespace {
@@ -41,6 +38,7 @@ nlohmann::json TrainingSummary(const TrainOptions& options, const JobResult& res
 nlohmann::json ClipSummary(const ClipRecord& clip) {
   nlohmann::json summary = {{"item", clip.item},
                             {"kept", clip.kept()},
+                            {"doubtful", clip.doubtful()},
                             {"ingest", clip.evidence.outcome.summary},
                             {"fitting", clip.motion.outcome.summary},
                             {"canon", clip.canonical.outcome.summary},
@@ -76,6 +74,16 @@ bool ClipRecord::folder() const {
   return evidence.artifact.empty() && !findings.empty() && findings.back().code == kFolderNotRead;
 }
 
+bool ClipRecord::doubtful() const {
+  if (ended() != nullptr) return false;
+  for (const ItemResult* stage : {&evidence, &motion, &canonical}) {
+    for (const Finding& finding : stage->outcome.findings) {
+      if (finding.severity == Severity::kError) return true;
+    }
+  }
+  return false;
+}
+
 std::string ClipRecord::reason() const {
   const ItemResult* stage = ended();
   if (stage == nullptr) return "";
@@ -102,6 +110,7 @@ void CountClips(const std::vector<ClipRecord>& clips, JobResult& result) {
     }
     for (const std::string& code : FindingCodes(clip)) ++result.findings[code];
     ++result.counts.clips;
+    result.counts.doubtful += clip.doubtful() ? 1 : 0;
     ++(clip.kept()       ? result.counts.kept
        : clip.failed()   ? result.counts.failed
        : clip.left_out() ? result.counts.left_out
@@ -131,13 +140,72 @@ Finding ComparisonDropped(const std::string& why) {
   return finding;
 }
 
-void LogLeftOut(const ItemResult& file) {
-  const Error& error = file.outcome.error;
-  const bool named = error.where.empty() || error.where == file.item;
-  const std::string text =
-      named ? Error{error.code, error.what, file.item, error.hint}.Message() : file.item + ": " + error.Message();
-  const bool folder = file.outcome.findings.back().code == kFolderNotRead && !IsFailure(file.outcome.kind);
-  Log(folder ? LogLevel::kInfo : LogLevel::kWarning, text);
+void LogLeftOut(const std::vector<ItemResult>& files) {
+  const auto key = [](const ItemResult& file) {
+    return std::pair(file.outcome.findings.back().code, file.outcome.kind);
+  };
+  std::map<std::pair<std::string, OutcomeKind>, long long> counts;
+  for (const ItemResult& file : files) ++counts[key(file)];
+  for (const ItemResult& file : files) {
+    long long& count = counts[key(file)];
+    if (count == 0) continue;  // told with the first of its kind
+    const Error& error = file.outcome.error;
+    const bool named = error.where.empty() || error.where == file.item;
+    std::string text =
+        named ? Error{error.code, error.what, file.item, error.hint}.Message() : file.item + ": " + error.Message();
+    const bool folder = file.outcome.findings.back().code == kFolderNotRead && !IsFailure(file.outcome.kind);
+    if (count > 1 && !folder) {
+      text = Counted(count, "file") + (IsFailure(file.outcome.kind) ? " refused (" : " left out (") + key(file).first +
+             "; curation_log.jsonl lists them), the first: " + text;
+      count = 0;
+    }
+    Log(folder ? LogLevel::kInfo : LogLevel::kWarning, text);
+  }
+}
+
+std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
+                                  std::vector<ItemResult> left_out) {
+  std::vector<ClipRecord> clips;
+  clips.reserve(ingested.size() + left_out.size());
+  for (std::size_t i = 0; i < ingested.size(); ++i) {
+    ClipRecord clip;
+    clip.item = ingested[i].item;
+    clip.evidence = ingested[i];
+    for (const StageInput& input : specs[i].inputs) {
+      if (input.role == "depth") clip.depth.push_back(input);
+    }
+    clips.push_back(std::move(clip));
+  }
+  for (ItemResult& file : left_out) {
+    ClipRecord clip;
+    clip.item = file.item;
+    clip.evidence = std::move(file);
+    clips.push_back(std::move(clip));
+  }
+  return clips;
+}
+
+nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result) {
+  metrics["generator_training"] = result.training.value("Action2Motion", nlohmann::json());
+  for (const std::string& note : TrainingNotes(options.train)) metrics["notes"].push_back(note);
+  for (const auto& [network, error] : result.untrained) {
+    metrics["notes"].push_back(network + " was not trained: " + error.Message());
+  }
+  metrics["nearest_neighbour"] = result.audit.value("nearest_neighbour", nlohmann::json());
+  return metrics;
+}
+
+std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items) {
+  std::set<std::string> known;
+  for (const ItemResult& item : items) {
+    for (const auto& label : item.outcome.summary.value("labels", std::vector<std::string>())) known.insert(label);
+  }
+  std::vector<Finding> findings;
+  if (known.empty()) return findings;
+  for (const std::string& label : options.trim.drop_labels) {
+    if (known.count(label) == 0) findings.push_back(UnmatchedName("canon.trim.drop_labels", "label", label, known));
+  }
+  return findings;
 }
 
 StageInput InputFrom(const char* role, const ItemResult& item) { return {role, item.item, item.artifact, item.sha256}; }
@@ -281,25 +349,6 @@ std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
     AddDrawing(clip, true, items.back());
   }
   return items;
-}
-
-Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to) {
-  return WriteFileWith(to, [&](const std::filesystem::path& temporary) -> Status {
-    const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    int problem = file < 0 ? errno : 0;
-    const Status read = ReadFileInParts(from, [&](std::string_view part) {
-      while (problem == 0 && !part.empty()) {
-        const ssize_t count = write(file, part.data(), part.size());
-        if (count > 0) part.remove_prefix(static_cast<std::size_t>(count));
-        if (count < 0 && errno != EINTR) problem = errno;
-      }
-    });
-    if (file >= 0 && close(file) != 0 && problem == 0) problem = errno;
-    if (!read) return read;
-    if (problem == 0) return {};
-    return Fail(ErrorCode::kCannotWrite, std::string("cannot be written: ") + std::strerror(problem), DisplayPath(to),
-                "free space or choose another -o");
-  });
 }
 
 nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,

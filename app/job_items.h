@@ -33,6 +33,8 @@ struct ClipRecord {
   bool failed() const { return ended() != nullptr && IsFailure(ended()->outcome.kind); }
   /// No clip: a folder whose files lie where the pattern does not look.
   bool folder() const;
+  /// It went on, with a finding of severity error.
+  bool doubtful() const;
   bool left_out() const { return ended() != nullptr && !failed(); }
   /// The reason in one word: the rule (code of its finding) or the error's code. Empty when nothing ended it.
   std::string reason() const;
@@ -51,8 +53,19 @@ Error FirstReason(const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*
 /// Why the raw tracks are not compared with the fits.
 Finding ComparisonDropped(const std::string& why);
 
-/// Tells of a file or folder that is no item. A folder that is passed over is no warning: data are shipped so.
-void LogLeftOut(const ItemResult& file);
+/// Tells of files and folders that are no items: one line for all of a kind, with their number. A folder that is passed
+/// over is no warning: data are shipped so.
+void LogLeftOut(const std::vector<ItemResult>& files);
+
+/// The clips after the stage `ingest`: of each of its items, and of the files that are none.
+std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
+                                  std::vector<ItemResult> left_out);
+
+/// Labels of canon.trim.drop_labels that no segment has, after the stage canon.
+std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items);
+
+/// The metrics with what training, audit and networks that are not there add to them.
+nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result);
 
 /// An artifact as the input of a later stage.
 StageInput InputFrom(const char* role, const ItemResult& item);
@@ -95,9 +108,6 @@ void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item);
 
 /// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
 std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips);
-
-/// Copies a file so that it appears whole.
-Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// What the report draws from, without anything that differs between equal runs (times, paths).
 nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,

@@ -20,6 +20,9 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Text("skeleton", skeleton, "skeleton of the dataset: a name below configs/skeletons or a YAML file");
   v.Number("tolerated_failures", tolerated_failures, Unit::kNone, {0.0, 1.0},
            "share of the clips that may fail before the run ends with exit code 1");
+  v.Number("tolerated_doubtful", tolerated_doubtful, Unit::kNone, {0.0, 1.0},
+           "share of the clips that go on with a finding of severity error before the run ends with exit code 1: where "
+           "more than half contradict their declaration, it is the declaration that is wrong");
   v.Group("ingest", ingest, "where the captures are and what they are");
   v.Group("proportions", proportions, "bone lengths of each person");
   v.Group("fitting", fitting, "rotations and bone lengths from evidence");

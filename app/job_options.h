@@ -30,6 +30,7 @@ struct JobOptions {
   std::string takes;                ///< how long the job takes, in words
   std::string skeleton = "smpl24";  ///< for stages that do not name their own
   double tolerated_failures = 0.0;  ///< share of clips that may fail before the exit code is 1
+  double tolerated_doubtful = 0.5;  ///< share of clips with a finding of severity error before the exit code is 1
   IngestOptions ingest;
   ProportionsSettings proportions;
   FittingOptions fitting;
@@ -44,8 +45,8 @@ struct JobOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Fills what groups take from each other: the skeleton of stages that do not name their own, the split of `evaluate`
-/// from the recogniser's.
+/// Fills what groups take from each other:
+/// the skeleton of stages that do not name their own, the split of `evaluate` from the recogniser's.
 void ResolveDefaults(JobOptions& options);
 
 /// Options of the stage `proportions`: its own group, with the method and clouds of `fitting`.

@@ -111,7 +111,7 @@ class MainJob {
       auto names = CaptureFileNames(capture->artifact);
       if (!names) return Forward(names);
       captured_ = *std::move(names);
-      const Status unpacked = DryRun() ? Status() : UnpackCapture(capture->artifact, options_.ingest.path);
+      Status unpacked = DryRun() ? Status() : UnpackCapture(capture->artifact, options_.ingest.path);
       if (!unpacked) return unpacked;
     }
     if (!std::filesystem::exists(options_.ingest.path)) options_.ingest.path.clear();
@@ -126,7 +126,8 @@ class MainJob {
     if (synthetic_ && options_.ingest.path.empty()) return {};
     auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
-    for (const ItemResult& file : discovery->left_out) LogLeftOut(file);
+    LogLeftOut(discovery->left_out);
+    AddSetFindings(discovery->findings);
     if (last_ >= JobStage::kAssemble) {
       if (Status groups = CheckSplitGroups(options_.assemble, *discovery); !groups) return groups;
     }
@@ -137,21 +138,7 @@ class MainJob {
     auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
     AddSetFindings(FindSetContradictions(options_.ingest.source, report->items));
-    for (std::size_t i = 0; i < report->items.size(); ++i) {
-      ClipRecord clip;
-      clip.item = report->items[i].item;
-      clip.evidence = report->items[i];
-      for (const StageInput& input : specs[i].inputs) {
-        if (input.role == "depth") clip.depth.push_back(input);
-      }
-      clips_.push_back(std::move(clip));
-    }
-    for (ItemResult& file : discovery->left_out) {
-      ClipRecord clip;
-      clip.item = file.item;
-      clip.evidence = std::move(file);
-      clips_.push_back(std::move(clip));
-    }
+    clips_ = RecordsOf(specs, report->items, std::move(discovery->left_out));
     if (!discovery->truth.empty()) {
       const auto truth = RunStage(TruthDeclaration(), std::move(discovery->truth));
       if (!truth) return Forward(truth);
@@ -224,7 +211,7 @@ class MainJob {
 
   Status Canonicalise() {
     const bool both = options_.train.baseline;
-    const Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical, both ? kFittedBranch : "");
+    Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical, both ? kFittedBranch : "");
     if (!done || !both) return done;
     return CanonItems("tracks", &ClipRecord::evidence, &ClipRecord::baseline, kRawBranch);
   }
@@ -242,6 +229,7 @@ class MainJob {
     auto report = RunStage(CanonDeclaration(), std::move(items), branch);
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
+    if (to == &ClipRecord::canonical) AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
     return {};
   }
 
@@ -294,6 +282,7 @@ class MainJob {
     if (!baseline_.artifact.empty()) inputs.baseline = InputFrom("dataset", baseline_);
     const std::vector<TrainItem> items = TrainItems(options_.train, inputs);
     std::vector<ItemSpec> specs;
+    specs.reserve(items.size());
     for (const TrainItem& item : items) specs.push_back(item.spec);
     const auto report = RunStage(TrainDeclaration(), std::move(specs));
     if (!report) return Forward(report);
@@ -339,13 +328,7 @@ class MainJob {
   Status WriteMetrics(const ItemResult& evaluated) {
     const auto text = ReadFile(evaluated.artifact);
     if (!text) return Forward(text);
-    result_.metrics = nlohmann::json::parse(*text);
-    result_.metrics["generator_training"] = result_.training.value("Action2Motion", nlohmann::json());
-    for (const std::string& note : TrainingNotes(options_.train)) result_.metrics["notes"].push_back(note);
-    for (const auto& [network, error] : result_.untrained) {
-      result_.metrics["notes"].push_back(network + " was not trained: " + error.Message());
-    }
-    result_.metrics["nearest_neighbour"] = result_.audit.value("nearest_neighbour", nlohmann::json());
+    result_.metrics = WithNotes(nlohmann::json::parse(*text), options_, result_);
     if (Status written = WriteFile(outputs_.Place("metrics.json"), result_.metrics.dump(1) + "\n"); !written) {
       return written;
     }

@@ -41,4 +41,7 @@ class RunOutputs {
 /// the capture among them; below the folder, in order of name.
 std::vector<std::string> RunFilesIn(const std::filesystem::path& folder);
 
+/// Copies a file so that it appears whole.
+Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to);
+
 }  // namespace mocurate

@@ -44,9 +44,10 @@ Check CheckBlas() {
   const std::filesystem::path file = std::filesystem::canonical(info.dli_fname, ignored);
 
   constexpr int n = 256;
-  std::vector<float> a(n * n, 1.0f);
-  std::vector<float> b(n * n, 0.5f);
-  std::vector<float> c(n * n, 0.0f);
+  constexpr std::size_t count = std::size_t{n} * n;
+  std::vector<float> a(count, 1.0f);
+  std::vector<float> b(count, 0.5f);
+  std::vector<float> c(count, 0.0f);
   const float one = 1.0f;
   const float zero = 0.0f;
   double best = 1e9;

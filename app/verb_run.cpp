@@ -53,6 +53,7 @@ nlohmann::json ResultJson(const JobResult& result, const RunnerOptions& runner, 
           {"report", DisplayPath(result.report)},
           {"clips", result.counts.clips},
           {"kept", result.counts.kept},
+          {"doubtful", result.counts.doubtful},
           {"left_out", result.counts.left_out},
           {"failed", result.counts.failed},
           {"undecided", result.counts.undecided},
@@ -104,6 +105,20 @@ Status CheckFailures(const JobOptions& options, const JobResult& result) {
                   (result.dataset.empty() ? "" : "; the others are in the dataset"));
 }
 
+/// Of the clips that went on, those with a finding of severity error.
+Status CheckDoubts(const JobOptions& options, const JobResult& result) {
+  const int all = result.counts.kept + result.counts.undecided;
+  const double tolerated = options.tolerated_doubtful * all;
+  if (all == 0 || result.counts.doubtful <= tolerated) return {};
+  return Fail(
+      ErrorCode::kTooManyFailures,
+      std::to_string(result.counts.doubtful) + " of " + Counted(all, "clip") + " are doubtful, tolerated_doubtful is " +
+          Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
+      "run",
+      "they contradict the declaration of the source or fail a check: curation_log.jsonl says which; mend it, or "
+      "set tolerated_doubtful: 1");
+}
+
 RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments& arguments, const JobOptions& job,
                               const std::filesystem::path& folder) {
   RunnerOptions options;
@@ -145,7 +160,8 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
   }
   if (Status evaluation = CheckEvaluation(*result); !evaluation) return evaluation;
   if (Status networks = CheckNetworks(*result); !networks) return networks;
-  return CheckFailures(options, *result);
+  if (Status failures = CheckFailures(options, *result); !failures) return failures;
+  return CheckDoubts(options, *result);
 }
 
 }  // namespace

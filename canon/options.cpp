@@ -41,8 +41,9 @@ void SplitOptions::Declare(OptionVisitor& v) {
            "what two parts must not share");
   v.Texts("test", test, "persons or styles that test");
   v.Texts("validation", validation, "persons or styles that select");
+  v.Texts("train", train, "persons or styles that train, as all others do, and that no draw takes");
   v.Choice("absent", absent, {{"draw", AbsentGroups::kDraw}, {"refuse", AbsentGroups::kRefuse}},
-           "when the set has none of the persons or styles that test: draw others and say so, or refuse");
+           "when the set has none of the persons or styles that test or select: draw others and say so, or refuse");
   v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0}, "share of the recordings (or drawn groups) that test");
   v.Number("validation_share", validation_share, Unit::kNone, {0.0, 1.0},
            "share of the recordings (or drawn groups) that select");
@@ -60,8 +61,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 8, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 5, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 9, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 6, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -50,17 +50,20 @@ struct CanonOptions {
 
 enum class SplitBy { kPerson, kStyle, kFraction, kRole };
 
-/// What happens when the set lacks persons or styles that a split names: other recordings of a known layout bring other
-/// people. Drawing takes `test_share` and `validation_share` of those that are there, and only if nothing named tests.
+/// What happens when the set has none of the persons or styles that a split names for a part: other recordings of a
+/// known layout bring other people. Drawing takes `test_share` or `validation_share` of those that are there, and only
+/// such as no part names.
 enum class AbsentGroups { kDraw, kRefuse };
 
-/// Which clips train, select and test. By person or style: the names in `test` and `validation`, all others train. By
-/// fraction: shares of the recordings, drawn by hash of their names and `seed`.
+/// Which clips train, select and test. By person or style: the names in `test` and `validation`, all others train;
+/// those in `train` also where others are drawn. By fraction: shares of the recordings, drawn by hash of their names
+/// and `seed`.
 struct SplitOptions {
   std::string name = "default";
   SplitBy by = SplitBy::kFraction;
   std::vector<std::string> test;
   std::vector<std::string> validation;
+  std::vector<std::string> train;
   AbsentGroups absent = AbsentGroups::kDraw;
   double test_share = 0.2;
   double validation_share = 0.1;

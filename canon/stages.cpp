@@ -207,6 +207,9 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   dataset.joints_only = clip->motion->joints_only();
   dataset.created_by = CreatedBy();
   StageOutcome outcome;
+  std::set<std::string> labels;
+  for (const Segment& segment : clip->segments) labels.insert(segment.label);
+  if (options->trim.rule == TrimRule::kAnnotated) outcome.summary["labels"] = labels;
   auto kept = Canonicalise(*options, std::move(*clip), outcome.findings);
   if (!kept) return Forward(kept);
   if (kept->empty()) {
@@ -220,7 +223,8 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   int frames = 0;
   for (const Clip& c : dataset.clips) frames += c.motion->frame_count();
-  outcome.summary = {{"clips", dataset.clips.size()}, {"frames", frames}};
+  outcome.summary["clips"] = dataset.clips.size();
+  outcome.summary["frames"] = frames;
   if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);
   return outcome;
 }

@@ -5,11 +5,13 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "ingest/folder_files.h"
+#include "ingest/discover_container.h"
+#include "ingest/files_check.h"
+#include "ingest/folder_listing.h"
 #include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
+#include "ingest/left_out.h"
 #include "ingest/sources/babel_segments.h"
-#include "ingest/sources/container.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -55,43 +57,6 @@ Status CheckFields(const SourceOptions& source, const NamePattern& pattern) {
   return {};
 }
 
-/// `matches`: the name is as declared, but its label is not.
-ItemResult LeftOut(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
-  const bool by_rule = matches && source.other_labels == OtherLabels::kLeaveOut;
-  const bool failed =
-      !by_rule && (source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore));
-  Finding finding;
-  finding.clip = name;
-  finding.code = by_rule ? "label_left_out" : matches ? "label_unknown" : "name_mismatch";
-  finding.severity = failed ? Severity::kError : by_rule ? Severity::kInfo : Severity::kWarning;
-  finding.message = why.what + (why.hint.empty() || by_rule ? "" : " (" + why.hint + ")");
-  finding.action = "left out";
-  ItemResult file;
-  file.item = name;
-  file.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
-  const std::string hint = by_rule ? "as ingest.source.other_labels asks" : why.hint;
-  file.outcome.error = Error{ErrorCode::kInconsistent, why.what, name, hint};
-  file.outcome.findings.push_back(std::move(finding));
-  return file;
-}
-
-/// What the declaration excludes by the recording's name, or a list of known issues does.
-ItemResult Excluded(const std::string& item, const std::string& file, const char* code, const std::string& why,
-                    const std::string& hint) {
-  Finding finding;
-  finding.clip = item;
-  finding.code = code;
-  finding.severity = Severity::kInfo;
-  finding.message = why;
-  finding.action = "left out";
-  ItemResult result;
-  result.item = item;
-  result.outcome.kind = OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, hint};
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
-}
-
 std::string TextOf(const KnownIssue& issue) { return issue.kind + ": " + issue.note + " (" + issue.source + ")"; }
 
 /// The .asf of a motion.
@@ -103,57 +68,6 @@ Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& 
   }
   return Fail(ErrorCode::kNotFound, "its skeleton file '" + name + "' is not in the folder", item.inputs[0].name,
               "put it there, or mend ingest.source.skeleton_files");
-}
-
-ItemResult Refused(const std::string& item, const char* code, const Error& why) {
-  Finding finding;
-  finding.clip = item;
-  finding.code = code;
-  finding.severity = Severity::kError;
-  finding.message = why.what;
-  finding.action = "left out";
-  ItemResult result;
-  result.item = item;
-  result.outcome.kind = OutcomeKind::kRefused;
-  result.outcome.error = why;
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
-}
-
-/// Files of a folder that lie where the pattern does not look: one line for all.
-ItemResult NotLookedAt(const std::string& folder, std::size_t files, const SourceOptions& source) {
-  const bool failed = source.other_files == OtherFiles::kError;
-  const std::string count =
-      files > kMostCounted ? "more than " + std::to_string(kMostCounted) + " files" : Counted(files, "file");
-  Finding finding;
-  finding.clip = folder;
-  finding.code = kFolderNotRead;
-  finding.severity = failed ? Severity::kError : Severity::kWarning;
-  finding.value = static_cast<double>(files);
-  finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files in another place";
-  finding.action = "left out";
-  ItemResult result;
-  result.item = folder;
-  result.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kInconsistent, finding.message, folder,
-                               "links to folders are not followed; mend ingest.source.files, or set other_files"};
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
-}
-
-/// Why there is nothing to ingest.
-Error NothingFound(const IngestOptions& options, const Discovery& discovery) {
-  const std::string where = DisplayPath(options.path);
-  const std::string none = "no file matches the pattern '" + options.source.files + "'";
-  const auto failed = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), [](const ItemResult& file) {
-    return file.outcome.kind == OutcomeKind::kRefused && file.outcome.error.code != ErrorCode::kInconsistent;
-  });
-  if (failed != discovery.left_out.end()) {
-    return {ErrorCode::kNotFound, "no file can be read; the first: " + failed->outcome.error.Message(), where, ""};
-  }
-  if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, "is it the right folder?"};
-  return {ErrorCode::kNotFound, none, where,
-          "e.g. '" + discovery.left_out.front().item + "' does not match; mend ingest.source.files or ingest.path"};
 }
 
 /// ingest.source.label_table: motion -> label text. Error kMalformed "name:line".
@@ -186,25 +100,6 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
 /// The file's name without folders and ending.
 std::string StemOf(const std::string& name) { return std::filesystem::path(name).stem().string(); }
 
-/// Annotations that speak of motions that are not there: one line for all.
-ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files) {
-  const std::vector<std::string> unused = babel.Unused();
-  Finding finding;
-  finding.clip = files.front();
-  finding.code = "motion_missing";
-  finding.value = static_cast<double>(unused.size());
-  finding.message = std::to_string(unused.size()) + " of " + std::to_string(babel.size()) +
-                    " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
-  finding.action = "left out";
-  ItemResult result;
-  result.item = files.front();
-  result.outcome.kind = OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kNotFound, finding.message, files.front(),
-                               "AMASS comes in parts; names are looked for as ingest/sources/babel_segments.h says"};
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
-}
-
 /// The item of one of several people in a file.
 ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& name, int body) {
   if (const Expected<NamedFile> named = ReadName(source, name, body)) item.item = named->item();
@@ -227,58 +122,6 @@ Status SortItems(Discovery& discovery) {
   }
   return {};
 }
-
-/// The clips of a file that holds them all: one item each, which says its place in the file.
-Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
-  const SourceOptions& source = options.source;
-  const std::filesystem::path path = options.path / source.container;
-  std::error_code unknown;
-  if (!std::filesystem::is_regular_file(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "the file that holds all clips is not there", DisplayPath(path),
-                "set ingest.path (--set ingest.path=DIR), or mend ingest.source.container");
-  }
-  const Expected<std::vector<ContainerEntry>> entries = EntriesOf(source, options.path);
-  if (!entries) return Forward(entries);
-  Discovery discovery;
-  const nlohmann::json stage_options = OptionsToJson(source);
-  for (std::size_t i = 0; i < entries->size(); ++i) {
-    const ContainerEntry& entry = (*entries)[i];
-    const Expected<NamedFile> named = ReadName(source, entry.name);
-    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
-    if (!named) {
-      discovery.left_out.push_back(LeftOut(entry.name, source, true, named.error()));
-      continue;
-    }
-    if (!entry.left_out.empty()) {
-      discovery.left_out.push_back(
-          Excluded(named->item(), entry.name, "excluded", entry.left_out, "as the set's papers do"));
-      continue;
-    }
-    ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};
-    item.options["entry"] = i;
-    item.options["entry_name"] = entry.name;
-    if (entry.frames > 0) item.options["most_frames"] = entry.frames;
-    if (!entry.label.empty()) {
-      const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
-      if (!label) {
-        discovery.left_out.push_back(LeftOut(entry.name, source, true, label.error()));
-        continue;
-      }
-      item.options["told_label"] = *label;
-    }
-    discovery.items.push_back(std::move(item));
-  }
-  if (discovery.items.empty()) {
-    return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source.files + "'",
-                DisplayPath(path), "mend ingest.source.files");
-  }
-  if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
-  return discovery;
-}
-
-}  // namespace
-
-namespace {
 
 /// A path that is one file stands for its folder and that file alone. Nothing for a folder.
 std::optional<IngestOptions> FolderOfFile(const IngestOptions& options, int depth, std::set<std::string>& only) {
@@ -312,7 +155,12 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (const auto whole = FolderOfFile(options, pattern->depth(), alone)) {
     return Discover(*whole, alone.empty() ? only : alone);
   }
-  if (!source.container.empty()) return DiscoverContainer(options);
+  if (!source.container.empty()) {
+    Expected<Discovery> contained = DiscoverContainer(options);
+    if (!contained) return contained;
+    if (Status sorted = SortItems(*contained); !sorted) return Forward(sorted);
+    return contained;
+  }
   const Expected<std::map<std::string, std::string>> table = ReadLabelTable(options);
   if (!table) return Forward(table);
   const Expected<NamePattern> depth_pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
@@ -322,7 +170,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!skeleton_pattern) return Forward(skeleton_pattern);
   const int depth =
       std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth(), GatheredFiles::Depth(source)});
-  const Expected<Listing> listing = ListFiles(options.path, depth);
+  const Expected<FolderListing> listing = ListFiles(options.path, depth);
   if (!listing) return Forward(listing);
   const std::vector<FolderFile>& files = listing->files;
   std::map<std::string, std::size_t> elsewhere = listing->folders_below;
@@ -336,10 +184,13 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!gathered) return Forward(gathered);
 
   Discovery discovery;
+  std::set<std::string> recordings;
+  std::vector<std::string> names;
   const bool has_depth = source.format == SourceFormat::kDepthSequence;
   const nlohmann::json stage_options = OptionsToJson(source);
   for (const FolderFile& file : files) {
     if (only && only->count(file.name) == 0) continue;
+    names.push_back(file.name);
     if (has_depth && depth_pattern->Match(file.name)) continue;
     if (gathered->BelongsToAnother(file.name)) continue;
     if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
@@ -354,24 +205,26 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     const Expected<NamedFile> named = ReadName(source, file.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
-      discovery.left_out.push_back(LeftOut(file.name, source, matches, named.error()));
+      recordings.insert(StemOf(file.name));  // left out anyway
+      discovery.left_out.push_back(LeftOutFile(file.name, source, matches, named.error()));
       continue;
     }
+    recordings.insert(named->identity.recording);
     const auto excluded = source.exclude.find(named->identity.recording);
     if (excluded != source.exclude.end()) {
       discovery.left_out.push_back(
-          Excluded(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
+          ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
     const std::optional<KnownIssue> issue = known_issues->Find(named->identity.recording);
     if (issue && source.known_issues == KnownIssueAction::kDrop) {
-      discovery.left_out.push_back(Excluded(named->item(), file.name, "known_issue", TextOf(*issue),
-                                            "ingest.source.known_issues: report keeps such clips"));
+      discovery.left_out.push_back(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
+                                                "ingest.source.known_issues: report keeps such clips"));
       continue;
     }
     if (!file.problem.empty() && gathered->empty()) {
       const Error why{ErrorCode::kUnreadable, file.problem, file.name, "mend or remove it"};
-      discovery.left_out.push_back(Refused(named->item(), "unreadable_file", why));
+      discovery.left_out.push_back(RefusedFile(named->item(), "unreadable_file", why));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
@@ -382,18 +235,18 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
                               : Fail(ErrorCode::kInconsistent, "'" + source.label_table + "' does not name it",
                                      file.name, "add a line, or take the file out");
       if (!label) {
-        discovery.left_out.push_back(LeftOut(file.name, source, true, label.error()));
+        discovery.left_out.push_back(LeftOutFile(file.name, source, true, label.error()));
         continue;
       }
       item.options["told_label"] = *label;
     }
     if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
-      discovery.left_out.push_back(Refused(item.item, "calibration_missing", added.error()));
+      discovery.left_out.push_back(RefusedFile(item.item, "calibration_missing", added.error()));
       continue;
     }
     if (!source.skeleton_files.empty()) {
       if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {
-        discovery.left_out.push_back(Refused(item.item, "skeleton_file_missing", added.error()));
+        discovery.left_out.push_back(RefusedFile(item.item, "skeleton_file_missing", added.error()));
         continue;
       }
     }
@@ -406,7 +259,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     for (int body = 1; body <= named->bodies; ++body) {
       const Expected<NamedFile> own = ReadName(source, file.name, body);
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
-      if (!named->style.empty()) discovery.styles.insert(named->style);
+      discovery.styles.insert(named->style);
       discovery.items.push_back(body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body));
     }
   }
@@ -415,9 +268,11 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       if (count > 0) discovery.left_out.push_back(NotLookedAt(folder, count, source));
     }
   }
-  if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery));
+  if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
+  NoteUnmatched(source, recordings, discovery.findings);
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
   if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
+  if (Status format = CheckFormat(source, discovery.items); !format) return Forward(format);
   return discovery;
 }
 

@@ -22,11 +22,13 @@ struct Discovery {
   std::vector<ItemSpec> items;  ///< sorted by item
   std::vector<ItemResult> left_out;
   std::set<std::string> persons;  ///< who performs in the items
-  std::set<std::string> styles;   ///< of the items, those that have one
+  std::set<std::string> styles;   ///< of the items, "" for those without
+  std::vector<Finding> findings;  ///< about the declaration: names in it that nothing has
   std::vector<ItemSpec> truth;    ///< items for the stage `truth`, when the source knows its truth
 };
 
-/// Lists files; reads names, and of the contents only those of ingest.source.annotations. With `only`, files of other
+/// Lists files; reads names, of the contents only those of ingest.source.annotations and a few beginnings: where these
+/// are all of another format than the declared one, that is an error kConfig. With `only`, files of other
 /// names do not exist for it. A path that is a file stands for its folder and that file alone. Error kNotFound,
 /// kConfig.
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only = {});

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/pipeline/runner.h"
-#include "ingest/folder_files.h"
+#include "ingest/folder_listing.h"
 #include "ingest/options.h"
 #include "ingest/sources/pattern.h"
 

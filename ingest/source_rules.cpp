@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/problem_list.h"
 #include "core/base/text.h"
 #include "core/formats/joint_layout.h"
 #include "core/formats/openpose.h"
 #include "ingest/options.h"
 #include "ingest/sources/pattern.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -44,20 +46,25 @@ Status CheckUnits(const SourceOptions& s) {
   return {};
 }
 
-Status CheckColumns(const SourceOptions& s) {
+void CheckColumns(const SourceOptions& s, ProblemList& problems) {
+  const std::vector<std::string> known = {"x", "y", "z", "confidence", "skip"};
   for (const std::string& column : s.columns) {
-    const bool known = column == "x" || column == "y" || column == "z" || column == "confidence" || column == "skip";
-    if (!known) {
-      return Fail(ErrorCode::kConfig, "unknown column '" + column + "'", Place("columns"),
-                  "columns are x, y, z, confidence and skip");
-    }
+    if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+    problems.Add(Place("columns"), "unknown column '" + column + "'", "columns are x, y, z, confidence and skip");
   }
   for (const char* needed : {"x", "y", "z"}) {
-    if (std::count(s.columns.begin(), s.columns.end(), needed) != 1) {
-      return Fail(ErrorCode::kConfig, std::string("column '") + needed + "' must stand exactly once", Place("columns"));
-    }
+    if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
+    problems.Add(Place("columns"), std::string("column '") + needed + "' must stand exactly once");
   }
-  return {};
+}
+
+/// The names of columns and joints, all that are wrong at once.
+Status CheckTableNames(const SourceOptions& s) {
+  ProblemList problems;
+  if (s.layout.empty()) CheckColumns(s, problems);
+  const Expected<SkeletonPtr> skeleton = s.skeleton.empty() ? SkeletonPtr() : LoadSkeleton(s.skeleton);
+  if (skeleton && *skeleton) CheckJointNames(s, **skeleton, problems);
+  return problems.Result();
 }
 
 Status CheckTable(const SourceOptions& s) {
@@ -70,6 +77,7 @@ Status CheckTable(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' declares both `layout` and `columns`", Place("layout"),
                 "`layout` says all that `columns` says; take one out");
   }
+  if (Status names = CheckTableNames(s); !names) return names;
   const Expected<JointLayout> layout = TableLayout(s);
   if (!layout) return Forward(layout);
   const int joints = static_cast<int>(s.joints.size());
@@ -105,22 +113,23 @@ Status CheckFilledIn(const SourceOptions& s) {
                                                               {"depth_files", &s.depth_files},
                                                               {"mask_files", &s.mask_files},
                                                               {"recording", &s.recording}};
+  ProblemList problems;
   for (const auto& [option, text] : texts) {
     if (!open(*text)) continue;
-    return Fail(ErrorCode::kConfig, "'" + *text + "' is still to be filled in", Place(option),
-                "nothing in the files tells it: write what the set's documentation says");
+    problems.Add(Place(option), "'" + *text + "' is still to be filled in",
+                 "nothing in the files tells it: write what the set's documentation says");
   }
   for (const std::string& file : s.calibration) {
     if (!open(file)) continue;
-    return Fail(ErrorCode::kConfig, "'" + file + "' is still to be filled in", Place("calibration"),
-                "write where the calibration of the cameras lies below the folder");
+    problems.Add(Place("calibration"), "'" + file + "' is still to be filled in",
+                 "write where the calibration of the cameras lies below the folder");
   }
   for (const std::string& joint : s.joints) {
     if (!open(joint)) continue;
-    return Fail(ErrorCode::kConfig, "'" + joint + "' is still to be filled in", Place("joints"),
-                "name the joints in the order of the file, '-' for one that is none");
+    problems.Add(Place("joints"), "'" + joint + "' is still to be filled in",
+                 "name the joints in the order of the file, '-' for one that is none");
   }
-  return {};
+  return problems.Result();
 }
 
 constexpr long long kMostBodies = 6;  // what a Kinect follows
@@ -253,7 +262,9 @@ int RowsPerFrame(const SourceOptions& s) {
 
 Expected<JointLayout> TableLayout(const SourceOptions& s) {
   if (!s.layout.empty()) return ParseJointLayout(s.layout, Place("layout"));
-  if (Status known = CheckColumns(s); !known) return Forward(known);
+  ProblemList problems;
+  CheckColumns(s, problems);
+  if (Status known = problems.Result(); !known) return Forward(known);
   JointGroup group;
   group.count = static_cast<int>(s.joints.size());
   for (const std::string& column : s.columns) {

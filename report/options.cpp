@@ -14,7 +14,7 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 8, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 9, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration PictureDeclaration() { return {"picture", 2, "mocurate-annotate", ClipLimits()}; }
 

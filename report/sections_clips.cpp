@@ -16,14 +16,17 @@ std::string Tile(const std::string& name, const std::string& value, const std::s
          "</dd></div>\n";
 }
 
-long long KeptClips(const nlohmann::json& run) {
-  long long kept = 0;
+/// Clips for which the run says so: "kept", "doubtful".
+long long ClipsThatAre(const char* what, const nlohmann::json& run) {
+  long long count = 0;
   for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
-    const nlohmann::json& flag = Field(clip, "kept");
-    kept += flag.is_boolean() && flag.get<bool>() ? 1 : 0;
+    const nlohmann::json& flag = Field(clip, what);
+    count += flag.is_boolean() && flag.get<bool>() ? 1 : 0;
   }
-  return kept;
+  return count;
 }
+
+long long KeptClips(const nlohmann::json& run) { return ClipsThatAre("kept", run); }
 
 std::string Plural(long long count, const std::string& noun) {
   return CountText(count) + " " + noun + (count == 1 ? "" : "s");
@@ -44,6 +47,9 @@ std::string Verdict(const ReportInput& input) {
   else
     text =
         CountText(kept) + " of " + Plural(total, "clip") + " went through; " + CountText(total - kept) + " left out.";
+  if (const long long doubtful = ClipsThatAre("doubtful", input.run); doubtful > 0)
+    text += " " + Plural(doubtful, "clip") + " of them " + (doubtful == 1 ? "is" : "are") +
+            " doubtful: findings of severity error, below.";
   const nlohmann::json& error = Field(input.run, "fit_error");
   const auto after = NumberOf(error, "joint_mm");
   const auto before = NumberOf(error, "evidence_mm");

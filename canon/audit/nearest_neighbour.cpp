@@ -9,7 +9,7 @@ namespace {
 
 Eigen::VectorXd Descriptor(const Motion& motion, int frames) {
   const Motion sampled = ResampleToCount(motion, frames);
-  Eigen::Map<const Eigen::Matrix3Xd> points(sampled.joints.xyz.data(), 3, frames * sampled.joint_count());
+  Eigen::Map<const Eigen::Matrix3Xd> points(sampled.joints.xyz.data(), 3, Eigen::Index{frames} * sampled.joint_count());
   const Vector3d root = sampled.joints.at(0, 0);
   Eigen::Matrix3Xd centred = points.colwise() - root;
   const double extent = (centred.rowwise().maxCoeff() - centred.rowwise().minCoeff()).maxCoeff();

@@ -40,7 +40,7 @@ std::string Sha256::Hex() {
   EVP_DigestFinal_ex(impl_->context, digest.data(), &size);
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string hex;
-  hex.reserve(2 * size);
+  hex.reserve(2 * std::size_t{size});
   for (unsigned int i = 0; i < size; ++i) {
     hex += kDigits[digest[i] >> 4];
     hex += kDigits[digest[i] & 15];

@@ -16,6 +16,24 @@ using Token = NumberScanner::Token;
 constexpr int kFewRows = 8;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+/// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers.
+bool HasDecimalCommas(std::string_view line) {
+  std::string words(line);
+  std::replace(words.begin(), words.end(), ';', ' ');
+  bool any = false;
+  for (std::string_view word : SplitBlanks(Trim(words))) {
+    if (word.empty()) continue;
+    if (word[0] == '-' || word[0] == '+') word.remove_prefix(1);
+    const std::size_t comma = word.find(',');
+    const std::size_t other = word.find_first_not_of("0123456789,");
+    if (other != std::string_view::npos || comma != word.rfind(',')) return false;
+    if (comma == std::string_view::npos) continue;
+    if (comma == 0 || comma + 1 == word.size()) return false;
+    any = true;
+  }
+  return any;
+}
+
 class Parser {
  public:
   Parser(std::string_view bytes, const JointTableLayout& layout, const std::string& name)
@@ -31,6 +49,7 @@ class Parser {
     for (bool more = true; more;) {
       const std::size_t begin = table_.values.size();
       const int line = scanner_.line();
+      line_begin_ = scanner_.rest();
       const Token token = scanner_.Numbers(table_.values);
       const std::size_t read = table_.values.size() - begin;
       if (token == Token::kLineEnd && read > 0 && read == static_cast<std::size_t>(table_.columns)) {
@@ -113,7 +132,10 @@ class Parser {
       hint = "every row must have the declared columns; is the file cut off?";
     }
     if (!what.empty()) {
-      if (layout_.damaged_rows == DamagedRows::kRefuse) return Bad(what, line, hint);
+      const bool commas = HasDecimalCommas(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
+      if (commas) what += ": its numbers have a decimal comma";
+      if (commas) hint = "write them with a decimal point (1.5, not 1,5) and blanks between them";
+      if (commas || layout_.damaged_rows == DamagedRows::kRefuse) return Bad(what, line, hint);
       if (++damaged_rows_ > kFewRows && damaged_rows_ > rows_ / 2 + 1) {
         return Bad(what, line, "more rows are damaged than whole: this is no table of such rows");
       }
@@ -167,6 +189,7 @@ class Parser {
   const JointTableLayout& layout_;
   const std::string& name_;
   NumberScanner scanner_;
+  std::string_view line_begin_;  ///< from the row that is read on
   JointTable table_;
   long long rows_ = 0;
   long long damaged_rows_ = 0;

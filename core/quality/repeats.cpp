@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 namespace mocurate {
 namespace {
@@ -53,17 +54,8 @@ class Repeats {
   /// Whether a stillness of [begin, end) begins or ends with a step that is no soft start: more than kAbrupt, and more
   /// than half of the step beyond. One without either end in sight does.
   bool Abrupt(int begin, int end, int k) const {
-    bool known = false;
-    for (const bool after : {false, true}) {
-      const int f = after ? end : begin;  // the step into f
-      if (f < 1 || f >= points_.frames() || !BothSeen(f, k)) continue;
-      known = true;
-      const double step = Step(f, k);
-      const int beyond = after ? f + 1 : f - 1;
-      const bool seen = beyond >= 1 && beyond < points_.frames() && BothSeen(beyond, k);
-      if (step > kAbrupt && (!seen || step > 0.5 * Step(beyond, k))) return true;
-    }
-    return !known;
+    const std::optional<bool> into = Stops(begin, begin - 1, k), out_of = Stops(end, end + 1, k);
+    return (!into && !out_of) || into.value_or(false) || out_of.value_or(false);
   }
 
   bool AbruptBody(int begin, int end) const {
@@ -75,6 +67,13 @@ class Repeats {
 
  private:
   bool BothSeen(int f, int k) const { return points_.sees(f, k) && points_.sees(f - 1, k); }
+  /// Whether the step into f is more than kAbrupt and more than half of the one into `beyond`; nothing where it is not
+  /// seen.
+  std::optional<bool> Stops(int f, int beyond, int k) const {
+    if (f < 1 || f >= points_.frames() || !BothSeen(f, k)) return std::nullopt;
+    const bool seen = beyond >= 1 && beyond < points_.frames() && BothSeen(beyond, k);
+    return Step(f, k) > kAbrupt && (!seen || Step(f, k) > 0.5 * Step(beyond, k));
+  }
   double Step(int f, int k) const { return (points_.at(f, k) - points_.at(f - 1, k)).norm(); }
   bool Same(int f, int k) const { return points_.at(f, k) == points_.at(f - 1, k); }
 
@@ -82,6 +81,29 @@ class Repeats {
   std::vector<char> moves_;
   bool still_clip_ = false;
 };
+
+/// A joint that stands exactly still in [begin, end) while others move.
+struct Hold {
+  int joint = 0;
+  int begin = 0;
+  int end = 0;
+  bool abrupt = false;
+};
+
+std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats, int fewest) {
+  std::vector<Hold> holds;
+  for (int k = 0; k < points.count(); ++k) {
+    if (!repeats.Moves(k)) continue;
+    const auto held = [&](int f) { return repeats.Joint(f, k); };
+    ForRuns(points.frames(), held, [&](int begin, int end) {
+      int others = 0;  // steps in which something else moves
+      for (int f = begin; f < end; ++f) others += repeats.Body(f) ? 0 : 1;
+      if (end - begin + 1 < fewest || others == 0) return;
+      holds.push_back({k, begin - 1, end, repeats.Abrupt(begin - 1, end, k)});
+    });
+  }
+  return holds;
+}
 
 }  // namespace
 
@@ -96,18 +118,14 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
                                     Frames(count) + " are equal to the last digit: written twice, or the stream hung"));
     if (count == 2) findings.back().severity = Severity::kInfo;
   });
-  for (int k = 0; k < points.count(); ++k) {
-    if (!repeats.Moves(k)) continue;
-    const auto held = [&](int f) { return repeats.Joint(f, k); };
-    ForRuns(points.frames(), held, [&](int begin, int end) {
-      const int count = end - begin + 1;
-      int others = 0;  // steps in which something else moves
-      for (int f = begin; f < end; ++f) others += repeats.Body(f) ? 0 : 1;
-      if (count < limits.held_frames || others == 0 || !repeats.Abrupt(begin - 1, end, k)) return;
-      findings.push_back(FrameFinding("held_joint", begin - 1, end, points.name(k), count,
-                                      "'" + points.name(k) + "' stands still to the last digit for " + Frames(count) +
-                                          " while other joints move: a gap filled with the last value"));
-    });
+  const std::vector<Hold> holds = FindHolds(points, repeats, limits.held_frames);
+  const auto abrupt = std::count_if(holds.begin(), holds.end(), [](const Hold& hold) { return hold.abrupt; });
+  const bool sensed = 2 * abrupt > static_cast<std::ptrdiff_t>(holds.size());
+  for (const Hold& hold : sensed ? holds : std::vector<Hold>()) {
+    const int count = hold.end - hold.begin;
+    findings.push_back(FrameFinding("held_joint", hold.begin, hold.end, points.name(hold.joint), count,
+                                    "'" + points.name(hold.joint) + "' stands still to the last digit for " +
+                                        Frames(count) + " while other joints move: a gap filled with the last value"));
   }
   return findings;
 }

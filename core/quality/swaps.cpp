@@ -58,46 +58,100 @@ struct Exchange {
   double ratio = 1.0;
 };
 
-/// `also`: frames in which a weaker sign is enough.
-std::vector<Exchange> Exchanges(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
-                                const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits,
-                                const std::set<int>& also) {
-  std::vector<Exchange> exchanges;
-  if (pairs.size() < 2) return exchanges;  // one pair alone crosses in any clap
-  const auto seen = [&](int f, const std::array<int, 2>& pair) {
-    return centres[static_cast<std::size_t>(f)].seen && points.sees(f, pair[0]) && points.sees(f, pair[1]);
-  };
-  const auto at = [&](int f, int k) -> Vector3d {
-    return points.at(f, k) - centres[static_cast<std::size_t>(f)].place;
-  };
-  const auto repeats = [&](int f, int before, const std::array<int, 2>& pair) {
-    return points.at(f, pair[0]) == points.at(before, pair[0]) && points.at(f, pair[1]) == points.at(before, pair[1]);
-  };
-  std::vector<int> last(pairs.size(), -1);  // where each pair was last seen; a repeated frame is as old as its first
-  for (int f = 0; f < points.frames(); ++f) {
-    double straight = 0.0, crossed = 0.0;
-    std::size_t compared = 0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const auto& [left, right] = pairs[i];
-      if (!seen(f, pairs[i]) || (last[i] >= 0 && repeats(f, last[i], pairs[i]))) continue;
-      const int before = last[i];
-      last[i] = f;
-      if (before < 0 || points.time_s[f] - points.time_s[before] > limits.gap_s) continue;
-      straight += (at(f, left) - at(before, left)).squaredNorm() + (at(f, right) - at(before, right)).squaredNorm();
-      crossed += (at(f, left) - at(before, right)).squaredNorm() + (at(f, right) - at(before, left)).squaredNorm();
-      ++compared;
+/// One kind of limb, and what its steps cost with the sides as they are named and exchanged.
+class Limbs {
+ public:
+  Limbs(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
+        const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits)
+      : points_(points), centres_(centres), pairs_(pairs), limits_(limits) {}
+
+  /// `also`: frames in which a weaker sign is enough.
+  std::vector<Exchange> Exchanges(const std::set<int>& also) const {
+    std::vector<Exchange> exchanges;
+    if (pairs_.size() < 2) return exchanges;   // one pair alone crosses in any clap
+    std::vector<int> last(pairs_.size(), -1);  // where each pair was last seen; a repeated frame is as old as its first
+    for (int f = 0; f < points_.frames(); ++f) {
+      Costs costs;
+      for (std::size_t i = 0; i < pairs_.size(); ++i) {
+        if (!Seen(f, pairs_[i]) || (last[i] >= 0 && Repeats(f, last[i], pairs_[i]))) continue;
+        const int before = last[i];
+        last[i] = f;
+        if (before >= 0 && points_.time_s[f] - points_.time_s[before] <= limits_.gap_s)
+          Add(f, before, pairs_[i], costs);
+      }
+      const double ratio = also.count(f) != 0 ? std::max(limits_.ratio, kWeakRatio) : limits_.ratio;
+      if (!costs.Say(costs.straight, limits_.step) || costs.crossed >= ratio * costs.straight) continue;
+      exchanges.push_back({f, costs.crossed / costs.straight});
+      for (std::size_t i = 0; i < pairs_.size(); ++i) {
+        if (!Seen(f, pairs_[i])) last[i] = -1;  // of the old state
+      }
     }
-    if (compared < 2) continue;
-    const double rms = std::sqrt(straight / (2.0 * static_cast<double>(compared)));
-    const double ratio = also.count(f) != 0 ? std::max(limits.ratio, kWeakRatio) : limits.ratio;
-    if (rms <= limits.step || crossed >= ratio * straight) continue;
-    exchanges.push_back({f, crossed / straight});
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (!seen(f, pairs[i])) last[i] = -1;  // of the old state
-    }
+    return WithLost(exchanges);
   }
-  return exchanges;
-}
+
+ private:
+  struct Costs {
+    double straight = 0.0, crossed = 0.0;  ///< squared metres
+    std::size_t compared = 0;              ///< pairs
+    bool Say(double larger, double step) const {
+      return compared >= 2 && std::sqrt(larger / (2.0 * static_cast<double>(compared))) > step;
+    }
+  };
+
+  bool Seen(int f, const std::array<int, 2>& pair) const {
+    return centres_[static_cast<std::size_t>(f)].seen && points_.sees(f, pair[0]) && points_.sees(f, pair[1]);
+  }
+  Vector3d At(int f, int k) const { return points_.at(f, k) - centres_[static_cast<std::size_t>(f)].place; }
+  bool Repeats(int f, int before, const std::array<int, 2>& pair) const {
+    return points_.at(f, pair[0]) == points_.at(before, pair[0]) &&
+           points_.at(f, pair[1]) == points_.at(before, pair[1]);
+  }
+  void Add(int f, int before, const std::array<int, 2>& pair, Costs& costs) const {
+    const auto& [left, right] = pair;
+    costs.straight += (At(f, left) - At(before, left)).squaredNorm() + (At(f, right) - At(before, right)).squaredNorm();
+    costs.crossed += (At(f, left) - At(before, right)).squaredNorm() + (At(f, right) - At(before, left)).squaredNorm();
+    ++costs.compared;
+  }
+
+  /// Whether frames a and b, near in time, clearly name the sides alike.
+  bool Alike(int a, int b) const {
+    if (std::abs(points_.time_s[a] - points_.time_s[b]) > limits_.gap_s) return false;
+    Costs costs;
+    for (const auto& pair : pairs_) {
+      if (Seen(a, pair) && Seen(b, pair)) Add(a, b, pair, costs);
+    }
+    return costs.Say(costs.crossed, limits_.step) && costs.straight < limits_.ratio * costs.crossed;
+  }
+
+  /// With the changes that no single step shows, because limbs are not seen or stray in it: soon after an exchange the
+  /// limbs lie again as in the frame before it, or lay before it as they do after it.
+  std::vector<Exchange> WithLost(const std::vector<Exchange>& exchanges) const {
+    std::vector<Exchange> all;
+    for (std::size_t i = 0; i < exchanges.size(); ++i) {
+      const int f = exchanges[i].frame;
+      const int first = i == 0 ? 0 : exchanges[i - 1].frame;
+      const int end = i + 1 == exchanges.size() ? points_.frames() : exchanges[i + 1].frame;
+      const bool found_before = !all.empty() && all.back().frame > first;
+      for (int g = f - 2; g >= first && !found_before; --g) {
+        if (!Alike(g, f)) continue;
+        all.push_back({g + 1, exchanges[i].ratio});
+        break;
+      }
+      all.push_back(exchanges[i]);
+      for (int g = f + 1; g < end; ++g) {
+        if (!Alike(g, f - 1)) continue;
+        all.push_back({g, exchanges[i].ratio});
+        break;
+      }
+    }
+    return all;
+  }
+
+  const TrackedPoints& points_;
+  const std::vector<BodyCentre>& centres_;
+  const std::vector<std::array<int, 2>>& pairs_;
+  const SwapLimits& limits_;
+};
 
 struct Span {
   int begin = 0, end = 0;
@@ -152,11 +206,12 @@ std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& li
   std::map<std::pair<int, int>, std::pair<double, std::string>> spans;
   std::set<int> frames_of[2];
   for (const bool legs : {false, true}) {
-    for (const Exchange& exchange : Exchanges(points, centres, legs ? pairs.legs : pairs.arms, limits, {}))
-      frames_of[legs ? 1 : 0].insert(exchange.frame);
+    const Limbs limbs(points, centres, legs ? pairs.legs : pairs.arms, limits);
+    for (const Exchange& exchange : limbs.Exchanges({})) frames_of[legs ? 1 : 0].insert(exchange.frame);
   }
   for (const bool legs : {false, true}) {
-    const auto exchanges = Exchanges(points, centres, legs ? pairs.legs : pairs.arms, limits, frames_of[legs ? 0 : 1]);
+    const auto exchanges =
+        Limbs(points, centres, legs ? pairs.legs : pairs.arms, limits).Exchanges(frames_of[legs ? 0 : 1]);
     if (exchanges.empty()) continue;
     for (const Span& span : Rarer(exchanges, points.frames())) {
       auto& [ratio, limbs] = spans.emplace(std::pair(span.begin, span.end), std::pair(1.0, "")).first->second;

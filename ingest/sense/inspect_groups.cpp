@@ -79,8 +79,11 @@ void TellByGroup(Json& clips, Json& findings) {
     if (told < kFewestVotes) continue;
     const Json pooled = Pooled(voters, "handedness");
     if (pooled.at("share").get<double>() < kAgreement) continue;
-    const std::string evidence = "as " + std::to_string(told) + " clips of the folder say, which agree to " +
-                                 std::to_string(static_cast<int>(100.0 * pooled.at("share").get<double>())) + " %";
+    const auto agree = std::count_if(voters.begin(), voters.end(), [&](const Json* clip) {
+      return clip->at("handedness").at("value") == pooled.at("value");
+    });
+    const std::string evidence =
+        "as " + std::to_string(agree) + " of the " + std::to_string(told) + " clips of the folder that tell say";
     for (Json* clip : group) {
       Json& handedness = (*clip)["handedness"];
       if (handedness.at("from") == "declared" || handedness.at("value") == pooled.at("value")) continue;

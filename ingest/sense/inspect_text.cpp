@@ -53,6 +53,11 @@ std::string ClipText(const Json& clip) {
   return text;
 }
 
+/// A declaration is one for all clips: what they show is told by the findings.
+std::string Agreement(const Json& field) {
+  return field.at("from") == "declared" ? "" : ", " + Percent(field.at("share")) + " agree";
+}
+
 std::string GroupText(const Json& group) {
   const Json& frames = group.at("frames");
   std::string text =
@@ -64,8 +69,7 @@ std::string GroupText(const Json& group) {
   for (const char* name : {"rate_hz", "skeleton", "units", "up", "handedness", "facing", "axes"}) {
     const Json& field = group.at(name);
     std::string value = Text(field.at("value"));
-    if (!field.at("value").is_null())
-      value += "  " + field.at("from").get<std::string>() + ", " + Percent(field.at("share")) + " agree";
+    if (!field.at("value").is_null()) value += "  " + field.at("from").get<std::string>() + Agreement(field);
     text += Line(name, value);
   }
   return text;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/text.h"
 
@@ -81,25 +82,32 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   return named;
 }
 
+void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, ProblemList& problems) {
+  std::vector<std::string> known;
+  for (const Joint& joint : skeleton.joints) known.push_back(joint.name);
+  for (const Landmark& landmark : skeleton.landmarks) known.push_back(landmark.name);
+  const char* where = "ingest.source.joints";
+  std::set<std::string> listed;
+  for (const std::string& name : source.joints) {
+    if (name == "-") continue;
+    if (!listed.insert(name).second) {
+      problems.Add(where, "joint '" + name + "' is listed twice");
+      continue;
+    }
+    if (skeleton.FindJoint(name) || std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::optional<std::string> near = Nearest(name, known);
+    problems.Add(where, "joint '" + name + "' is unknown to skeleton '" + skeleton.name + "'",
+                 near ? "did you mean '" + *near + "'?" : "use the skeleton's names or synonyms");
+  }
+}
+
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
   if (source.skeleton.empty()) return SkeletonPtr();
   Expected<SkeletonPtr> skeleton = LoadSkeleton(source.skeleton);
   if (!skeleton) return skeleton;
-  std::vector<std::string> known;
-  for (const Joint& joint : (*skeleton)->joints) known.push_back(joint.name);
-  for (const Landmark& landmark : (*skeleton)->landmarks) known.push_back(landmark.name);
-  for (std::size_t i = 0; i < source.joints.size(); ++i) {
-    const std::string& name = source.joints[i];
-    const bool twice = std::find(source.joints.begin(), source.joints.begin() + static_cast<std::ptrdiff_t>(i), name) !=
-                       source.joints.begin() + static_cast<std::ptrdiff_t>(i);
-    if (name == "-") continue;
-    if (twice) return Fail(ErrorCode::kConfig, "joint '" + name + "' is listed twice", "ingest.source.joints");
-    if ((*skeleton)->FindJoint(name) || std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::optional<std::string> near = Nearest(name, known);
-    return Fail(ErrorCode::kConfig, "joint '" + name + "' is unknown to skeleton '" + (*skeleton)->name + "'",
-                "ingest.source.joints",
-                near ? "did you mean '" + *near + "'?" : "use the skeleton's names or synonyms");
-  }
+  ProblemList problems;
+  CheckJointNames(source, **skeleton, problems);
+  if (Status known = problems.Result(); !known) return Forward(known);
   return skeleton;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/finding.h"
+#include "core/base/problem_list.h"
 #include "core/motion/clip.h"
 #include "core/quality/handedness.h"
 #include "ingest/options.h"
@@ -155,7 +156,10 @@ struct SourceFrame {
 /// The frame that a source declares. Error kConfig.
 Expected<SourceFrame> FrameOf(const SourceOptions& source);
 
-/// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names the unknown joint.
+/// The names that ingest.source.joints has twice or that the skeleton does not know.
+void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, ProblemList& problems);
+
+/// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names all unknown joints.
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);
 
 }  // namespace mocurate

@@ -109,6 +109,23 @@ TEST_F(Curated, TheLogNamesTheRuleOrTheFailure) {
   EXPECT_EQ(LogOf(empty_)["decision"], "dropped");
 }
 
+TEST_F(Curated, FilesLeftOutForOneReasonAreOneLineWithTheirNumber) {
+  WriteText(capture_ / "more.doc", "no capture");
+  WriteText(capture_ / "other.doc", "no capture");
+  const Result result = Run({}, {"--to", "ingest"});
+  EXPECT_THAT(result.err, HasSubstr("3 files left out (name_mismatch; curation_log.jsonl lists them), the first: "));
+  EXPECT_THAT(result.err, ::testing::Not(HasSubstr("other.doc")));
+  EXPECT_EQ(LogOf("other.doc")["rule"], "name_mismatch");
+}
+
+TEST_F(Curated, ADescriptionOfOtherDataIsNotShown) {
+  Run({}, {"--to", "ingest"});
+  const std::string run = (folder_ / "r").string();
+  EXPECT_THAT(RunProgram(folder_, {"inspect", run}).out, ::testing::Not(HasSubstr("A synthetic capture")));
+  Run({"description=mine"}, {"--to", "ingest"});
+  EXPECT_THAT(RunProgram(folder_, {"inspect", run}).out, HasSubstr("mine"));
+}
+
 TEST_F(Curated, AFileNameMayBeDeclaredAFailure) {
   fs::remove(capture_ / (empty_ + ".txt"));
   const Result result = Run({"ingest.source.other_files=error"});

@@ -67,12 +67,16 @@ TEST(Names, OfPersonsOfASplitThatDrawsNoOthersMustExistBeforeAnythingIsIngested)
   };
   const Result refused = with("refuse");
   EXPECT_EQ(refused.exit_code, 2) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("assemble.splits.s: there is no person 'p0'"));
-  EXPECT_THAT(refused.err, HasSubstr("the captures have: p01, p02, p03"));
+  EXPECT_THAT(refused.err, HasSubstr("assemble.splits.s: no clip has the person 'p0'"));
+  EXPECT_THAT(refused.err, HasSubstr("the set has: p01, p02, p03"));
   EXPECT_THAT(refused.err, ::testing::Not(HasSubstr("ingest: ")));
   const Result drawn = with("draw");
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_THAT(drawn.err, HasSubstr("no clip has the person 'p0'"));
+  const Result all_test = RunWith(folder, {"assemble.splits=[{name: s, by: person, test: [p01, p02, p03]}]"});
+  EXPECT_EQ(all_test.exit_code, 2) << all_test.err;
+  EXPECT_THAT(all_test.err, HasSubstr("assemble.splits.s: every person of the set"));
+  EXPECT_THAT(all_test.err, ::testing::Not(HasSubstr("ingest: ")));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "canon/audit/nearest_neighbour.h"
 #include "canon/frames/tracks.h"
 #include "canon/options.h"
+#include "canon/splits/groups.h"
 #include "canon/splits/splits.h"
 #include "canon/stages.h"
 #include "canon/trim/trim.h"
@@ -260,16 +261,70 @@ TEST(Split, OnePersonWhoIsThereTestsAloneAndNobodyIsDrawn) {
   EXPECT_THAT(findings[0].message, HasSubstr("'p8'"));
 }
 
-TEST(Split, OnlyTestPersonsStillLeaveSomebodyToTrain) {
+TEST(Split, WhereEverybodyIsNamedToTestNobodyTrainsAndTheSplitIsRefused) {
   const Dataset dataset = SetOf({ClipMoving("p7", "a", 40, 5, 30, 1), ClipMoving("p8", "a", 41, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
   options.test = {"p7", "p8"};
   std::vector<Finding> findings;
   const auto split = MakeSplit(options, dataset, findings);
-  ASSERT_TRUE(split);
-  EXPECT_EQ(split->test.size(), 1u);
+  ASSERT_FALSE(split);
+  EXPECT_EQ(split.error().code, ErrorCode::kConfig);
+  EXPECT_THAT(split.error().Message(), HasSubstr("none is left to train: p7, p8"));
+  EXPECT_TRUE(MeetGroups(options, {"p7", "p8", "p1"}, findings)) << "p1 trains";
+}
+
+TEST(Split, WhoIsNamedPlaysThatPartWhateverIsDrawnBesideIt) {
+  std::vector<Clip> clips;
+  for (int i = 1; i <= 6; ++i) clips.push_back(ClipMoving("p" + std::to_string(i), "a", 40 + i, 5, 30, 1));
+  const Dataset dataset = SetOf(clips);
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p9"};
+  options.validation = {"p2"};
+  options.train = {"p5", "p6"};
+  for (options.seed = 1; options.seed < 20; ++options.seed) {
+    std::vector<Finding> findings;
+    const auto split = MakeSplit(options, dataset, findings);
+    ASSERT_TRUE(split) << split.error().Message();
+    EXPECT_EQ(split->validation, std::vector<int>{1});
+    EXPECT_THAT(split->train, ::testing::IsSupersetOf({4, 5}));
+    EXPECT_EQ(split->test.size(), 1u) << "drawn of p1, p3 and p4";
+    EXPECT_EQ(findings.back().code, "split_drawn");
+  }
+}
+
+TEST(Split, AMissingValidationPersonIsReplacedAndTheTestPersonStays) {
+  const Dataset dataset = SetOf(
+      {ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1), ClipMoving("p3", "b", 42, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p3"};
+  options.validation = {"p4"};
+  std::vector<Finding> findings;
+  const auto split = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(split) << split.error().Message();
+  EXPECT_EQ(split->test, std::vector<int>{2});
+  EXPECT_EQ(split->validation.size(), 1u);
   EXPECT_EQ(split->train.size(), 1u);
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_THAT(findings[1].message, HasSubstr("selects"));
+}
+
+TEST(Split, APartThatNobodyCanPlayBesideThoseWhoAreNamedIsRefused) {
+  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1)});
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p7"};
+  options.validation = {"p2"};
+  std::vector<Finding> findings;
+  auto split = MakeSplit(options, dataset, findings);
+  ASSERT_FALSE(split);
+  EXPECT_THAT(split.error().Message(), HasSubstr("nobody would test: none of 'p7' is there"));
+  options.test = {"p2"};
+  split = MakeSplit(options, dataset, findings);
+  ASSERT_FALSE(split);
+  EXPECT_THAT(split.error().Message(), HasSubstr("'p2' is named under `test` and under `validation`"));
 }
 
 TEST(Split, OnePersonAloneTrainsAndNothingTests) {
@@ -307,6 +362,30 @@ TEST(NearestNeighbour, RecognisesMotionsThatDiffer) {
   const auto result = NearestNeighbour(dataset, split, 32);
   EXPECT_EQ(result.correct, 2);
   EXPECT_EQ(result.count, 2);
+}
+
+TEST(Stages, CanonOfAnnotatedClipsTellsTheLabelsThatThereAre) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("mocurate_labels_test_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  Clip clip = ClipMoving("p1", "", 90, 5, 80, 1);
+  for (const auto& [label, begin] : {std::pair("walk", 0.0), {"transition", 1.0}, {"kick", 2.0}}) {
+    Segment segment;
+    segment.label = label;
+    segment.begin_s = begin;
+    segment.end_s = begin + 1.0;
+    clip.segments.push_back(segment);
+  }
+  ASSERT_TRUE(WriteDataset(SetOf({clip}), folder / "fit.h5"));
+  CanonOptions options;
+  options.trim.rule = TrimRule::kAnnotated;
+  options.trim.drop_labels = {"transition"};
+  const auto outcome = CanonStage(
+      {"canon", "x", OptionsToJson(options), {{"motion", "x", folder / "fit.h5", ""}}, folder / "canon.h5", folder});
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  EXPECT_EQ(outcome->summary.at("clips"), 2);
+  EXPECT_EQ(outcome->summary.at("labels"), nlohmann::json({"kick", "transition", "walk"}));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Stages, CanonThenAssembleGivesAReadableDataset) {

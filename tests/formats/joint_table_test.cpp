@@ -47,6 +47,10 @@ TEST(JointTable, BadInputIsRefusedWithPlaceAndReason) {
   EXPECT_THAT(Fails("1 2\n3 4 5\n", Rows(1, 3)), HasSubstr("a.txt:1: row has 2 numbers, not 3"));
   EXPECT_THAT(Fails("1 2\nx 4\n", Rows(1)), HasSubstr("a.txt:2: 'x' is not a number"));
   EXPECT_THAT(Fails("1 2\n3 4z\n", Rows(1)), HasSubstr("'4z' is not a number"));
+  EXPECT_THAT(Fails("1 2\n3,5 -4,25\n", Rows(1)),
+              HasSubstr("a.txt:2: row has 4 numbers, not 2: its numbers have a decimal comma"));
+  EXPECT_THAT(Fails("1 2\n3,5;4,25\n", Rows(1)), HasSubstr("decimal comma (write them with a decimal point"));
+  EXPECT_THAT(Fails("1 2\n3,5,6,7\n", Rows(1)), ::testing::Not(HasSubstr("decimal comma"))) << "commas that separate";
   EXPECT_THAT(Fails("1 nan\n", Rows(1)), HasSubstr("a.txt:1: 'nan' is not a finite number"));
   EXPECT_THAT(Fails("1 1e999\n", Rows(1)), HasSubstr("'1e999' is not a finite number"));
 }

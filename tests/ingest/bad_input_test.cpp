@@ -108,6 +108,12 @@ TEST(BadInput, MissingAxesRateAndJoints) {
   changed = options;
   changed.source.columns = {"x", "y", "depth"};
   EXPECT_THAT(ConfigRefusal(changed), HasSubstr("unknown column 'depth'"));
+  changed.source.skeleton = "openni15";
+  changed.source.joints = {"left_hipp", "right_hipp"};
+  const std::string all = ConfigRefusal(changed);
+  for (const char* part :
+       {"unknown column 'depth'", "column 'z' must stand exactly once", "'left_hipp'", "'right_hipp'"})
+    EXPECT_THAT(all, HasSubstr(part)) << "all at once";
 }
 
 TEST(BadInput, AnUnknownJoint) {

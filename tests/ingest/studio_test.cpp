@@ -61,10 +61,9 @@ class Studio : public ::testing::Test {
       const auto outcome = IngestStage(request);
       EXPECT_TRUE(outcome) << outcome.error().Message();
       for (const Finding& finding : outcome->findings) {
-        // The studio's tracker does exchange limbs for two frames; where the change back is lost, the span runs on to
-        // the next exchange. Without noise a standing foot repeats to the last digit.
-        if (finding.code == "swapped_sides" || finding.code == "held_joint") continue;
-        ADD_FAILURE() << item.item << ": " << finding.message;
+        // The studio's tracker does exchange limbs, for two frames; strays beside them may seem to add one.
+        const bool swap = finding.code == "swapped_sides" && finding.frame_end - finding.frame_begin <= 3;
+        if (!swap) ADD_FAILURE() << item.item << ": " << finding.message;
       }
       auto clip = ReadEvidence(request.output);
       EXPECT_TRUE(clip) << clip.error().Message();

@@ -27,6 +27,13 @@ void ExpectAllSections(const std::string& page) {
   }
 }
 
+TEST(ReportPage, SaysInItsFirstLineHowManyClipsAreDoubtful) {
+  SmallRun run;
+  run.run["clips"][0]["doubtful"] = true;
+  run.run["clips"][2]["doubtful"] = true;
+  EXPECT_THAT(PageOf(run), HasSubstr("All 3 clips went through. 2 clips of them are doubtful"));
+}
+
 TEST(ReportPage, HoldsEverySectionAndTheFiguresOfTheRun) {
   SmallRun run;
   const std::string page = PageOf(run);

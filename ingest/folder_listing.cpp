@@ -1,4 +1,4 @@
-#include "ingest/folder_files.h"
+#include "ingest/folder_listing.h"
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ std::size_t FilesBelow(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Expected<Listing> ListFiles(const std::filesystem::path& folder, int depth) {
+Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (folder.empty() || !fs::exists(folder, error)) {
@@ -32,7 +32,7 @@ Expected<Listing> ListFiles(const std::filesystem::path& folder, int depth) {
     return Fail(ErrorCode::kUnreadable, "is no folder", DisplayPath(folder),
                 "ingest.path names the folder of the files, or one of them");
   }
-  Listing listing;
+  FolderListing listing;
   fs::recursive_directory_iterator at(folder, error);
   if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
   for (const fs::recursive_directory_iterator end; at != end;) {

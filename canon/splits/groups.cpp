@@ -1,0 +1,159 @@
+#include "canon/splits/groups.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/random.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+bool Contains(const std::vector<std::string>& list, const std::string& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+Finding SplitFinding(const SplitOptions& options, const char* code, std::string message, const char* action) {
+  Finding finding;
+  finding.code = code;
+  finding.message = "split '" + options.name + "': " + std::move(message);
+  finding.action = action;
+  return finding;
+}
+
+using Names = std::vector<std::string>;
+
+Error Impossible(const SplitOptions& options, std::string what, std::string hint) {
+  return {ErrorCode::kConfig, std::move(what), "assemble.splits." + options.name, std::move(hint)};
+}
+
+/// Takes out of `options` the names that no clip has, and gives them back.
+Names TakeAbsent(const std::set<std::string>& groups, SplitOptions& options) {
+  Names absent;
+  for (auto* names : {&options.test, &options.validation, &options.train}) {
+    const auto gone = std::stable_partition(names->begin(), names->end(),
+                                            [&](const std::string& name) { return groups.count(name) != 0; });
+    absent.insert(absent.end(), gone, names->end());
+    names->erase(gone, names->end());
+  }
+  return absent;
+}
+
+/// Nobody plays two parts.
+Status CheckNames(const SplitOptions& options) {
+  std::map<std::string, const char*> part_of;
+  const std::pair<const char*, const Names*> parts[] = {
+      {"test", &options.test}, {"validation", &options.validation}, {"train", &options.train}};
+  for (const auto& [part, names] : parts) {
+    for (const std::string& name : *names) {
+      const char* other = part_of.emplace(name, part).first->second;
+      if (other == part) continue;
+      return tl::unexpected<Error>(Impossible(options,
+                                              std::string("the ") + NameOf(options.by) + " '" + name +
+                                                  "' is named under `" + other + "` and under `" + part + "`",
+                                              "name it once"));
+    }
+  }
+  return {};
+}
+
+/// Groups that are named for no part, in the order of a draw keyed by the group, so that other groups do not move it.
+Names InOrderOfDraw(const SplitOptions& options, const std::set<std::string>& groups) {
+  std::vector<std::pair<double, std::string>> order;
+  for (const std::string& group : groups) {
+    if (Contains(options.test, group) || Contains(options.validation, group) || Contains(options.train, group))
+      continue;
+    order.emplace_back(Random(static_cast<std::uint64_t>(options.seed), "split", group).Uniform(), group);
+  }
+  std::sort(order.begin(), order.end());
+  Names names;
+  names.reserve(order.size());
+  for (auto& [draw, group] : order) names.push_back(std::move(group));
+  return names;
+}
+
+/// Fills the empty part with a share of all groups, at least one, from those that are free; `left` of these stay.
+void Draw(double share, std::size_t all, std::size_t left, Names& free, Names& part) {
+  const auto wanted = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * static_cast<double>(all))));
+  while (part.size() < wanted && free.size() > left) {
+    part.push_back(free.front());
+    free.erase(free.begin());
+  }
+  std::sort(part.begin(), part.end());
+}
+
+Error NobodyTrains(const SplitOptions& options) {
+  const std::string what = NameOf(options.by);
+  return Impossible(options,
+                    "every " + what + " of the set is named to test or to select, and none is left to train: " +
+                        JoinNames(options.test) + (options.validation.empty() ? "" : "; ") +
+                        JoinNames(options.validation),
+                    "name fewer, or add clips of another " + what);
+}
+
+}  // namespace
+
+bool NamesGroups(SplitBy by) { return by == SplitBy::kPerson || by == SplitBy::kStyle; }
+
+const char* NameOf(SplitBy by) {
+  switch (by) {
+    case SplitBy::kPerson:
+      return "person";
+    case SplitBy::kStyle:
+      return "style";
+    case SplitBy::kFraction:
+      return "recording";
+    case SplitBy::kRole:
+      return "role of the source";
+  }
+  return "";
+}
+
+std::string JoinNames(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+Expected<MetGroups> MeetGroups(const SplitOptions& options, const std::set<std::string>& groups,
+                               std::vector<Finding>& findings) {
+  if (Status once = CheckNames(options); !once) return Forward(once);
+  SplitOptions met = options;
+  const Names absent = TakeAbsent(groups, met);
+  const Names known_names(groups.begin(), groups.end());
+  const std::string known = "the set has: " + JoinNames(known_names);
+  if (!absent.empty()) {
+    const auto near = Nearest(absent.front(), known_names);
+    const std::string hint = (near ? "did you mean '" + *near + "'? " : "") + known;
+    const std::string what = std::string("no clip has the ") + NameOf(options.by) + " '" + JoinNames(absent) + "'";
+    if (options.absent == AbsentGroups::kRefuse) return tl::unexpected<Error>(Impossible(options, what, hint));
+    findings.push_back(SplitFinding(options, "split_name_absent", what + " (" + hint + ")", "flagged"));
+  }
+  const bool tests = options.test.empty() || !met.test.empty();
+  const bool selects = options.validation.empty() || !met.validation.empty();
+  const bool any_named = met.test.size() + met.validation.size() + met.train.size() > 0;
+  Names free = InOrderOfDraw(met, groups);
+  if (any_named && free.empty() && met.train.empty()) return tl::unexpected<Error>(NobodyTrains(met));
+  const bool drawn = !tests || !selects;
+  const std::size_t trainers = met.train.empty() ? 1 : 0;  // of the free
+  if (!tests) Draw(options.test_share, groups.size(), trainers, free, met.test);
+  if (!selects) Draw(options.validation_share, groups.size(), trainers, free, met.validation);
+  if (!tests && met.test.empty() && any_named) {
+    return tl::unexpected<Error>(Impossible(options,
+                                            std::string("nobody would test: none of '") + JoinNames(options.test) +
+                                                "' is there, and the others train or select",
+                                            known));
+  }
+  if (!drawn) return MetGroups{met, false};
+  std::string message = "drawn instead:";
+  if (!tests)
+    message = met.test.empty() ? "only one " + std::string(NameOf(options.by)) + ": it trains and nothing tests"
+                               : message + " " + JoinNames(met.test) + " tests";
+  if (!selects && !met.validation.empty()) message += (tests ? " " : ", ") + JoinNames(met.validation) + " selects";
+  if (tests && met.validation.empty()) message = "nothing selects: all others test or train";
+  findings.push_back(SplitFinding(options, "split_drawn", message, "replaced"));
+  return MetGroups{met, true};
+}
+
+}  // namespace mocurate

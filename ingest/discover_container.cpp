@@ -1,0 +1,65 @@
+#include "ingest/discover_container.h"
+
+#include "core/base/file.h"
+#include "ingest/files_check.h"
+#include "ingest/left_out.h"
+#include "ingest/sources/container.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+
+Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
+  const SourceOptions& source = options.source;
+  const std::filesystem::path path = options.path / source.container;
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "the file that holds all clips is not there", DisplayPath(path),
+                "set ingest.path (--set ingest.path=DIR), or mend ingest.source.container");
+  }
+  const Expected<std::vector<ContainerEntry>> entries = EntriesOf(source, options.path);
+  if (!entries) return Forward(entries);
+  Discovery discovery;
+  std::set<std::string> recordings;
+  const nlohmann::json stage_options = OptionsToJson(source);
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const ContainerEntry& entry = (*entries)[i];
+    const Expected<NamedFile> named = ReadName(source, entry.name);
+    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
+    if (!named) {
+      discovery.left_out.push_back(LeftOutFile(entry.name, source, true, named.error()));
+      continue;
+    }
+    recordings.insert(named->identity.recording);
+    if (!entry.left_out.empty()) {
+      discovery.left_out.push_back(
+          ExcludedFile(named->item(), entry.name, "excluded", entry.left_out, "as the set's papers do"));
+      continue;
+    }
+    if (const auto excluded = source.exclude.find(named->identity.recording); excluded != source.exclude.end()) {
+      discovery.left_out.push_back(
+          ExcludedFile(named->item(), entry.name, "excluded", excluded->second, "ingest.source.exclude names it"));
+      continue;
+    }
+    ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};
+    item.options["entry"] = i;
+    item.options["entry_name"] = entry.name;
+    if (entry.frames > 0) item.options["most_frames"] = entry.frames;
+    if (!entry.label.empty()) {
+      const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
+      if (!label) {
+        discovery.left_out.push_back(LeftOutFile(entry.name, source, true, label.error()));
+        continue;
+      }
+      item.options["told_label"] = *label;
+    }
+    discovery.items.push_back(std::move(item));
+  }
+  if (discovery.items.empty()) {
+    return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source.files + "'",
+                DisplayPath(path), "mend ingest.source.files");
+  }
+  NoteUnmatched(source, recordings, discovery.findings);
+  return discovery;
+}
+
+}  // namespace mocurate

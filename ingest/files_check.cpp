@@ -1,0 +1,76 @@
+#include "ingest/files_check.h"
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+
+#include "core/base/text.h"
+#include "ingest/sense/file_kind.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kHead = 8192;
+
+std::optional<std::pair<SourceFormat, const char*>> FormatOf(FileKind kind) {
+  switch (kind) {
+    case FileKind::kBvh:
+      return std::pair(SourceFormat::kBvh, "bvh");
+    case FileKind::kNpy:
+      return std::pair(SourceFormat::kNpy, "npy");
+    case FileKind::kNtuSkeleton:
+      return std::pair(SourceFormat::kNtuSkeleton, "ntu_skeleton");
+    case FileKind::kAmc:
+      return std::pair(SourceFormat::kAsfAmc, "asf_amc");
+    case FileKind::kNumbers:
+      return std::pair(SourceFormat::kJointTable, "tables of numbers (joint_table, expmap, phspd)");
+    default:
+      return std::nullopt;
+  }
+}
+
+bool IsTable(SourceFormat format) {
+  return format == SourceFormat::kJointTable || format == SourceFormat::kExpmap || format == SourceFormat::kPhspd;
+}
+
+}  // namespace
+
+Finding UnmatchedName(const std::string& option, const std::string& kind, const std::string& name,
+                      const std::set<std::string>& known) {
+  const auto near = Nearest(name, std::vector<std::string>(known.begin(), known.end()));
+  Finding finding;
+  finding.code = "name_unmatched";
+  finding.message = option + ": there is no " + kind + " '" + name + "', so that it has no effect" +
+                    (near ? "; did you mean '" + *near + "'?" : "");
+  finding.action = "flagged";
+  return finding;
+}
+
+void NoteUnmatched(const SourceOptions& source, const std::set<std::string>& recordings,
+                   std::vector<Finding>& findings) {
+  for (const auto& [name, reason] : source.exclude) {
+    if (recordings.count(name) != 0) continue;
+    findings.push_back(UnmatchedName("ingest.source.exclude", "recording", name, recordings));
+  }
+}
+
+Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& items) {
+  const char* other = nullptr;
+  for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
+    std::ifstream file(items[at].inputs[0].path, std::ios::binary);
+    std::string head(kHead, '\0');
+    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(file.gcount()));
+    const auto found = FormatOf(KindOf(head));
+    const bool same = !found || found->first == source.format || (IsTable(found->first) && IsTable(source.format)) ||
+                      (other != nullptr && other != found->second);
+    if (same) return {};
+    other = found->second;
+  }
+  return Fail(ErrorCode::kConfig,
+              "the source is declared " + FormatName(source.format) + ", its files are " + other + ", e.g. '" +
+                  items[0].inputs[0].name + "'",
+              "ingest.source.format", "write what they are, or mend ingest.source.files or ingest.path");
+}
+
+}  // namespace mocurate

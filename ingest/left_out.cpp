@@ -1,0 +1,137 @@
+#include "ingest/left_out.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "ingest/folder_listing.h"
+
+namespace mocurate {
+namespace {
+
+/// "12 .skeleton, 3 .txt": the most frequent first, three of them.
+std::string EndingsOf(const std::vector<std::string>& names) {
+  std::map<std::string, int> counts;
+  for (const std::string& name : names) {
+    const std::string ending = std::filesystem::path(name).extension().string();
+    ++counts[ending.empty() ? "without an ending" : ending];
+  }
+  std::vector<std::pair<int, std::string>> order;
+  order.reserve(counts.size());
+  for (const auto& [ending, count] : counts) order.emplace_back(-count, ending);
+  std::sort(order.begin(), order.end());
+  std::string text;
+  for (std::size_t i = 0; i < order.size() && i < 3; ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(-order[i].first) + " " + order[i].second;
+  return text + (order.size() > 3 ? " and others" : "");
+}
+
+}  // namespace
+
+ItemResult LeftOutFile(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
+  const bool by_rule = matches && source.other_labels == OtherLabels::kLeaveOut;
+  const bool failed =
+      !by_rule && (source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore));
+  Finding finding;
+  finding.clip = name;
+  finding.code = by_rule ? "label_left_out" : matches ? "label_unknown" : "name_mismatch";
+  finding.severity = failed ? Severity::kError : by_rule ? Severity::kInfo : Severity::kWarning;
+  finding.message = why.what + (why.hint.empty() || by_rule ? "" : " (" + why.hint + ")");
+  finding.action = "left out";
+  ItemResult file;
+  file.item = name;
+  file.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
+  const std::string hint = by_rule ? "as ingest.source.other_labels asks" : why.hint;
+  file.outcome.error = Error{ErrorCode::kInconsistent, why.what, name, hint};
+  file.outcome.findings.push_back(std::move(finding));
+  return file;
+}
+
+ItemResult ExcludedFile(const std::string& item, const std::string& file, const char* code, const std::string& why,
+                        const std::string& hint) {
+  Finding finding;
+  finding.clip = item;
+  finding.code = code;
+  finding.severity = Severity::kInfo;
+  finding.message = why;
+  finding.action = "left out";
+  ItemResult result;
+  result.item = item;
+  result.outcome.kind = OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, hint};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+ItemResult RefusedFile(const std::string& item, const char* code, const Error& why) {
+  Finding finding;
+  finding.clip = item;
+  finding.code = code;
+  finding.severity = Severity::kError;
+  finding.message = why.what;
+  finding.action = "left out";
+  ItemResult result;
+  result.item = item;
+  result.outcome.kind = OutcomeKind::kRefused;
+  result.outcome.error = why;
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+ItemResult NotLookedAt(const std::string& folder, std::size_t files, const SourceOptions& source) {
+  const bool failed = source.other_files == OtherFiles::kError;
+  const std::string count =
+      files > kMostCounted ? "more than " + std::to_string(kMostCounted) + " files" : Counted(files, "file");
+  Finding finding;
+  finding.clip = folder;
+  finding.code = kFolderNotRead;
+  finding.severity = failed ? Severity::kError : Severity::kWarning;
+  finding.value = static_cast<double>(files);
+  finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files in another place";
+  finding.action = "left out";
+  ItemResult result;
+  result.item = folder;
+  result.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kInconsistent, finding.message, folder,
+                               "links to folders are not followed; mend ingest.source.files, or set other_files"};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+Error NothingFound(const IngestOptions& options, const Discovery& discovery, const std::vector<std::string>& found) {
+  const std::string where = DisplayPath(options.path);
+  const std::string none = "no file matches the pattern '" + options.source.files + "'";
+  const auto failed = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), [](const ItemResult& file) {
+    return file.outcome.kind == OutcomeKind::kRefused && file.outcome.error.code != ErrorCode::kInconsistent;
+  });
+  if (failed != discovery.left_out.end()) {
+    return {ErrorCode::kNotFound, "no file can be read; the first: " + failed->outcome.error.Message(), where, ""};
+  }
+  const std::string files = found.empty() ? "" : "the folder holds " + EndingsOf(found) + "; ";
+  if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, files + "is it the right folder?"};
+  return {
+      ErrorCode::kNotFound, none, where,
+      files + "e.g. '" + discovery.left_out.front().item + "' does not match; mend ingest.source.files or ingest.path"};
+}
+
+ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files) {
+  const std::vector<std::string> unused = babel.Unused();
+  Finding finding;
+  finding.clip = files.front();
+  finding.code = "motion_missing";
+  finding.value = static_cast<double>(unused.size());
+  finding.message = std::to_string(unused.size()) + " of " + std::to_string(babel.size()) +
+                    " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
+  finding.action = "left out";
+  ItemResult result;
+  result.item = files.front();
+  result.outcome.kind = OutcomeKind::kLeftOut;
+  result.outcome.error = Error{ErrorCode::kNotFound, finding.message, files.front(),
+                               "AMASS comes in parts; names are looked for as ingest/sources/babel_segments.h says"};
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
+}  // namespace mocurate

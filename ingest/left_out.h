@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "ingest/discover.h"
+#include "ingest/sources/babel_segments.h"
+
+namespace mocurate {
+
+/// A file that is no item because of its name or label. `matches`: the name is as declared, but its label is not.
+ItemResult LeftOutFile(const std::string& name, const SourceOptions& source, bool matches, const Error& why);
+
+/// What the declaration excludes by the recording's name, or a list of known issues does.
+ItemResult ExcludedFile(const std::string& item, const std::string& file, const char* code, const std::string& why,
+                        const std::string& hint);
+
+/// A file that should be an item and cannot be.
+ItemResult RefusedFile(const std::string& item, const char* code, const Error& why);
+
+/// Files of a folder that lie where the pattern does not look: one line for all.
+ItemResult NotLookedAt(const std::string& folder, std::size_t files, const SourceOptions& source);
+
+/// Annotations that speak of motions that are not there: one line for all.
+ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files);
+
+/// Why there is nothing to ingest; `found`: names of the folder's files.
+Error NothingFound(const IngestOptions& options, const Discovery& discovery, const std::vector<std::string>& found);
+
+}  // namespace mocurate

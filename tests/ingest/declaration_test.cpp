@@ -1,0 +1,79 @@
+// What a declaration names and the files do not have, and formats that the files are not of: told with what was found.
+
+#include <gmock/gmock.h>
+
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kBvh =
+    "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
+    "MOTION\nFrames: 2\nFrame Time: 0.04\n0 1 0\n0 1 0.1\n";
+
+IngestOptions TwoTables(const std::string& folder) {
+  IngestOptions options = SmallTable(FreshFolder(folder));
+  for (const char* name : {"a1_s1.txt", "a2_s1.txt"}) Put(options.path / name, "1 2 3\n4 5 6\n1 3 3\n4 6 6\n");
+  return options;
+}
+
+TEST(Declaration, ARecordingToExcludeThatIsNotThereIsToldWithTheNearest) {
+  IngestOptions options = TwoTables("exclude");
+  options.source.exclude = {{"a1_s1", "falls over"}};
+  auto discovery = Discover(options);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_THAT(discovery->findings, IsEmpty());
+  EXPECT_EQ(discovery->items.size(), 1u);
+  options.source.exclude = {{"a1_s01", "falls over"}};
+  discovery = Discover(options);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_EQ(discovery->items.size(), 2u);
+  ASSERT_EQ(discovery->findings.size(), 1u);
+  EXPECT_EQ(discovery->findings[0].code, "name_unmatched");
+  EXPECT_EQ(discovery->findings[0].severity, Severity::kWarning);
+  EXPECT_THAT(discovery->findings[0].message, HasSubstr("ingest.source.exclude: there is no recording 'a1_s01'"));
+  EXPECT_THAT(discovery->findings[0].message, HasSubstr("did you mean 'a1_s1'?"));
+}
+
+TEST(Declaration, FilesOfAnotherFormatAreAnErrorThatNamesTheirs) {
+  IngestOptions options = SmallTable(FreshFolder("bvh_as_table"));
+  for (const char* name : {"a1_s1.txt", "a2_s1.txt"}) Put(options.path / name, kBvh);
+  const auto bvh = Discover(options);
+  ASSERT_FALSE(bvh);
+  EXPECT_EQ(bvh.error().code, ErrorCode::kConfig);
+  EXPECT_EQ(bvh.error().where, "ingest.source.format");
+  EXPECT_THAT(bvh.error().what, HasSubstr("the source is declared joint_table, its files are bvh, e.g. 'a1_s1.txt'"));
+  Put(options.path / "a2_s1.txt", "1 2 3\n4 5 6\n");
+  EXPECT_TRUE(Discover(options)) << "one file of another format is that file's failure";
+}
+
+TEST(Declaration, APatternThatNoFileMatchesIsToldWithWhatTheFolderHolds) {
+  IngestOptions options = TwoTables("endings");
+  options.source.files = "{action}.bvh";
+  const auto discovery = Discover(options);
+  ASSERT_FALSE(discovery);
+  EXPECT_THAT(discovery.error().Message(), HasSubstr("the folder holds 2 .txt"));
+}
+
+TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
+  SourceOptions source;
+  source.name = "made";
+  source.format = SourceFormat::kNpy;
+  source.units = "m";
+  source.axes = "+x +y +z";
+  Written("take.bvh", kBvh);
+  EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
+  source.format = SourceFormat::kBvh;
+  const auto declared = InspectPath(folder_, source);
+  EXPECT_THAT(Codes(declared, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
+  const std::string text = InspectionText(declared);
+  EXPECT_THAT(text, HasSubstr("declared")) << "what is declared is said of no clip by agreement";
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("declared, 100 % agree")));
+}
+
+}  // namespace
+}  // namespace mocurate
