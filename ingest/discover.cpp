@@ -6,6 +6,8 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/capture_views.h"
+#include "ingest/folder_listing.h"
 #include "ingest/known_issues.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/container.h"
@@ -14,86 +16,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMostCounted = 10000;  // files of a folder that is not looked into
-
-struct FolderFile {
-  std::string name;  ///< below the folder, with '/', printable
-  std::filesystem::path path;
-  std::string problem = {};  ///< why it cannot be read: a link that leads nowhere, a pipe
-};
-
-/// What lies below a folder down to a depth.
-struct Listing {
-  std::vector<FolderFile> files;  ///< sorted by name
-  std::map<std::string, std::size_t>
-      folders_below;  ///< folders that are deeper (and links to folders) -> files in them
-};
-
-/// At most one more than kMostCounted.
-std::size_t FilesBelow(const std::filesystem::path& folder) {
-  namespace fs = std::filesystem;
-  std::size_t count = 0;
-  std::error_code error;
-  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    std::error_code unknown;
-    if (!at->is_directory(unknown) && ++count > kMostCounted) break;
-  }
-  return count;
-}
-
-/// Files down to `depth` folders below `folder`. Links to folders are not followed.
-Expected<Listing> ListFiles(const std::filesystem::path& folder, int depth) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (folder.empty() || !fs::exists(folder, error)) {
-    return Fail(ErrorCode::kNotFound, folder.empty() ? "no folder with captures is given" : "the folder does not exist",
-                folder.empty() ? "ingest.path" : DisplayPath(folder), "set ingest.path (--set ingest.path=DIR)");
-  }
-  if (!fs::is_directory(folder, error)) {
-    return Fail(ErrorCode::kUnreadable, "is no folder", DisplayPath(folder),
-                "ingest.path names the folder of the files");
-  }
-  Listing listing;
-  fs::recursive_directory_iterator at(folder, error);
-  if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
-  for (const fs::recursive_directory_iterator end; at != end;) {
-    std::error_code unknown;
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
-    const bool link = at->is_symlink(unknown);
-    if (at->is_directory(unknown)) {
-      if (at.depth() >= depth) at.disable_recursion_pending();
-      if (at.depth() >= depth || link) listing.folders_below[name] = FilesBelow(at->path());
-    } else if (link && !at->exists(unknown)) {
-      const std::string target = DisplayPath(fs::read_symlink(at->path(), unknown));
-      listing.files.push_back({name, at->path(), "is a link to '" + target + "', which does not exist"});
-    } else {
-      const bool regular = at->is_regular_file(unknown);
-      listing.files.push_back({name, at->path(), regular ? "" : "is no regular file"});
-    }
-    at.increment(error);
-    if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
-  }
-  std::sort(listing.files.begin(), listing.files.end(), [](const FolderFile& a, const FolderFile& b) {
-    return a.name != b.name ? a.name < b.name : a.path.native() < b.path.native();
-  });
-  return listing;
-}
-
 int DepthOf(const std::string& name) { return static_cast<int>(std::count(name.begin(), name.end(), '/')); }
-
-/// Adds the depth images of one sequence: those whose fields agree with the fields of the sequence's own name.
-void AddDepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamedFile& named,
-                   ItemSpec& item) {
-  for (const FolderFile& file : files) {
-    const std::optional<NameFields> fields = pattern.Match(file.name);
-    if (!fields) continue;
-    const bool same = std::all_of(fields->begin(), fields->end(), [&](const auto& field) {
-      const auto own = named.fields.find(field.first);
-      return own == named.fields.end() || own->second == field.second;
-    });
-    if (same) item.inputs.push_back({"depth", file.name, file.path, ""});
-  }
-}
 
 /// Every {field} that names a clip must be one of the pattern: a misspelt one would put all people under one name. The
 /// texts that a declaration has without being told may go empty.
@@ -374,7 +297,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!babel) return Forward(babel);
 
   Discovery discovery;
-  const bool has_depth = source.format == SourceFormat::kDepthSequence;
+  const bool has_truth = source.format == SourceFormat::kDepthSequence;
+  const bool has_depth = has_truth || (source.views.together && !source.depth_files.empty());
+  std::optional<DepthFiles> depth_files;
+  if (has_depth) depth_files.emplace(files, *depth_pattern, *pattern);
   const nlohmann::json stage_options = OptionsToJson(source);
   for (const FolderFile& file : files) {
     if (only && only->count(file.name) == 0) continue;
@@ -394,13 +320,14 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       discovery.left_out.push_back(LeftOut(file.name, source, matches, named.error()));
       continue;
     }
-    const auto excluded = source.exclude.find(named->identity.recording);
+    const std::string recording = source.views.together ? StemOf(file.name) : named->identity.recording;
+    const auto excluded = source.exclude.find(recording);
     if (excluded != source.exclude.end()) {
       discovery.left_out.push_back(
           Excluded(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
-    const std::optional<KnownIssue> issue = known_issues->Find(named->identity.recording);
+    const std::optional<KnownIssue> issue = known_issues->Find(recording);
     if (issue && source.known_issues == KnownIssueAction::kDrop) {
       discovery.left_out.push_back(Excluded(named->item(), file.name, "known_issue", TextOf(*issue),
                                             "ingest.source.known_issues: report keeps such clips"));
@@ -432,10 +359,8 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     }
     if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
     if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
-    if (has_depth) {
-      discovery.truth.push_back(item);
-      AddDepthFiles(files, *depth_pattern, *named, item);
-    }
+    if (has_truth) discovery.truth.push_back(item);
+    if (depth_files) depth_files->AddTo(named->fields, item);
     for (int body = 1; body <= named->bodies; ++body) {
       const Expected<NamedFile> own = ReadName(source, file.name, body);
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
@@ -450,6 +375,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery));
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
+  if (source.views.together) {
+    if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);
+  }
   if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
   return discovery;
 }

@@ -82,8 +82,7 @@ std::optional<ViewAlignment> AlignFrom(const TrackedPoints& a, const TrackedPoin
     view.a_from_b = fit.target_from_source;
     view.median = fit.median;
     view.share = fit.share;
-    const ClockStep clock =
-        moving && turn < kTurns ? RefineClock(a, b, view.a_from_b, view.offset_s) : ClockStep();
+    const ClockStep clock = moving && turn < kTurns ? RefineClock(a, b, view.a_from_b, view.offset_s) : ClockStep();
     if (clock.known) {
       view.offset_sigma_s = clock.sigma;
       view.offset_known = clock.sigma < 0.5 * step;

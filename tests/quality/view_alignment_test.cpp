@@ -42,9 +42,7 @@ Take Tracked(std::uint64_t person, int begin, int frames, double noise, const Ri
   return take;
 }
 
-RigidTransform Aside() {
-  return {ExpQuaternion(Vector3d(0.05, 0.8, -0.02)), Vector3d(1.5, 0.1, 3.0)};
-}
+RigidTransform Aside() { return {ExpQuaternion(Vector3d(0.05, 0.8, -0.02)), Vector3d(1.5, 0.1, 3.0)}; }
 
 TEST(ClockOffset, IsFoundToAFractionOfAFrame) {
   for (const int eighths : {0, 3, 12, 37}) {
