@@ -5,6 +5,8 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/capture_views.h"
+#include "ingest/depth_files.h"
 #include "ingest/discover_container.h"
 #include "ingest/files_check.h"
 #include "ingest/folder_listing.h"
@@ -16,20 +18,6 @@
 
 namespace mocurate {
 namespace {
-
-/// Adds the depth images of one sequence: those whose fields agree with the fields of the sequence's own name.
-void AddDepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamedFile& named,
-                   ItemSpec& item) {
-  for (const FolderFile& file : files) {
-    const std::optional<NameFields> fields = pattern.Match(file.name);
-    if (!fields) continue;
-    const bool same = std::all_of(fields->begin(), fields->end(), [&](const auto& field) {
-      const auto own = named.fields.find(field.first);
-      return own == named.fields.end() || own->second == field.second;
-    });
-    if (same) item.inputs.push_back({"depth", file.name, file.path, ""});
-  }
-}
 
 /// Every {field} that names a clip must be one of the pattern: a misspelt one would put all people under one name. The
 /// texts that a declaration has without being told may go empty.
@@ -186,7 +174,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   Discovery discovery;
   std::set<std::string> recordings;
   std::vector<std::string> names;
-  const bool has_depth = source.format == SourceFormat::kDepthSequence;
+  const bool has_truth = source.format == SourceFormat::kDepthSequence;
+  const bool has_depth = has_truth || (source.views.together && !source.depth_files.empty());
+  std::optional<DepthFiles> depth_files;
+  if (has_depth) depth_files.emplace(files, *depth_pattern, *pattern);
   const nlohmann::json stage_options = OptionsToJson(source);
   for (const FolderFile& file : files) {
     if (only && only->count(file.name) == 0) continue;
@@ -209,14 +200,15 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       discovery.left_out.push_back(LeftOutFile(file.name, source, matches, named.error()));
       continue;
     }
-    recordings.insert(named->identity.recording);
-    const auto excluded = source.exclude.find(named->identity.recording);
+    const std::string recording = source.views.together ? StemOf(file.name) : named->identity.recording;
+    recordings.insert(recording);
+    const auto excluded = source.exclude.find(recording);
     if (excluded != source.exclude.end()) {
       discovery.left_out.push_back(
           ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
-    const std::optional<KnownIssue> issue = known_issues->Find(named->identity.recording);
+    const std::optional<KnownIssue> issue = known_issues->Find(recording);
     if (issue && source.known_issues == KnownIssueAction::kDrop) {
       discovery.left_out.push_back(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
                                                 "ingest.source.known_issues: report keeps such clips"));
@@ -252,10 +244,8 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     }
     if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
     if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
-    if (has_depth) {
-      discovery.truth.push_back(item);
-      AddDepthFiles(files, *depth_pattern, *named, item);
-    }
+    if (has_truth) discovery.truth.push_back(item);
+    if (depth_files) depth_files->AddTo(named->fields, item);
     for (int body = 1; body <= named->bodies; ++body) {
       const Expected<NamedFile> own = ReadName(source, file.name, body);
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
@@ -271,6 +261,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
   NoteUnmatched(source, recordings, discovery.findings);
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
+  if (source.views.together) {
+    if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);
+  }
   if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
   if (Status format = CheckFormat(source, discovery.items); !format) return Forward(format);
   return discovery;

@@ -24,7 +24,7 @@ Expected<IngestedClip> ReadClip(const SourceFile& file) {
     case SourceFormat::kDepthSequence:
       return ReadDepthSequenceClip(file);
     case SourceFormat::kNtuSkeleton:
-      return ReadNtuSkeletonClip(file);
+      return file.source.views.together ? ReadNtuViewsClip(file) : ReadNtuSkeletonClip(file);
     case SourceFormat::kAsfAmc:
       return ReadAsfAmcClip(file);
     case SourceFormat::kAmass:
@@ -186,6 +186,24 @@ Expected<StageOutcome> Unusable(const Error& error, const std::string& item) {
   return outcome;
 }
 
+/// The files of a clip that several cameras saw; `named` is of all of them then.
+Expected<std::vector<ViewFile>> ReadViews(const SourceOptions& source, const std::vector<StageInput>& inputs,
+                                          NamedFile& named) {
+  std::vector<ViewFile> views;
+  std::string together;
+  for (const StageInput& input : inputs) {
+    if (input.role != "source") continue;
+    const Expected<NamedFile> own = ReadName(source, input.name, named.body);
+    if (!own) return Forward(own);
+    Expected<std::string> bytes = ReadFile(input.path);
+    if (!bytes) return Forward(bytes);
+    together += (together.empty() ? "" : "+") + own->identity.view;
+    views.push_back({own->identity.view, input.name, *std::move(bytes), own->fields});
+  }
+  named.identity.view = together;
+  return views;
+}
+
 /// No artifact: the last finding names the rule.
 StageOutcome LeftOut(const DroppedClip& dropped, const std::string& name, StageOutcome outcome) {
   Finding rule = dropped.finding;
@@ -227,6 +245,12 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   file.entry = facts.entry;
   file.most_frames = facts.most_frames;
   std::string read = *bytes;
+  if (source->views.together) {
+    Expected<std::vector<ViewFile>> views = ReadViews(*source, request.inputs, *named);
+    if (!views) return Forward(views);
+    file.views = std::move(*views);
+    for (std::size_t i = 1; i < file.views.size(); ++i) read += file.views[i].bytes;
+  }
   for (const StageInput& candidate : request.inputs) {
     if (candidate.role == "depth") file.depth_files.push_back(candidate);
     if (candidate.role == "calibration") file.calibrations.push_back(candidate);

@@ -27,7 +27,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "pattern of the file names with {fields}; {field:4} is four characters wide; openpose, depth_views, panoptic: "
          "files that differ in {camera} and {frame} alone are one clip, {-} is passed over");
   v.Text("container", container,
-         "uestc, humanact12_pickle, motions: the one file that holds all clips; `files` is the pattern of their names");
+         "humanact12_pickle, uestc, motions: the one file that holds all clips (uestc without it: a file of VIBE's "
+         "tracks per "
+         "video); `files` is the pattern of their names");
   v.Text(
       "label_table", label_table,
       "table below the folder, a header and 'motion,label' lines: label of the file whose name without ending is the "
@@ -55,12 +57,20 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.TextMap(
       "bodies", bodies,
       "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
-  v.Group("people", people, "ntu_skeleton: which of the bodies that the sensor followed");
+  v.Group("people", people, "ntu_skeleton, vibe_tracks, uestc: which of those that the tracker followed");
+  v.Group("views", views, "ntu_skeleton: files of several cameras that saw one performance");
   v.Number("inferred_confidence", inferred_confidence, Unit::kNone, {0.0, 1.0},
            "ntu_skeleton: confidence of a joint that the sensor inferred; one that it tracked has 1, any other 0");
   v.Text("skeleton_files", skeleton_files,
          "asf_amc: name of the .asf of a motion, from the fields of the motion's name, e.g. '{person}.asf'");
-  v.Text("track", track, "vibe_tracks: which of a file's tracks is the person");
+  v.Text("track", track,
+         "vibe_tracks: which of a file's tracks is the person; empty: the one that `people.rule` chooses");
+  v.Choice("root_translation", root_translation,
+           {{"published", RootTranslation::kPublished},
+            {"still", RootTranslation::kStill},
+            {"camera", RootTranslation::kCamera}},
+           "vibe_tracks, uestc: how the root moves: camera (by the weak-perspective camera), still, or published (as "
+           "the papers' codes: uestc by the camera, vibe_tracks still)");
   v.Texts("annotations", annotations,
           "amass: BABEL's .json files below the folder; where two speak of one motion, the first");
   v.Choice("missing", missing,
@@ -72,9 +82,10 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Number("max_slide", max_slide, Unit::kMetre, {0.0, 1.0},
            "bvh: most that a joint may slide along its bone; more is refused");
   v.Text("depth_files", depth_files,
-         "depth_sequence: pattern of the depth images with {view} and, unless there is but one each, {frame}");
-  v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0},
-           "depth_sequence, depth_views: length of one step of a depth value");
+         "pattern of the depth images: depth_sequence with {view} and, unless there is but one each, {frame}; "
+         "ntu_skeleton whose views are together "
+         "with {frame}, counted from 1, and fields of `files`");
+  v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "length of one step of a depth value");
   v.Text("mask_files", mask_files,
          "depth_views: pattern of the images (PNG, JPEG) that are white where the person is, one per depth image");
   v.Texts(
@@ -104,7 +115,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Choice("other_labels", other_labels, {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}},
            "what becomes of a file whose label is not listed under `labels`");
   v.TextMap("roles", roles, "person -> train, validation or test, where the source prescribes it");
-  v.TextMap("exclude", exclude, "recordings that are left out, each with the reason");
+  v.TextMap("exclude", exclude,
+            "recordings that are left out, each with the reason; with views.together files, without ending");
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
            "what becomes of clips whose motion contradicts the declared units, axes or order of joints; where enough "
@@ -128,15 +140,36 @@ void PeopleOptions::Declare(OptionVisitor& v) {
       {{"motion", TrackRule::kMotion},
        {"official", TrackRule::kOfficial},
        {"presence", TrackRule::kPresence},
-       {"nearest", TrackRule::kNearest}},
+       {"nearest", TrackRule::kNearest},
+       {"uestc_released", TrackRule::kUestcReleased},
+       {"uestc_corrected", TrackRule::kUestcCorrected}},
       "who is taken: motion (who moves most of those there for half as long as the longest), official (NTU's: "
-      "largest summed variance, neither stitched nor freed of ghosts), presence (longest), nearest (to the sensor)");
+      "largest summed variance, neither stitched nor freed of ghosts), presence (longest), nearest (to the sensor), "
+      "uestc_released and uestc_corrected (VIBE's tracks by their boxes, as ACTOR's code does and with its faults "
+      "mended)");
+  v.Numbers("start", start_px, Unit::kPixel, {},
+            "uestc_released, uestc_corrected: where the performer is in the first frame of the video; ACTOR reads it "
+            "from the sensor's skeletons");
   v.Bool("stitch", stitch, "join ids that are one person: lost and found again with the same bones, or interleaved");
   v.Bool("ghosts", ghosts, "set aside what is nobody: short, frozen, furniture, a second body in one place");
   v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
   v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0}, "that somebody may have had meanwhile");
   v.Number("max_signature", max_signature, Unit::kNone, {0.0, 10.0},
            "mean difference of log bone lengths of what may be one person");
+}
+
+void ViewOptions::Declare(OptionVisitor& v) {
+  v.Bool("together", together,
+         "files that give the same person and recording and differ in `view` are one clip: their joints are brought "
+         "into the world of one of them and merged, their depth images are its views");
+  v.Texts("cameras", cameras, "`view` of every camera of a capture; one that is not there is a finding");
+  v.Numbers("intrinsics", intrinsics, Unit::kPixel, {},
+            "fx, fy, cx, cy of the depth images, where a file's joints do not tell them; fx is negative for images "
+            "that are mirrored, as Kinects write them");
+  v.Numbers("image_size", image_size, Unit::kPixel, {1.0, 20000.0}, "width and height of the depth images");
+  v.Number("max_offset", max_offset_s, Unit::kSecond, {0.0, 60.0}, "most that the cameras' clocks may be off");
+  v.Number("max_disagreement", max_disagreement, Unit::kMetre, {0.001, 10.0},
+           "median distance of the same joints in two views, aligned, beyond which they do not show the same");
 }
 
 void SyntheticOptions::Declare(OptionVisitor& v) {
@@ -159,7 +192,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 9, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 10, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }

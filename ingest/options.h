@@ -50,16 +50,37 @@ enum class TrackRule {
   kOfficial,  ///< NTU's: by the summed variance of the joints, however short they are there
   kPresence,  ///< by how long they are there
   kNearest,   ///< by how near they stand to the sensor (median distance of their middle)
+  kUestcReleased,   ///< VIBE's tracks of UESTC as ACTOR's released preprocessing picks them (people/uestc.h)
+  kUestcCorrected,  ///< the same with its faults mended
+};
+/// Where the root of VIBE's tracks is.
+enum class RootTranslation {
+  kPublished,  ///< as the papers' codes have it: uestc moves by the camera, vibe_tracks (NTU-13) stays
+  kStill,
+  kCamera,  ///< by the weak-perspective camera of the image: (tx, ty, 500 / (270 sx)) minus that of the first frame
 };
 
 /// Who of those that a tracker followed is a clip.
 struct PeopleOptions {
   TrackRule rule = TrackRule::kMotion;
+  std::vector<double> start_px{480.0, 270.0};
   bool stitch = true;
   bool ghosts = true;
   double max_gap_s = 2.0;
   double max_speed = 3.0;
   double max_signature = 0.12;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Several sensors that saw one performance, each in a file of its own.
+struct ViewOptions {
+  bool together = false;             ///< files that give one item and differ in `view` alone are one clip
+  std::vector<std::string> cameras;  ///< `view` of each that belongs to a capture; empty: whichever are there
+  std::vector<double> intrinsics;    ///< fx, fy, cx, cy of the depth images, pixels
+  std::vector<double> image_size;    ///< width, height, pixels
+  double max_offset_s = 1.0;
+  double max_disagreement = 0.1;
 
   void Declare(OptionVisitor& v);
 };
@@ -91,17 +112,19 @@ struct SourceOptions {
   std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
   std::string end_word;  ///< joint_table: line that closes the table, where there is one
   std::map<std::string, std::string> bodies;  ///< ntu_skeleton: label text -> people in the file, "2"; others have one
-  PeopleOptions people;                       ///< ntu_skeleton: which of the bodies that the sensor followed
+  PeopleOptions people;                       ///< ntu_skeleton, vibe_tracks, uestc: which of those that were followed
+  ViewOptions views;                          ///< ntu_skeleton: cameras that saw one performance
   double inferred_confidence = 0.3;           ///< ntu_skeleton: of a joint that the sensor inferred; tracked is 1
   std::string skeleton_files;                 ///< asf_amc: "{subject}.asf", filled from the fields of the motion's name
-  std::string track = "1";                    ///< vibe_tracks: key of the person in a file
-  std::vector<std::string> annotations;       ///< amass: BABEL files below the folder
-  double least_confidence = 0.0;              ///< joint_table: of a joint that has a position
+  std::string track = "1";                    ///< vibe_tracks: key of the person in a file; empty: people.rule says
+  RootTranslation root_translation = RootTranslation::kPublished;  ///< vibe_tracks, uestc
+  std::vector<std::string> annotations;                            ///< amass: BABEL files below the folder
+  double least_confidence = 0.0;                                   ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kRefuse;
   MissingValue missing = MissingValue::kNone;
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
-  std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"
-  double depth_unit = 0.001;  ///< depth_sequence, depth_views: metres per step of a depth value
+  std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together
+  double depth_unit = 0.001;  ///< of those: metres per step of a depth value
   std::string mask_files;     ///< depth_views: "views/{camera}_mask.jpg"; the person in the image of the same fields
   std::vector<std::string> calibration;  ///< openpose, depth_views: below the folder; {camera}: one per camera
   CameraPose camera_pose = CameraPose::kMeasured;  ///< openpose, depth_views

@@ -133,6 +133,7 @@ Status CheckFilledIn(const SourceOptions& s) {
 }
 
 constexpr long long kMostBodies = 6;  // what a Kinect follows
+constexpr long long kMostBodiesTogether = 3;
 
 Status CheckBodies(const SourceOptions& s) {
   for (const auto& [label, text] : s.bodies) {
@@ -186,6 +187,47 @@ Status CheckGathered(const SourceOptions& s) {
                 "known are " + names + "and measured");
   }
   return CheckBodies(s);
+}
+
+Status CheckPeople(const SourceOptions& s) {
+  const bool by_boxes = s.people.rule == TrackRule::kUestcReleased || s.people.rule == TrackRule::kUestcCorrected;
+  if (!by_boxes) return {};
+  if (s.format != SourceFormat::kVibeTracks && s.format != SourceFormat::kUestc) {
+    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which " + FormatName(s.format) + " has not",
+                Place("people.rule"), "motion, official, presence or nearest");
+  }
+  if (s.people.start_px.size() == 2) return {};
+  return Fail(ErrorCode::kConfig,
+              "the performer's first place has " + std::to_string(s.people.start_px.size()) + " numbers",
+              Place("people.start"), "two: pixels across and down");
+}
+
+Status CheckViews(const SourceOptions& s) {
+  const ViewOptions& views = s.views;
+  if (!views.together) return {};
+  if (s.format != SourceFormat::kNtuSkeleton) {
+    return Fail(ErrorCode::kConfig, FormatName(s.format) + " files are not brought together", Place("views.together"),
+                "ntu_skeleton is the format of which several cameras can be one clip");
+  }
+  if (s.view.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which camera a file is of", Place("view"),
+                "e.g. view: 'C{camera}'");
+  }
+  for (const auto& [label, text] : s.bodies) {
+    if (ParseInteger(text).value_or(0) <= kMostBodiesTogether) continue;
+    return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", Place("bodies"),
+                "at most 3 are told apart between several cameras");
+  }
+  if (s.depth_files.empty()) return {};
+  if (views.intrinsics.size() != 4 || views.intrinsics[0] == 0.0 || views.intrinsics[1] == 0.0) {
+    return Fail(ErrorCode::kConfig, "the depth images have no intrinsics", Place("views.intrinsics"),
+                "four numbers, fx, fy, cx and cy; a Kinect v2 has about [-366, 366, 256, 208] px");
+  }
+  if (views.image_size.size() != 2) {
+    return Fail(ErrorCode::kConfig, "the depth images have no size", Place("views.image_size"),
+                "width and height; a Kinect v2 has [512, 424] px");
+  }
+  return {};
 }
 
 }  // namespace
@@ -317,6 +359,8 @@ Status CheckSource(const SourceOptions& s) {
   if (s.format == SourceFormat::kNtuSkeleton) {
     if (Status bodies = CheckBodies(s); !bodies) return bodies;
   }
+  if (Status views = CheckViews(s); !views) return views;
+  if (Status people = CheckPeople(s); !people) return people;
   if (Status actions = CheckActions(s.checks); !actions) return actions;
   if (s.format == SourceFormat::kAsfAmc && s.skeleton_files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which .asf belongs to an .amc",
@@ -329,9 +373,8 @@ Status CheckSource(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", Place("skeleton"),
                 "an array needs one, e.g. humanact12");
   }
-  const bool all_in_one = s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle ||
-                          s.format == SourceFormat::kMotions;
-  if (all_in_one != !s.container.empty()) {
+  const bool all_in_one = s.format == SourceFormat::kHumanAct12Pickle || s.format == SourceFormat::kMotions;
+  if (all_in_one != !s.container.empty() && s.format != SourceFormat::kUestc) {
     return Fail(ErrorCode::kConfig,
                 all_in_one ? "source '" + s.name + "' does not say which file holds its clips"
                            : FormatName(s.format) + " files hold one clip each, not all in '" + s.container + "'",

@@ -94,6 +94,7 @@ RayBox BoxOf(const PlacedCapsule& capsule) {
 /// Pixels [first, end) along one side whose rays can lie in [low, high]; all of them with lens distortion.
 std::pair<int, int> PixelSpan(const Camera& camera, double low, double high, double focal, double centre, int size) {
   if (!camera.distortion.IsZero()) return {0, size};
+  if (focal < 0.0) std::swap(low, high);  // a mirrored picture
   const double first = std::clamp(std::floor(low * focal + centre), 0.0, static_cast<double>(size));
   const double last = std::clamp(std::ceil(high * focal + centre) + 1.0, first, static_cast<double>(size));
   return {static_cast<int>(first), static_cast<int>(last)};

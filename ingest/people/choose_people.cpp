@@ -13,13 +13,6 @@ constexpr double kPresent = 0.5;     // share of the frames of whoever is there 
 constexpr double kMostlyFlat = 0.7;  // share of frames
 constexpr double kMostlyTogether = 0.6;
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Middle of the box around the seen joints of a row, and its sides.
 struct Box {
   Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
@@ -41,22 +34,7 @@ Box BoxOf(const PersonTrack& track, std::size_t row) {
 }
 
 /// Median over the joints of how far they are from their mean place, metres, root mean square.
-double Wander(const PersonTrack& track) {
-  std::vector<double> wander;
-  for (int k = 0; k < track.positions.joints; ++k) {
-    Vector3d sum = Vector3d::Zero();
-    double squares = 0.0, count = 0.0;
-    for (std::size_t row = 0; row < track.frames.size(); ++row) {
-      if (!track.sees(row, k)) continue;
-      const Vector3d place = track.positions.at(static_cast<int>(row), k);
-      sum += place;
-      squares += place.squaredNorm();
-      count += 1.0;
-    }
-    if (count > 0.0) wander.push_back(std::sqrt(std::max(0.0, squares / count - (sum / count).squaredNorm())));
-  }
-  return Median(wander);
-}
+double Wander(const PersonTrack& track) { return std::sqrt(Median(JointVariances(track))); }
 
 /// Mean distance of the bones' log lengths from a person's, after the best scale.
 double ProportionOf(const std::vector<double>& signature, const std::vector<double>& rest_lengths) {
@@ -75,14 +53,9 @@ double ProportionOf(const std::vector<double>& signature, const std::vector<doub
 double SpreadOf(const PersonTrack& track, const std::vector<int>& parents, const std::vector<double>& signature) {
   std::vector<double> spreads;
   for (std::size_t k = 0; k < parents.size(); ++k) {
-    if (parents[k] < 0 || signature[k] < 0.05) continue;
-    std::vector<double> off;
-    for (std::size_t row = 0; row < track.frames.size(); ++row) {
-      if (!track.sees(row, static_cast<int>(k)) || !track.sees(row, parents[k])) continue;
-      const int r = static_cast<int>(row);
-      const double length = (track.positions.at(r, static_cast<int>(k)) - track.positions.at(r, parents[k])).norm();
-      off.push_back(std::abs(length - signature[k]));
-    }
+    if (signature[k] < 0.05) continue;
+    std::vector<double> off = BoneLengths(track, parents, k);
+    for (double& length : off) length = std::abs(length - signature[k]);
     spreads.push_back(1.4826 * Median(off) / signature[k]);
   }
   return Median(spreads);
@@ -201,6 +174,14 @@ void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std:
 }
 
 }  // namespace
+
+std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOptions& options,
+                                 const std::vector<int>& parents, const std::vector<double>& time_s,
+                                 std::vector<Finding>& findings) {
+  if (!options.stitch || options.rule == TrackRule::kOfficial) return tracks;
+  const StitchOptions limits{options.max_gap_s, options.max_speed, StitchOptions().slack, options.max_signature};
+  return StitchTracks(std::move(tracks), parents, time_s, limits, findings);
+}
 
 People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRule rule, bool look_for_ghosts,
                     const GhostLimits& limits, const std::vector<int>& parents, const std::vector<double>& rest_lengths,

@@ -27,6 +27,12 @@ struct People {
   std::vector<Finding> findings;  ///< "ghost_body" with the reason, "bodies_left_out", "second_person"
 };
 
+/// The ids of a tracker with those joined that are one person, as `options` say: nothing is joined by the official
+/// rule.
+std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOptions& options,
+                                 const std::vector<int>& parents, const std::vector<double>& time_s,
+                                 std::vector<Finding>& findings);
+
 /// Sets ghosts aside (but never all: of ghosts alone those that move most are taken, and told; kOfficial knows none),
 /// ranks the rest by `rule` and takes `wanted`. `frames` of the file; `rest_lengths` (K) of a person's bones. A person
 /// beyond the wanted who is there in half of the frames and moves as much as the last chosen is told as "second_person"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/quality/tracked_points.h"
 
@@ -10,12 +11,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kFewestBones = 4;
-
-double Middle(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Middle of the joints that are seen in a row of the track.
 Vector3d CentreOf(const PersonTrack& track, std::size_t row) {
@@ -26,7 +21,7 @@ Vector3d CentreOf(const PersonTrack& track, std::size_t row) {
     for (int k = 0; k < track.positions.joints; ++k) {
       if (track.sees(row, k)) values.push_back(track.positions.at(static_cast<int>(row), k)[axis]);
     }
-    if (!values.empty()) centre[axis] = Middle(values);
+    if (!values.empty()) centre[axis] = Median(values);
   }
   return centre;
 }
@@ -121,8 +116,15 @@ std::string PersonTrack::Name() const {
   return name;
 }
 
-double MotionEnergy(const PersonTrack& track) {
-  double energy = 0.0;
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> JointVariances(const PersonTrack& track) {
+  std::vector<double> variances;
   for (int k = 0; k < track.positions.joints; ++k) {
     Vector3d sum = Vector3d::Zero();
     double squares = 0.0, count = 0.0;
@@ -133,23 +135,30 @@ double MotionEnergy(const PersonTrack& track) {
       squares += place.squaredNorm();
       count += 1.0;
     }
-    if (count > 0.0) energy += std::max(0.0, squares / count - (sum / count).squaredNorm());
+    if (count > 0.0) variances.push_back(std::max(0.0, squares / count - (sum / count).squaredNorm()));
   }
-  return energy;
+  return variances;
+}
+
+double MotionEnergy(const PersonTrack& track) {
+  const std::vector<double> variances = JointVariances(track);
+  return std::accumulate(variances.begin(), variances.end(), 0.0);
+}
+
+std::vector<double> BoneLengths(const PersonTrack& track, const std::vector<int>& parents, std::size_t joint) {
+  std::vector<double> lengths;
+  if (parents[joint] < 0) return lengths;
+  for (std::size_t row = 0; row < track.frames.size(); ++row) {
+    if (!track.sees(row, static_cast<int>(joint)) || !track.sees(row, parents[joint])) continue;
+    const int r = static_cast<int>(row);
+    lengths.push_back((track.positions.at(r, static_cast<int>(joint)) - track.positions.at(r, parents[joint])).norm());
+  }
+  return lengths;
 }
 
 std::vector<double> BoneSignature(const PersonTrack& track, const std::vector<int>& parents) {
-  std::vector<double> lengths(parents.size(), 0.0), seen;
-  for (std::size_t k = 0; k < parents.size(); ++k) {
-    if (parents[k] < 0) continue;
-    seen.clear();
-    for (std::size_t row = 0; row < track.frames.size(); ++row) {
-      if (!track.sees(row, static_cast<int>(k)) || !track.sees(row, parents[k])) continue;
-      const int r = static_cast<int>(row);
-      seen.push_back((track.positions.at(r, static_cast<int>(k)) - track.positions.at(r, parents[k])).norm());
-    }
-    if (!seen.empty()) lengths[k] = Middle(seen);
-  }
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < parents.size(); ++k) lengths.push_back(Median(BoneLengths(track, parents, k)));
   return lengths;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,8 +23,17 @@ struct PersonTrack {
   std::string Name() const;  ///< its ids, "72057594037931101" or "72...101+72...368"
 };
 
+/// Middle value, the upper of two; 0 of none.
+double Median(std::vector<double> values);
+
+/// Summed variance of the coordinates of each joint that is ever seen, m2.
+std::vector<double> JointVariances(const PersonTrack& track);
+
 /// Summed variance of the joints' coordinates, m2: what NTU's authors tell bodies apart by.
 double MotionEnergy(const PersonTrack& track);
+
+/// Lengths of the bone that ends at a joint, metres, where both ends are seen.
+std::vector<double> BoneLengths(const PersonTrack& track, const std::vector<int>& parents, std::size_t joint);
 
 /// Median length of each bone, metres; 0 where it is never seen. `parents` (K), -1 for none.
 std::vector<double> BoneSignature(const PersonTrack& track, const std::vector<int>& parents);

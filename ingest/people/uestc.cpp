@@ -98,48 +98,52 @@ Vector3d Between(const double* from, const double* to, double share, bool root, 
   return AxisAngleOf(mixed.norm() > 0.0 ? Quaternion(mixed / mixed.norm()) : q0);
 }
 
-/// Tracks one after the other, and the frames between them.
-void Append(const VibeTrack& piece, UestcRule rule, UestcPerson& person) {
-  VibeTrack& track = person.track;
-  for (std::size_t row = 0; row < piece.frames; ++row) {
-    if (track.frames > 0) {
-      const std::int64_t last = End(track), next = piece.frame_ids[row];
-      const std::size_t begin = track.frames - 1;
-      for (std::int64_t frame = last + 1; frame < next; ++frame) {
-        const double share = static_cast<double>(frame - last) / static_cast<double>(next - last);
-        for (const Field& field : FieldsOf(piece)) {
-          const std::vector<double>& to = piece.*(field.values);
-          std::vector<double>& values = track.*(field.values);
-          if (to.empty()) continue;
-          std::vector<double> filled(field.columns);
-          const double* a = values.data() + begin * field.columns;
-          const double* b = to.data() + row * field.columns;
-          if (field.values == &VibeTrack::pose) {
-            for (std::size_t j = 0; j < kPoseJoints; ++j) {
-              const Vector3d turned = Between(a + 3 * j, b + 3 * j, share, j == 0, rule);
-              std::copy(turned.data(), turned.data() + 3, filled.begin() + static_cast<std::ptrdiff_t>(3 * j));
-            }
-          } else {
-            for (std::size_t i = 0; i < field.columns; ++i) filled[i] = (1.0 - share) * a[i] + share * b[i];
-          }
-          values.insert(values.end(), filled.begin(), filled.end());
-        }
-        track.frame_ids.push_back(frame);
-        person.interpolated.push_back(1);
-        ++track.frames;
+/// Row of every field `share` of the way from the last of `track` to row `row` of `piece`, at the end of `track`.
+void AppendBetween(const VibeTrack& piece, std::size_t row, std::size_t last_row, double share, UestcRule rule,
+                   VibeTrack& track) {
+  for (const Field& field : FieldsOf(piece)) {
+    const std::vector<double>& to = piece.*(field.values);
+    std::vector<double>& values = track.*(field.values);
+    if (to.empty()) continue;
+    std::vector<double> filled(field.columns);
+    const double* a = values.data() + last_row * field.columns;
+    const double* b = to.data() + row * field.columns;
+    if (field.values == &VibeTrack::pose) {
+      for (std::size_t j = 0; j < kPoseJoints; ++j) {
+        const Vector3d turned = Between(a + 3 * j, b + 3 * j, share, j == 0, rule);
+        std::copy(turned.data(), turned.data() + 3, filled.begin() + static_cast<std::ptrdiff_t>(3 * j));
       }
+    } else {
+      for (std::size_t i = 0; i < field.columns; ++i) filled[i] = (1.0 - share) * a[i] + share * b[i];
     }
-    for (const Field& field : FieldsOf(piece)) {
-      const std::vector<double>& from = piece.*(field.values);
-      if (from.empty()) continue;
-      const auto at = from.begin() + static_cast<std::ptrdiff_t>(row * field.columns);
-      (track.*(field.values))
-          .insert((track.*(field.values)).end(), at, at + static_cast<std::ptrdiff_t>(field.columns));
-    }
-    track.frame_ids.push_back(piece.frame_ids[row]);
-    person.interpolated.push_back(0);
-    ++track.frames;
+    values.insert(values.end(), filled.begin(), filled.end());
   }
+}
+
+/// A row of a track behind those of the person, and the frames between them.
+void AppendRow(const VibeTrack& piece, std::size_t row, UestcRule rule, UestcPerson& person) {
+  VibeTrack& track = person.track;
+  if (track.frames > 0) {
+    const std::int64_t last = End(track), next = piece.frame_ids[row];
+    const std::size_t last_row = track.frames - 1;
+    for (std::int64_t frame = last + 1; frame < next; ++frame) {
+      const double share = static_cast<double>(frame - last) / static_cast<double>(next - last);
+      AppendBetween(piece, row, last_row, share, rule, track);
+      track.frame_ids.push_back(frame);
+      person.interpolated.push_back(1);
+      ++track.frames;
+    }
+  }
+  for (const Field& field : FieldsOf(piece)) {
+    const std::vector<double>& from = piece.*(field.values);
+    if (from.empty()) continue;
+    const auto at = from.begin() + static_cast<std::ptrdiff_t>(row * field.columns);
+    std::vector<double>& values = track.*(field.values);
+    values.insert(values.end(), at, at + static_cast<std::ptrdiff_t>(field.columns));
+  }
+  track.frame_ids.push_back(piece.frame_ids[row]);
+  person.interpolated.push_back(0);
+  ++track.frames;
 }
 
 void NoteFilled(UestcPerson& person) {
@@ -203,7 +207,7 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
         continue;
       }
     }
-    Append(track, rule, person);
+    for (std::size_t row = 0; row < track.frames; ++row) AppendRow(track, row, rule, person);
     person.chosen.push_back(track.id);
     last = BoxCentre(track, track.frames - 1);
     const std::int64_t end = End(track);
@@ -215,20 +219,47 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
   return person;
 }
 
-Expected<std::vector<Vector3d>> UestcTranslation(const std::vector<double>& original_camera) {
+UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks, UestcRule rule) {
+  struct Row {
+    const VibeTrack* track;
+    std::size_t row;
+  };
+  std::vector<Row> rows;
+  UestcPerson person;
+  person.track.joints = tracks.front()->joints;
+  person.track.id = tracks.front()->id;
+  for (const VibeTrack* track : tracks) {
+    person.chosen.push_back(track->id);
+    for (std::size_t row = 0; row < track->frames; ++row) rows.push_back({track, row});
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Row& a, const Row& b) { return a.track->frame_ids[a.row] < b.track->frame_ids[b.row]; });
+  for (const Row& row : rows) AppendRow(*row.track, row.row, rule, person);
+  NoteFilled(person);
+  return person;
+}
+
+Expected<std::vector<Vector3d>> CameraPlaces(const std::vector<double>& original_camera) {
   if (original_camera.size() % 4 != 0) {
     return Fail(ErrorCode::kInconsistent, "a camera has four numbers (sx, sy, tx, ty)", "orig_cam");
   }
-  std::vector<Vector3d> translation;
+  std::vector<Vector3d> places;
   for (std::size_t f = 0; 4 * f < original_camera.size(); ++f) {
     const double scale = original_camera[4 * f];
     if (!(scale > 0.0)) {
-      return Fail(ErrorCode::kInconsistent, "the scale is " + FormatDouble(scale) + " in frame " + std::to_string(f),
-                  "orig_cam", "a weak-perspective camera has a positive scale");
+      return Fail(ErrorCode::kInconsistent,
+                  "the camera's scale is " + FormatDouble(scale) + " in frame " + std::to_string(f), "orig_cam",
+                  "a weak-perspective camera has a positive scale: the detector lost the person");
     }
-    translation.emplace_back(original_camera[4 * f + 2], original_camera[4 * f + 3], 500.0 / (270.0 * scale));
+    places.emplace_back(original_camera[4 * f + 2], original_camera[4 * f + 3], 500.0 / (270.0 * scale));
   }
-  for (std::size_t f = translation.size(); f-- > 0;) translation[f] -= translation[0];
+  return places;
+}
+
+Expected<std::vector<Vector3d>> UestcTranslation(const std::vector<double>& original_camera) {
+  Expected<std::vector<Vector3d>> translation = CameraPlaces(original_camera);
+  if (!translation) return translation;
+  for (std::size_t f = translation->size(); f-- > 0;) (*translation)[f] -= (*translation)[0];
   return translation;
 }
 

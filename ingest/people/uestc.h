@@ -39,6 +39,14 @@ Vector2d UestcStart(const std::vector<Vector3d>& kinect_joints);
 /// kInconsistent: no track, or a field of another length.
 Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, UestcRule rule);
 
+/// Tracks of one person as one, row by row in order of their frames (which they must not share), gaps filled by
+/// `rule`; findings "frames_filled". At least one track.
+UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks, UestcRule rule);
+
+/// Where a weak-perspective camera (F x 4: sx, sy, tx, ty) sees the person: (tx, ty, z) with z = 500 / (270 sx), as
+/// below. Error kInconsistent: a scale that is not positive.
+Expected<std::vector<Vector3d>> CameraPlaces(const std::vector<double>& original_camera);
+
 /// Weak-perspective camera (F x 4: sx, sy, tx, ty) -> root translation (F), minus that of the first frame: (tx, ty, z)
 /// with z = 500 / (270 sx): focal length 500, image 540 (the released ratio of heights of body and picture, in which
 /// the body cancels). VIBE's units and axes. Error kInconsistent: a scale that is not positive.

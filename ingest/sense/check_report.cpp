@@ -41,6 +41,7 @@ void ReportChecks(const ObservedClip& clip, const std::string& units, const std:
   const TrackedPoints points{positions, clip.confidence, time_s, clip.names};
   for (const Finding& finding : CheckPoints(points, rate, limits)) {
     if (finding.code == "rate_doubtful" && !clip.rate_hz) continue;
+    if (finding.code == "zero_joint" && !clip.parents.empty()) continue;  // a tree's joint may lie at its origin
     std::string place = where;
     if (finding.frame_end > finding.frame_begin) {
       place += " frames " + std::to_string(finding.frame_begin) + "-" + std::to_string(finding.frame_end);

@@ -160,15 +160,19 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
                           FormatDouble(Rounded(100.0 * m.missing_share)) + " % of the joints are missing"));
   }
   if (!said.units.empty() && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
+  std::string units = said.units.empty() ? m.units.value : said.units;
+  std::string up = said.up.empty() ? m.up.value : said.up;
   for (const Comparison& comparison : CompareFrame(said, m)) {
     if (!comparison.contradicts) continue;
+    // Otherwise one wrong word would make a defect of every frame.
+    if (comparison.code == std::string("units_contradiction")) units = m.units.value;
+    if (comparison.code == std::string("up_contradiction")) up = m.up.value;
     findings.push_back(
         InspectionFinding(comparison.code, Severity::kError, where, comparison.value, comparison.message));
   }
   if (source) CompareFormat(clip, *source, where, findings);
   if (source) CompareRate(clip, *source, where, findings);
-  ReportChecks(clip, said.units.empty() ? m.units.value : said.units, said.up.empty() ? m.up.value : said.up, where,
-               findings);
+  ReportChecks(clip, units, up, where, findings);
   return json;
 }
 

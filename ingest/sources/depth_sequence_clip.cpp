@@ -2,8 +2,6 @@
 #include <map>
 #include <optional>
 
-#include "core/base/file.h"
-#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/formats/depth_sequence.h"
 #include "ingest/sources/depth_header.h"
@@ -62,19 +60,10 @@ Expected<DepthView> MakeView(const SourceFile& file, const DepthSequence& sequen
                       std::to_string(sequence.frames) + " (number " + std::to_string(first + f) + ")",
                   file.name, "check ingest.source.depth_files, or the folder is incomplete");
     }
-    const StageInput& input = *found->second;
     if (f == 0 && made.camera.width == 0) {
-      if (Status sized = SetImageSize(input, made.camera); !sized) return Forward(sized);
+      if (Status sized = SetImageSize(*found->second, made.camera); !sized) return Forward(sized);
     }
-    std::string hash = input.sha256;
-    if (hash.empty()) {
-      Expected<std::string> computed = Sha256OfFile(input.path);
-      if (!computed) return Forward(computed);
-      hash = std::move(*computed);
-    }
-    made.files.emplace_back(input.name);
-    made.sha256.push_back(std::move(hash));
-    made.time_s.push_back(rate.FrameTime(f));
+    if (Status added = AddDepthImage(*found->second, rate.FrameTime(f), made); !added) return Forward(added);
   }
   return made;
 }

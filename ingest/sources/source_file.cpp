@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -117,6 +118,19 @@ Expected<SourceFrame> FrameOf(const SourceOptions& source) {
   const Expected<double> scale = MetresPerUnit(source.units);
   if (!scale) return Forward(scale);
   return SourceFrame{axes->canonical_from_source, *scale * axes->canonical_from_source};
+}
+
+Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {
+  std::string hash = image.sha256;
+  if (hash.empty()) {
+    Expected<std::string> computed = Sha256OfFile(image.path);
+    if (!computed) return Forward(computed);
+    hash = std::move(*computed);
+  }
+  view.files.emplace_back(image.name);
+  view.sha256.push_back(std::move(hash));
+  view.time_s.push_back(time_s);
+  return {};
 }
 
 void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings) {

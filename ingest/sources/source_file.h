@@ -51,6 +51,14 @@ struct IngestedClip {
 /// The bytes of numbers, as they lie in memory.
 std::string BytesOf(const std::vector<double>& values);
 
+/// One of several cameras' files of a clip.
+struct ViewFile {
+  std::string view;  ///< by the source's declaration, "C002"
+  std::string name;
+  std::string bytes;
+  NameFields fields;
+};
+
 /// What a reader of one format gets. `bytes` of the file, `name` for messages.
 struct SourceFile {
   const SourceOptions& source;
@@ -66,6 +74,7 @@ struct SourceFile {
   std::filesystem::path container = {};  ///< the file that holds this clip among others; `bytes` is empty then
   int entry = -1;                        ///< which of them
   int most_frames = 0;                   ///< of the clip; 0: all
+  std::vector<ViewFile> views = {};      ///< ntu_skeleton with views.together: all of them, the first is the file too
 };
 
 /// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
@@ -90,6 +99,13 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file);
 /// move; given in the order in which they appear. Ids beyond those asked for are a finding "bodies_left_out"; a person
 /// asked for who is not there is refused.
 Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file);
+
+/// The .skeleton files of one performance, one per camera -> evidence tracks of one of its people, merged in the world
+/// of one of the cameras, and depth views. The cameras' places and clocks, which nobody publishes, are found from the
+/// joints that they follow (core/quality/view_alignment.h): provenance says each number and how sure it is. A
+/// camera that saw nobody, whose joints fit no other or only mirrored is left out with a finding; without a majority
+/// the clip is refused.
+Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file);
 
 /// AMC and its ASF -> given motion. A joint stands where its bone starts; rest offsets and lengths are the ASF's. Bones
 /// that stretch or shift are refused.
@@ -143,6 +159,9 @@ void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>&
 /// "handedness_contradiction", "joint_order_contradiction", and says in `shown` what the clip speaks of. Reads tracks,
 /// else the motion, of a tree without known names by what its names look like.
 void CheckBody(const SourceOptions& source, IngestedClip& ingested);
+
+/// Appends an image by its name below the source's folder and its hash. Errors of reading it.
+Status AddDepthImage(const StageInput& image, double time_s, DepthView& view);
 
 /// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.
 void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings);

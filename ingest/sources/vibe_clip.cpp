@@ -1,10 +1,11 @@
-// Tracks of VIBE: NTU-13's files, one track each, and the videos of UESTC's cache.
+// Tracks of VIBE: files of a video's tracks, of which one is the person, and the videos of UESTC's cache.
 
-#include <cmath>
+#include <filesystem>
 
 #include "core/base/text.h"
 #include "core/formats/uestc_info.h"
 #include "core/motion/kinematics.h"
+#include "ingest/people/vibe_people.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -12,10 +13,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kFocal_px = 500.0;  // of ACTOR's weak perspective
-constexpr double kHalfImage_px = 270.0;
 constexpr std::size_t kMidHip = 8;  // of VIBE's 49 points
-constexpr double kRadiansPerView = EIGEN_PI / 4.0;
 
 Vector3d Place(const VibeTrack& track, std::size_t frame, std::size_t joint) {
   const double* xyz = &track.joints3d[(frame * track.joints + joint) * 3];
@@ -85,58 +83,91 @@ void Cut(std::vector<double>& values, std::size_t frames, std::size_t wanted) {
   if (frames > 0) values.resize(values.size() / frames * wanted);
 }
 
-}  // namespace
+/// How the root moves in file axes, from where it is in the first frame.
+Expected<std::vector<Vector3d>> ShiftOf(const VibeTrack& track, const SourceOptions& source, const std::string& name) {
+  const bool published = source.root_translation == RootTranslation::kPublished;
+  const bool by_camera =
+      source.root_translation == RootTranslation::kCamera || (published && source.format == SourceFormat::kUestc);
+  if (!by_camera) return std::vector<Vector3d>(track.frames, Vector3d::Zero());
+  if (track.original_camera.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the video has no 'orig_cam'", name,
+                "it says where the person stands: take the file that holds it, or root_translation: still");
+  }
+  Expected<std::vector<Vector3d>> shift = UestcTranslation(track.original_camera);
+  if (shift) return shift;
+  Error error = shift.error();
+  error.where = name;
+  return tl::unexpected<Error>(error);
+}
 
-Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
-  const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
-  if (!world_from_file) return Forward(world_from_file);
-  const Expected<std::vector<VibeTrack>> tracks = ParseVibeTracks(file.bytes, file.name);
+/// The person of a file of tracks, by name or by `people.rule`.
+Expected<UestcPerson> PersonOf(const SourceFile& file, bool by_name) {
+  Expected<std::vector<VibeTrack>> tracks = ParseVibeTracks(file.bytes, file.name);
   if (!tracks) return Forward(tracks);
+  if (!by_name) return ChooseVibePerson(*tracks, file.source.people, *file.source.rate_hz, file.name);
   std::string keys;
-  for (const VibeTrack& track : *tracks) {
+  for (VibeTrack& track : *tracks) {
     keys += (keys.empty() ? "" : ", ") + std::to_string(track.id);
-    if (std::to_string(track.id) != file.source.track) continue;
-    const std::vector<Vector3d> still(track.frames, Vector3d::Zero());
-    Expected<IngestedClip> ingested = MotionOf(track, file.source, *world_from_file, still, file.name);
-    if (ingested) ingested->content.clear();  // the file's bytes are what is read
-    return ingested;
+    if (std::to_string(track.id) == file.source.track) return UestcPerson{std::move(track), {}, {}, {}};
   }
   return Fail(ErrorCode::kInconsistent, "the file has no track " + file.source.track, file.name,
               keys.empty() ? "it has none: nobody was found in the video" : "its tracks are " + keys);
 }
 
+/// The clip of who was chosen.
+Expected<IngestedClip> ClipOf(const UestcPerson& person, const SourceFile& file, const Quaterniond& world_from_file) {
+  const Expected<std::vector<Vector3d>> shift = ShiftOf(person.track, file.source, file.name);
+  if (!shift) return Forward(shift);
+  Expected<IngestedClip> ingested = MotionOf(person.track, file.source, world_from_file, *shift, file.name);
+  if (!ingested) return ingested;
+  ingested->findings.insert(ingested->findings.end(), person.findings.begin(), person.findings.end());
+  std::string ids;
+  for (const std::int64_t id : person.chosen) ids += (ids.empty() ? "" : "+") + std::to_string(id);
+  if (!ids.empty()) ingested->clip.provenance["tracks"] = ids;
+  if (file.container.empty() || file.entry < 0) ingested->content.clear();  // the file's bytes are what is read
+  return ingested;
+}
+
+}  // namespace
+
+Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
+  const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
+  if (!world_from_file) return Forward(world_from_file);
+  const Expected<UestcPerson> person = PersonOf(file, !file.source.track.empty());
+  return person ? ClipOf(*person, file, *world_from_file) : Forward(person);
+}
+
 Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
   const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
   if (!world_from_file) return Forward(world_from_file);
-  const Expected<UestcVideo> video = ParseUestcName(file.name, file.name);
+  // a12_d4_p007_c2_color.avi in the cache; of a file of tracks its own name or that of its folder.
+  const std::filesystem::path path(file.name);
+  Expected<UestcVideo> video = ParseUestcName(path.stem().string(), file.name);
+  if (!video && path.has_parent_path()) {
+    Expected<UestcVideo> of_folder = ParseUestcName(path.parent_path().filename().string(), file.name);
+    if (of_folder) video = std::move(of_folder);
+  }
   if (!video) return Forward(video);
-  Expected<VibeTrack> track = ReadUestcVideo(file.container, file.entry, file.name);
-  if (!track) return Forward(track);
-  if (track->original_camera.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the video has no 'orig_cam'", file.name,
-                "it says where the person stands: take the cache that holds it");
+  UestcPerson person;
+  if (file.source.container.empty()) {
+    Expected<UestcPerson> chosen = PersonOf(file, false);
+    if (!chosen) return Forward(chosen);
+    person = std::move(*chosen);
+  } else {
+    Expected<VibeTrack> track = ReadUestcVideo(file.container, file.entry, file.name);
+    if (!track) return Forward(track);
+    person.track = std::move(*track);
   }
-  if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track->frames) {
+  VibeTrack& track = person.track;
+  if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track.frames) {
     const auto wanted = static_cast<std::size_t>(file.most_frames);
-    Cut(track->pose, track->frames, wanted);
-    Cut(track->joints3d, track->frames, wanted);
-    Cut(track->original_camera, track->frames, wanted);
-    track->frames = wanted;
+    Cut(track.pose, track.frames, wanted);
+    Cut(track.joints3d, track.frames, wanted);
+    Cut(track.original_camera, track.frames, wanted);
+    track.frames = wanted;
   }
-  std::vector<Vector3d> shift;
-  for (std::size_t f = 0; f < track->frames; ++f) {
-    const double* camera = &track->original_camera[4 * f];  // sx, sy, tx, ty
-    if (!(camera[0] > 0.0)) {
-      return Fail(ErrorCode::kInconsistent,
-                  "the camera's scale is " + FormatDouble(camera[0]) + " in frame " + std::to_string(f), file.name,
-                  "a scale is above 0: the detector lost the person");
-    }
-    shift.push_back(Vector3d(camera[2], camera[3], kFocal_px / (kHalfImage_px * camera[0])));
-  }
-  for (std::size_t f = track->frames; f-- > 0;) shift[f] -= shift[0];
-  const double back = video->side == 1 ? 0.0 : -kRadiansPerView * video->view;
-  const Quaterniond turned(Eigen::AngleAxisd(back, Vector3d::UnitY()));
-  return MotionOf(*track, file.source, *world_from_file * turned, shift, file.name);
+  const Quaterniond turned(UestcWorldFromView(video->view, video->side));
+  return ClipOf(person, file, *world_from_file * turned);
 }
 
 }  // namespace mocurate

@@ -100,6 +100,23 @@ TEST(DepthRendering, SeesTheFrontOfTheTrunkAtItsDistance) {
   EXPECT_NEAR(depth[row + 80 + static_cast<int>(0.4 / 2.5 * 140)], 2.46, 2e-3);
 }
 
+TEST(DepthRendering, OfAMirroredPictureIsThePictureMirrored) {
+  const test::StickFigure figure = test::MakeStickFigure();
+  const CapsuleBody body = CapsuleBody::Make(figure.skeleton);
+  Camera camera = FrontCamera();
+  const std::vector<float> depth = RenderDepth(body, figure.joints.data(), camera);
+  camera.fx = -camera.fx;  // as Kinects write their images; the centre is the middle column
+  const std::vector<float> mirrored = RenderDepth(body, figure.joints.data(), camera);
+  int seen = 0;
+  for (std::size_t y = 0; y < 120; ++y) {
+    for (std::size_t x = 0; x < 160; ++x) {
+      EXPECT_NEAR(mirrored[y * 160 + x], depth[y * 160 + 159 - x], 1e-5);
+      seen += depth[y * 160 + x] > 0.0F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seen, 500);
+}
+
 TEST(DepthRendering, BackProjectsOntoTheSurface) {
   const test::StickFigure figure = test::MakeStickFigure();
   const CapsuleBody body = CapsuleBody::Make(figure.skeleton);

@@ -1,0 +1,249 @@
+#include "ingest/people/merge_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "core/quality/clock_offset.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kDoubtful = 0.6;     // of max_disagreement
+constexpr double kLateFrames = 0.5;   // a finding
+constexpr double kVeryLate_s = 0.05;  // a warning
+constexpr double kAgree = 0.1;        // metres
+constexpr double kSpread = 0.05;      // metres, of Cauchy weights
+constexpr int kMergeTurns = 8;
+
+/// All people of a camera side by side, frame by frame.
+struct Scene {
+  JointPositions positions;
+  std::vector<double> confidence, time_s;
+
+  TrackedPoints view() const { return {positions, confidence, time_s}; }
+};
+
+/// People `order[slot]` (-1: nobody) in the slots.
+Scene SceneOf(const CameraPeople& camera, const std::vector<int>& order, double rate_hz) {
+  Scene scene;
+  const int joints = camera.people.front().positions.joints;
+  const auto slots = static_cast<int>(order.size());
+  scene.positions = JointPositions(camera.frames, slots * joints);
+  scene.confidence.assign(static_cast<std::size_t>(camera.frames) * slots * joints, 0.0);
+  for (int f = 0; f < camera.frames; ++f) scene.time_s.push_back(f / rate_hz);
+  for (int slot = 0; slot < slots; ++slot) {
+    const int own = order[static_cast<std::size_t>(slot)];
+    if (own < 0) continue;
+    const PersonTrack& person = camera.people[static_cast<std::size_t>(own)];
+    for (std::size_t row = 0; row < person.frames.size(); ++row) {
+      const int f = person.frames[row];
+      for (int k = 0; k < joints; ++k) {
+        const auto at = static_cast<std::size_t>(f) * slots * joints + static_cast<std::size_t>(slot * joints + k);
+        scene.confidence[at] = person.confidence[row * static_cast<std::size_t>(joints) + static_cast<std::size_t>(k)];
+        scene.positions.at(f, slot * joints + k) = person.positions.at(static_cast<int>(row), k);
+      }
+    }
+  }
+  return scene;
+}
+
+std::vector<int> InOrder(const CameraPeople& camera, std::size_t slots) {
+  std::vector<int> order(slots, -1);
+  std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(camera.people.size()), 0);
+  return order;
+}
+
+/// How two cameras fit, with the people of b in the order that fits best.
+struct Pair {
+  std::optional<ViewAlignment> alignment;
+  std::vector<int> order;
+};
+
+Pair AlignPair(const CameraPeople& a, const CameraPeople& b, std::size_t slots, double rate_hz,
+               const PlaceOptions& options) {
+  Pair best;
+  const Scene of_a = SceneOf(a, InOrder(a, slots), rate_hz);
+  std::vector<int> order = InOrder(b, slots);
+  std::sort(order.begin(), order.end());
+  do {
+    const Scene of_b = SceneOf(b, order, rate_hz);
+    std::optional<ViewAlignment> found = AlignViews(of_a.view(), of_b.view(), options.max_offset_s);
+    if (!found || (best.alignment && best.alignment->median <= found->median)) continue;
+    best.alignment = found;
+    best.order = order;
+  } while (std::next_permutation(order.begin(), order.end()));
+  return best;
+}
+
+bool Agrees(const Pair& pair, const PlaceOptions& options) {
+  return pair.alignment && !pair.alignment->Mirrored() && pair.alignment->median <= options.max_disagreement;
+}
+
+std::string Millimetres(double metres) { return Digits(1e3 * metres) + " mm"; }
+
+std::string WhyNot(const Pair& pair, const PlaceOptions& options) {
+  if (!pair.alignment) return "they see too little in common";
+  const ViewAlignment& view = *pair.alignment;
+  if (view.Mirrored()) {
+    return "one is mirrored: joints lie " + Millimetres(view.mirrored_median) + " apart with it flipped, " +
+           Millimetres(view.median) + " without";
+  }
+  return "joints lie " + Millimetres(view.median) + " apart when aligned, more than " +
+         Millimetres(options.max_disagreement);
+}
+
+void NoteUsed(const CameraPeople& camera, const std::string& reference, const ViewAlignment& view, double rate_hz,
+              const PlaceOptions& options, std::vector<Finding>& findings) {
+  const double ms = 1e3 * view.offset_s;
+  if (!view.offset_known) {
+    NoteCapture(findings, "clock_offset_unknown", Severity::kInfo, 1e3 * view.offset_sigma_s,
+                "too little moves to tell how the clock of " + camera.view + " differs from that of " + reference,
+                "taken as 0");
+  } else if (std::abs(view.offset_s) >= kLateFrames / rate_hz) {
+    NoteCapture(findings, "clock_offset", std::abs(view.offset_s) > kVeryLate_s ? Severity::kWarning : Severity::kInfo,
+                ms,
+                camera.view + " began " + Digits(std::abs(ms)) + " ms " + (ms > 0.0 ? "after " : "before ") +
+                    reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms",
+                "taken out");
+  }
+  if (view.median > kDoubtful * options.max_disagreement) {
+    NoteCapture(findings, "views_disagree", Severity::kWarning, 1e3 * view.median,
+                "the joints of " + camera.view + " and " + reference + " lie " + Millimetres(view.median) +
+                    " apart when aligned (median of " + std::to_string(view.pairs) + ")",
+                "flagged");
+  }
+}
+
+}  // namespace
+
+void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
+                 const char* action) {
+  Finding finding = FrameFinding(code, 0, 0, "", value, std::move(message));
+  finding.severity = severity;
+  finding.action = action;
+  findings.push_back(std::move(finding));
+}
+
+Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const PlaceOptions& options, double rate_hz,
+                                 const std::string& where) {
+  PlacedViews placed;
+  placed.views.resize(cameras.size());
+  std::size_t slots = 0;
+  std::vector<std::size_t> seeing;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    slots = std::max(slots, cameras[i].people.size());
+    if (!cameras[i].people.empty()) {
+      seeing.push_back(i);
+      continue;
+    }
+    NoteCapture(placed.findings, "camera_saw_nobody", Severity::kWarning, cameras[i].frames,
+                cameras[i].view + " saw nobody in its " + std::to_string(cameras[i].frames) + " frames", "left out");
+  }
+  if (seeing.empty()) {
+    return Fail(ErrorCode::kInconsistent, "no camera saw anybody", where, "the trackers lost the person: leave it out");
+  }
+  std::vector<int> friends(cameras.size(), 0);
+  std::string contradictions;
+  bool any = false;
+  for (std::size_t x = 0; x < seeing.size(); ++x) {
+    for (std::size_t y = x + 1; y < seeing.size(); ++y) {
+      const std::size_t i = seeing[x], k = seeing[y];
+      const Pair pair = AlignPair(cameras[i], cameras[k], slots, rate_hz, options);
+      if (Agrees(pair, options)) {
+        any = true;
+        ++friends[i], ++friends[k];
+      } else if (pair.alignment) {
+        contradictions += (contradictions.empty() ? "" : "; ") + cameras[i].view + " and " + cameras[k].view + ": " +
+                          WhyNot(pair, options);
+      }
+    }
+  }
+  if (!any && !contradictions.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the cameras do not show the same (" + contradictions + ")", where,
+                "nothing says which is right: leave one out with ingest.source.exclude, or ingest the files apart");
+  }
+  placed.reference = seeing.front();
+  for (const std::size_t i : seeing) {
+    const bool more_seen =
+        !any && cameras[i].people.front().frames.size() > cameras[placed.reference].people.front().frames.size();
+    if (friends[i] > friends[placed.reference] || more_seen) placed.reference = i;
+  }
+  const CameraPeople& reference = cameras[placed.reference];
+  for (const std::size_t i : seeing) {
+    PlacedView& view = placed.views[i];
+    if (i == placed.reference) {
+      view.used = true;
+      view.alignment.offset_known = true;
+      view.slots = InOrder(reference, slots);
+      continue;
+    }
+    const Pair pair = AlignPair(reference, cameras[i], slots, rate_hz, options);
+    if (!Agrees(pair, options)) {
+      NoteCapture(
+          placed.findings, "view_left_out", Severity::kWarning, pair.alignment ? 1e3 * pair.alignment->median : 0.0,
+          cameras[i].view + " is not taken, beside " + reference.view + ": " + WhyNot(pair, options), "left out");
+      continue;
+    }
+    view.used = true;
+    view.alignment = *pair.alignment;
+    view.slots = pair.order;
+    NoteUsed(cameras[i], reference.view, view.alignment, rate_hz, options, placed.findings);
+  }
+  return placed;
+}
+
+JointTracks MergePerson(const std::vector<CameraPeople>& cameras, const PlacedViews& placed, std::size_t slot,
+                        int begin, int end, double rate_hz) {
+  std::vector<Scene> scenes;
+  std::vector<const ViewAlignment*> alignments;
+  int joints = 0;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const PlacedView& view = placed.views[i];
+    if (!view.used || view.slots[slot] < 0) continue;
+    joints = cameras[i].people.front().positions.joints;
+    scenes.push_back(SceneOf(cameras[i], {view.slots[slot]}, rate_hz));
+    alignments.push_back(&view.alignment);
+  }
+  JointTracks merged;
+  merged.positions = JointPositions(end - begin, joints);
+  merged.confidence.assign(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(joints), 0.0);
+  std::vector<PointAt> said;
+  for (int f = begin; f < end; ++f) {
+    merged.time_s.push_back((f - begin) / rate_hz);
+    for (int k = 0; k < joints; ++k) {
+      said.clear();
+      for (std::size_t i = 0; i < scenes.size(); ++i) {
+        PointAt point = PointWhen(scenes[i].view(), f / rate_hz - alignments[i]->offset_s, k);
+        if (!point.seen) continue;
+        point.place = alignments[i]->a_from_b * point.place;
+        said.push_back(point);
+      }
+      if (said.empty()) continue;
+      Vector3d place = Vector3d::Zero();
+      for (int turn = 0; turn < kMergeTurns; ++turn) {
+        Vector3d sum = Vector3d::Zero();
+        double total = 0.0;
+        for (const PointAt& point : said) {
+          const double off = turn == 0 ? 0.0 : (point.place - place).norm() / kSpread;
+          const double weight = point.confidence * point.confidence / (1.0 + off * off);
+          sum += weight * point.place;
+          total += weight;
+        }
+        place = sum / total;
+      }
+      double agreeing = 0.0, surest = 0.0;
+      for (const PointAt& point : said) {
+        surest = std::max(surest, point.confidence);
+        if ((point.place - place).norm() <= kAgree) agreeing = std::max(agreeing, point.confidence);
+      }
+      merged.positions.at(f - begin, k) = place;
+      merged.confidence[static_cast<std::size_t>(f - begin) * static_cast<std::size_t>(joints) +
+                        static_cast<std::size_t>(k)] = agreeing > 0.0 ? agreeing : 0.5 * surest;
+    }
+  }
+  return merged;
+}
+
+}  // namespace mocurate

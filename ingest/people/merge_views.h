@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/motion/clip.h"
+#include "core/quality/view_alignment.h"
+#include "ingest/people/person_tracks.h"
+
+namespace mocurate {
+
+/// Whom one camera followed, in metres and canonical axes of its own.
+struct CameraPeople {
+  std::string view;
+  int frames = 0;
+  std::vector<PersonTrack> people;
+};
+
+/// What became of a camera.
+struct PlacedView {
+  bool used = false;
+  ViewAlignment alignment;  ///< `a` is the reference
+  std::vector<int> slots;   ///< which person of the merged each of its people is
+};
+
+/// Several cameras in the world of one.
+struct PlacedViews {
+  std::size_t reference = 0;
+  std::vector<PlacedView> views;  ///< as given; the reference is used and lies where it is
+  std::vector<Finding> findings;  ///< "camera_saw_nobody", "view_left_out", "clock_offset", "clock_offset_unknown",
+                                  ///< "views_disagree"
+};
+
+struct PlaceOptions {
+  double max_offset_s = 1.0;
+  double max_disagreement = 0.1;  ///< metres
+};
+
+/// Appends a finding about a whole capture.
+void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
+                 const char* action);
+
+/// Aligns the cameras pair by pair (people of two cameras in the order that fits best, at most three each). The
+/// reference is the camera that agrees with most others, the first of equal ones; what does not agree with it is left
+/// out. Error kInconsistent: nobody is seen at all, or cameras contradict each other and no two agree.
+Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const PlaceOptions& options, double rate_hz,
+                                 const std::string& where);
+
+/// One person in the world and at the times of the reference, frames [begin, end) of it. Places are the middle of what
+/// the cameras say, weighed by confidence squared, those farther off the less; confidence is that of the surest camera
+/// which agrees within 0.1 m, half of it where none does.
+JointTracks MergePerson(const std::vector<CameraPeople>& cameras, const PlacedViews& placed, std::size_t slot,
+                        int begin, int end, double rate_hz);
+
+}  // namespace mocurate

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ingest/options.h"
+#include "ingest/people/uestc.h"
+
+namespace mocurate {
+
+/// The performer of a video among VIBE's tracks by `people.rule`. kUestcReleased and kUestcCorrected: SelectUestcTrack,
+/// from `people.start`. Any other rule: where people are is the joints moved by the camera's estimate; ids that are one
+/// person are joined, what is nobody is set aside and the rest ranked as of any tracker (choose_people.h); gaps of
+/// who is chosen are filled along the shortest arc. Errors kInconsistent: no track, nobody, or a field that the rule
+/// reads is not there; `name` is the file.
+Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
+                                       double rate_hz, const std::string& name);
+
+}  // namespace mocurate

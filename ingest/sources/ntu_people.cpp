@@ -1,0 +1,119 @@
+#include "ingest/sources/ntu_people.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+namespace {
+
+/// Names of skeleton ntu25 in the order of the file.
+const char* const kJointNames[kNtuJoints] = {
+    "spine_base",    "spine_mid",      "neck",           "head",        "left_shoulder", "left_elbow", "left_wrist",
+    "left_hand",     "right_shoulder", "right_elbow",    "right_wrist", "right_hand",    "left_hip",   "left_knee",
+    "left_ankle",    "left_foot",      "right_hip",      "right_knee",  "right_ankle",   "right_foot", "spine_shoulder",
+    "left_hand_tip", "left_thumb",     "right_hand_tip", "right_thumb"};
+
+double ConfidenceOf(const NtuJoint& joint, double inferred) {
+  const bool nowhere = joint.x_m == 0.0 && joint.y_m == 0.0 && joint.z_m == 0.0;
+  if (nowhere || joint.tracking == 0) return 0.0;
+  return joint.tracking == 1 ? inferred : 1.0;
+}
+
+/// The ids of a file in metres and canonical axes, in the order in which they appear.
+std::vector<PersonTrack> TracksOf(const NtuSkeleton& skeleton, const Matrix3d& canonical_from_source, double inferred) {
+  std::vector<PersonTrack> tracks;
+  for (std::size_t f = 0; f < skeleton.frames.size(); ++f) {
+    for (const NtuBody& body : skeleton.frames[f]) {
+      auto track =
+          std::find_if(tracks.begin(), tracks.end(), [&](const PersonTrack& t) { return t.ids[0] == body.id; });
+      if (track == tracks.end()) {
+        track = tracks.insert(track, PersonTrack{{body.id}, {}, {}, {}});
+        track->positions.joints = kNtuJoints;
+      }
+      track->frames.push_back(static_cast<int>(f));
+      ++track->positions.frames;
+      for (const NtuJoint& joint : body.joints) {
+        const double confidence = ConfidenceOf(joint, inferred);
+        const Vector3d raw(joint.x_m, joint.y_m, joint.z_m);
+        const Vector3d place = confidence > 0.0 ? Vector3d(canonical_from_source * raw) : Vector3d(Vector3d::Zero());
+        track->positions.xyz.insert(track->positions.xyz.end(), place.data(), place.data() + 3);
+        track->confidence.push_back(confidence);
+      }
+    }
+  }
+  return tracks;
+}
+
+/// Line through (x, y): intercept and slope, without those farther off than `off`; nothing where x hardly differs.
+struct Line {
+  double intercept = 0.0, slope = 0.0, off = 0.0;  ///< off: median distance in y
+};
+
+std::optional<Line> LineThrough(const std::vector<Vector2d>& points) {
+  constexpr std::size_t kFewest = 100;
+  constexpr double kNarrow = 0.02;
+  constexpr double kFar = 1.0;  // pixels
+  Line line;
+  bool started = false;
+  for (int pass = 0; pass < 3; ++pass) {
+    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (const Vector2d& p : points) {
+      if (started && std::abs(p.y() - line.intercept - line.slope * p.x()) > std::max(kFar, 4.0 * line.off)) continue;
+      n += 1.0, x += p.x(), y += p.y(), xx += p.x() * p.x(), xy += p.x() * p.y();
+    }
+    if (n < static_cast<double>(kFewest)) return std::nullopt;
+    const double variance = xx / n - (x / n) * (x / n);
+    if (variance < kNarrow * kNarrow) return std::nullopt;
+    line.slope = (xy / n - (x / n) * (y / n)) / variance;
+    line.intercept = y / n - line.slope * x / n;
+    std::vector<double> off;
+    for (const Vector2d& p : points) off.push_back(std::abs(p.y() - line.intercept - line.slope * p.x()));
+    line.off = Median(std::move(off));
+    started = true;
+  }
+  return line;
+}
+
+}  // namespace
+
+std::vector<std::string> NtuJointNames() { return {std::begin(kJointNames), std::end(kJointNames)}; }
+
+std::optional<std::array<double, 4>> NtuIntrinsics(const NtuSkeleton& skeleton) {
+  constexpr double kBelong = 0.5;  // pixels
+  std::vector<Vector2d> across, down;
+  for (const std::vector<NtuBody>& bodies : skeleton.frames) {
+    for (const NtuBody& body : bodies) {
+      for (const NtuJoint& joint : body.joints) {
+        if (joint.tracking != 2 || joint.z_m <= 0.0) continue;
+        across.emplace_back(joint.x_m / joint.z_m, joint.depth_u);
+        down.emplace_back(-joint.y_m / joint.z_m, joint.depth_v);
+      }
+    }
+  }
+  const std::optional<Line> u = LineThrough(across), v = LineThrough(down);
+  if (!u || !v || u->off > kBelong || v->off > kBelong) return std::nullopt;
+  return std::array<double, 4>{u->slope, v->slope, u->intercept, v->intercept};
+}
+
+Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& source, std::size_t wanted) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<SkeletonPtr> tree = LoadSkeleton("ntu25");
+  if (!tree) return Forward(tree);
+  const PointBones bones = BonesBetween(NtuJointNames(), **tree);
+  const FrameRate rate = FrameRate::FromHz(*source.rate_hz);
+  std::vector<double> time_s;
+  for (std::size_t f = 0; f < skeleton.frames.size(); ++f) time_s.push_back(rate.FrameTime(static_cast<int>(f)));
+  const PeopleOptions& options = source.people;
+  std::vector<Finding> stitched;
+  std::vector<PersonTrack> tracks = TracksOf(skeleton, axes->canonical_from_source, source.inferred_confidence);
+  tracks = JoinIds(std::move(tracks), options, bones.parents, time_s, stitched);
+  People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.ghosts, GhostLimits(), bones.parents,
+                               bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
+  people.findings.insert(people.findings.begin(), stitched.begin(), stitched.end());
+  return people;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/formats/ntu_skeleton.h"
+#include "ingest/people/choose_people.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+
+/// Names of skeleton ntu25 in the order of the file.
+std::vector<std::string> NtuJointNames();
+
+/// Who is who in a file of the sensor, in metres and canonical axes: at most `wanted` people. Findings of
+/// PeopleOptions' steps are in the result. Error kConfig: axes.
+Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& source, std::size_t wanted);
+
+/// Of the sensor's depth images as its own joints tell them, which stand in metres and in pixels: fx, fy, cx, cy, for
+/// u = fx x / z + cx with x to the sensor's left (its images are mirrored) and v = cy - fy y / z. Nothing where joints
+/// lie too near together, or pixels and metres do not belong to each other within half a pixel.
+std::optional<std::array<double, 4>> NtuIntrinsics(const NtuSkeleton& skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,295 @@
+// Three Kinects that saw one performance become one clip: where they stood, how their clocks ran and who is who is
+// found from what they followed. The truth is the studio's.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+#include "core/formats/ntu_skeleton.h"
+#include "ingest/sources/depth_pixels.h"
+#include "ingest/synthetic/body_points.h"
+#include "ingest/synthetic/rigs.h"
+#include "tests/ingest/studio_folders.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCapture = "S001P001R001A007";
+
+/// Sensor axes (x left, y up, z away) -> canonical.
+const RigidTransform kCanonicalFromSensor{Quaterniond(0.0, 0.0, 1.0, 0.0), Vector3d::Zero()};
+
+std::string FileOf(int camera, const std::string& rest = "P001R001A007") {
+  return "nturgb+d_skeletons/S001C00" + std::to_string(camera) + rest + ".skeleton";
+}
+
+class NtuViews : public Layouts {
+ protected:
+  StudioOptions Throw() {
+    StudioOptions options = Perfect(StudioLayout::kNtu);
+    options.subjects = 1;
+    options.actions = {"throw"};
+    return options;
+  }
+
+  /// What camera 1 sees from what the others see, without clocks: the studio's own places.
+  std::vector<RigidTransform> TrueExtrinsics(StudioOptions options) {
+    options.rig.clock_offset_s = 0.0;
+    options.depth.enabled = false;
+    const auto written = WriteStudioLayout(options, folder / "places", 2);
+    EXPECT_TRUE(written);
+    std::vector<RigidTransform> first_from_camera;
+    const std::map<std::string, Motion> motions = TruthOf(folder / "places");
+    const auto joints = [&](int camera) {
+      for (const auto& [id, motion] : motions) {
+        if (id.find("C00" + std::to_string(camera)) == std::string::npos) continue;
+        return Eigen::Matrix3Xd(Eigen::Map<const Eigen::Matrix3Xd>(motion.joints.xyz.data(), 3, motion.joints.frames));
+      }
+      return Eigen::Matrix3Xd();
+    };
+    for (int camera = 1; camera <= 3; ++camera) {
+      const Eigen::Matrix3Xd from = joints(camera), to = joints(1);
+      first_from_camera.push_back(AlignPoints(from, to, Eigen::VectorXd::Ones(from.cols())));
+    }
+    fs::remove_all(folder / "places");
+    return first_from_camera;
+  }
+
+  IngestOptions Options() { return Declared("ntu_views", {"ingest.path=" + folder.string()}); }
+
+  /// The only item, or the `index`-th.
+  mocurate::Ingested Run(std::size_t index = 0) {
+    const auto discovery = Discover(Options());
+    EXPECT_TRUE(discovery) << discovery.error().Message();
+    if (!discovery) return {tl::unexpected<Error>(discovery.error()), {}, {}};
+    return RunIngest(discovery->items.at(index), "views");
+  }
+
+  NtuSkeleton Read(const std::string& name) { return *ParseNtuSkeleton(Bytes(name), name); }
+  void Put(const std::string& name, const NtuSkeleton& skeleton) {
+    mocurate::Put(folder / name, WriteNtuSkeleton(skeleton));
+  }
+
+  static std::string Found(const mocurate::Ingested& ingested, const std::string& code) {
+    std::string messages;
+    if (!ingested.outcome) return ingested.outcome.error().Message();
+    for (const Finding& finding : ingested.outcome->findings) {
+      if (finding.code == code) messages += finding.message + "\n";
+    }
+    return messages;
+  }
+
+  /// What really happened, as camera 1 sees it.
+  const Motion& TrueMotion() {
+    return std::find_if(truth.begin(), truth.end(),
+                        [](const auto& t) { return t.first.find("S001C001P001") != std::string::npos; })
+        ->second;
+  }
+
+  /// Mean distance of the clip's joints from the truth.
+  double ErrorOf(const Clip& clip) {
+    const JointPositions places = PlacesOf(TrueMotion(), Kinect25Places());
+    const auto first = clip.provenance.find("view.first_frame");
+    const int begin = first == clip.provenance.end() ? 0 : std::stoi(first->second);
+    double sum = 0.0;
+    const JointPositions& said = clip.evidence.tracks->positions;
+    for (int f = 0; f < said.frames; ++f) {
+      for (int k = 0; k < said.joints; ++k) sum += (said.at(f, k) - places.at(begin + f, k)).norm();
+    }
+    return sum / (said.frames * said.joints);
+  }
+};
+
+TEST_F(NtuViews, ArePlacedTimedAndMergedAsTheyReallyWere) {
+  StudioOptions options = Throw();
+  options.rig.clock_offset_s = 0.12;
+  options.depth = DepthSensorOptions{true, false, 0, 0.001, 0, 0, 0, 0, 1};
+  const std::vector<RigidTransform> places = TrueExtrinsics(options);
+  const std::vector<double> late = FaultsOf(options.rig, RingRig({}, SensorKind::kDepth), options.seed).clock_s;
+  Write(options);
+  const mocurate::Ingested ingested = Run();
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  const Clip& clip = ingested.clip;
+  EXPECT_THAT(clip.id(), StartsWith(std::string("ntu_views/P001/") + kCapture + "#0-"));
+  EXPECT_EQ(clip.identity.view, "C001+C002+C003");
+  EXPECT_EQ(clip.provenance.at("view.reference"), "C001");
+  ASSERT_EQ(clip.evidence.depth_views.size(), 3u) << Found(ingested, "depth_left_out");
+  for (int k = 1; k < 3; ++k) {
+    const std::string key = "view.C00" + std::to_string(k + 1);
+    const double offset_ms = std::stod(clip.provenance.at(key + ".offset_ms"));
+    EXPECT_NEAR(offset_ms, 1e3 * late[static_cast<std::size_t>(k)], 4.0) << key;
+    EXPECT_LT(std::stod(clip.provenance.at(key + ".offset_sigma_ms")), 4.0);
+    EXPECT_LT(std::stod(clip.provenance.at(key + ".disagreement_mm")), 5.0);
+    EXPECT_THAT(Found(ingested, "clock_offset"), HasSubstr("C00" + std::to_string(k + 1)));
+    // Camera of the world from the sensor's own canonical frame: half a turn about x.
+    const Camera& camera = clip.evidence.depth_views[static_cast<std::size_t>(k)].camera;
+    const RigidTransform camera_from_canonical{Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d::Zero()};
+    const RigidTransform off =
+        Inverse(camera.camera_from_world) * camera_from_canonical * Inverse(places[static_cast<std::size_t>(k)]);
+    EXPECT_LT(off.translation.norm(), 0.02) << key;
+    EXPECT_LT(AngleBetween(off.rotation, Quaterniond::Identity()), 0.006) << key;
+    EXPECT_NEAR(camera.fx, -365.0, 0.5);
+    EXPECT_NEAR(camera.cx, 255.5, 0.5);
+  }
+  EXPECT_LT(ErrorOf(clip), 0.004);
+  // What the cameras measured lies on the person in that world, and at that time.
+  const JointPositions& joints = clip.evidence.tracks->positions;
+  const int frame = joints.frames / 2;
+  for (const DepthView& view : clip.evidence.depth_views) {
+    ASSERT_EQ(static_cast<int>(view.files.size()), joints.frames);
+    EXPECT_LT(std::abs(view.time_s[static_cast<std::size_t>(frame)] - clip.rate.FrameTime(frame)), 0.0168);
+    const std::string png = Bytes(view.files[static_cast<std::size_t>(frame)].string());
+    const auto image = DecodeDepthImage(png, "depth");
+    ASSERT_TRUE(image);
+    const std::vector<Vector3d> cloud = BackProject(*image, view.camera, view.metres_per_unit);
+    ASSERT_GT(cloud.size(), 1000u);
+    double sum = 0.0;
+    for (const Vector3d& point : cloud) {
+      const Vector3d in_world = Inverse(view.camera.camera_from_world) * point;
+      double nearest = 1e9;
+      for (int k = 0; k < joints.joints; ++k) nearest = std::min(nearest, (in_world - joints.at(frame, k)).norm());
+      sum += nearest;
+    }
+    EXPECT_LT(sum / static_cast<double>(cloud.size()), 0.11) << view.camera.name;
+  }
+}
+
+TEST_F(NtuViews, OfSensorsThatErrTogetherErrLessThanOne) {
+  StudioOptions options = Throw();
+  options.tracker = KinectTracker();
+  options.ghost_share = 1.0;
+  options.rig.clock_offset_s = 0.12;
+  const std::vector<double> late = FaultsOf(options.rig, RingRig({}, SensorKind::kDepth), options.seed).clock_s;
+  Write(options);
+  const mocurate::Ingested together = Run();
+  ASSERT_TRUE(together.outcome) << together.outcome.error().Message();
+  for (int k = 1; k < 3; ++k) {
+    const std::string key = "view.C00" + std::to_string(k + 1);
+    EXPECT_NEAR(std::stod(together.clip.provenance.at(key + ".offset_ms")), 1e3 * late[static_cast<std::size_t>(k)],
+                16.7);
+  }
+  for (const auto& [id, clip] : Ingested("ntu", "nturgb+d_skeletons")) {
+    if (id.find("C001") != std::string::npos) {
+      EXPECT_LT(ErrorOf(together.clip), 0.8 * ErrorOf(clip));
+    }
+  }
+}
+
+TEST_F(NtuViews, ACameraThatIsNotThereOrSawNobodyIsToldAndTheOthersAreTaken) {
+  Write(Throw());
+  fs::remove(folder / FileOf(3));
+  NtuSkeleton nobody = Read(FileOf(2));
+  for (auto& bodies : nobody.frames) bodies.clear();
+  Put(FileOf(2), nobody);
+  const mocurate::Ingested ingested = Run();
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Found(ingested, "camera_missing"), HasSubstr("C003"));
+  EXPECT_THAT(Found(ingested, "camera_saw_nobody"), HasSubstr("C002"));
+  EXPECT_EQ(ingested.clip.provenance.at("view.C002"), "left out");
+  EXPECT_LT(ErrorOf(ingested.clip), 1e-5) << "what is left is the one camera's";
+}
+
+TEST_F(NtuViews, AMirroredCameraIsLeftOutByTheOtherTwoAndOfTwoNobodyKnowsWhich) {
+  Write(Throw());
+  NtuSkeleton mirrored = Read(FileOf(1));
+  for (auto& bodies : mirrored.frames) {
+    for (NtuBody& body : bodies) {
+      for (NtuJoint& joint : body.joints) joint.x_m = -joint.x_m;
+    }
+  }
+  Put(FileOf(1), mirrored);
+  const mocurate::Ingested three = Run();
+  ASSERT_TRUE(three.outcome) << three.outcome.error().Message();
+  EXPECT_EQ(three.clip.provenance.at("view.reference"), "C002");
+  EXPECT_THAT(Found(three, "view_left_out"), HasSubstr("C001 is not taken, beside C002: one is mirrored"));
+  fs::remove(folder / FileOf(3));
+  const mocurate::Ingested two = Run();
+  ASSERT_FALSE(two.outcome);
+  EXPECT_THAT(two.outcome.error().Message(),
+              HasSubstr("the cameras do not show the same (C001 and C002: one is mirrored"));
+}
+
+TEST_F(NtuViews, APerformanceThatIsAnotherIsLeftOut) {
+  StudioOptions options = Throw();
+  options.actions = {"throw", "sit_down"};
+  Write(options);
+  fs::remove(folder / FileOf(2));
+  fs::rename(folder / FileOf(2, "P001R001A008"), folder / FileOf(2));
+  for (const int camera : {1, 3}) fs::remove(folder / FileOf(camera, "P001R001A008"));
+  const mocurate::Ingested ingested = Run();
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Found(ingested, "view_left_out"), HasSubstr("C002 is not taken, beside C001"));
+  EXPECT_LT(ErrorOf(ingested.clip), 0.01);
+}
+
+TEST_F(NtuViews, OfTwoPeopleEachIsThemselvesInEveryCamera) {
+  StudioOptions options = Throw();
+  options.subjects = 2;
+  options.actions = {"throw", "kick_something"};
+  const std::vector<RigidTransform> places = TrueExtrinsics(options);
+  Write(options);
+  for (int camera = 1; camera <= 3; ++camera) {
+    NtuSkeleton both = Read(FileOf(camera)), other = Read(FileOf(camera, "P002R001A024"));
+    const std::size_t frames = std::min(both.frames.size(), other.frames.size());
+    both.frames.resize(frames);
+    // A metre aside in the world of camera 1.
+    const Matrix3d turn = places[static_cast<std::size_t>(camera - 1)].rotation.toRotationMatrix().transpose();
+    const Vector3d aside = kCanonicalFromSensor.rotation.conjugate() * (turn * Vector3d(1.2, 0.0, 0.0));
+    for (std::size_t f = 0; f < frames; ++f) {
+      NtuBody body = other.frames[f].at(0);
+      for (NtuJoint& joint : body.joints) joint.x_m += aside.x(), joint.y_m += aside.y(), joint.z_m += aside.z();
+      // The second sensor lists them the other way around.
+      both.frames[f].insert(camera == 2 ? both.frames[f].begin() : both.frames[f].end(), body);
+    }
+    for (const char* rest : {"P001R001A007", "P002R001A007", "P001R001A024", "P002R001A024"})
+      fs::remove(folder / FileOf(camera, rest));
+    Put(FileOf(camera, "P001R001A050"), both);
+  }
+  const mocurate::Ingested first = Run(0), second = Run(1);
+  ASSERT_TRUE(first.outcome) << first.outcome.error().Message();
+  ASSERT_TRUE(second.outcome) << second.outcome.error().Message();
+  EXPECT_THAT(first.clip.id(), StartsWith("ntu_views/P001a/S001P001R001A050"));
+  EXPECT_EQ(Found(first, "view_left_out"), "");
+  EXPECT_LT(std::min(ErrorOf(first.clip), ErrorOf(second.clip)), 0.01);
+  EXPECT_GT(std::max(ErrorOf(first.clip), ErrorOf(second.clip)), 0.5);
+}
+
+TEST_F(NtuViews, AFileThatIsAsTheRealOnesGivesItsIntrinsicsAndItsClip) {
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const std::string name = "S001C003P008R002A058.skeleton";
+  const auto bytes = ReadFile(TestData() + "/ntu/" + name);
+  ASSERT_TRUE(bytes);
+  NtuSkeleton real = *ParseNtuSkeleton(*bytes, name);
+  mocurate::Put(folder / "nturgb+d_skeletons" / name, *bytes);
+  // Another sensor, a quarter to the left, began three frames later and errs by itself.
+  Random random(3, "views", "real");
+  const RigidTransform moved{ExpQuaternion(Vector3d(0.02, 0.8, 0.01)), Vector3d(2.2, 0.05, 0.9)};
+  real.frames.erase(real.frames.begin(), real.frames.begin() + 3);
+  for (auto& people : real.frames) {
+    for (NtuBody& body : people) {
+      for (NtuJoint& joint : body.joints) {
+        const Vector3d place = moved * Vector3d(joint.x_m, joint.y_m, joint.z_m) +
+                               0.01 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+        joint.x_m = place.x(), joint.y_m = place.y(), joint.z_m = place.z();
+      }
+    }
+  }
+  mocurate::Put(folder / "nturgb+d_skeletons/S001C001P008R002A058.skeleton", WriteNtuSkeleton(real));
+  const mocurate::Ingested ingested = Run();
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.provenance.at("view.reference"), "C001");
+  EXPECT_NEAR(std::stod(ingested.clip.provenance.at("view.C003.offset_ms")), -100.0, 5.0);
+  EXPECT_LT(std::stod(ingested.clip.provenance.at("view.C003.disagreement_mm")), 25.0);
+  EXPECT_THAT(Found(ingested, "camera_missing"), HasSubstr("C002"));
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,197 @@
+// Who is the person among the tracks that VIBE found in a video: files with bystanders, ghosts and ids that change,
+// written by the studio and read by recipes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/formats/vibe_pickle.h"
+#include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/performance.h"
+#include "ingest/synthetic/script.h"
+#include "ingest/synthetic/vibe_track.h"
+#include "tests/ingest/studio_folders.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+
+constexpr const char* kVideo = "a4_d0_p001_c1_color/vibe_output.pkl";
+
+/// The subject of a studio's folder in UESTC's layout, as its truth tells, before a camera; and who else was found.
+class VibePeople : public Layouts {
+ protected:
+  void SetUp() override {
+    Layouts::SetUp();
+    StudioOptions options = Perfect(StudioLayout::kUestc);
+    options.subjects = 2;
+    options.actions = {"forward-lunging", "left-kicking"};
+    Write(options);
+    motion = Of("p001", "a4_");
+    other = Of("p002", "a8_");
+    fs::remove_all(folder);
+    performer = Track(motion, 1, Vector3d::Zero());
+    bystander = Track(other, 2, Vector3d(1.4, 0.0, 0.8));
+  }
+
+  const Motion& Of(const std::string& person, const std::string& action) {
+    return std::find_if(truth.begin(), truth.end(),
+                        [&](const auto& t) {
+                          return t.first.find(person + "/" + action) != std::string::npos &&
+                                 t.first.find("_c1") != std::string::npos;
+                        })
+        ->second;
+  }
+
+  /// Truth is in the canonical world; the camera's axes are half a turn about x from it.
+  static VibeTrack Track(const Motion& of, std::int64_t id, const Vector3d& aside) {
+    VibeTrack track = VibeTrackOf(Seen(of, RigidTransform{HalfTurnAboutX().rotation, aside}),
+                                  TrackerOptions{0, 0, 0, 4, 0, 0.1, 0.5, 0, 2, 0, 8}, 1, "track");
+    track.id = id;
+    return track;
+  }
+
+  /// Frames [begin, end) under another id.
+  static VibeTrack Piece(const VibeTrack& whole, std::int64_t id, std::size_t begin, std::size_t end) {
+    begin = std::min(begin, whole.frames - 1);
+    end = std::min(end, whole.frames);
+    VibeTrack piece;
+    piece.id = id;
+    piece.joints = whole.joints;
+    piece.frames = end - begin;
+    for (auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::betas, &VibeTrack::original_camera,
+                       &VibeTrack::predicted_camera, &VibeTrack::boxes}) {
+      const std::vector<double>& from = whole.*field;
+      const auto width = static_cast<std::ptrdiff_t>(from.size() / whole.frames);
+      (piece.*field)
+          .assign(from.begin() + width * static_cast<std::ptrdiff_t>(begin),
+                  from.begin() + width * static_cast<std::ptrdiff_t>(end));
+    }
+    piece.frame_ids.assign(whole.frame_ids.begin() + static_cast<std::ptrdiff_t>(begin),
+                           whole.frame_ids.begin() + static_cast<std::ptrdiff_t>(end));
+    return piece;
+  }
+
+  mocurate::Ingested Read(const std::vector<VibeTrack>& tracks, const std::vector<std::string>& more = {}) {
+    Put(folder / kVideo, *EncodeVibeTracks(tracks, "tracks"));
+    // VIBE's image is square here, its middle at 270.
+    std::vector<std::string> settings = {"ingest.path=" + folder.string(), "ingest.source.people.start=[270, 270]"};
+    settings.insert(settings.end(), more.begin(), more.end());
+    const auto discovery = Discover(Declared("uestc_vibe", settings));
+    EXPECT_TRUE(discovery) << discovery.error().Message();
+    if (!discovery) return {tl::unexpected<Error>(discovery.error()), {}, {}};
+    return RunIngest(discovery->items.at(0), "vibe_people");
+  }
+
+  /// Farthest root (metres) or rotation (radians) from the truth, from the same place in the first frame. The file's
+  /// root is the middle of the hips, not the pelvis: millimetres.
+  double ErrorOf(const Clip& clip) {
+    const Motion& said = *clip.motion;
+    if (said.frame_count() != motion.frame_count()) return 1e9;
+    double worst = 0.0;
+    const Vector3d shift = motion.joints.at(0, 0) - said.joints.at(0, 0);
+    for (int f = 0; f < said.frame_count(); ++f) {
+      worst = std::max(worst, (said.joints.at(f, 0) + shift - motion.joints.at(f, 0)).norm());
+      for (int j = 0; j < said.joint_count(); ++j) {
+        worst = std::max(worst, AngleBetween(said.rotation_at(f, j), motion.rotation_at(f, j)));
+      }
+    }
+    return worst;
+  }
+
+  static std::string Found(const mocurate::Ingested& ingested, const std::string& code) {
+    std::string messages;
+    for (const Finding& finding : ingested.outcome->findings) {
+      if (finding.code == code) messages += finding.message + "\n";
+    }
+    return messages;
+  }
+
+  Motion motion, other;
+  VibeTrack performer, bystander;
+};
+
+TEST_F(VibePeople, ByEveryRuleThePerformerIsTakenAndNotWhoStandsBehind) {
+  for (const char* rule : {"uestc_released", "uestc_corrected", "presence", "nearest"}) {
+    SCOPED_TRACE(rule);
+    const VibeTrack shorter = Piece(bystander, 2, 3, bystander.frames - 5);
+    const mocurate::Ingested ingested = Read({shorter, performer}, {std::string("ingest.source.people.rule=") + rule});
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    EXPECT_EQ(ingested.clip.provenance.at("tracks"), "1");
+    EXPECT_LT(ErrorOf(ingested.clip), 0.005);
+    EXPECT_EQ(ingested.clip.label, "forward-lunging");
+  }
+}
+
+TEST_F(VibePeople, AnIdThatChangesIsOnePersonAndTheGapIsFilled) {
+  const std::size_t half = performer.frames / 2;
+  const std::vector<VibeTrack> tracks = {Piece(performer, 1, 0, half), Piece(bystander, 2, 4, half + 8),
+                                         Piece(performer, 7, half + 3, performer.frames)};
+  for (const char* rule : {"uestc_released", "uestc_corrected", "presence"}) {
+    SCOPED_TRACE(rule);
+    const mocurate::Ingested ingested = Read(tracks, {std::string("ingest.source.people.rule=") + rule});
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    EXPECT_EQ(ingested.clip.provenance.at("tracks"), "1+7");
+    EXPECT_LT(ErrorOf(ingested.clip), 0.1) << "three frames are between two";
+    EXPECT_THAT(Found(ingested, "frames_filled"), HasSubstr("3 frames"));
+  }
+}
+
+TEST_F(VibePeople, APosterIsAGhost) {
+  VibeTrack poster = bystander;
+  for (auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::original_camera, &VibeTrack::boxes}) {
+    std::vector<double>& values = poster.*field;
+    const auto width = static_cast<std::ptrdiff_t>(values.size() / poster.frames);
+    for (auto row = values.begin() + width; row != values.end(); row += width)
+      std::copy(values.begin(), values.begin() + width, row);
+  }
+  const mocurate::Ingested ingested =
+      Read({poster, Piece(performer, 1, 0, performer.frames - 8)}, {"ingest.source.people.rule=presence"});
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.provenance.at("tracks"), "1") << "though the poster is there for longer";
+  EXPECT_THAT(Found(ingested, "ghost_body"), HasSubstr("frozen"));
+}
+
+TEST_F(VibePeople, WhoIsFarAwayIsTakenAsReleasedAndLeftOutAsCorrected) {
+  const std::size_t half = performer.frames / 2;
+  VibeTrack later = Piece(Track(other, 2, Vector3d(3.2, 0.0, 0.8)), 2, 0, 10);
+  for (std::int64_t& frame : later.frame_ids) frame += static_cast<std::int64_t>(half);
+  const std::vector<VibeTrack> tracks = {Piece(performer, 1, 0, half), later};
+  const mocurate::Ingested released = Read(tracks, {"ingest.source.people.rule=uestc_released"});
+  ASSERT_TRUE(released.outcome) << released.outcome.error().Message();
+  EXPECT_EQ(released.clip.provenance.at("tracks"), "1+2");
+  const mocurate::Ingested corrected = Read(tracks, {"ingest.source.people.rule=uestc_corrected"});
+  ASSERT_TRUE(corrected.outcome) << corrected.outcome.error().Message();
+  EXPECT_EQ(corrected.clip.provenance.at("tracks"), "1");
+  EXPECT_THAT(Found(corrected, "other_person"), HasSubstr("somebody else"));
+}
+
+TEST_F(VibePeople, TheRootStaysOrMovesByTheCameraAsIsAskedFor) {
+  const mocurate::Ingested still = Read({performer}, {"ingest.source.root_translation=still"});
+  const mocurate::Ingested moving = Read({performer});
+  ASSERT_TRUE(still.outcome && moving.outcome);
+  const int last = motion.frame_count() / 2;
+  const Vector3d way = motion.joints.at(last, 0) - motion.joints.at(0, 0);
+  ASSERT_GT(way.norm(), 0.05);
+  EXPECT_LT((still.clip.motion->joints.at(last, 0) - still.clip.motion->joints.at(0, 0)).norm(), 0.02);
+  EXPECT_LT((moving.clip.motion->joints.at(last, 0) - moving.clip.motion->joints.at(0, 0) - way).norm(), 0.005);
+}
+
+TEST_F(VibePeople, ARuleThatTheFilesCannotServeIsRefused) {
+  IngestOptions ntu = Declared("ntu", {"ingest.source.people.rule=uestc_released"});
+  const Status refused = CheckSource(ntu.source);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, "ingest.source.people.rule");
+  VibeTrack without = performer;
+  without.original_camera.clear();
+  VibeTrack second = without;
+  second.id = 3;
+  const mocurate::Ingested ingested = Read({without, second}, {"ingest.source.people.rule=presence"});
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("has no 'orig_cam'"));
+}
+
+}  // namespace
+}  // namespace mocurate
