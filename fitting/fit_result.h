@@ -8,6 +8,9 @@
 
 namespace mocurate {
 
+/// Code of the findings of samples that jump away and back, one per joint; value: their count.
+inline constexpr const char* kOutliersRejected = "outliers_rejected";
+
 /// A fitted motion and how well it explains its evidence. Lengths in metres.
 struct FitResult {
   Motion motion;              ///< with rotations, bone lengths, joints and states
@@ -21,6 +24,7 @@ struct FitResult {
   double initial_cost = 0.0;     ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
   std::string capsule_radii;      ///< RadiiText of the body that was fitted; empty without one
+  std::string track_repairs;      ///< RepairsText of what was mended in the tracks; empty when nothing was
   std::vector<Finding> findings;  ///< clip id left empty
 };
 
