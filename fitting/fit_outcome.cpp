@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/text.h"
 #include "core/quality/measures.h"
 #include "fitting/evidence/motion_tracks.h"
+#include "fitting/evidence/noise.h"
 #include "fitting/keypoint_fit.h"
+#include "fitting/repair/track_repairs.h"
 #include "fitting/solver/joint_track_fit.h"
 
 namespace mocurate {
@@ -50,6 +53,26 @@ Finding JointsLeftOut(const std::vector<std::string>& names, const Skeleton& ske
   return finding;
 }
 
+/// Frames in which tracks were mended, by the code of the finding, and how many samples were rejected as outliers.
+nlohmann::json RepairCounts(const FitResult& fit) {
+  std::map<std::string, std::vector<bool>> mended;
+  double outliers = 0.0;
+  const auto frames = static_cast<std::size_t>(fit.motion.frame_count());
+  for (const Finding& finding : fit.findings) {
+    if (finding.code == kOutliersRejected) outliers += finding.value;
+    if (finding.code == kOutliersRejected || (finding.action != "repaired" && finding.action != "taken as missing"))
+      continue;
+    for (const std::string& code : {finding.code, std::string("any")}) {
+      std::vector<bool>& of_code = mended.emplace(code, std::vector<bool>(frames, false)).first->second;
+      std::fill(of_code.begin() + finding.frame_begin, of_code.begin() + finding.frame_end, true);
+    }
+  }
+  nlohmann::json counts = {{"outlier_samples", outliers}};
+  for (const auto& [code, of_code] : mended)
+    counts[code + "_frames"] = std::count(of_code.begin(), of_code.end(), true);
+  return counts;
+}
+
 nlohmann::json StateCounts(const Motion& motion) {
   std::size_t counts[4] = {};
   for (const JointState state : motion.state) ++counts[static_cast<std::size_t>(state)];
@@ -82,13 +105,29 @@ nlohmann::json KeypointsJson(const KeypointReport& report) {
 
 }  // namespace
 
+Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& rate,
+                                 const std::vector<double>& bone_length, const RepairOptions& repair,
+                                 const JointTrackOptions& options) {
+  const RepairedTracks repaired = RepairTracks(given, bone_length, EstimateNoise(given, bone_length).sigma, repair);
+  Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, Bones::kFixed, options);
+  if (!fit || repaired.repairs.empty()) return fit;
+  for (std::size_t i = 0; i < repaired.exchanged.size(); ++i) {
+    JointState& state = fit->motion.state[i];
+    if (repaired.exchanged[i] && state == JointState::kObserved) state = JointState::kRepaired;
+  }
+  const std::vector<Finding> findings = FindingsOf(repaired.repairs, *given.skeleton);
+  fit->findings.insert(fit->findings.end(), findings.begin(), findings.end());
+  fit->track_repairs = RepairsText(repaired.repairs, *given.skeleton);
+  return fit;
+}
+
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options) {
   std::vector<std::string> left_out;
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
-  Expected<FitResult> fit = FitJointTracks(*tracks, clip.rate, bones, Bones::kFixed, options.joint_tracks);
+  Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (fit && !left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
   return fit;
 }
@@ -147,6 +186,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                      {"termination", fit.termination},
                      {"cost", std::round(fit.final_cost * 1e3) / 1e3},
                      {"states", StateCounts(fit.motion)},
+                     {"repairs", RepairCounts(fit)},
                      {"after", MeasuresJson(MeasureMotion(fit.motion), skeleton)}};
   if (fit.keypoints) outcome.summary["keypoints"] = KeypointsJson(*fit.keypoints);
   const auto measure_before = [&](const SkeletonTracks& tracks) {

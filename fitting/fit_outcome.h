@@ -3,10 +3,17 @@
 #include "core/base/error.h"
 #include "core/motion/clip.h"
 #include "core/pipeline/stage.h"
+#include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/fit_result.h"
 #include "fitting/options.h"
 
 namespace mocurate {
+
+/// Mends the tracks (RepairTracks) and fits what comes of it (FitJointTracks, bones fixed). Samples that were exchanged
+/// are of state repaired; findings and the result's track_repairs list what was done.
+Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& rate,
+                                 const std::vector<double>& bone_length, const RepairOptions& repair,
+                                 const JointTrackOptions& options);
 
 /// Fit of a clip's joint tracks, or of the joints of its given motion, with given bones (J; empty: rest lengths).
 /// Errors of TracksOfClip and FitJointTracks.

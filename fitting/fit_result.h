@@ -11,6 +11,9 @@
 
 namespace mocurate {
 
+/// Code of the findings of samples that jump away and back, one per joint; value: their count.
+inline constexpr const char* kOutliersRejected = "outliers_rejected";
+
 /// A fitted motion and how well it explains its evidence. Lengths in metres.
 struct FitResult {
   Motion motion;              ///< with rotations, bone lengths, joints and states
@@ -24,6 +27,7 @@ struct FitResult {
   double initial_cost = 0.0;     ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
   std::string capsule_radii;                   ///< RadiiText of the body that was fitted; empty without one
+  std::string track_repairs;                   ///< RepairsText of what was mended in the tracks; empty when nothing was
   std::optional<KeypointReport> keypoints;     ///< of a fit to 2-D keypoints
   std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
   std::vector<Finding> findings;               ///< clip id left empty

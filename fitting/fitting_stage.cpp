@@ -10,6 +10,7 @@
 #include "fitting/evidence/detector_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "fitting/repair/track_repairs.h"
 #include "fitting/stages.h"
 
 namespace mocurate {
@@ -86,6 +87,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   clip->evidence = Evidence{};
   if (clip->evidence_sha256.empty()) clip->evidence_sha256 = evidence->sha256;
   clip->provenance["fitting"] = options->method == FitMethod::kNone ? "given motion" : CreatedBy();
+  if (!fit->track_repairs.empty()) clip->provenance[kTrackRepairs] = fit->track_repairs;
   if (!fit->capsule_radii.empty()) clip->provenance[kCapsuleRadii] = fit->capsule_radii;
   dataset.clips.push_back(std::move(*clip));
   if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);

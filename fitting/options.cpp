@@ -31,7 +31,8 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
   v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "joint position, metres per square root second");
-  v.Integer("walk_refits", walk_refits, {0, 10}, "how often both walks are fitted to the clip, and the clip again");
+  v.Integer("walk_refits", walk_refits, {0, 10},
+            "how often both walks are fitted to what each joint of the clip does, and when, and the clip again");
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
   v.Number("limit_spread", limit_spread, Unit::kRadian, {1e-3, 1e2}, "distance beyond a joint limit");
   v.Number("bone_spread", bone_spread, Unit::kMetre, {1e-4, 1.0}, "distance from the prior length of a free bone");
@@ -43,6 +44,17 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Integer("window_overlap", window_overlap, {1, 10000}, "frames of look-ahead that the next window fits again");
   v.Bool("uncertainty", uncertainty,
          "covariance of joint positions, standard deviation of rotations, by selected inversion");
+}
+
+void RepairOptions::Declare(OptionVisitor& v) {
+  v.Bool("swaps", swaps, "exchange left and right limbs back where the tracker exchanged them");
+  v.Number("swap_margin", swap_margin, Unit::kNone, {0.0, 1e4},
+           "by how much likelier an exchange must be, as a difference of log likelihoods");
+  v.Bool("teleports", teleports, "take for missing a person or a joint that is suddenly where nobody can be");
+  v.Number("longest_teleport", longest_teleport_s, Unit::kSecond, {0.0, 1e4}, "longer ones are left as they are");
+  v.Bool("held", held, "take for missing joints or frames that repeat to the last digit");
+  v.Integer("held_frames", held_frames, {2, 10000}, "equal frames on end, the first one included, from which on");
+  v.Number("longest_held", longest_held_s, Unit::kSecond, {0.0, 1e4}, "longer ones are left as they are");
 }
 
 void CloudOutlierOptions::Declare(OptionVisitor& v) {
@@ -90,6 +102,7 @@ void FittingOptions::Declare(OptionVisitor& v) {
   DeclareMethod(v, method);
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
   DeclareOtherJoints(v, other_joints);
+  v.Group("repair", repair, "what is mended in joint tracks before the fit");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
   v.Group("contacts", contacts, "feet on the floor, after the fit");
@@ -124,8 +137,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 6, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 7, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 8, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 9, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

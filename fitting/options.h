@@ -29,7 +29,7 @@ struct JointTrackOptions {
   double huber_sigmas = 2.5;         ///< residuals beyond this many sigmas count linearly
   double rotation_walk = 0.55;       ///< rad per sqrt(s), each joint
   double velocity_walk = 0.33;       ///< m per sqrt(s), each joint
-  std::int64_t walk_refits = 0;      ///< how often the walks are fitted to the clip, and the clip again
+  std::int64_t walk_refits = 2;      ///< how often the walks are fitted to the clip, and the clip again
   double rest_spread = 3.3;          ///< rad from the rest pose; holds what no evidence determines
   double limit_spread = 0.5;         ///< rad beyond a joint limit
   double bone_spread = 0.02;         ///< m from the prior bone length, where bones are free
@@ -39,6 +39,19 @@ struct JointTrackOptions {
   std::int64_t window_frames = 600;  ///< longer clips are fitted in windows
   std::int64_t window_overlap = 60;  ///< frames of look-ahead that the next window fits again
   bool uncertainty = true;           ///< covariance of joints, standard deviation of rotations
+
+  void Declare(OptionVisitor& v);
+};
+
+/// What is mended in joint tracks before they are fitted. The evidence itself stays as it is.
+struct RepairOptions {
+  bool swaps = true;                ///< exchange left and right limbs where the tracker did
+  double swap_margin = 10.0;        ///< difference of log likelihoods that an exchange takes
+  bool teleports = true;            ///< take for missing what is where nobody can be
+  double longest_teleport_s = 1.0;  ///< longer ones stay: another place may be true
+  bool held = true;                 ///< take for missing what repeats to the last digit
+  std::int64_t held_frames = 3;     ///< with the frame that is repeated
+  double longest_held_s = 5.0;      ///< longer ones stay
 
   void Declare(OptionVisitor& v);
 };
@@ -101,6 +114,7 @@ struct FittingOptions {
   FitMethod method = FitMethod::kJointTracks;
   std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
   OtherJoints other_joints = OtherJoints::kRefuse;
+  RepairOptions repair;
   JointTrackOptions joint_tracks;
   PointCloudOptions point_clouds;
   ContactOptions contacts;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mocurate {
 namespace {
@@ -11,6 +12,18 @@ constexpr double kMadToSigma = 1.4826;
 /// limbs), and no tracker knows where a joint is to less.
 constexpr double kSmallestSigma = 1e-3;
 constexpr std::size_t kEnoughSamples = 10;
+
+/// Standard deviation from absolute departures, by their median. Gross errors would shift it: what lies beyond four
+/// standard deviations is left out.
+double SigmaOf(std::vector<double> departures) {
+  double sigma = kMadToSigma * Median(departures);
+  for (int i = 0; i < 3; ++i) {
+    const auto gross = [&](double departure) { return departure > 4.0 * sigma; };
+    departures.erase(std::remove_if(departures.begin(), departures.end(), gross), departures.end());
+    sigma = kMadToSigma * Median(departures);
+  }
+  return sigma;
+}
 
 /// Departures of frame f from the line between f-1 and f+1, scaled to the variance of one sample. Appends three.
 void AppendDepartures(const SkeletonTracks& tracks, int joint, std::vector<double>& departures) {
@@ -40,7 +53,7 @@ double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<doub
   if (lengths.size() < kEnoughSamples) return 0.0;
   const double centre = bone_length.empty() ? Median(lengths) : bone_length[joint];
   for (double& length : lengths) length = std::abs(length - centre);
-  return kMadToSigma * Median(lengths) / std::sqrt(2.0);
+  return SigmaOf(std::move(lengths)) / std::sqrt(2.0);
 }
 
 }  // namespace
@@ -64,7 +77,7 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
     AppendDepartures(tracks, j, departures);
     all.insert(all.end(), departures.begin(), departures.end());
     enough[j] = departures.size() >= 3 * kEnoughSamples;
-    white[j] = kMadToSigma * Median(departures);
+    white[j] = SigmaOf(std::move(departures));
     bone[j] = BoneSigma(tracks, j, bone_length);
   }
   double bone_square = 0.0;
@@ -75,7 +88,7 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
     ++bones;
   }
   NoiseEstimate noise;
-  noise.white = kMadToSigma * Median(all);
+  noise.white = SigmaOf(std::move(all));
   noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestSigma});
   noise.joint_sigma.assign(joints, noise.sigma);
   for (int j = 0; j < joints; ++j) {

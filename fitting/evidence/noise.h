@@ -13,10 +13,10 @@ struct NoiseEstimate {
   std::vector<double> joint_sigma;  ///< (J); sigma for joints with too few samples
 };
 
-/// Noise from the tracks themselves, by medians (1.4826 MAD), the larger of two estimates per joint: what a frame
-/// departs from the line between its two neighbours in time (white noise), and what observed bones depart from
-/// `bone_length` (J, or empty: from their own median), which also sees wobble that a tracker has smoothed. Never below
-/// 1 mm, which is also what a capture without any noise gets.
+/// Noise from the tracks themselves, by medians (1.4826 MAD, gross errors left out), the larger of two estimates per
+/// joint: what a frame departs from the line between its two neighbours in time (white noise), and what observed bones
+/// depart from `bone_length` (J, or empty: from their own median), which also sees wobble that a tracker has smoothed.
+/// Never below 1 mm, which is also what a capture without any noise gets.
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length);
 
 /// Median of numbers; 0 of none. Reorders them.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
@@ -10,24 +12,28 @@
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/track_window.h"
 #include "fitting/uncertainty/track_uncertainty.h"
-#include "fitting/uncertainty/walk_scale.h"
+#include "fitting/uncertainty/walk_factors.h"
 
 namespace mocurate {
 namespace {
 
+constexpr double kLooseTolerance = 1e-2;  ///< relative change of cost, of the fits that only tell how a person moves
+
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
-Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::vector<double>& joint_sigma,
-                    const std::vector<double>& bone_prior, Bones bones, const JointTrackOptions& options,
-                    FitResult& result) {
-  const int frames = tracks.frames();
-  const int window = static_cast<int>(options.window_frames);
-  const int step = std::max(1, window - static_cast<int>(options.window_overlap));
+Status SolveWindows(const TrackWindow& whole, FitResult& result) {
+  const JointTrackOptions& options = whole.options;
+  const int frames = whole.end;
+  const int length = static_cast<int>(options.window_frames);
+  const int step = std::max(1, length - static_cast<int>(options.window_overlap));
   const auto solve = options.solver == TrackSolver::kBanded ? SolveBanded : SolveWithCeres;
+  Bones bones = whole.bones;
   result.converged = true;
   result.termination = "converged";
+  result.initial_cost = result.final_cost = 0.0;
   for (int begin = 0; begin < frames; begin += step) {
-    const int end = frames - begin <= window ? frames : begin + window;
-    const auto solution = solve({tracks, state, joint_sigma, bone_prior, bones, options, begin, end, begin > 0});
+    const int end = frames - begin <= length ? frames : begin + length;
+    const auto solution = solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin,
+                                 end, begin > 0, whole.walks});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -42,6 +48,17 @@ Status SolveWindows(const SkeletonTracks& tracks, PoseState& state, const std::v
   return {};
 }
 
+/// A pose that is good enough to see how the person moves. By the banded solver whatever solves the problem in the end:
+/// it is the fastest, and a loose solution would differ between the two.
+Status SolveLoosely(const TrackWindow& whole, FitResult& result) {
+  JointTrackOptions options = whole.options;
+  options.solver = TrackSolver::kBanded;
+  options.relative_tolerance = std::max(options.relative_tolerance, kLooseTolerance);
+  return SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, options, 0,
+                       whole.end, false, whole.walks},
+                      result);
+}
+
 /// A tracker's error wobbles slowly beside its white noise; only the white part may be smoothed away. With sigma of all
 /// noise and white of the white part, data and smoothness are balanced for sqrt(sigma * white): the walks widen by
 /// sqrt(sigma / white), at most threefold.
@@ -49,17 +66,25 @@ double WalkWidening(const NoiseEstimate& noise) {
   return noise.white > 0.0 ? std::clamp(std::sqrt(noise.sigma / noise.white), 1.0, 3.0) : 1.0;
 }
 
-std::vector<JointState> StatesOf(const SkeletonTracks& tracks, const std::vector<bool>& rejected) {
-  const std::vector<bool> seen_joints = tracks.SeenJoints();
-  std::vector<JointState> states;
-  states.reserve(rejected.size());
-  for (int f = 0; f < tracks.frames(); ++f) {
-    for (int j = 0; j < tracks.joints(); ++j) {
-      states.push_back(rejected[states.size()] ? JointState::kRepaired
-                       : tracks.seen(f, j)     ? JointState::kObserved
-                       : seen_joints[j]        ? JointState::kInterpolated
-                                               : JointState::kInferred);
-    }
+/// Observed where seen; else interpolated where the joint is seen within `reach_s`, inferred where it is not.
+std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double reach_s) {
+  std::vector<JointState> states(tracks.confidence.size(), JointState::kInferred);
+  const auto joints = static_cast<std::size_t>(tracks.joints());
+  for (int j = 0; j < tracks.joints(); ++j) {
+    const auto mark = [&](int begin, int end, int step) {
+      double seen_s = -std::numeric_limits<double>::infinity();
+      for (int f = begin; f != end; f += step) {
+        JointState& state = states[static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(j)];
+        if (tracks.seen(f, j)) {
+          state = JointState::kObserved;
+          seen_s = tracks.time_s[f];
+        } else if (std::abs(tracks.time_s[f] - seen_s) <= reach_s) {
+          state = JointState::kInterpolated;
+        }
+      }
+    };
+    mark(0, tracks.frames(), 1);
+    mark(tracks.frames() - 1, -1, -1);
   }
   return states;
 }
@@ -111,12 +136,12 @@ void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejec
       finding.frame_end = f + 1;
     }
     if (count == 0) continue;
-    finding.code = "outliers_rejected";
+    finding.code = kOutliersRejected;
     finding.severity = Severity::kInfo;
     finding.joint = tracks.skeleton->joints[j].name;
     finding.value = count;
     finding.message = Counted(count, "sample") + " far from the neighbours in time";
-    finding.action = "repaired";
+    finding.action = "taken as missing";
     result.findings.push_back(finding);
   }
 }
@@ -140,24 +165,22 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   walks.velocity_walk *= widening;
   PoseState state(*tracks.skeleton, tracks.frames(), bone_length, JointsWithEvidenceBelow(tracks));
   ClosedFormStart(tracks, state);
-  if (Status solved = SolveWindows(tracks, state, joint_sigma, bone_length, bones, walks, result); !solved) {
-    return tl::unexpected<Error>(solved.error());
-  }
+  std::optional<WalkFactors> factors;
+  TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
   for (std::int64_t i = 0; i < options.walk_refits; ++i) {
-    const auto scale = WalkScale({tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()});
-    if (!scale) return Forward(scale);
-    walks.rotation_walk *= *scale;
-    walks.velocity_walk *= *scale;
-    result.initial_cost = result.final_cost = 0.0;
-    if (Status solved = SolveWindows(tracks, state, joint_sigma, bone_length, bones, walks, result); !solved) {
-      return tl::unexpected<Error>(solved.error());
-    }
+    if (Status solved = SolveLoosely(whole, result); !solved) return tl::unexpected<Error>(solved.error());
+    auto refitted = RefitWalks(whole);
+    if (!refitted) return Forward(refitted);
+    factors = std::move(*refitted);
+    whole.walks = &*factors;
   }
+  whole.bones = bones;
+  if (Status solved = SolveWindows(whole, result); !solved) return tl::unexpected<Error>(solved.error());
+  whole.bones = Bones::kFixed;
   result.motion = MotionOf(state, tracks.skeleton, rate);
-  result.motion.state = StatesOf(tracks, rejected);
+  result.motion.state = StatesOf(tracks, options.max_gap_s);
   if (options.uncertainty) {
-    auto uncertainty =
-        UncertaintyOfTracks({tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()});
+    auto uncertainty = UncertaintyOfTracks(whole);
     if (!uncertainty) return Forward(uncertainty);
     result.motion.position_cov = std::move(uncertainty->position_cov);
     result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);

@@ -16,12 +16,12 @@ enum class Bones { kFixed, kFree };
 ///   1/2 [ sum Huber(|c (p - seen) / sigma|^2) + sum |Log(R_f^T R_f+1)|^2 / (walk^2 dt) + sum |p_f+1 - p_f|^2 / (walk^2
 ///   dt)
 ///         + sum |w|^2 / rest_spread^2 + joint limits + (kFree) sum (b - prior)^2 / bone_spread^2 ]
-/// (walks widened where the noise is not white, see WalkWidening, then scaled to the clip walk_refits times, see
-/// WalkScale) over root translation and one rotation vector per
-/// joint and frame, from the closed-form start (Levenberg-Marquardt, sparse Cholesky, one thread). F frames of `given`
-/// at `rate`; `bone_length` (J, metres). Joints whose rotation moves no seen joint stay in the rest pose. Samples that
-/// jump away and back are rejected first (RejectOutliers). States: observed where seen, repaired where rejected,
-/// interpolated where the joint is seen in other frames, inferred where never. Error kInternal if the solver fails.
+/// (walks widened where the noise is not white, see WalkWidening, then fitted to each joint and time of the clip
+/// walk_refits times, see RefitWalks) over root translation and one rotation vector per joint and frame, from the
+/// closed-form start (Levenberg-Marquardt, sparse Cholesky, one thread). F frames of `given` at `rate`; `bone_length`
+/// (J, metres). Joints whose rotation moves no seen joint stay in the rest pose. Samples that jump away and back are
+/// rejected first (RejectOutliers). States: observed where seen and not rejected, else interpolated where the joint is
+/// seen within max_gap_s, else inferred. Error kInternal if the solver fails.
 Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
                                    const std::vector<double>& bone_length, Bones bones,
                                    const JointTrackOptions& options);

@@ -22,8 +22,8 @@ TrackEquations::TrackEquations(const TrackWindow& window)
       size_(3),
       border_(window.bones == Bones::kFree ? window.state.joints() - 1 : 0),
       below_(window.state.joints()),
-      velocity_weight_(window.tracks.frames(), 0.0),
-      rotation_weight_(window.tracks.frames(), 0.0),
+      velocity_weight_(window.tracks.confidence.size(), 0.0),
+      rotation_weight_(window.tracks.confidence.size(), 0.0),
       subtree_(window.state.joints()),
       step_before_(window.state.joints()),
       step_after_(window.state.joints()),
@@ -39,8 +39,10 @@ TrackEquations::TrackEquations(const TrackWindow& window)
   }
   for (int f = window.first(); f + 1 < window.end; ++f) {
     if (!window.Joined(f)) continue;
-    velocity_weight_[f] = 1.0 / (Square(window.options.velocity_walk) * window.Step(f));
-    rotation_weight_[f] = 1.0 / (Square(window.options.rotation_walk) * window.Step(f));
+    for (int j = 0; j < state.joints(); ++j) {
+      velocity_weight_[window.Index(f, j)] = 1.0 / window.MoveVariance(f, j);
+      rotation_weight_[window.Index(f, j)] = 1.0 / window.TurnVariance(f, j);
+    }
   }
 }
 
@@ -67,9 +69,10 @@ double TrackEquations::Cost() const {
   for (int f = window_.first(); f + 1 < window_.end; ++f) {
     if (!joined(f)) continue;
     for (int j = 0; j < state.joints(); ++j) {
-      twice += velocity_weight_[f] * (state.position(f + 1, j) - state.position(f, j)).squaredNorm();
+      twice += velocity_weight_[window_.Index(f, j)] * (state.position(f + 1, j) - state.position(f, j)).squaredNorm();
       if (!state.active(j)) continue;
-      twice += rotation_weight_[f] * LogMatrix(state.local(f, j).transpose() * state.local(f + 1, j)).squaredNorm();
+      twice += rotation_weight_[window_.Index(f, j)] *
+               LogMatrix(state.local(f, j).transpose() * state.local(f + 1, j)).squaredNorm();
     }
   }
   for (int k = 1; k <= border_; ++k) {
@@ -108,12 +111,14 @@ void TrackEquations::SumFrame(int frame) {
       pull = weight * (position - window_.tracks.positions.at(frame, j));
     }
     if (before) {
-      weight += velocity_weight_[frame - 1];
-      pull += velocity_weight_[frame - 1] * (position - state.position(frame - 1, j));
+      const double step = velocity_weight_[window_.Index(frame - 1, j)];
+      weight += step;
+      pull += step * (position - state.position(frame - 1, j));
     }
     if (after) {
-      weight += velocity_weight_[frame];
-      pull += velocity_weight_[frame] * (position - state.position(frame + 1, j));
+      const double step = velocity_weight_[window_.Index(frame, j)];
+      weight += step;
+      pull += step * (position - state.position(frame + 1, j));
     }
     subtree_[j].at = subtree_[j].below;
     subtree_[j].at.AddPoint(Relative(frame, j), weight, pull);
@@ -127,7 +132,8 @@ void TrackEquations::SumStep(int frame, std::vector<CrossSubtree>& sums) const {
   for (CrossSubtree& sum : sums) sum.below.setZero();
   for (int j = state.joints() - 1; j >= 0; --j) {
     sums[j].at = sums[j].below;
-    sums[j].at += CrossInformation(Relative(frame, j), Relative(frame + 1, j), -velocity_weight_[frame]);
+    sums[j].at +=
+        CrossInformation(Relative(frame, j), Relative(frame + 1, j), -velocity_weight_[window_.Index(frame, j)]);
     if (j > 0) sums[state.parent(j)].below += sums[j].at;
   }
 }
@@ -192,11 +198,11 @@ void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
 
 void TrackEquations::AddRotationStep(int frame, BlockTridiagonal& equations) const {
   const PoseState& state = window_.state;
-  const double weight = rotation_weight_[frame];
   const int block = frame - window_.begin;  // -1: the frame before the window, held
   for (int j = 0; j < state.joints(); ++j) {
     const int c = column(j);
     if (c < 0) continue;
+    const double weight = rotation_weight_[window_.Index(frame, j)];
     const Vector3d turn = LogMatrix(state.local(frame, j).transpose() * state.local(frame + 1, j));
     const Matrix3d inverse = RightJacobianInverse(turn);
     const Matrix3d after = inverse * state.right_jacobian(frame + 1, j);

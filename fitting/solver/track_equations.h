@@ -46,7 +46,9 @@ class TrackEquations {
     Matrix6d at;
   };
 
-  bool joined(int frame) const { return velocity_weight_[frame] > 0.0; }  ///< frame and the next, both of the window
+  bool joined(int frame) const {
+    return velocity_weight_[window_.Index(frame, 0)] > 0.0;
+  }  ///< frame and the next, both of the window
   Vector3d Relative(int frame, int joint) const {
     return window_.state.position(frame, joint) - window_.state.position(frame, 0);
   }
@@ -65,7 +67,7 @@ class TrackEquations {
   int border_;
   std::vector<int> column_;              ///< first unknown of a joint's rotation in its frame; -1: not active
   std::vector<std::vector<int>> below_;  ///< active joints at or below a joint
-  std::vector<double> velocity_weight_;  ///< squared, of a frame's step to the next; 0 where not joined. By frame
+  std::vector<double> velocity_weight_;  ///< squared, of a frame's step to the next; 0 where not joined. (F*J)
   std::vector<double> rotation_weight_;  ///< squared, likewise
   std::vector<Subtree> subtree_;         ///< of the frame that is being added
   std::vector<CrossSubtree> step_before_;

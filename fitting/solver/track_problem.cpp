@@ -52,10 +52,9 @@ void TrackProblem::AddFrame(int frame) {
 }
 
 void TrackProblem::AddStep(int frame) {
-  const double dt = window_.Step(frame);
-  const double rotation_weight = 1.0 / (window_.options.rotation_walk * std::sqrt(dt));
-  const double velocity_weight = 1.0 / (window_.options.velocity_walk * std::sqrt(dt));
   for (int j = 0; j < state_.joints(); ++j) {
+    const double rotation_weight = 1.0 / std::sqrt(window_.TurnVariance(frame, j));
+    const double velocity_weight = 1.0 / std::sqrt(window_.MoveVariance(frame, j));
     if (state_.active(j)) {
       problem_.AddResidualBlock(new RotationSmoothnessCost(state_, frame, j, rotation_weight), nullptr,
                                 state_.rotation(frame, j), state_.rotation(frame + 1, j));

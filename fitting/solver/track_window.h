@@ -11,6 +11,13 @@
 
 namespace mocurate {
 
+/// Factors on the random walks of the options, of the step from a frame to the next: how much more (or less) than they
+/// say this person moves this joint here. (F*J); what belongs to the last frame is not read.
+struct WalkFactors {
+  std::vector<double> rotation;
+  std::vector<double> position;
+};
+
 /// Frames [begin, end) of a fit, solved together: what FitJointTracks minimises, over the memory of a PoseState.
 struct TrackWindow {
   const SkeletonTracks& tracks;
@@ -22,12 +29,26 @@ struct TrackWindow {
   int begin = 0;
   int end = 0;
   bool after_held = false;  ///< frame begin - 1 is held and joins through smoothness; then bones must be fixed
+  const WalkFactors* walks = nullptr;  ///< of all frames of the tracks; none: 1 everywhere
 
   /// First frame whose kinematics the window reads.
   int first() const { return after_held ? begin - 1 : begin; }
   /// Seconds from a frame to the next; smoothed together only up to options.max_gap_s.
   double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
   bool Joined(int frame) const { return Step(frame) <= options.max_gap_s; }
+  /// Variances per axis of a joint's turn (rad^2) and move (m^2) from a frame to the next.
+  double TurnVariance(int frame, int joint) const {
+    const double walk = options.rotation_walk * (walks != nullptr ? walks->rotation[Index(frame, joint)] : 1.0);
+    return walk * walk * Step(frame);
+  }
+  double MoveVariance(int frame, int joint) const {
+    const double walk = options.velocity_walk * (walks != nullptr ? walks->position[Index(frame, joint)] : 1.0);
+    return walk * walk * Step(frame);
+  }
+  std::size_t Index(int frame, int joint) const {
+    return static_cast<std::size_t>(frame) * static_cast<std::size_t>(tracks.joints()) +
+           static_cast<std::size_t>(joint);
+  }
 };
 
 /// How the solver ended; the solution is in the window's state.

@@ -13,9 +13,9 @@
 #include <Eigen/Cholesky>
 
 #include "core/base/random.h"
+#include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
-#include "fitting/solver/joint_track_fit.h"
-#include "tests/ingest/sources.h"
+#include "tests/benchmarks/real_people.h"
 
 namespace mocurate {
 namespace {
@@ -90,22 +90,6 @@ void Print(const char* name, std::vector<double>& errors) {
               1e3 * errors[errors.size() * 95 / 100]);
 }
 
-std::map<std::string, std::vector<std::pair<std::string, SkeletonTracks>>> ReadPeople(const std::string& source,
-                                                                                      const SkeletonPtr& skeleton,
-                                                                                      std::size_t clips) {
-  std::map<std::string, std::vector<std::pair<std::string, SkeletonTracks>>> people;
-  const auto discovery = Discover(Declared(source));
-  if (!discovery) return people;
-  const std::size_t step = std::max<std::size_t>(1, discovery->items.size() / clips);
-  for (std::size_t i = 0; i < discovery->items.size(); i += step) {
-    const Ingested ingested = RunIngest(discovery->items[i], "held_out");
-    if (!ingested.outcome || !ingested.clip.evidence.tracks) continue;
-    auto tracks = MapTracks(*ingested.clip.evidence.tracks, skeleton);
-    if (tracks) people[ingested.clip.identity.person].emplace_back(ingested.clip.id(), std::move(*tracks));
-  }
-  return people;
-}
-
 }  // namespace
 }  // namespace mocurate
 
@@ -131,14 +115,15 @@ int main(int argc, char** argv) {
   int two = 0;
   for (auto& [person, clips] : ReadPeople(argv[1], *skeleton, argc > 3 ? std::atoi(argv[3]) : 60)) {
     std::vector<SkeletonTracks> all;
-    for (const auto& clip : clips) all.push_back(clip.second);
+    for (const RealClip& clip : clips) all.push_back(clip.tracks);
     const auto bones = EstimateProportions(all, *skeleton, ProportionsOptions{});
     if (!bones) continue;
-    for (const auto& [id, whole] : clips) {
+    for (const RealClip& clip : clips) {
+      const SkeletonTracks& whole = clip.tracks;
       SkeletonTracks tracks = whole;
-      const std::vector<Sample> hidden = Hide(tracks, id);
+      const std::vector<Sample> hidden = Hide(tracks, clip.id);
       const FrameRate rate = FrameRate::FromHz(1.0 / (tracks.time_s[1] - tracks.time_s[0]));
-      const auto fit = FitJointTracks(tracks, rate, bones->bone_length, Bones::kFixed, options);
+      const auto fit = RepairAndFit(tracks, rate, bones->bone_length, RepairOptions{}, options);
       if (!fit) continue;
       for (const Sample& at : hidden) {
         const Vector3d truth = whole.positions.at(at.frame, at.joint);

@@ -1,0 +1,240 @@
+#include "fitting/repair/exchanges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kSpeed = 1.5;           ///< m/s per axis, of a limb about the body's centre
+constexpr double kBoneWobble = 0.02;     ///< metres that trackers change bones by, beside noise
+constexpr double kMostCost = 8.0;        ///< of one sample: beyond, something else is wrong with it
+constexpr double kChangeCost = 4.0;      ///< of a change of state
+constexpr double kExchangedCost = 0.05;  ///< of an exchanged frame
+constexpr double kBoneTime_s = 0.3;      ///< for which a tracker gets a bone wrong in the same way
+constexpr double kGap_s = 0.25;          ///< longest time over which steps are looked at
+
+/// Pairs of one kind of limb, from the trunk outwards.
+struct Limb {
+  std::vector<std::array<int, 2>> pairs;  ///< (left, right)
+  std::vector<int> level;                 ///< bones between the pair and the limb's first
+  std::vector<int> above;                 ///< index of the pair that the bones hang on; -1: the trunk
+  int levels = 0;
+};
+
+std::vector<Limb> LimbsOf(const SkeletonTracks& tracks) {
+  const Skeleton& skeleton = *tracks.skeleton;
+  const std::vector<bool> seen = tracks.SeenJoints();
+  std::vector<Limb> limbs;
+  std::vector<std::array<int, 2>> place(skeleton.joints.size(), {-1, -1});  // limb, index in it
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    if (joint.mirror == j || joint.mirror < 0 || joint.parent < 0) continue;
+    const bool left = place[joint.mirror][0] < 0;  // the one that comes first stands for both
+    if (!left) continue;
+    const int parent = joint.parent;
+    std::array<int, 2> above = place[parent][0] >= 0 ? place[parent] : place[skeleton.joints[parent].mirror];
+    if (above[0] < 0) {
+      limbs.emplace_back();
+      above = {static_cast<int>(limbs.size()) - 1, -1};
+    }
+    Limb& limb = limbs[above[0]];
+    place[j] = {above[0], static_cast<int>(limb.pairs.size())};
+    limb.pairs.push_back({j, joint.mirror});
+    limb.above.push_back(above[1]);
+    limb.level.push_back(above[1] < 0 ? 0 : limb.level[above[1]] + 1);
+  }
+  for (Limb& limb : limbs) {
+    Limb tracked;  // pairs that are never seen only pass their level on
+    std::vector<int> index(limb.pairs.size(), -1);
+    for (std::size_t i = 0; i < limb.pairs.size(); ++i) {
+      if (!seen[limb.pairs[i][0]] || !seen[limb.pairs[i][1]]) continue;
+      index[i] = static_cast<int>(tracked.pairs.size());
+      tracked.pairs.push_back(limb.pairs[i]);
+      tracked.level.push_back(limb.level[i]);
+      tracked.above.push_back(limb.above[i] < 0 ? -1 : index[limb.above[i]]);
+      tracked.levels = std::max(tracked.levels, limb.level[i] + 1);
+    }
+    limb = tracked;
+  }
+  limbs.erase(std::remove_if(limbs.begin(), limbs.end(), [](const Limb& limb) { return limb.pairs.size() < 2; }),
+              limbs.end());
+  return limbs;
+}
+
+double Capped(double square) { return std::min(0.5 * square, kMostCost); }
+
+/// States of one limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
+class Search {
+ public:
+  Search(const SkeletonTracks& tracks, const std::vector<BodyCentre>& centres, const Limb& limb,
+         const std::vector<double>& bone_length, double sigma)
+      : tracks_(tracks), centres_(centres), limb_(limb), bone_length_(bone_length), sigma_(sigma) {
+    for (int level = 0; level < limb.levels; ++level) {
+      const auto outer = std::count_if(limb.level.begin(), limb.level.end(), [&](int l) { return l >= level; });
+      if (outer >= 2) starts_.push_back(level);
+    }
+    Measure();
+  }
+
+  std::vector<LimbExchange> Exchanges(double least_margin) const {
+    const std::vector<int> path = BestPath();
+    std::vector<LimbExchange> found;
+    for (int begin = 0; begin < tracks_.frames(); ++begin) {
+      if (path[begin] == 0) continue;
+      int end = begin;
+      while (end < tracks_.frames() && path[end] == path[begin]) ++end;
+      std::vector<int> without = path;
+      std::fill(without.begin() + begin, without.begin() + end, 0);
+      LimbExchange exchange;
+      exchange.frame_begin = begin;
+      exchange.frame_end = end;
+      exchange.margin = StepsOf(without, begin, end) - StepsOf(path, begin, end);
+      for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
+        if (Exchanged(path[begin], i)) exchange.pairs.push_back(limb_.pairs[i][0]);
+      }
+      if (exchange.margin >= least_margin) found.push_back(exchange);
+      begin = end - 1;
+    }
+    return found;
+  }
+
+ private:
+  int states() const { return static_cast<int>(starts_.size()) + 1; }
+  bool Exchanged(int state, std::size_t pair) const { return state > 0 && limb_.level[pair] >= starts_[state - 1]; }
+  bool Seen(int f, std::size_t pair) const {
+    return tracks_.seen(f, limb_.pairs[pair][0]) && tracks_.seen(f, limb_.pairs[pair][1]);
+  }
+
+  /// Costs of each pair in each frame: of the step if its state stays or changes, and of its bones if it is in the same
+  /// state as the pair above or not.
+  void Measure() {
+    const std::size_t pairs = limb_.pairs.size();
+    step_.assign(pairs * tracks_.frames(), {0.0, 0.0});
+    bone_.assign(pairs * tracks_.frames(), {0.0, 0.0});
+    std::vector<int> last(pairs, -1);
+    for (int f = 0; f < tracks_.frames(); ++f) {
+      for (std::size_t i = 0; i < pairs; ++i) {
+        if (!Seen(f, i)) continue;
+        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kGap_s) StepCost(f, last[i], i);
+        last[i] = f;
+        if (limb_.above[i] >= 0 && Seen(f, limb_.above[i])) BoneCost(f, i);
+      }
+    }
+  }
+
+  void StepCost(int f, int before, std::size_t i) {
+    const bool centred = centres_[f].seen && centres_[before].seen;
+    const Vector3d moved = centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
+    const double way = kSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+    const double variance = 2.0 * sigma_ * sigma_ + way * way;
+    for (const int side : {0, 1}) {
+      const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - moved;
+      for (const int from : {0, 1}) {
+        const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
+        step_[At(f, i)][side == from ? 0 : 1] += Capped((now - then).squaredNorm() / variance);
+      }
+    }
+  }
+
+  /// Frames on end that tear a bone in the same way say it once per kBoneTime_s.
+  void BoneCost(int f, std::size_t i) {
+    const double frame_s = f > 0 ? tracks_.time_s[f] - tracks_.time_s[f - 1] : 0.0;
+    const double share = std::min(1.0, frame_s / kBoneTime_s);
+    const double variance = 2.0 * sigma_ * sigma_ + kBoneWobble * kBoneWobble;
+    for (const int side : {0, 1}) {
+      const int joint = limb_.pairs[i][side];
+      for (const int from : {0, 1}) {
+        const int parent = limb_.pairs[limb_.above[i]][from];
+        const double length = (tracks_.positions.at(f, joint) - tracks_.positions.at(f, parent)).norm();
+        const double away = length - bone_length_[joint];
+        bone_[At(f, i)][side == from ? 0 : 1] += share * Capped(away * away / variance);
+      }
+    }
+  }
+
+  std::size_t At(int f, std::size_t pair) const { return static_cast<std::size_t>(f) * limb_.pairs.size() + pair; }
+
+  double StateCost(int f, int state) const {
+    double cost = state == 0 ? 0.0 : kExchangedCost;
+    for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
+      const bool torn = limb_.above[i] >= 0 && Exchanged(state, i) != Exchanged(state, limb_.above[i]);
+      cost += bone_[At(f, i)][torn ? 1 : 0];
+    }
+    return cost;
+  }
+
+  /// Into frame f. A pair that is not seen in the frame before is taken to have been in that frame's state when last
+  /// seen.
+  double ChangeCost(int f, int from, int to) const {
+    double cost = from == to ? 0.0 : kChangeCost;
+    for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
+      cost += step_[At(f, i)][Exchanged(from, i) == Exchanged(to, i) ? 0 : 1];
+    }
+    return cost;
+  }
+
+  std::vector<int> BestPath() const {
+    const int frames = tracks_.frames();
+    std::vector<double> cost(states());
+    std::vector<std::vector<int>> came(frames, std::vector<int>(states(), 0));
+    for (int s = 0; s < states(); ++s) cost[s] = StateCost(0, s) + (s == 0 ? 0.0 : kChangeCost);
+    for (int f = 1; f < frames; ++f) {
+      std::vector<double> next(states(), std::numeric_limits<double>::infinity());
+      for (int to = 0; to < states(); ++to) {
+        for (int from = 0; from < states(); ++from) {
+          // From one exchange to another: that would let noise of joints near the trunk pay for being exchanged.
+          if (from != to && from != 0 && to != 0) continue;
+          const double through = cost[from] + ChangeCost(f, from, to);
+          if (through >= next[to]) continue;
+          next[to] = through;
+          came[f][to] = from;
+        }
+        next[to] += StateCost(f, to);
+      }
+      cost = next;
+    }
+    std::vector<int> path(frames, 0);
+    if (frames == 0) return path;
+    path.back() = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+    for (int f = frames - 1; f > 0; --f) path[f - 1] = came[f][path[f]];
+    return path;
+  }
+
+  /// Of the steps into frames [begin, end) and out of them.
+  double StepsOf(const std::vector<int>& path, int begin, int end) const {
+    double cost = begin == 0 && path[0] != 0 ? kChangeCost : 0.0;
+    for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f) cost += ChangeCost(f, path[f - 1], path[f]);
+    return cost;
+  }
+
+  const SkeletonTracks& tracks_;
+  const std::vector<BodyCentre>& centres_;
+  const Limb& limb_;
+  const std::vector<double>& bone_length_;
+  double sigma_;
+  std::vector<int> starts_;  ///< innermost exchanged level of states 1, 2, ...
+  std::vector<std::array<double, 2>> step_;
+  std::vector<std::array<double, 2>> bone_;
+};
+
+}  // namespace
+
+std::vector<LimbExchange> FindExchanges(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
+                                        double noise_sigma, double least_margin) {
+  const std::vector<BodyCentre> centres = BodyCentres({tracks.positions, tracks.confidence, tracks.time_s});
+  std::vector<LimbExchange> all;
+  for (const Limb& limb : LimbsOf(tracks)) {
+    const auto found = Search(tracks, centres, limb, bone_length, noise_sigma).Exchanges(least_margin);
+    all.insert(all.end(), found.begin(), found.end());
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const LimbExchange& a, const LimbExchange& b) { return a.frame_begin < b.frame_begin; });
+  return all;
+}
+
+}  // namespace mocurate

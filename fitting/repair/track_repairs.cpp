@@ -1,0 +1,154 @@
+#include "fitting/repair/track_repairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/quality/repeats.h"
+#include "core/quality/teleports.h"
+#include "fitting/repair/exchanges.h"
+
+namespace mocurate {
+namespace {
+
+class Repairs {
+ public:
+  explicit Repairs(const SkeletonTracks& given) {
+    result_.tracks = given;
+    result_.exchanged.assign(given.confidence.size(), false);
+    for (const Joint& joint : given.skeleton->joints) names_.push_back(joint.name);
+  }
+
+  /// Spans that are longer than `longest_s`, or most of what is seen of a joint, are left as they are: what lasts
+  /// may be true.
+  void LeaveOut(const std::vector<Finding>& findings, double longest_s) {
+    SkeletonTracks& tracks = result_.tracks;
+    for (const Finding& finding : findings) {
+      if (tracks.time_s[finding.frame_end - 1] - tracks.time_s[finding.frame_begin] > longest_s) continue;
+      TrackRepair repair;
+      repair.code = finding.code;
+      repair.frame_begin = finding.frame_begin;
+      repair.frame_end = finding.frame_end;
+      repair.value = finding.value;
+      repair.message = finding.message;
+      for (int j = 0; j < tracks.joints(); ++j) {
+        if (!finding.joint.empty() && names_[j] != finding.joint) continue;
+        if (LeaveOut(j, finding.frame_begin, finding.frame_end)) repair.joints.push_back(j);
+      }
+      if (!repair.joints.empty()) result_.repairs.push_back(std::move(repair));
+    }
+  }
+
+  void Exchange(const LimbExchange& limb) {
+    SkeletonTracks& tracks = result_.tracks;
+    TrackRepair repair;
+    repair.code = "swapped_sides";
+    repair.action = TrackRepair::Action::kExchanged;
+    repair.frame_begin = limb.frame_begin;
+    repair.frame_end = limb.frame_end;
+    repair.joints = limb.pairs;
+    repair.value = limb.margin;
+    for (int f = limb.frame_begin; f < limb.frame_end; ++f) {
+      for (const int left : limb.pairs) {
+        const int right = tracks.skeleton->joints[left].mirror;
+        const Vector3d place = tracks.positions.at(f, left);
+        tracks.positions.at(f, left) = Vector3d(tracks.positions.at(f, right));
+        tracks.positions.at(f, right) = place;
+        std::swap(tracks.confidence[At(f, left)], tracks.confidence[At(f, right)]);
+        result_.exchanged[At(f, left)] = result_.exchanged[At(f, right)] = true;
+      }
+    }
+    std::string joints;
+    for (const int left : limb.pairs) joints += (joints.empty() ? "" : ", ") + names_[left];
+    repair.message = joints + " and the other side's are exchanged in " +
+                     Counted(limb.frame_end - limb.frame_begin, "frame") + ": steps and bones are likelier so";
+    result_.repairs.push_back(std::move(repair));
+  }
+
+  TrackedPoints points() const {
+    return {result_.tracks.positions, result_.tracks.confidence, result_.tracks.time_s, names_};
+  }
+  const SkeletonTracks& tracks() const { return result_.tracks; }
+  RepairedTracks Take() { return std::move(result_); }
+
+ private:
+  std::size_t At(int f, int j) const {
+    return static_cast<std::size_t>(f) * names_.size() + static_cast<std::size_t>(j);
+  }
+
+  bool LeaveOut(int joint, int begin, int end) {
+    SkeletonTracks& tracks = result_.tracks;
+    int here = 0;
+    int all = 0;
+    for (int f = 0; f < tracks.frames(); ++f) {
+      if (!tracks.seen(f, joint)) continue;
+      ++all;
+      here += f >= begin && f < end ? 1 : 0;
+    }
+    if (here == 0 || 2 * here > all) return false;
+    for (int f = begin; f < end; ++f) tracks.confidence[At(f, joint)] = 0.0;
+    return true;
+  }
+
+  RepairedTracks result_;
+  std::vector<std::string> names_;
+};
+
+/// Repeats without the frame that they repeat, which is as good as any.
+std::vector<Finding> Repeated(std::vector<Finding> findings) {
+  for (Finding& finding : findings) ++finding.frame_begin;
+  return findings;
+}
+
+}  // namespace
+
+RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
+                            const RepairOptions& options) {
+  Repairs repairs(given);
+  if (options.teleports) repairs.LeaveOut(FindTeleports(repairs.points()), options.longest_teleport_s);
+  if (options.held) {
+    const auto least = static_cast<int>(options.held_frames);
+    repairs.LeaveOut(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_held_s);
+  }
+  if (options.swaps) {
+    for (const LimbExchange& limb : FindExchanges(repairs.tracks(), bone_length, noise_sigma, options.swap_margin))
+      repairs.Exchange(limb);
+  }
+  return repairs.Take();
+}
+
+std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton) {
+  std::vector<Finding> findings;
+  for (const TrackRepair& repair : repairs) {
+    Finding finding;
+    finding.code = repair.code;
+    finding.severity = Severity::kInfo;
+    finding.frame_begin = repair.frame_begin;
+    finding.frame_end = repair.frame_end;
+    const bool whole = static_cast<int>(repair.joints.size()) == skeleton.joint_count();
+    if (!whole) finding.joint = skeleton.joints[repair.joints.front()].name;
+    finding.value = repair.value;
+    finding.message = repair.message;
+    finding.action = repair.action == TrackRepair::Action::kExchanged ? "repaired" : "taken as missing";
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+std::string RepairsText(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TrackRepair& repair : repairs) {
+    nlohmann::json joints = nlohmann::json::array();
+    for (const int joint : repair.joints) joints.push_back(skeleton.joints[joint].name);
+    list.push_back({{"code", repair.code},
+                    {"action", repair.action == TrackRepair::Action::kExchanged ? "exchanged" : "left out"},
+                    {"frames", {repair.frame_begin, repair.frame_end}},
+                    {"joints", joints},
+                    {"value", std::round(1e3 * repair.value) / 1e3}});
+  }
+  return list.dump();
+}
+
+}  // namespace mocurate

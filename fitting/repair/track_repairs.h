@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/motion/motion.h"
+#include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// What was done to the samples of some joints in frames [frame_begin, frame_end) before the fit.
+struct TrackRepair {
+  enum class Action { kExchanged, kLeftOut };
+
+  std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames"
+  Action action = Action::kLeftOut;
+  int frame_begin = 0;
+  int frame_end = 0;
+  std::vector<int> joints;  ///< of an exchange the left ones; each with its mirror partner
+  double value = 0.0;       ///< of the code: margin, metres, frames
+  std::string message;
+};
+
+/// Tracks as the fit takes them; the given ones are left as they are.
+struct RepairedTracks {
+  SkeletonTracks tracks;
+  std::vector<bool> exchanged;       ///< (F*J) what is seen there was tracked as the other side
+  std::vector<TrackRepair> repairs;  ///< in the order in which they were made
+};
+
+/// Takes samples for missing that no body gives (teleports, held joints), then exchanges left and right where the
+/// tracker did (FindExchanges). `bone_length` (J) metres; `noise_sigma` metres per axis.
+RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
+                            const RepairOptions& options);
+
+/// One finding per repair: code, frames, joint (the first), value; action "repaired" or "taken as missing".
+std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton);
+
+/// [{"code", "action", "frames": [begin, end), "joints": [names], "value"}], one line: what provenance keeps
+/// (kTrackRepairs), so that each repair can be taken back.
+inline constexpr const char* kTrackRepairs = "track_repairs";
+std::string RepairsText(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,39 @@
+#include "fitting/uncertainty/frame_covariances.h"
+
+#include <algorithm>
+#include <string>
+
+#include "fitting/solver/block_tridiagonal.h"
+#include "fitting/solver/one_thread.h"
+
+namespace mocurate {
+
+Status VisitCovariances(const TrackWindow& whole, const std::function<void(const FrameCovariance&)>& visit) {
+  const OneThread one_thread;
+  const int length = static_cast<int>(whole.options.window_frames);
+  const int context = static_cast<int>(whole.options.window_overlap);
+  whole.state.Update(0, whole.end, true);
+  for (int begin = 0; begin < whole.end; begin += length) {
+    const int end = std::min(begin + length, whole.end);
+    TrackWindow window{whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, whole.options};
+    window.begin = std::max(begin - context, 0);
+    window.end = std::min(end + context, whole.end);
+    window.walks = whole.walks;
+    TrackEquations track(window);
+    BlockTridiagonal equations(window.end - window.begin, track.size(), 0);
+    track.Linearise(equations);
+    if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
+      return Fail(ErrorCode::kInternal, "the pose is not determined, not even by its priors",
+                  "frames " + std::to_string(begin) + " to " + std::to_string(end));
+    }
+    Eigen::MatrixXd next;
+    equations.VisitInverse([&](int f, const Eigen::MatrixXd& own, const Eigen::MatrixXd& with_next) {
+      const int frame = window.begin + f;
+      if (frame >= begin && frame < end) visit({track, frame, own, with_next, next});
+      next = own;
+    });
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,114 @@
+// bench_studio_fits [SEED [SUBJECTS [all|one [HZ [OPTION=NUMBER ...]]]]]: fits studio clips of all 12 classes (one clip
+// per class and person, or all 34 variants), whose bodies the fitter does not know, and compares with the truth. Noise
+// of 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames unless options say otherwise.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include <Eigen/Cholesky>
+
+#include "core/motion/kinematics.h"
+#include "fitting/fit_outcome.h"
+#include "fitting/proportions.h"
+#include "tests/fitting/fit_score.h"
+#include "tests/fitting/studio_clips.h"
+
+namespace mocurate {
+namespace {
+
+void Set(const std::string& name, double value, JointTrackOptions& options, RepairOptions& repair,
+         StudioClipErrors& errors) {
+  if (name == "rotation_walk") options.rotation_walk = value;
+  if (name == "velocity_walk") options.velocity_walk = value;
+  if (name == "rest_spread") options.rest_spread = value;
+  if (name == "huber_sigmas") options.huber_sigmas = value;
+  if (name == "walk_refits") options.walk_refits = static_cast<std::int64_t>(value);
+  if (name == "ceres") options.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
+  if (name == "repair_swaps") repair.swaps = value != 0.0;
+  if (name == "swap_margin") repair.swap_margin = value;
+  if (name == "uncertainty") options.uncertainty = value != 0.0;
+  if (name == "noise") errors.tracker.noise = value;
+  if (name == "dropout") errors.tracker.dropout_share = value;
+  if (name == "outlier") errors.tracker.outlier_share = value;
+  if (name == "frozen") errors.tracker.frozen_share = value;
+  if (name == "wander") errors.tracker.wander = value;
+  if (name == "swapped") errors.swapped_frames = value;
+  if (name == "swap_mean") errors.swap_mean_frames = value;
+}
+
+}  // namespace
+}  // namespace mocurate
+
+int main(int argc, char** argv) {
+  using namespace mocurate;
+  const auto seed = static_cast<std::uint64_t>(argc > 1 ? std::atoll(argv[1]) : 101);
+  const int subjects = argc > 2 ? std::atoi(argv[2]) : 5;
+  const bool variants = argc > 3 && std::string(argv[3]) == "all";
+  const double rate_hz = argc > 4 ? std::atof(argv[4]) : 30.0;
+  JointTrackOptions options;
+  options.solver = TrackSolver::kBanded;
+  RepairOptions repair;
+  StudioClipErrors errors = StudioClipErrors::Stated();
+  bool true_bones = false;
+  for (int i = 5; i < argc; ++i) {
+    const std::string text = argv[i];
+    const std::size_t at = text.find('=');
+    if (text.substr(0, at) == "true_bones") true_bones = true;
+    Set(text.substr(0, at), std::atof(text.substr(at + 1).c_str()), options, repair, errors);
+  }
+  const std::vector<StudioClip> clips = StudioClips(seed, subjects, variants, errors, rate_hz);
+  FitScore all;
+  std::map<int, FitScore> of_class;
+  double seconds = 0.0;
+  double sigma = 0.0;
+  SwapScore swaps;
+  for (int person = 1; person <= subjects; ++person) {
+    std::vector<SkeletonTracks> tracks;
+    for (const StudioClip& clip : clips) {
+      if (clip.subject == person && tracks.size() < 30) tracks.push_back(clip.tracks);
+    }
+    if (tracks.empty()) continue;
+    const auto bones = EstimateProportions(tracks, tracks[0].skeleton, ProportionsOptions{});
+    if (!bones) return std::fprintf(stderr, "%s\n", bones.error().Message().c_str()), 1;
+    for (const StudioClip& clip : clips) {
+      if (clip.subject != person) continue;
+      const auto start = std::chrono::steady_clock::now();
+      const auto fit = RepairAndFit(clip.tracks, clip.truth.rate,
+                                    true_bones ? clip.truth.bone_length : bones->bone_length, repair, options);
+      seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
+      all.Add(*fit, clip);
+      of_class[clip.action].Add(*fit, clip);
+      swaps.Add(*fit, clip);
+      sigma += fit->noise_sigma / static_cast<double>(clips.size());
+      if (std::getenv("CLIPS") != nullptr) {
+        FitScore one;
+        one.Add(*fit, clip);
+        std::printf("%-28s %5d frames %6.1f mm %5.1f deg\n", clip.name.c_str(), clip.truth.frame_count(),
+                    one.joint_mm(), one.rotation_deg());
+        for (const Finding& finding : fit->findings) {
+          if (finding.code == kOutliersRejected) continue;
+          std::printf("    %s frames %d to %d: %s (%.1f)\n", finding.code.c_str(), finding.frame_begin,
+                      finding.frame_end, finding.message.c_str(), finding.value);
+        }
+      }
+    }
+  }
+  for (const auto& [action, score] : of_class) {
+    std::printf("class %2d: joints %5.1f mm, rotations %4.1f deg\n", action, score.joint_mm(), score.rotation_deg());
+  }
+  std::printf("joints (mm):");
+  for (std::size_t j = 0; j < all.by_joint.size(); ++j)
+    std::printf(" %s %.1f", clips[0].tracks.skeleton->joints[j].name.c_str(), all.by_joint[j] / all.frames * 1e3);
+  std::printf("\n");
+  std::printf("exchanged samples: %d, of them mended %d; others exchanged by mistake: %d\n", swaps.there, swaps.mended,
+              swaps.mistaken);
+  std::printf(
+      "%zu clips, %d frames: joints %.2f mm (seen %.2f, hidden or wrong %.2f), rotations %.2f deg (full %.2f, bones "
+      "%.2f), within sigma %.1f %%, 2 sigma %.1f %%, noise %.1f mm, %.0f frames/s\n",
+      clips.size(), all.frames, all.joint_mm(), all.seen_mm(), all.hidden_mm(), all.rotation_deg(), all.full_deg(),
+      all.bone_deg(), 100.0 * all.within_one(), 100.0 * all.within_two(), 1e3 * sigma, all.frames / seconds);
+}

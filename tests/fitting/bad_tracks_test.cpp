@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "fitting/fit_outcome.h"
+#include "fitting/proportions.h"
+#include "tests/fitting/takes.h"
+#include "tests/fitting/track_problems.h"
+
+namespace mocurate {
+namespace {
+
+Clip ClipOf(const Take& take) {
+  Clip clip;
+  clip.identity.recording = "bad";
+  clip.rate = take.truth.rate;
+  clip.evidence.tracks = AsSource(take.tracks);
+  return clip;
+}
+
+/// A fit of both solvers that is sound: every number finite, states and uncertainty complete, an outcome to tell.
+FitResult SoundFit(const Clip& clip, const std::vector<double>& bones = {}) {
+  FittingOptions options;
+  for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
+    options.joint_tracks.solver = solver;
+    const auto fit = FitTracksOfClip(clip, TestSkeleton(), bones, options);
+    EXPECT_TRUE(fit.has_value()) << fit.error().Message();
+    if (!fit) return {};
+    EXPECT_TRUE(fit->motion.Check().has_value()) << fit->motion.Check().error().Message();
+    for (const float value : fit->motion.position_cov) EXPECT_TRUE(std::isfinite(value));
+    for (const float value : fit->motion.rotation_sigma) EXPECT_TRUE(std::isfinite(value));
+    EXPECT_FALSE(OutcomeOfFit(clip, *fit, options).summary["termination"].get<std::string>().empty());
+    if (solver == TrackSolver::kBanded) return *fit;
+  }
+  return {};
+}
+
+double SigmaAt(const FitResult& fit, int frame, int joint) {
+  const std::size_t at = static_cast<std::size_t>(frame) * fit.motion.joint_count() + static_cast<std::size_t>(joint);
+  const float* c = fit.motion.position_cov.data() + 6 * at;
+  return std::sqrt((c[0] + c[3] + c[5]) / 3.0);
+}
+
+TEST(BadTracks, OfOneAndTwoFramesAreFitted) {
+  for (const int frames : {1, 2}) {
+    const Take take = SmoothTake(frames);
+    const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
+    EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2e-3) << frames;
+  }
+}
+
+TEST(BadTracks, WithInfinitiesAreRefusedByPlace) {
+  for (const double value : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                             std::numeric_limits<double>::quiet_NaN()}) {
+    Take take = SmoothTake(10);
+    take.tracks.positions.at(4, 2).x() = value;
+    const auto fit = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
+    ASSERT_FALSE(fit.has_value());
+    EXPECT_EQ(fit.error().code, ErrorCode::kMalformed);
+    EXPECT_NE(fit.error().where.find("track 'head' frame 4"), std::string::npos) << fit.error().where;
+  }
+}
+
+TEST(BadTracks, WithDuplicateTimesAreRefusedByPlaceAndNumber) {
+  Take take = SmoothTake(10);
+  take.tracks.time_s[6] = take.tracks.time_s[5];
+  const auto fit = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
+  ASSERT_FALSE(fit.has_value());
+  EXPECT_NE(fit.error().where.find("tracks frame 6"), std::string::npos);
+  EXPECT_NE(fit.error().what.find("0.16666"), std::string::npos) << fit.error().what;
+}
+
+TEST(BadTracks, WithoutAnybodyAreRefusedAndWithNobodyForAWhileSayHowLittleIsKnown) {
+  Take take = SmoothTake(120);
+  for (int f = 40; f < 85; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+  }
+  AddNoise(take.tracks, 0.01, 3);
+  const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
+  ASSERT_FALSE(fit.findings.empty());
+  EXPECT_EQ(fit.findings[0].code, "frames_without_evidence");
+  EXPECT_EQ(fit.findings[0].value, 45);
+  EXPECT_GT(SigmaAt(fit, 62, 5), 5.0 * SigmaAt(fit, 20, 5));
+  EXPECT_EQ(fit.motion.state[static_cast<std::size_t>(62) * 14 + 5], JointState::kInferred);
+  for (int f = 0; f < 120; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+  }
+  const auto nothing = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
+  ASSERT_FALSE(nothing.has_value());
+  EXPECT_NE(nothing.error().what.find("120 frames"), std::string::npos);
+}
+
+TEST(BadTracks, WithBonesOfNoLengthAreFittedAndDoubted) {
+  Take take = SmoothTake(30);
+  std::vector<double> bones = take.truth.bone_length;
+  bones[4] = bones[5] = 0.0;
+  const FitResult fit = SoundFit(ClipOf(take), bones);
+  EXPECT_GT(fit.residual_p95, 0.1);
+  for (int f = 0; f < 30; ++f) {  // the tracker says that all joints are in one place
+    for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j) = Vector3d(0.3, 1.0, -2.0);
+  }
+  const Clip clip = ClipOf(take);
+  const auto tracks = MapTracks(*clip.evidence.tracks, TestSkeleton());
+  ASSERT_TRUE(tracks.has_value());
+  const auto person = EstimateProportions({*tracks}, TestSkeleton(), ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  for (const double length : person->bone_length) EXPECT_TRUE(std::isfinite(length) && length >= 0.0);
+  const FitResult point = SoundFit(clip, take.truth.bone_length);
+  EXPECT_EQ(OutcomeOfFit(clip, point, FittingOptions{}).kind, OutcomeKind::kDoubtful);
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,191 @@
+#include "fitting/repair/track_repairs.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "fitting/fit_outcome.h"
+#include "fitting/repair/exchanges.h"
+#include "tests/fitting/takes.h"
+#include "tests/fitting/track_problems.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kNoise = 0.01;
+
+Take NoisyTake(int frames, std::uint64_t seed = 5, double turn_speed = 0.4) {
+  Take take = SmoothTake(frames, Quaterniond::Identity(), 30.0, turn_speed);
+  AddNoise(take.tracks, kNoise, seed);
+  return take;
+}
+
+/// The tracker takes the left for the right.
+void Exchange(SkeletonTracks& tracks, const std::vector<int>& left_joints, int begin, int end) {
+  for (int f = begin; f < end; ++f) {
+    for (const int left : left_joints) {
+      const int right = tracks.skeleton->joints[left].mirror;
+      const Vector3d place = tracks.positions.at(f, left);
+      tracks.positions.at(f, left) = Vector3d(tracks.positions.at(f, right));
+      tracks.positions.at(f, right) = place;
+      std::swap(tracks.confidence[static_cast<std::size_t>(f) * tracks.joints() + left],
+                tracks.confidence[static_cast<std::size_t>(f) * tracks.joints() + right]);
+    }
+  }
+}
+
+FitResult Fit(const Take& take, const RepairOptions& repair = {}) {
+  auto fit = RepairAndFit(take.tracks, take.truth.rate, take.truth.bone_length, repair, {});
+  EXPECT_TRUE(fit.has_value()) << fit.error().Message();
+  return std::move(*fit);
+}
+
+std::vector<Finding> OfCode(const FitResult& fit, const std::string& code) {
+  std::vector<Finding> found;
+  for (const Finding& finding : fit.findings) {
+    if (finding.code == code) found.push_back(finding);
+  }
+  return found;
+}
+
+JointState StateAt(const FitResult& fit, int frame, int joint) {
+  return fit.motion.state[static_cast<std::size_t>(frame) * fit.motion.joint_count() + joint];
+}
+
+struct Exchanged {
+  const char* what;
+  std::vector<int> left;  ///< of TestSkeleton
+  std::size_t findings;   ///< one per kind of limb
+};
+
+class ExchangedLimbs : public testing::TestWithParam<Exchanged> {};
+
+INSTANTIATE_TEST_SUITE_P(Repair, ExchangedLimbs,
+                         testing::Values(Exchanged{"forearms", {4, 5}, 1}, Exchanged{"arms", {3, 4, 5}, 1},
+                                         Exchanged{"legs", {9, 10}, 1}, Exchanged{"body", {3, 4, 5, 9, 10}, 2}),
+                         [](const auto& limbs) { return std::string(limbs.param.what); });
+
+TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
+  for (const int frames : {1, 2, 7, 20}) {
+    Take take = NoisyTake(90);
+    const double undisturbed = RmsError(Fit(take).motion.joints, take.truth.joints);
+    Exchange(take.tracks, GetParam().left, 40, 40 + frames);
+    const SkeletonTracks given = take.tracks;
+    const FitResult fit = Fit(take);
+    EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 1.02 * undisturbed) << frames << " frames";
+    EXPECT_EQ(take.tracks.positions.xyz, given.positions.xyz);  // evidence stays
+    const std::vector<Finding> findings = OfCode(fit, "swapped_sides");
+    ASSERT_EQ(findings.size(), GetParam().findings) << frames << " frames";
+    for (const Finding& finding : findings) {
+      EXPECT_EQ(finding.frame_begin, 40);
+      EXPECT_EQ(finding.frame_end, 40 + frames);
+      EXPECT_GT(finding.value, RepairOptions{}.swap_margin);
+      EXPECT_EQ(finding.action, "repaired");
+    }
+    for (int f = 0; f < 90; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j) {
+        const int mirror = take.tracks.skeleton->joints[j].mirror;
+        const auto& left = GetParam().left;
+        const bool listed = std::find(left.begin(), left.end(), std::min(j, mirror)) != left.end();
+        const bool mended = f >= 40 && f < 40 + frames && listed;
+        EXPECT_EQ(StateAt(fit, f, j), mended ? JointState::kRepaired : JointState::kObserved) << f << " " << j;
+      }
+    }
+  }
+}
+
+TEST(Repair, IsListedSoThatItCanBeTakenBack) {
+  Take take = NoisyTake(60);
+  const SkeletonTracks before = take.tracks;
+  Exchange(take.tracks, {4, 5}, 30, 34);
+  const nlohmann::json list = nlohmann::json::parse(Fit(take).track_repairs);
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0]["code"], "swapped_sides");
+  EXPECT_EQ(list[0]["joints"], (nlohmann::json{"left_elbow", "left_wrist"}));
+  // What the list says, done once more to the repaired tracks, gives the evidence back.
+  RepairedTracks repaired = RepairTracks(take.tracks, take.truth.bone_length, kNoise, {});
+  EXPECT_EQ(repaired.tracks.positions.xyz, before.positions.xyz);
+  for (const TrackRepair& repair : repaired.repairs)
+    Exchange(repaired.tracks, repair.joints, repair.frame_begin, repair.frame_end);
+  EXPECT_EQ(repaired.tracks.positions.xyz, take.tracks.positions.xyz);
+}
+
+TEST(Repair, ExchangesNothingInTracksThatAreRight) {
+  for (const double turn_speed : {0.4, 6.0, 12.0}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Take take = NoisyTake(150, seed, turn_speed);
+      EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0).empty())
+          << "turn " << turn_speed << " seed " << seed;
+    }
+  }
+}
+
+TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
+  Take take = NoisyTake(120);
+  for (int f = 0; f < 120; ++f) {  // knees of a sitting person, say: each nearer to the other side's hip
+    take.tracks.positions.at(f, 10) = Vector3d(take.tracks.positions.at(f, 11)) + Vector3d(0.05, -0.8, 0.0);
+    take.tracks.positions.at(f, 12) = Vector3d(take.tracks.positions.at(f, 9)) + Vector3d(-0.05, -0.8, 0.0);
+  }
+  EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0).empty());
+}
+
+TEST(Repair, LeavesWhatIsNotClear) {
+  Take take = NoisyTake(60);
+  Exchange(take.tracks, {4, 5}, 30, 34);
+  const auto clear = FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0);
+  ASSERT_EQ(clear.size(), 1u);
+  EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, clear[0].margin + 1.0).empty());
+  RepairOptions off;
+  off.swaps = false;
+  EXPECT_TRUE(Fit(take, off).track_repairs.empty());
+}
+
+TEST(Repair, TakesHeldJointsForMissing) {
+  Take take = NoisyTake(90);
+  const int wrist = 5;
+  for (int f = 41; f < 56; ++f) take.tracks.positions.at(f, wrist) = Vector3d(take.tracks.positions.at(40, wrist));
+  const FitResult fit = Fit(take);
+  const auto findings = OfCode(fit, "held_joint");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].joint, "left_wrist");
+  EXPECT_EQ(StateAt(fit, 40, wrist), JointState::kObserved);
+  EXPECT_EQ(StateAt(fit, 48, wrist), JointState::kInterpolated);
+  RepairOptions off;
+  off.held = false;
+  const auto error = [&](const FitResult& result) {
+    return (result.motion.joints.at(50, wrist) - take.truth.joints.at(50, wrist)).norm();
+  };
+  EXPECT_LT(error(fit), 0.6 * error(Fit(take, off)));
+}
+
+TEST(Repair, TakesAPersonWhoIsSuddenlyElsewhereForMissing) {
+  Take take = NoisyTake(90);
+  for (int f = 40; f < 50; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j) += Vector3d(3.0, 0.0, -2.0);
+  }
+  const FitResult fit = Fit(take);
+  ASSERT_EQ(OfCode(fit, "teleport").size(), 1u);
+  EXPECT_EQ(OfCode(fit, "teleport")[0].frame_begin, 40);
+  EXPECT_EQ(OfCode(fit, "teleport")[0].frame_end, 50);
+  EXPECT_EQ(StateAt(fit, 45, 0), JointState::kInterpolated);
+  EXPECT_LT((fit.motion.joints.at(45, 0) - take.truth.joints.at(45, 0)).norm(), 0.05);
+}
+
+TEST(Repair, KeepsAStillnessThatLasts) {
+  Take take = NoisyTake(90);
+  for (int f = 1; f < 70; ++f) take.tracks.positions.at(f, 5) = Vector3d(take.tracks.positions.at(0, 5));
+  EXPECT_TRUE(Fit(take).track_repairs.empty());  // most of what is seen of the joint
+}
+
+TEST(Repair, StatesTellHowFarTheNextObservationIs) {
+  Take take = NoisyTake(120);
+  for (int f = 20; f < 100; ++f) Hide(take.tracks, f, 5);
+  const FitResult fit = Fit(take);
+  EXPECT_EQ(StateAt(fit, 19, 5), JointState::kObserved);
+  EXPECT_EQ(StateAt(fit, 25, 5), JointState::kInterpolated);
+  EXPECT_EQ(StateAt(fit, 60, 5), JointState::kInferred);  // 1.3 s from any
+  EXPECT_EQ(StateAt(fit, 95, 5), JointState::kInterpolated);
+}
+
+}  // namespace
+}  // namespace mocurate
