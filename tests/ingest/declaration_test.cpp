@@ -65,14 +65,13 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   source.format = SourceFormat::kNpy;
   source.units = "m";
   source.axes = "+x +y +z";
-  Written("take.bvh", kBvh);
+  for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", kBvh);
   EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
   source.format = SourceFormat::kBvh;
   const auto declared = InspectPath(folder_, source);
   EXPECT_THAT(Codes(declared, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
   const std::string text = InspectionText(declared);
-  EXPECT_THAT(text, HasSubstr("declared")) << "what is declared is said of no clip by agreement";
-  EXPECT_THAT(text, ::testing::Not(HasSubstr("declared, 100 % agree")));
+  EXPECT_THAT(text, HasSubstr("+y  declared\n")) << "what is declared is said of no clip by agreement";
 }
 
 }  // namespace
