@@ -26,7 +26,8 @@ std::vector<std::string> Recipes() {
 
 Expected<ConfigSource> RecipeOf(const std::string& name) {
   if (const auto text = FindResource(kFolder + name + ".yaml")) {
-    return ConfigSource{std::string(*text), name + ".yaml", std::filesystem::current_path()};
+    // By its place among the embedded files, so that a recipe may include another that lies beside it.
+    return ConfigSource{std::string(*text), "resource:" + std::string(kFolder) + name + ".yaml", {}};
   }
   std::error_code unknown;
   if (std::filesystem::is_regular_file(name, unknown)) {
