@@ -19,6 +19,8 @@ Expected<Compared> Read(const StageInput& input) {
   const auto clip = ReadEvidence(input.path);
   if (!clip) return Forward(clip);
   Compared compared{input.name, clip->id(), clip->evidence_sha256, {}};
+  // Clips of several people of one recording have the same keypoints.
+  if (clip->evidence.subject > 0) compared.sha256 += "/" + std::to_string(clip->evidence.subject);
   const ClipPoints points(*clip, nullptr);
   if (!points.empty()) compared.signature = SignatureOf(points.view());
   return compared;

@@ -193,7 +193,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration IngestDeclaration() { return {"ingest", 10, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration DuplicatesDeclaration() { return {"duplicates", 1, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration DuplicatesDeclaration() { return {"duplicates", 2, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -285,6 +285,8 @@ TEST(ClipChecks, AnArrayLongerThanItsNameSaysContradictsIt) {
   EXPECT_EQ(ingested.outcome->findings[0].message, "the name speaks of 39 frames (0100-0138), the file holds 40");
 }
 
+TEST_F(RecordedSets, TwoPeopleOfOneRecordingAreNoDuplicates) { EXPECT_THAT(Repeated("pose2sim_two"), ElementsAre()); }
+
 TEST(ClipChecks, OneTakeUnderTwoNamesIsOneAndMayBeDropped) {
   IngestOptions options = Swaying("twice", [](int, int, Vector3d&) {});
   std::filesystem::copy_file(options.path / "a01_s01_e01_realworld.txt", options.path / "a02_s01_e01_realworld.txt");
