@@ -83,9 +83,12 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
   switch (options.ingest.source.format) {
     case SourceFormat::kJointTable:
     case SourceFormat::kNtuSkeleton:
+    case SourceFormat::kPanoptic:
+    case SourceFormat::kPhspd:
       wanted = "joint_tracks", gives = "joint tracks", methods = {FitMethod::kJointTracks};
       break;
     case SourceFormat::kDepthSequence:
+    case SourceFormat::kDepthViews:
       wanted = "point_clouds", gives = "depth views", methods = {FitMethod::kPointClouds};
       break;
     case SourceFormat::kOpenPose:

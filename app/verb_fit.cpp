@@ -51,10 +51,10 @@ bool IsStore(const fs::path& path) {
 
 /// A dataset or MotionSet says everything itself.
 Declared DeclareStore(const fs::path& path) {
-  const std::string name = nlohmann::json(path.filename().string()).dump();
-  const std::string text = "ingest:\n  source:\n    name: fit\n    format: motions\n    container: " + name +
-                           "\n    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
-                           "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
+  const std::string text =
+      "ingest:\n  source:\n    name: fit\n    format: motions\n    container: the file that is named\n"
+      "    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
+      "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
   return {{text, DisplayPath(path), fs::current_path()}, {}};
 }
 
@@ -106,7 +106,10 @@ bool HasRotations(const IngestOptions& ingest) {
       return true;
     case SourceFormat::kMotions: {
       const Expected<nlohmann::json> store = DescribeStore(ingest.path);
-      return store && store->dump().find("frames/rotation") != std::string::npos;
+      if (!store || !store->contains("fields")) return false;
+      return std::any_of((*store)["fields"].begin(), (*store)["fields"].end(), [](const nlohmann::json& field) {
+        return field.value("path", std::string()) == "/frames/rotation";
+      });
     }
     default:
       return false;
@@ -147,14 +150,14 @@ Expected<JobOptions> OptionsOf(const FitArguments& arguments) {
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
   std::error_code unknown;
   const fs::path path = fs::absolute(arguments.path, unknown).lexically_normal();
-  std::vector<std::string> assignments = {"ingest.path=" + nlohmann::json(path.string()).dump(),
-                                          "fitting.other_joints=leave_out"};
+  std::vector<std::string> assignments = {"ingest.path=.", "fitting.other_joints=leave_out"};
   if (!arguments.skeleton.empty()) assignments.push_back("skeleton=" + arguments.skeleton);
   if (arguments.contacts) assignments.push_back("fitting.contacts.remove_sliding=true");
   assignments.insert(assignments.end(), arguments.assignments.begin(), arguments.assignments.end());
   Expected<LoadedJob> job = LoadJob(declared->config, assignments);
   if (!job) return Forward(job);
   JobOptions options = std::move(job->options);
+  options.ingest.path = path;  // not by way of YAML: a path may hold any bytes
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
   return options;

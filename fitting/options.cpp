@@ -139,6 +139,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 7, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 9, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 10, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

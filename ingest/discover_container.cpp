@@ -40,7 +40,9 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
           ExcludedFile(named->item(), entry.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
-    ItemSpec item{named->item(), stage_options, {{"source", source.container, path, ""}}};
+    // Clips of a dataset keep their ids: several may be spans of one recording.
+    const std::string name = source.format == SourceFormat::kMotions ? entry.name : named->item();
+    ItemSpec item{name, stage_options, {{"source", source.container, path, ""}}};
     item.options["entry"] = i;
     item.options["entry_name"] = entry.name;
     if (entry.frames > 0) item.options["most_frames"] = entry.frames;

@@ -141,11 +141,15 @@ std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
 
 void Complete(const SourceOptions& source, const NamedFile& named, const std::string& bytes, IngestedClip& ingested) {
   Clip& clip = ingested.clip;
-  clip.identity = named.identity;
-  clip.identity.begin_frame = 0;
-  clip.identity.end_frame = FrameCount(clip);
+  if (source.format == SourceFormat::kMotions) {
+    if (!source.licence.empty()) clip.identity.licence = source.licence;
+  } else {
+    clip.identity = named.identity;
+    clip.identity.begin_frame = 0;
+    clip.identity.end_frame = FrameCount(clip);
+    clip.role = named.role;
+  }
   clip.label = named.label;
-  clip.role = named.role;
   clip.evidence_sha256 = EvidenceHash(bytes, clip.evidence);
   clip.provenance["file"] = named.fields.at("file");
   clip.provenance["source_axes"] = source.axes;

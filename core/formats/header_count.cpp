@@ -11,9 +11,10 @@ constexpr std::string_view kHolds = ", the file holds ";
 }  // namespace
 
 tl::unexpected<Error> CountContradiction(const std::string& count, double announced, double held,
-                                         const std::string& where) {
+                                         const std::string& where, bool at_most) {
   return Fail(ErrorCode::kInconsistent,
-              count + std::string(kAnnounces) + FormatDouble(announced) + std::string(kHolds) + FormatDouble(held),
+              count + std::string(kAnnounces) + FormatDouble(announced) + std::string(kHolds) +
+                  (at_most ? "at most " : "") + FormatDouble(held),
               where,
               announced > held ? "the file is cut off, or its header is wrong: copy it again" : "correct the header");
 }

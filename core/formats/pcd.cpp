@@ -198,7 +198,8 @@ class PcdParser {
   Status Ascii() {
     std::size_t columns = 0;
     for (const PcdField& field : pcd_.fields) columns += static_cast<std::size_t>(field.count);
-    if (const std::size_t most = (bytes_.size() - at_) / (2 * columns) + 1; points() > most) return Contradiction(most);
+    if (const std::size_t most = (bytes_.size() - at_) / (2 * columns) + 1; points() > most)
+      return Contradiction(most, true);
     pcd_.missing.assign(points(), 0);
     NumberScanner scanner(bytes_.substr(at_), false, line_ + 1);
     using Token = NumberScanner::Token;
@@ -233,9 +234,9 @@ class PcdParser {
     return Contradiction(held);
   }
 
-  tl::unexpected<Error> Contradiction(std::size_t held) const {
+  tl::unexpected<Error> Contradiction(std::size_t held, bool at_most = false) const {
     return CountContradiction("POINTS", static_cast<double>(points()), static_cast<double>(held),
-                              name_ + ":" + std::to_string(points_line_));
+                              name_ + ":" + std::to_string(points_line_), at_most);
   }
 
   Status Binary() {

@@ -169,7 +169,7 @@ class PlyParser {
     for (PlyElement& element : ply_.elements) {
       const std::size_t smallest = SmallestItem(element);
       if (smallest > 0 && element.count > left / smallest + (ply_.encoding == Ply::Encoding::kAscii ? 1 : 0)) {
-        return Contradiction(element, left / smallest, name_ + ":" + std::to_string(line_));
+        return Contradiction(element, left / smallest, name_ + ":" + std::to_string(line_), true);
       }
       left -= std::min(left, smallest * element.count);
       for (PlyProperty& property : element.properties) {
@@ -180,9 +180,10 @@ class PlyParser {
     return {};
   }
 
-  tl::unexpected<Error> Contradiction(const PlyElement& element, std::size_t held, const std::string& where) const {
+  tl::unexpected<Error> Contradiction(const PlyElement& element, std::size_t held, const std::string& where,
+                                      bool at_most = false) const {
     return CountContradiction("element " + element.name, static_cast<double>(element.count), static_cast<double>(held),
-                              where);
+                              where, at_most);
   }
 
   Status Put(const PlyElement& element, std::size_t item, PlyProperty& property, double value) {
@@ -215,7 +216,12 @@ class PlyParser {
     const std::size_t left = bytes_.size() - at_;
     if (left == 0) return {};
     std::size_t smallest = 0;
-    if (!ply_.elements.empty()) smallest = SmallestItem(ply_.elements.back());
+    const auto has_list = [](const PlyElement& element) {
+      return std::any_of(element.properties.begin(), element.properties.end(),
+                         [](const PlyProperty& property) { return property.list_count.has_value(); });
+    };
+    // How many items of lists the bytes left are cannot be told.
+    if (!ply_.elements.empty() && !has_list(ply_.elements.back())) smallest = SmallestItem(ply_.elements.back());
     if (smallest > 0 && left >= smallest && ply_.elements.back().count > 0) {
       const PlyElement& last = ply_.elements.back();
       return Contradiction(last, last.count + left / smallest, name_);

@@ -120,6 +120,7 @@ class Reader {
 void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, double factor,
            PoseUncertainty& uncertainty) {
   uncertainty.variance_factor = factor;
+  factor *= kUncertaintyCalibration;
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;

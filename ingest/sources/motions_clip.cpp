@@ -8,7 +8,13 @@ Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
   if (!clip) return Forward(clip);
   if (!clip->motion) return Fail(ErrorCode::kInconsistent, "the clip has no motion", file.name);
   IngestedClip ingested;
-  ingested.content = BytesOf(clip->motion->joints.xyz);
+  ingested.content = clip->id() + '\n' + clip->label + '\n' + BytesOf(clip->motion->joints.xyz);
+  for (const Segment& segment : clip->segments) {
+    ingested.content += segment.label + '\n' + BytesOf({segment.begin_s, segment.end_s});
+  }
+  for (const Vector3d& place : clip->motion->root_translation) {
+    ingested.content += BytesOf({place.x(), place.y(), place.z()});
+  }
   for (const Quaterniond& rotation : clip->motion->rotation) {
     ingested.content += BytesOf({rotation.w(), rotation.x(), rotation.y(), rotation.z()});
   }

@@ -135,7 +135,8 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file);
 /// places recorded; on another the places alone.
 Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file);
 
-/// One clip of a dataset or MotionSet, as it is: rotations where it has them, else joints only.
+/// One clip of a dataset or MotionSet, as it is, with its identity, segments and role: rotations where it has them,
+/// else joints only. Of the declaration only the licence and `labels` have a say.
 Expected<IngestedClip> ReadMotionsClip(const SourceFile& file);
 
 /// JSON files of a detector, one per camera and frame, and the calibration of the cameras -> keypoint views in the

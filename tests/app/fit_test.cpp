@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
 
@@ -106,6 +107,35 @@ TEST_F(FitVerbs, FeetOfAMotionThatIsGivenNoLongerSlideAndTheRestIsItsOwn) {
     EXPECT_LT((after.clips[0].motion->joints.at(f, neck) - before.clips[0].motion->joints.at(f, neck)).norm(), 1e-5);
   }
   EXPECT_EQ(after.clips[0].identity.recording, before.clips[0].identity.recording);
+}
+
+TEST_F(FitVerbs, ClipsOfADatasetKeepTheirIdentity) {
+  ASSERT_EQ(Fit(data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh", {"--skeleton", "smpl24"}).exit_code, 0);
+  Dataset dataset = Fitted();
+  Clip whole = dataset.clips.at(0);
+  whole.identity.source = "set";
+  whole.identity.licence = "CC-BY-NC";
+  whole.identity.session = "evening";
+  whole.role = "test";
+  dataset.clips.clear();
+  for (const int begin : {0, 100}) {  // two spans of one recording
+    auto span = Cut(whole, begin, begin + 60);
+    ASSERT_TRUE(span.has_value()) << span.error().Message();
+    dataset.clips.push_back(*span);
+  }
+  const fs::path given = folder_ / "given\xff.h5";
+  ASSERT_TRUE(WriteDataset(dataset, given).has_value());
+  fs::remove(output());
+  const Result result = Fit(given, {"--contacts"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Dataset fitted = Fitted();
+  ASSERT_EQ(fitted.clips.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(fitted.clips[i].id(), dataset.clips[i].id());
+    EXPECT_EQ(fitted.clips[i].identity.licence, "CC-BY-NC");
+    EXPECT_EQ(fitted.clips[i].identity.session, "evening");
+    EXPECT_EQ(fitted.clips[i].role, "test");
+  }
 }
 
 TEST_F(FitVerbs, NothingIsWrittenOverAndNothingIsMadeOfNothing) {

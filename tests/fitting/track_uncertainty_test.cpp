@@ -71,6 +71,7 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
   const auto uncertainty = UncertaintyOfTracks(window);
   ASSERT_TRUE(uncertainty.has_value()) << uncertainty.error().Message();
 
+  const double stated_share = uncertainty->variance_factor * kUncertaintyCalibration;
   TrackProblem problem(window);
   ceres::Covariance::Options dense;
   dense.algorithm_type = ceres::DENSE_SVD;
@@ -85,16 +86,16 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
     Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
     covariance.GetCovarianceBlock(state.translation(f), state.translation(f), block.data());
     const float* root = uncertainty->position_cov.data() + 6 * (static_cast<std::size_t>(f) * 14);
-    EXPECT_NEAR(root[0], uncertainty->variance_factor * block(0, 0), 1e-5 * root[0]);
-    EXPECT_NEAR(root[4], uncertainty->variance_factor * block(1, 2), 1e-5 * root[0]);
+    EXPECT_NEAR(root[0], stated_share * block(0, 0), 1e-5 * root[0]);
+    EXPECT_NEAR(root[4], stated_share * block(1, 2), 1e-5 * root[0]);
     covariance.GetCovarianceBlock(state.rotation(f, 3), state.rotation(f, 3), block.data());
     const Matrix3d turned = state.right_jacobian(f, 3) * block * state.right_jacobian(f, 3).transpose();
     for (int i = 0; i < 3; ++i) {
       const std::size_t at = 3 * (static_cast<std::size_t>(f) * 14 + 3) + i;
       const double stated = std::pow(uncertainty->rotation_sigma[at], 2);
       const double prior = stated / (1.0 - uncertainty->rotation_observed[at]);
-      // What the evidence adds to the prior, scaled by the a-posteriori variance.
-      const double expected = (1.0 / turned(i, i) - 1.0 / prior) / uncertainty->variance_factor;
+      // What the evidence adds to the prior, scaled by the a-posteriori variance and calibrated.
+      const double expected = (1.0 / turned(i, i) - 1.0 / prior) / stated_share;
       EXPECT_NEAR(1.0 / stated - 1.0 / prior, expected, 1e-3 * expected);
     }
   }
@@ -166,17 +167,16 @@ INSTANTIATE_TEST_SUITE_P(Reference, StatedUncertainty,
                          testing::Values("platform_seed0", "platform_seed1", "platform_seed2",
                                          "platform_dropouts5_seed0", "platform_dropouts5_seed1"));
 
-/// A random walk allows for more than a smooth motion does: stated uncertainty is mostly somewhat larger than the
-/// error. Walks that follow each joint in time make the largest errors a little larger than stated.
+/// 68.3 and 95.4 % are right. Motion and noise of these problems are not those that the calibration was made with.
 TEST_P(StatedUncertainty, CoversTheErrorWithoutExaggeration) {
   const ReferenceProblem problem = ReadReferenceProblem(ReferenceFolder() / (std::string(GetParam()) + ".h5"));
   const auto fit = FitJointTracks(problem.tracks, problem.rate, problem.bone_length, Bones::kFixed, {});
   ASSERT_TRUE(fit.has_value());
   Coverage coverage;
   coverage.Add(fit->motion, problem.truth);
-  EXPECT_GT(coverage.one(), 0.68);
-  EXPECT_LT(coverage.one(), 0.78);
-  EXPECT_GT(coverage.two(), 0.92);
+  EXPECT_GT(coverage.one(), 0.62);
+  EXPECT_LT(coverage.one(), 0.72);
+  EXPECT_GT(coverage.two(), 0.90);
   EXPECT_LT(coverage.two(), 0.98);
 }
 
