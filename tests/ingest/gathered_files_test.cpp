@@ -88,6 +88,27 @@ TEST(GatheredFiles, OfWhichNoneCanBeReadAreNotItsCalibration) {
   EXPECT_THAT(discovery.error().Message(), HasSubstr("nowhere.json"));
 }
 
+TEST(GatheredFiles, OfPanopticThatAreMissingAreFramesOfTheClip) {
+  const std::filesystem::path folder = FreshFolder("panoptic_gaps");
+  for (const int frame : {10, 11, 13, 14}) {
+    Put(folder / "band" / ("body3DScene_" + std::to_string(frame) + ".json"), OneBody(1000.0 + 1000.0 * frame / 29.97));
+  }
+  Put(folder / "band/body3DScene_11.json", "{\"version\": 0.7, \"bod");
+  const auto discovery = Discover(Panoptic(folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "panoptic_gaps");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  std::map<std::string, Finding> findings;
+  for (const Finding& finding : ingested.outcome->findings) findings.emplace(finding.code, finding);
+  ASSERT_EQ(findings.count("frames_missing"), 1u);
+  ASSERT_EQ(findings.count("unreadable_frames"), 1u);
+  EXPECT_EQ(findings["frames_missing"].frame_begin, 2);
+  EXPECT_EQ(findings["frames_missing"].frame_end, 3);
+  EXPECT_THAT(findings["frames_missing"].message, HasSubstr("no file for 1 of 5 frames, the first is number 12"));
+  EXPECT_EQ(findings["unreadable_frames"].frame_begin, 1);
+  EXPECT_THAT(findings["unreadable_frames"].message, HasSubstr("body3DScene_11.json"));
+}
+
 TEST(GatheredFiles, OfPanopticHaveNoCamera) {
   IngestOptions options = Panoptic(FreshFolder("panoptic_cameras"));
   options.source.files = "{recording}/{camera}/body3DScene_{frame}.json";
