@@ -233,7 +233,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       item.options["told_label"] = *label;
     }
     if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
-      discovery.left_out.push_back(RefusedFile(item.item, "calibration_missing", added.error()));
+      const bool missing = added.error().code == ErrorCode::kNotFound;
+      const char* code = missing ? "calibration_missing" : "unreadable_file";
+      discovery.left_out.push_back(RefusedFile(item.item, code, added.error()));
       continue;
     }
     if (!source.skeleton_files.empty()) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/text.h"
+
 namespace mocurate {
 namespace {
 
@@ -77,6 +79,13 @@ Status GatheredFiles::AddInputs(const std::string& first, const NameFields& fiel
   const char* role = source_->format == SourceFormat::kDepthViews ? "depth" : "source";
   for (const FolderFile* file : clip->second) {
     if (file->problem.empty()) item.inputs.push_back({role, file->name, file->path, ""});
+  }
+  if (item.inputs.empty()) {
+    const FolderFile& unreadable = *clip->second.front();
+    return Fail(
+        ErrorCode::kUnreadable,
+        Counted(clip->second.size(), "file") + " of the clip, none can be read; the first " + unreadable.problem,
+        unreadable.name, "mend or remove them");
   }
   for (const NamePattern& pattern : masks_) {
     for (const FolderFile* file : Companions(pattern, fields)) {

@@ -26,8 +26,8 @@ class GatheredFiles {
   /// A file of a clip that is named by another one, a calibration or a mask.
   bool BelongsToAnother(const std::string& name) const;
   /// Replaces the inputs of the clip that `first` names: its files (role "source", depth images and masks "depth"), and
-  /// what calibrates its cameras (role "calibration"). Files that cannot be read are left to be missed. Error kNotFound
-  /// naming the calibration.
+  /// what calibrates its cameras (role "calibration"). Files that cannot be read are left to be missed. Error
+  /// kUnreadable where all of them are such, or the calibration is; kNotFound naming the calibration.
   Status AddInputs(const std::string& first, const NameFields& fields, ItemSpec& item) const;
 
  private:

@@ -164,7 +164,14 @@ Status CheckGathered(const SourceOptions& s) {
         ErrorCode::kConfig, "'" + s.files + "' does not say which camera and which frame a file is of", Place("files"),
         views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
   }
-  for (const auto& [option, text] : {std::pair{"recording", &s.recording}, {"person", &s.person}}) {
+  if (!views && has(fields, "camera")) {
+    return Fail(ErrorCode::kConfig, "'" + s.files + "' names {camera}, but panoptic files are of all cameras together",
+                Place("files"), "one file per frame; what else differs in their names is e.g. {recording}, or {-}");
+  }
+  const std::pair<const char*, const std::string*> texts[] = {{"recording", &s.recording}, {"person", &s.person},
+                                                              {"label", &s.label},         {"session", &s.session},
+                                                              {"view", &s.view},           {"style", &s.style}};
+  for (const auto& [option, text] : texts) {
     for (const char* field : {"camera", "frame", "file"}) {
       if (!has(FieldsOf(*text), field)) continue;
       return Fail(ErrorCode::kConfig,

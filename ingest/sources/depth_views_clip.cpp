@@ -1,14 +1,9 @@
-#include "core/base/sha256.h"
 #include "ingest/sources/depth_header.h"
 #include "ingest/sources/rig_calibration.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
-
-Expected<std::string> HashOf(const StageInput& input) {
-  return input.sha256.empty() ? Sha256OfFile(input.path) : Expected<std::string>(input.sha256);
-}
 
 /// The file of a camera and frame. Error kNotFound.
 Expected<const StageInput*> At(const std::map<std::string, FilesOfCamera>& cameras, const std::string& camera,
@@ -46,25 +41,22 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
     view.camera = *camera;
     view.camera.name = name;
     view.metres_per_unit = file.source.depth_unit;
+    DepthView masked;
     for (int f = 0; f < span->frames; ++f) {
       const auto image = At(*cameras, name, span->first + f, "depth image", file);
       if (!image) return Forward(image);
       if (f == 0) {
         if (Status sized = SetImageSize(**image, view.camera); !sized) return Forward(sized);
       }
-      const Expected<std::string> hash = HashOf(**image);
-      if (!hash) return Forward(hash);
-      view.files.emplace_back((*image)->name);
-      view.sha256.push_back(*hash);
-      view.time_s.push_back(clip.rate.FrameTime(f));
+      const double time_s = clip.rate.FrameTime(f);
+      if (Status added = AddDepthImage(**image, time_s, view); !added) return Forward(added);
       if (file.source.mask_files.empty()) continue;
       const auto mask = At(*masks, name, span->first + f, "mask", file);
       if (!mask) return Forward(mask);
-      const Expected<std::string> mask_hash = HashOf(**mask);
-      if (!mask_hash) return Forward(mask_hash);
-      view.masks.emplace_back((*mask)->name);
-      view.mask_sha256.push_back(*mask_hash);
+      if (Status added = AddDepthImage(**mask, time_s, masked); !added) return Forward(added);
     }
+    view.masks = std::move(masked.files);
+    view.mask_sha256 = std::move(masked.sha256);
     clip.evidence.depth_views.push_back(std::move(view));
   }
   clip.provenance["calibration"] = rig->meaning;

@@ -1,16 +1,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/file.h"
-#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
 #include "ingest/sense/keypoint_layout_sense.h"
-#include "ingest/sources/rig_calibration.h"
+#include "ingest/sources/frame_files.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
+
+constexpr std::ptrdiff_t kMostPeople = 100;  // of an image
+constexpr std::size_t kMostSensed = 10000;   // people who are asked for the layout, evenly over views and frames
 
 using Poses = std::vector<std::vector<DetectedKeypoint>>;  ///< of the people of an image who have a point
 
@@ -24,45 +25,27 @@ bool Seen(const OpenPosePerson& person) {
   return std::any_of(person.pose.begin(), person.pose.end(), [](const DetectedKeypoint& p) { return p.detected(); });
 }
 
-/// Reads a camera's files. A frame without a file, or with one that cannot be read, is one in which nobody is seen.
+/// Reads a camera's files. One that lists more people than kMostPeople counts as unreadable: the view has room for as
+/// many in every image.
 ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span,
-                    std::vector<Finding>& findings, std::string& content) {
+                    IngestedClip& ingested) {
   ViewFrames view;
   view.frames.resize(static_cast<std::size_t>(span.frames));
-  std::vector<int> missing, broken;
-  std::string problem;
-  for (int f = 0; f < span.frames; ++f) {
-    const auto file = files.find(span.first + f);
-    if (file == files.end()) {
-      missing.push_back(f);
-      continue;
-    }
-    const Expected<std::string> bytes = ReadFile(file->second->path);
-    content += file->second->name + ' ' + (bytes ? Sha256Hex(*bytes) : "unreadable") + '\n';
-    Expected<OpenPoseFrame> frame = bytes ? ParseOpenPose(*bytes, file->second->name) : Forward(bytes);
-    if (!frame) {
-      if (broken.empty()) problem = frame.error().Message();
-      broken.push_back(f);
-      continue;
+  const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
+    Expected<OpenPoseFrame> frame = ParseOpenPose(bytes, name);
+    if (!frame) return Forward(frame);
+    const auto seen = std::count_if(frame->people.begin(), frame->people.end(), Seen);
+    if (seen > kMostPeople) {
+      return Fail(ErrorCode::kInconsistent,
+                  std::to_string(seen) + " people are seen, at most " + std::to_string(kMostPeople) + " are read", name,
+                  "is it of one image?");
     }
     for (OpenPosePerson& person : frame->people) {
       if (Seen(person)) view.frames[static_cast<std::size_t>(f)].push_back(std::move(person.pose));
     }
-  }
-  const auto note = [&](const std::vector<int>& frames, const char* code, const std::string& what) {
-    if (frames.empty()) return;
-    Finding finding = CameraFinding(code, static_cast<double>(frames.size()), what, "nobody is seen there");
-    finding.frame_begin = frames.front();
-    finding.frame_end = frames.back() + 1;
-    findings.push_back(std::move(finding));
+    return {};
   };
-  const std::string of = " of " + Counted(span.frames, "frame");
-  note(missing, "frames_missing",
-       "camera '" + camera + "' has no file for " + std::to_string(missing.size()) + of + ", the first is number " +
-           std::to_string(span.first + (missing.empty() ? 0 : missing.front())));
-  note(broken, "unreadable_frames",
-       "camera '" + camera + "': the files of " + std::to_string(broken.size()) + of +
-           " cannot be read; the first: " + problem);
+  ReadFrameFiles(camera, files, span, take, ingested);
   return view;
 }
 
@@ -76,7 +59,6 @@ const KeypointLayout* LayoutNamed(const std::string& name) {
 /// The declared layout, checked against what the bones say, or the measured one.
 Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vector<ViewFrames>& views,
                                          IngestedClip& ingested) {
-  std::vector<OpenPosePerson> people;
   std::map<std::size_t, std::size_t> counts;  // points -> people
   for (const ViewFrames& view : views) {
     for (const Poses& poses : view.frames) {
@@ -89,10 +71,13 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
   }
   const auto usual =
       std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const std::size_t step = 1 + (usual->second - 1) / kMostSensed;
+  std::vector<OpenPosePerson> people;
+  std::size_t at = 0;
   for (const ViewFrames& view : views) {
     for (const Poses& poses : view.frames) {
       for (const auto& pose : poses) {
-        if (pose.size() != usual->first) continue;
+        if (pose.size() != usual->first || at++ % step != 0) continue;
         people.emplace_back();
         people.back().pose = pose;
       }
@@ -184,7 +169,7 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   if (!span) return Forward(span);
   std::vector<ViewFrames> views;
   for (const auto& [name, camera] : *partners) {
-    views.push_back(ReadView(name, cameras->at(name), *span, ingested.findings, ingested.content));
+    views.push_back(ReadView(name, cameras->at(name), *span, ingested));
     views.back().camera = camera;
   }
   const auto layout = LayoutOf(file, views, ingested);

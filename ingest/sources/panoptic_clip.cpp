@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/file.h"
-#include "core/base/sha256.h"
-#include "core/base/text.h"
 #include "core/formats/panoptic_bodies.h"
-#include "ingest/sources/rig_calibration.h"
+#include "ingest/sources/frame_files.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -26,39 +23,6 @@ std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
   for (const auto& [id, count] : presence) ids.push_back(id);
   std::stable_sort(ids.begin(), ids.end(), [&](int a, int b) { return presence.at(a) > presence.at(b); });
   return ids;
-}
-
-/// (F) frames; one without a file, or with one that cannot be read, holds nobody.
-std::vector<PanopticBodies> ReadFrames(const FilesOfCamera& files, const FrameSpan& span, IngestedClip& ingested) {
-  std::vector<PanopticBodies> frames(static_cast<std::size_t>(span.frames));
-  int missing = 0, broken = 0;
-  std::string problem;
-  for (int f = 0; f < span.frames; ++f) {
-    const auto file = files.find(span.first + f);
-    if (file == files.end()) {
-      ++missing;
-      continue;
-    }
-    const Expected<std::string> bytes = ReadFile(file->second->path);
-    ingested.content += file->second->name + ' ' + (bytes ? Sha256Hex(*bytes) : "unreadable") + '\n';
-    Expected<PanopticBodies> frame = bytes ? ParsePanopticBodies(*bytes, file->second->name) : Forward(bytes);
-    if (frame) {
-      frames[static_cast<std::size_t>(f)] = std::move(*frame);
-    } else if (broken++ == 0) {
-      problem = frame.error().Message();
-    }
-  }
-  const std::string of = " of " + Counted(span.frames, "frame");
-  if (missing > 0) {
-    ingested.findings.push_back(
-        CameraFinding("frames_missing", missing, "there is no file of " + std::to_string(missing) + of, "missing"));
-  }
-  if (broken > 0) {
-    ingested.findings.push_back(CameraFinding(
-        "unreadable_frames", broken,
-        "the files of " + std::to_string(broken) + of + " cannot be read; the first: " + problem, "missing"));
-  }
-  return frames;
 }
 
 /// Frames per second by the files' own clock, between the first and the last that have one.
@@ -84,7 +48,14 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
   if (!span) return Forward(span);
   IngestedClip ingested;
-  const std::vector<PanopticBodies> frames = ReadFrames(cameras->begin()->second, *span, ingested);
+  std::vector<PanopticBodies> frames(static_cast<std::size_t>(span->frames));
+  const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
+    Expected<PanopticBodies> frame = ParsePanopticBodies(bytes, name);
+    if (!frame) return Forward(frame);
+    frames[static_cast<std::size_t>(f)] = std::move(*frame);
+    return {};
+  };
+  ReadFrameFiles("", cameras->begin()->second, *span, take, ingested);
   const std::vector<int> ids = RankedIds(frames);
   if (file.named.body > static_cast<int>(ids.size())) {
     return Fail(ErrorCode::kInconsistent,

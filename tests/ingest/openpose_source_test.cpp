@@ -37,6 +37,16 @@ std::vector<std::string> Codes(const StageOutcome& outcome) {
   return codes;
 }
 
+int SeenPeople(const KeypointView& view, int frame) {
+  int seen = 0;
+  for (int p = 0; p < view.people; ++p) {
+    bool any = false;
+    for (int k = 0; k < view.points(); ++k) any = any || view.at(frame, p, k)[2] > 0.0;
+    seen += any ? 1 : 0;
+  }
+  return seen;
+}
+
 TEST_F(Pose2Sim, ARecordingIsOneClipOfAllItsCameras) {
   const auto discovery = Discover(Declared("pose2sim_single"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
@@ -178,8 +188,10 @@ TEST_F(Pose2Sim, TwoPeopleAreTwoClipsOfTheSameViews) {
   }
   EXPECT_LT(least_u, 0.0) << "points beside the image are kept as they were detected";
   // Frame 1 of cam01 lists a person without keypoints: nobody.
-  const KeypointView& view = a.clip.evidence.keypoint_views[0];
-  EXPECT_LE(view.people, 4);
+  const std::string name = "two/cam01_json/cam01.0001.json";
+  const auto listed = ParseOpenPose(*ReadFile(Declared("pose2sim_two").path / name), name);
+  ASSERT_TRUE(listed) << listed.error().Message();
+  EXPECT_EQ(SeenPeople(a.clip.evidence.keypoint_views[0], 1) + 1, static_cast<int>(listed->people.size()));
 }
 
 TEST_F(Pose2Sim, AWrongLayoutIsToldByTheBones) {
@@ -251,19 +263,34 @@ TEST_F(BrokenRecording, AFrameThatIsMissingOrUnreadableCostsThatFrameOfThatView)
   EXPECT_THAT(ingested.outcome->findings[1].message, HasSubstr("cam03.0002.json"));
   const auto& views = ingested.clip.evidence.keypoint_views;
   ASSERT_EQ(views.size(), 4u);
-  const auto sees = [&](int view, int frame) {
-    const KeypointView& v = views[static_cast<std::size_t>(view)];
-    double sum = 0.0;
-    for (int p = 0; p < v.people; ++p) {
-      for (int k = 0; k < v.points(); ++k) sum += v.at(frame, p, k)[2];
-    }
-    return sum > 0.0;
-  };
+  const auto sees = [&](int view, int frame) { return SeenPeople(views[static_cast<std::size_t>(view)], frame) > 0; };
   EXPECT_FALSE(sees(1, 1));
   EXPECT_FALSE(sees(2, 2));
   EXPECT_TRUE(sees(1, 2)) << "what follows a gap is not shifted";
   EXPECT_TRUE(sees(2, 3));
   EXPECT_EQ(ingested.clip.id(), "pose2sim/p1/single#0-4");
+}
+
+TEST_F(BrokenRecording, AnImageOfACrowdIsNoFrame) {
+  const std::string name = "single/cam03_json/cam03.0002.json";
+  auto frame = ParseOpenPose(*ReadFile(folder_ / name), name);
+  ASSERT_TRUE(frame) << frame.error().Message();
+  const OpenPosePerson person = frame->people.at(0);
+  frame->people.assign(100, person);
+  Put(folder_ / name, WriteOpenPose(*frame));
+  const Ingested hundred = Ingest("hundred");
+  ASSERT_TRUE(hundred.outcome) << hundred.outcome.error().Message();
+  EXPECT_THAT(Codes(*hundred.outcome), ::testing::IsEmpty());
+  EXPECT_EQ(hundred.clip.evidence.keypoint_views.at(2).people, 100);
+  frame->people.push_back(person);
+  Put(folder_ / name, WriteOpenPose(*frame));
+  const Ingested crowd = Ingest("crowd");
+  ASSERT_TRUE(crowd.outcome) << crowd.outcome.error().Message();
+  EXPECT_THAT(Codes(*crowd.outcome), ::testing::ElementsAre("unreadable_frames"));
+  EXPECT_EQ(crowd.outcome->findings[0].frame_begin, 2);
+  EXPECT_THAT(crowd.outcome->findings[0].message, HasSubstr("cam03.0002.json: 101 people are seen, at most 100"));
+  EXPECT_LT(crowd.clip.evidence.keypoint_views.at(2).people, 10);
+  EXPECT_EQ(SeenPeople(crowd.clip.evidence.keypoint_views.at(2), 2), 0);
 }
 
 TEST_F(BrokenRecording, CamerasWithoutPartnersAreNamed) {

@@ -1,0 +1,138 @@
+// Clips of many files: what a folder that lacks some of them, or all, says of the clip.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A moment with one body of coco19.
+std::string OneBody(double time_ms) {
+  std::string joints;
+  for (int j = 0; j < 19; ++j)
+    joints += (j == 0 ? "" : ", ") + std::to_string(j % 3) + ", -" + std::to_string(9 * j) + ", 0, 0.9";
+  return "{\"version\": 0.7, \"univTime\": " + std::to_string(time_ms) +
+         ", \"fpsType\": \"hd_29_97\", \"bodies\": [{\"id\": 0, \"joints19\": [" + joints + "]}]}";
+}
+
+IngestOptions Panoptic(const std::filesystem::path& folder) {
+  IngestOptions options;
+  options.path = folder;
+  SourceOptions& source = options.source;
+  source.name = "dome";
+  source.format = SourceFormat::kPanoptic;
+  source.files = "{recording}/body3DScene_{frame}.json";
+  source.axes = "+x -y -z";
+  source.rate_hz = 29.97;
+  source.person = "p1";
+  source.recording = "{recording}";
+  source.label = "";
+  source.on_contradiction = OnContradiction::kFlag;  // the joints are of no real body
+  return options;
+}
+
+IngestOptions OpenPose(const std::filesystem::path& folder) {
+  IngestOptions options;
+  options.path = folder;
+  SourceOptions& source = options.source;
+  source.name = "rig";
+  source.format = SourceFormat::kOpenPose;
+  source.files = "single/{camera}_json/{camera}.{frame}.json";
+  source.other_files = OtherFiles::kIgnore;
+  source.axes = "+x +z -y";
+  source.rate_hz = 60.0;
+  source.calibration = {"Calib.qca.txt"};
+  source.person = "p1";
+  source.recording = "single";
+  source.label = "balance";
+  return options;
+}
+
+void Link(const std::filesystem::path& file) {
+  std::filesystem::create_directories(file.parent_path());
+  std::filesystem::create_symlink("nowhere.json", file);
+}
+
+TEST(GatheredFiles, OfWhichNoneCanBeReadAreRefused) {
+  const std::filesystem::path folder = FreshFolder("dangling_panoptic");
+  for (const char* frame : {"1", "2", "3"}) Link(folder / "band" / ("body3DScene_" + std::string(frame) + ".json"));
+  const auto alone = Discover(Panoptic(folder));
+  ASSERT_FALSE(alone);
+  EXPECT_THAT(alone.error().Message(), HasSubstr("nowhere.json"));
+
+  Put(folder / "dance/body3DScene_1.json", OneBody(1000.0));
+  const auto beside = Discover(Panoptic(folder));
+  ASSERT_TRUE(beside) << beside.error().Message();
+  ASSERT_EQ(beside->items.size(), 1u);
+  EXPECT_EQ(beside->items[0].inputs.at(0).name, "dance/body3DScene_1.json");
+  ASSERT_EQ(beside->left_out.size(), 1u);
+  const StageOutcome& band = beside->left_out[0].outcome;
+  EXPECT_EQ(band.findings.at(0).code, "unreadable_file");
+  EXPECT_EQ(band.error.where, "band/body3DScene_1.json");
+  EXPECT_THAT(band.error.what, HasSubstr("3 files of the clip, none can be read"));
+}
+
+TEST(GatheredFiles, OfWhichNoneCanBeReadAreNotItsCalibration) {
+  const std::filesystem::path folder = FreshFolder("dangling_openpose");
+  for (const char* camera : {"cam01", "cam02"}) {
+    Link(folder / "single" / (std::string(camera) + "_json") / (std::string(camera) + ".0000.json"));
+  }
+  Put(folder / "Calib.qca.txt", "<calibration>");
+  const auto discovery = Discover(OpenPose(folder));
+  ASSERT_FALSE(discovery);
+  EXPECT_THAT(discovery.error().Message(), HasSubstr("single/cam01_json/cam01.0000.json"));
+  EXPECT_THAT(discovery.error().Message(), HasSubstr("nowhere.json"));
+}
+
+TEST(GatheredFiles, OfPanopticThatAreMissingAreFramesOfTheClip) {
+  const std::filesystem::path folder = FreshFolder("panoptic_gaps");
+  for (const int frame : {10, 11, 13, 14}) {
+    Put(folder / "band" / ("body3DScene_" + std::to_string(frame) + ".json"), OneBody(1000.0 + 1000.0 * frame / 29.97));
+  }
+  Put(folder / "band/body3DScene_11.json", "{\"version\": 0.7, \"bod");
+  const auto discovery = Discover(Panoptic(folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "panoptic_gaps");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  std::map<std::string, Finding> findings;
+  for (const Finding& finding : ingested.outcome->findings) findings.emplace(finding.code, finding);
+  ASSERT_EQ(findings.count("frames_missing"), 1u);
+  ASSERT_EQ(findings.count("unreadable_frames"), 1u);
+  EXPECT_EQ(findings["frames_missing"].frame_begin, 2);
+  EXPECT_EQ(findings["frames_missing"].frame_end, 3);
+  EXPECT_THAT(findings["frames_missing"].message, HasSubstr("no file for 1 of 5 frames, the first is number 12"));
+  EXPECT_EQ(findings["unreadable_frames"].frame_begin, 1);
+  EXPECT_THAT(findings["unreadable_frames"].message, HasSubstr("body3DScene_11.json"));
+}
+
+TEST(GatheredFiles, OfPanopticHaveNoCamera) {
+  IngestOptions options = Panoptic(FreshFolder("panoptic_cameras"));
+  options.source.files = "{recording}/{camera}/body3DScene_{frame}.json";
+  const auto discovery = Discover(options);
+  ASSERT_FALSE(discovery);
+  EXPECT_EQ(discovery.error().where, "ingest.source.files");
+  EXPECT_THAT(discovery.error().what, HasSubstr("names {camera}"));
+}
+
+TEST(GatheredFiles, HaveNoNameByWhatDiffersBetweenThem) {
+  const std::pair<const char*, std::string SourceOptions::*> texts[] = {
+      {"recording", &SourceOptions::recording}, {"person", &SourceOptions::person}, {"label", &SourceOptions::label},
+      {"session", &SourceOptions::session},     {"view", &SourceOptions::view},     {"style", &SourceOptions::style}};
+  for (const auto& [option, text] : texts) {
+    for (const char* field : {"{camera}", "{frame}", "{file}"}) {
+      IngestOptions options = OpenPose(FreshFolder("differing_names"));
+      options.source.*text = std::string("x") + field;
+      const auto discovery = Discover(options);
+      ASSERT_FALSE(discovery);
+      EXPECT_EQ(discovery.error().where, std::string("ingest.source.") + option) << field;
+      EXPECT_THAT(discovery.error().what, HasSubstr("differs between the files of one clip"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mocurate
