@@ -35,8 +35,9 @@ void KeepFrames(Motion& motion, int begin, int end) {
 struct Span {
   int begin_frame = 0;  ///< frames of the clip
   int end_frame = 0;
-  int frames = 0;  ///< of the whole clip
-  double begin_s = 0.0;
+  int frames = 0;        ///< of the whole clip
+  double zero_s = 0.0;   ///< when the clip's first frame is, by the clock that its evidence shares
+  double begin_s = 0.0;  ///< from there
   double end_s = 0.0;
 };
 
@@ -50,14 +51,14 @@ struct Rows {
 Rows RowsOf(const Span& span, const std::vector<double>& times) {
   if (static_cast<int>(times.size()) == span.frames) return {span.begin_frame, span.end_frame};
   const double slack = 5e-7;
-  const auto first = std::lower_bound(times.begin(), times.end(), times.front() + span.begin_s - slack);
-  const auto last = std::lower_bound(first, times.end(), times.front() + span.end_s - slack);
+  const auto first = std::lower_bound(times.begin(), times.end(), span.zero_s + span.begin_s - slack);
+  const auto last = std::lower_bound(first, times.end(), span.zero_s + span.end_s - slack);
   return {static_cast<int>(first - times.begin()), static_cast<int>(last - times.begin())};
 }
 
-/// Times from the start of the span; the first time of the whole clip is the zero of its clock.
-void CutTimes(std::vector<double>& times, Rows rows, double begin_s) {
-  const double zero = times.front() + begin_s;
+/// Times from the start of the span, the same for every part: what was at one moment stays so.
+void CutTimes(std::vector<double>& times, Rows rows, const Span& span) {
+  const double zero = span.zero_s + span.begin_s;
   KeepRows(times, static_cast<int>(times.size()), rows.begin, rows.end);
   for (double& time : times) time -= zero;
 }
@@ -67,7 +68,7 @@ void CutTracks(JointTracks& tracks, const Span& span) {
   const Rows rows = RowsOf(span, tracks.time_s);
   KeepRows(tracks.confidence, tracks.positions.frames, rows.begin, rows.end);
   KeepFrames(tracks.positions, rows.begin, rows.end);
-  CutTimes(tracks.time_s, rows, span.begin_s);
+  CutTimes(tracks.time_s, rows, span);
 }
 
 void CutView(DepthView& view, const Span& span) {
@@ -77,14 +78,14 @@ void CutView(DepthView& view, const Span& span) {
   KeepRows(view.masks, static_cast<int>(view.files.size()), rows.begin, rows.end);
   KeepRows(view.mask_sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
   KeepRows(view.files, static_cast<int>(view.files.size()), rows.begin, rows.end);
-  CutTimes(view.time_s, rows, span.begin_s);
+  CutTimes(view.time_s, rows, span);
 }
 
 void CutKeypoints(KeypointView& view, const Span& span) {
   if (view.time_s.empty()) return;
   const Rows rows = RowsOf(span, view.time_s);
   KeepRows(view.values, view.frames(), rows.begin, rows.end);
-  CutTimes(view.time_s, rows, span.begin_s);
+  CutTimes(view.time_s, rows, span);
 }
 
 std::vector<Segment> CutSegments(const std::vector<Segment>& segments, double begin_s, double end_s) {
@@ -152,8 +153,6 @@ void TransformMotion(const RigidTransform& transform, Motion& motion) {
   ComputeJoints(motion);
 }
 
-/// For each joint of the target the joint of the source: equal names first, then synonyms among those left over.
-
 }  // namespace
 
 std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target) {
@@ -186,7 +185,9 @@ Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
                     std::to_string(frames) + " frames",
                 clip.id(), "the span must not be empty and must lie inside the clip");
   }
-  const Span span{begin_frame, end_frame, frames, TimeOf(clip, begin_frame), TimeOf(clip, end_frame)};
+  const std::vector<double>& times = EvidenceTimes(clip.evidence);
+  const double zero_s = times.empty() ? 0.0 : times.front();
+  const Span span{begin_frame, end_frame, frames, zero_s, TimeOf(clip, begin_frame), TimeOf(clip, end_frame)};
   Clip cut = clip;
   if (cut.motion) KeepFrames(*cut.motion, begin_frame, end_frame);
   if (cut.evidence.tracks) CutTracks(*cut.evidence.tracks, span);

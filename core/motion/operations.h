@@ -7,8 +7,8 @@ namespace mocurate {
 /// Each operation acts on *all* fields of a clip: motion with its optional fields, evidence, segments, identity. Spans
 /// are frames of the clip's motion or tracks.
 
-/// Frames [begin, end). Segments are cut and shifted, empty ones dropped; identity spans move along. Error kUsage if
-/// the span is empty or outside.
+/// Frames [begin, end). Segments are cut and shifted, empty ones dropped; identity spans move along; all evidence keeps
+/// one clock, of which frame `begin` is the zero. Error kUsage if the span is empty or outside.
 Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame);
 
 /// To another rate by time: rotations by slerp, positions linearly, covariances and states from the nearer frame; the

@@ -80,6 +80,40 @@ TEST(Cut, EvidenceAtAnotherRateIsCutByTime) {
   EXPECT_NEAR(cut.evidence.tracks->time_s[1], 1.0 / 60.0, 1e-12);
 }
 
+TEST(Cut, KeepsWhatIsBetweenTheClocksOfItsViews) {
+  for (const bool by_motion : {true, false}) {
+    for (const double lag : {0.011, -0.004, 0.2}) {
+      SCOPED_TRACE(lag);
+      Clip clip = FullClip("openni16", 40);
+      if (!by_motion) clip.motion.reset();
+      Evidence& evidence = clip.evidence;
+      evidence.depth_views.push_back(evidence.depth_views.front());
+      for (double& time : evidence.tracks->time_s) time += 7.0;
+      for (double& time : evidence.depth_views[0].time_s) time += 7.0;
+      for (double& time : evidence.depth_views[1].time_s) time += 7.0 + lag;
+      const Evidence cut = Cut(clip, 10, 20).value().evidence;
+      ASSERT_EQ(cut.depth_views[1].time_s.size(), 10u);
+      EXPECT_NEAR(cut.tracks->time_s.front(), 0.0, 1e-12);
+      EXPECT_NEAR(cut.depth_views[0].time_s.front(), 0.0, 1e-12);
+      EXPECT_NEAR(cut.depth_views[1].time_s.front(), lag, 1e-12);
+    }
+  }
+}
+
+TEST(Cut, AViewThatBeginsLaterIsCutAtTheSameMoment) {
+  Clip clip = FullClip("openni16", 40);
+  DepthView late = clip.evidence.depth_views.front();
+  late.files.erase(late.files.begin(), late.files.begin() + 5);
+  late.sha256.erase(late.sha256.begin(), late.sha256.begin() + 5);
+  late.time_s.erase(late.time_s.begin(), late.time_s.begin() + 5);
+  clip.evidence.depth_views.push_back(late);
+  const Evidence cut = Cut(clip, 10, 20).value().evidence;
+  EXPECT_EQ(cut.depth_views[1].files, cut.depth_views[0].files);
+  for (std::size_t f = 0; f < cut.depth_views[0].time_s.size(); ++f) {
+    EXPECT_NEAR(cut.depth_views[1].time_s[f], cut.depth_views[0].time_s[f], 1e-12);
+  }
+}
+
 TEST(Cut, AnEmptySpanAndOneOutsideAreRefused) {
   const Clip clip = FullClip("openni16", 10);
   for (const auto& [begin, end] : {std::pair(3, 3), std::pair(-1, 4), std::pair(5, 11), std::pair(6, 5)}) {
