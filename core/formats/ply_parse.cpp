@@ -163,13 +163,20 @@ class PlyParser {
     return smallest;
   }
 
+  static bool HasList(const PlyElement& element) {
+    return std::any_of(element.properties.begin(), element.properties.end(),
+                       [](const PlyProperty& property) { return property.list_count.has_value(); });
+  }
+
   /// Nothing is reserved that the bytes left could not hold.
   Status CheckSizes() {
     std::size_t left = bytes_.size() - at_;
     for (PlyElement& element : ply_.elements) {
       const std::size_t smallest = SmallestItem(element);
       if (smallest > 0 && element.count > left / smallest + (ply_.encoding == Ply::Encoding::kAscii ? 1 : 0)) {
-        return Contradiction(element, left / smallest, name_ + ":" + std::to_string(line_), true);
+        const bool counted =
+            ply_.encoding != Ply::Encoding::kAscii && !HasList(element) && &element == &ply_.elements.back();
+        return Contradiction(element, left / smallest, name_ + ":" + std::to_string(line_), !counted);
       }
       left -= std::min(left, smallest * element.count);
       for (PlyProperty& property : element.properties) {
@@ -216,12 +223,8 @@ class PlyParser {
     const std::size_t left = bytes_.size() - at_;
     if (left == 0) return {};
     std::size_t smallest = 0;
-    const auto has_list = [](const PlyElement& element) {
-      return std::any_of(element.properties.begin(), element.properties.end(),
-                         [](const PlyProperty& property) { return property.list_count.has_value(); });
-    };
     // How many items of lists the bytes left are cannot be told.
-    if (!ply_.elements.empty() && !has_list(ply_.elements.back())) smallest = SmallestItem(ply_.elements.back());
+    if (!ply_.elements.empty() && !HasList(ply_.elements.back())) smallest = SmallestItem(ply_.elements.back());
     if (smallest > 0 && left >= smallest && ply_.elements.back().count > 0) {
       const PlyElement& last = ply_.elements.back();
       return Contradiction(last, last.count + left / smallest, name_);
