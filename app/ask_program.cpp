@@ -1,6 +1,8 @@
 #include "app/ask_program.h"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,38 +11,63 @@
 #include <cstring>
 
 namespace mocurate {
+namespace {
+
+/// Our variables but the one that `setting` sets (of two the first would count), and `setting`.
+std::vector<char*> EnvironmentWith(std::string& setting) {
+  const std::string name = setting.substr(0, setting.find('=') + 1);
+  std::vector<char*> environment;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    if (name.empty() || std::strncmp(*entry, name.c_str(), name.size()) != 0) environment.push_back(*entry);
+  }
+  environment.push_back(setting.data());
+  environment.push_back(nullptr);
+  return environment;
+}
+
+/// All that comes until the other end is closed. False where nothing comes for `silence_s` (0: no limit).
+bool ReadAll(int end, double silence_s, std::string& text) {
+  char bytes[4096];
+  while (true) {
+    pollfd waited{end, POLLIN, 0};
+    const int ready = poll(&waited, 1, silence_s > 0.0 ? static_cast<int>(1e3 * silence_s) : -1);
+    if (ready == 0) return false;
+    const ssize_t count = ready > 0 ? read(end, bytes, sizeof bytes) : -1;
+    if (count == 0 || (count < 0 && errno != EINTR)) return true;
+    if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
 
 ProgramAnswer AskProgram(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                         const std::string& setting) {
+                         const std::string& setting, const Listening& listening) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return {-1, std::strerror(errno)};
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  if (listening.errors) {
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  }
   std::vector<std::string> words = {program.native()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::string assignment = setting;
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  std::vector<char*> environment;
-  for (char** entry = environ; *entry != nullptr; ++entry) environment.push_back(*entry);
-  environment.push_back(assignment.data());
-  environment.push_back(nullptr);
+  const std::vector<char*> environment = EnvironmentWith(assignment);
   pid_t pid = -1;
   const int failed = posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
   ProgramAnswer answer;
   if (failed != 0) answer.text = std::strerror(failed);
-  char bytes[4096];
-  for (ssize_t count = 1; failed == 0 && count != 0;) {
-    count = read(ends[0], bytes, sizeof bytes);
-    if (count < 0 && errno != EINTR) break;
-    if (count > 0) answer.text.append(bytes, static_cast<std::size_t>(count));
-  }
+  if (failed == 0) answer.timed_out = !ReadAll(ends[0], listening.silence_s, answer.text);
+  if (answer.timed_out) kill(pid, SIGKILL);
   close(ends[0]);
   int status = 0;
   if (failed == 0 && waitpid(pid, &status, 0) == pid && WIFEXITED(status)) answer.exit_status = WEXITSTATUS(status);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "app/ask_program.h"
 #include "core/base/file.h"
@@ -14,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kAtOnce = 100;  // files a process
+constexpr double kLongest_s = 60.0;   // a file
 constexpr const char* kProgram = "mocurate-video";
 
 fs::path Program() {
@@ -39,28 +42,54 @@ Expected<VideoFacts> FactsOf(const nlohmann::json& line, const fs::path& file) {
   return facts;
 }
 
+using Answer = std::optional<Expected<VideoFacts>>;
+
+/// Lines without the index of a file that was asked about are no answers: a decoder's library may print, too.
+void TakeAnswers(const std::string& text, const std::vector<std::size_t>& asked, const std::vector<fs::path>& files,
+                 std::vector<Answer>& answers) {
+  for (const std::string_view written : SplitText(text, '\n')) {
+    const auto line = nlohmann::json::parse(written, nullptr, false);
+    if (!line.is_object() || !line.contains("index") || !line.at("index").is_number_unsigned()) continue;
+    const auto index = line.at("index").get<std::size_t>();
+    if (index >= asked.size() || answers[asked[index]]) continue;
+    answers[asked[index]] = FactsOf(line, files[asked[index]]);
+  }
+}
+
 std::vector<Expected<VideoFacts>> Ask(const std::vector<fs::path>& files) {
-  std::vector<Expected<VideoFacts>> answers;
-  const fs::path program = Program();
-  while (answers.size() < files.size() && !program.empty()) {
-    const std::size_t begin = answers.size(), end = std::min(files.size(), begin + kAtOnce);
-    std::vector<std::string> arguments;
-    for (std::size_t i = begin; i < end; ++i) arguments.push_back(fs::absolute(files[i]).native());
-    const ProgramAnswer answer = AskProgram(program, arguments, "LC_ALL=C");
-    for (const std::string_view text : SplitText(answer.text, '\n')) {
-      const auto line = nlohmann::json::parse(text, nullptr, false);
-      if (line.is_object() && answers.size() < end) answers.push_back(FactsOf(line, files[answers.size()]));
+  std::vector<Answer> answers(files.size());
+  const auto unanswered = [&](std::size_t most) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < files.size() && found.size() < most; ++i) {
+      if (!answers[i]) found.push_back(i);
     }
-    if (answers.size() == end) continue;
+    return found;
+  };
+  const fs::path program = Program();
+  while (!program.empty()) {
+    const std::vector<std::size_t> asked = unanswered(kAtOnce);
+    if (asked.empty()) break;
+    std::vector<std::string> arguments;
+    for (const std::size_t i : asked) arguments.push_back(fs::absolute(files[i]).native());
+    const ProgramAnswer answer = AskProgram(program, arguments, "LC_ALL=C", Listening{false, kLongest_s});
+    TakeAnswers(answer.text, asked, files, answers);
+    const auto silent = std::find_if(asked.begin(), asked.end(), [&](std::size_t i) { return !answers[i]; });
+    if (silent == asked.end()) continue;
     if (answer.exit_status > 0) break;  // it does not start
-    answers.push_back(Fail(ErrorCode::kMalformed, "the decoder dies of it", DisplayPath(files[answers.size()]),
-                           "is it whole, and does it play?"));
+    const std::string what = answer.timed_out ? "the decoder does not open it within " + FormatDouble(kLongest_s) + " s"
+                                              : std::string("the decoder dies of it");
+    answers[*silent] = Fail(ErrorCode::kMalformed, what, DisplayPath(files[*silent]), "is it whole, and does it play?");
   }
-  while (answers.size() < files.size()) {
-    answers.push_back(Fail(ErrorCode::kMissingOnHost, std::string(kProgram) + " is not there or does not start",
-                           DisplayPath(files[answers.size()]), "`mocurate doctor` tells what is missing"));
+  std::vector<Expected<VideoFacts>> told;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (answers[i]) {
+      told.push_back(std::move(*answers[i]));
+    } else {
+      told.push_back(Fail(ErrorCode::kMissingOnHost, std::string(kProgram) + " is not there or does not start",
+                          DisplayPath(files[i]), "`mocurate doctor` tells what is missing"));
+    }
   }
-  return answers;
+  return told;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Tells of video files for `mocurate inspect`: mocurate-video FILE ... prints a line of JSON per file, at once. A
-// program of its own: OpenCV's decoders load some 200 libraries, and what a damaged file makes of them ends here.
+// Tells of video files for `mocurate inspect`: mocurate-video FILE ... prints a line of JSON per file, at once, with
+// the file's place among the arguments ("index", from 0). A program of its own: OpenCV's decoders load some 200
+// libraries, and what a damaged file makes of them ends here.
 
 #include <cstdio>
 #include <cstring>
@@ -27,6 +28,7 @@ int main(int argc, char** argv) {
     } else {
       line = {{"error", video.error().what}, {"hint", video.error().hint}};
     }
+    line["index"] = i - 1;
     std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     std::fflush(stdout);
   }

@@ -20,7 +20,7 @@ struct CameraPeople {
 struct PlacedView {
   bool used = false;
   ViewAlignment alignment;  ///< `a` is the reference
-  std::vector<int> slots;   ///< which person of the merged each of its people is
+  std::vector<int> slots;   ///< by person of the merged: which of its people that is, -1: none
 };
 
 /// Several cameras in the world of one.

@@ -18,7 +18,35 @@ constexpr Bone kBones[] = {{1, 8, 0.52},  {2, 1, 0.17},   {3, 2, 0.28},  {4, 3, 
                            {12, 8, 0.10}, {13, 12, 0.40}, {14, 13, 0.41}};
 constexpr std::size_t kPointsWithBones = 15;
 
-Expected<PersonTrack> PersonOf(const VibeTrack& track, const std::string& name) {
+/// Frames of the video in which anybody is, [first, last].
+struct FrameRange {
+  std::int64_t first = 0, last = 0;
+};
+
+/// Frames between rows are filled and counted: a broken number among the ids must not ask for millions of them.
+Expected<FrameRange> FramesOf(const std::vector<VibeTrack>& tracks, const std::string& name) {
+  constexpr std::int64_t kMostGaps = 20;  // frames per row
+  const VibeTrack* first = nullptr;
+  const VibeTrack* last = nullptr;
+  std::size_t rows = 0;
+  for (const VibeTrack& track : tracks) {
+    if (track.frame_ids.empty()) continue;
+    if (first == nullptr || track.frame_ids.front() < first->frame_ids.front()) first = &track;
+    if (last == nullptr || track.frame_ids.back() > last->frame_ids.back()) last = &track;
+    rows += track.frame_ids.size();
+  }
+  if (first == nullptr) return FrameRange();
+  const FrameRange range{first->frame_ids.front(), last->frame_ids.back()};
+  if (range.last - range.first < kMostGaps * static_cast<std::int64_t>(rows) + 1000) return range;
+  return Fail(ErrorCode::kInconsistent,
+              "frame_ids run from " + std::to_string(range.first) + " (track " + std::to_string(first->id) + ") to " +
+                  std::to_string(range.last) + " (track " + std::to_string(last->id) + "), but the tracks have " +
+                  std::to_string(rows) + " frames together",
+              name, "is an id damaged? write the file anew, or leave it out");
+}
+
+/// Frames are counted from `first`.
+Expected<PersonTrack> PersonOf(const VibeTrack& track, std::int64_t first, const std::string& name) {
   const auto lacks = [&](const char* field) {
     return Fail(ErrorCode::kInconsistent, "track " + std::to_string(track.id) + " has no '" + field + "'", name,
                 "it says where and when somebody is: name the person by ingest.source.track instead");
@@ -35,22 +63,21 @@ Expected<PersonTrack> PersonOf(const VibeTrack& track, const std::string& name) 
   const Expected<std::vector<Vector3d>> places = CameraPlaces(track.original_camera);
   if (!places) return Forward(places);
   for (std::size_t f = 0; f < track.frames; ++f) {
-    person.frames.push_back(static_cast<int>(track.frame_ids[f]));
+    person.frames.push_back(static_cast<int>(track.frame_ids[f] - first));
     for (int k = 0; k < person.positions.joints; ++k) person.positions.at(static_cast<int>(f), k) += (*places)[f];
   }
   return person;
 }
 
-Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const PeopleOptions& options, double rate_hz,
-                                     const std::string& name) {
+Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
+                                     const FrameRange& range, double rate_hz, const std::string& name) {
   std::vector<int> parents(tracks.front().joints, -1);
   std::vector<double> lengths(parents.size(), 0.0);
   std::vector<PersonTrack> people;
-  int frames = 0;
+  const int frames = static_cast<int>(range.last - range.first + 1);
   for (const VibeTrack& track : tracks) {
-    Expected<PersonTrack> person = PersonOf(track, name);
+    Expected<PersonTrack> person = PersonOf(track, range.first, name);
     if (!person) return Forward(person);
-    frames = std::max(frames, person->frames.back() + 1);
     people.push_back(std::move(*person));
   }
   for (const Bone& bone : kBones) {
@@ -85,8 +112,10 @@ Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const
 Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
                                        double rate_hz, const std::string& name) {
   if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "nobody was found in the video", name, "leave it out");
+  const Expected<FrameRange> range = FramesOf(tracks, name);
+  if (!range) return Forward(range);
   if (options.rule != TrackRule::kUestcReleased && options.rule != TrackRule::kUestcCorrected) {
-    return ChooseByPlaces(tracks, options, rate_hz, name);
+    return ChooseByPlaces(tracks, options, *range, rate_hz, name);
   }
   const UestcRule rule = options.rule == TrackRule::kUestcReleased ? UestcRule::kPublished : UestcRule::kCorrected;
   Expected<UestcPerson> person = SelectUestcTrack(tracks, Vector2d(options.start_px[0], options.start_px[1]), rule);

@@ -9,10 +9,11 @@
 namespace mocurate {
 
 /// The performer of a video among VIBE's tracks by `people.rule`. kUestcReleased and kUestcCorrected: SelectUestcTrack,
-/// from `people.start`. Any other rule: where people are is the joints moved by the camera's estimate; ids that are one
-/// person are joined, what is nobody is set aside and the rest ranked as of any tracker (choose_people.h); gaps of
-/// who is chosen are filled along the shortest arc. Errors kInconsistent: no track, nobody, or a field that the rule
-/// reads is not there; `name` is the file.
+/// from `people.start`. Any other rule: where people are is the joints moved by the camera's estimate, frames counted
+/// from the first in which anybody is; ids that are one person are joined, what is nobody is set aside and the rest
+/// ranked as of any tracker (choose_people.h); gaps of who is chosen are filled along the shortest arc. Errors
+/// kInconsistent: no track, nobody, a field that the rule reads is not there, or frame_ids span more than 20 frames a
+/// row and 1000; `name` is the file.
 Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
                                        double rate_hz, const std::string& name);
 

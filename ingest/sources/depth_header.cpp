@@ -20,7 +20,6 @@ Status SetImageSize(const StageInput& input, Camera& camera) {
   std::string head;
   const Status read = ReadFileInParts(input.path, [&](std::string_view part) {
     head.append(part.substr(0, 26 - std::min<std::size_t>(26, head.size())));
-    return Status();
   });
   if (!read) return read;
   if (head.size() < 26 || head.rfind("\x89PNG\r\n\x1a\n", 0) != 0) {

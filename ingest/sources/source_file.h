@@ -103,8 +103,8 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file);
 /// The .skeleton files of one performance, one per camera -> evidence tracks of one of its people, merged in the world
 /// of one of the cameras, and depth views. The cameras' places and clocks, which nobody publishes, are found from the
 /// joints that they follow (core/quality/view_alignment.h): provenance says each number and how sure it is. A
-/// camera that saw nobody, whose joints fit no other or only mirrored is left out with a finding; without a majority
-/// the clip is refused.
+/// camera that saw nobody, whose joints fit no other or only mirrored is left out with a finding. Refused are a clip
+/// that nobody saw and one of which no two cameras agree while two contradict each other.
 Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file);
 
 /// AMC and its ASF -> given motion. A joint stands where its bone starts; rest offsets and lengths are the ASF's. Bones

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "app/ask_program.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -48,6 +49,62 @@ TEST(InspectVideo, ADamagedOneIsAFindingAndCostsTheOthersNothing) {
   ASSERT_EQ(document["findings"].size(), 1u) << document;
   EXPECT_EQ(document["findings"][0]["code"], "malformed");
   EXPECT_THAT(document["findings"][0]["where"].get<std::string>(), ::testing::HasSubstr("b.avi"));
+}
+
+/// The program with a script as its decoder: what it answers of videos a.avi, b.avi, ...
+nlohmann::json InspectedBy(const Folder& folder, const std::string& script) {
+  namespace fs = std::filesystem;
+  fs::create_directories(folder / "bin");
+  fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", folder / "bin/mocurate");
+  WriteText(folder / "bin/mocurate-video", "#!/bin/sh\n" + script);
+  fs::permissions(folder / "bin/mocurate-video", fs::perms::owner_all);
+  fs::create_directories(folder / "set");
+  for (const char* name : {"a.avi", "b.avi", "c.avi"}) WriteVideo(folder / "set" / name);
+  program::Surroundings surroundings;
+  surroundings.program = folder / "bin/mocurate";
+  surroundings.before_start = [] { setenv("LC_ALL", "en_US.UTF-8", 1); };
+  return RunProgram(folder, {"inspect", (folder / "set").string(), "--json"}, surroundings).Json();
+}
+
+TEST(InspectVideo, AnAnswerIsOfTheFileThatItNamesWhateverElseIsPrinted) {
+  const Folder folder;
+  const nlohmann::json document =
+      InspectedBy(folder,
+                  "echo '{\"index\": 0, \"frames\": 99}' >&2\n"
+                  "echo '{\"frames\": 98}'\n"
+                  "echo '{\"index\": 7, \"frames\": 97}'\n"
+                  "echo 'a library greets'\n"
+                  "for i in 2 0 1; do echo \"{\\\"index\\\": $i, \\\"frames\\\": 1$i}\"; done\n");
+  ASSERT_EQ(document["companions"].size(), 3u) << document;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(document["companions"][i]["facts"]["frames"], 10 + i) << document["companions"][i];
+  }
+}
+
+TEST(InspectVideo, TheDecoderIsAskedInTheNeutralLocaleWhateverTheUsersIs) {
+  const Folder folder;
+  const nlohmann::json document = InspectedBy(
+      folder,
+      "locale=$(tr '\\0' '\\n' < /proc/$$/environ | grep ^LC_ALL= | tr '\\n' ' ')\n"
+      "for i in 0 1 2; do echo \"{\\\"index\\\": $i, \\\"frames\\\": 1, \\\"codec\\\": \\\"$locale\\\"}\"; done\n");
+  ASSERT_EQ(document["companions"].size(), 3u) << document;
+  EXPECT_EQ(document["companions"][0]["facts"]["codec"], "LC_ALL=C ");
+}
+
+TEST(AskProgram, EndsWhatSaysNothingForTooLong) {
+  const ProgramAnswer answer =
+      AskProgram("/bin/sh", {"-c", "echo first; exec sleep 1000"}, "LC_ALL=C", Listening{true, 0.5});
+  EXPECT_TRUE(answer.timed_out);
+  EXPECT_EQ(answer.exit_status, -1);
+}
+
+TEST(AskProgram, HearsErrorsOnlyWhereAskedTo) {
+  const std::vector<std::string> both = {"-c", "echo out; echo err >&2; exit 3"};
+  EXPECT_EQ(AskProgram("/bin/sh", both, "LC_ALL=C").text, "out\nerr\n");
+  const ProgramAnswer answer = AskProgram("/bin/sh", both, "LC_ALL=C", Listening{false, 600.0});
+  EXPECT_EQ(answer.text, "out\n");
+  EXPECT_EQ(answer.exit_status, 3);
+  EXPECT_FALSE(answer.timed_out);
 }
 
 }  // namespace

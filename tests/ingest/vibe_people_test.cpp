@@ -168,6 +168,45 @@ TEST_F(VibePeople, WhoIsFarAwayIsTakenAsReleasedAndLeftOutAsCorrected) {
   EXPECT_THAT(Found(corrected, "other_person"), HasSubstr("somebody else"));
 }
 
+TEST_F(VibePeople, FramesNumberedFarBeyondTheRowsAreRefusedByEveryRule) {
+  const auto read = [this](std::int64_t id, const char* rule) {
+    VibeTrack damaged = Piece(performer, 1, 0, 10);
+    damaged.frame_ids.back() = id;
+    return Read({damaged, Piece(bystander, 2, 0, 5)}, {std::string("ingest.source.people.rule=") + rule});
+  };
+  for (const char* rule : {"uestc_released", "uestc_corrected", "presence", "nearest"}) {
+    for (const std::int64_t id : {std::int64_t{40000000}, (std::int64_t{1} << 32) - 1, std::int64_t{1} << 40}) {
+      SCOPED_TRACE(rule + (" " + std::to_string(id)));
+      const mocurate::Ingested ingested = read(id, rule);
+      ASSERT_FALSE(ingested.outcome);
+      EXPECT_EQ(ingested.outcome.error().code, ErrorCode::kInconsistent);
+      const std::string message = ingested.outcome.error().Message();
+      EXPECT_THAT(message, HasSubstr("vibe_output.pkl"));
+      EXPECT_THAT(message, HasSubstr("from 0 (track 1) to " + std::to_string(id) + " (track 1)"));
+      EXPECT_THAT(message, HasSubstr("15 frames together"));
+    }
+  }
+}
+
+TEST_F(VibePeople, AVideoWhoseNumbersBeginLateIsReadAsOneThatBeginsAtNought) {
+  const auto from = [this](std::int64_t first, const char* rule) {
+    std::vector<VibeTrack> tracks = {Piece(bystander, 2, 3, bystander.frames - 5), performer};
+    for (VibeTrack& track : tracks) {
+      for (std::int64_t& frame : track.frame_ids) frame += first;
+    }
+    return Read(tracks, {std::string("ingest.source.people.rule=") + rule});
+  };
+  for (const char* rule : {"uestc_corrected", "presence"}) {
+    for (const std::int64_t first : {std::int64_t{5000}, (std::int64_t{1} << 40) - 1000}) {
+      SCOPED_TRACE(rule + (" " + std::to_string(first)));
+      const mocurate::Ingested ingested = from(first, rule);
+      ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+      EXPECT_EQ(ingested.clip.provenance.at("tracks"), "1");
+      EXPECT_LT(ErrorOf(ingested.clip), 0.005);
+    }
+  }
+}
+
 TEST_F(VibePeople, TheRootStaysOrMovesByTheCameraAsIsAskedFor) {
   const mocurate::Ingested still = Read({performer}, {"ingest.source.root_translation=still"});
   const mocurate::Ingested moving = Read({performer});
