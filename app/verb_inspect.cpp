@@ -24,21 +24,40 @@ Status FirstError(const nlohmann::json& inspection) {
   return {};
 }
 
+/// What cannot be looked at is told in the form of every answer.
+Status Unreadable(CommonArguments& common, const std::filesystem::path& path, const Error& error) {
+  if (common.json) {
+    PrintJson({{"path", DisplayPath(path)},
+               {"format", "unknown"},
+               {"clips", nlohmann::json::array()},
+               {"findings",
+                {{{"code", Name(error.code)},
+                  {"severity", "error"},
+                  {"where", error.where.empty() ? DisplayPath(path) : error.where},
+                  {"value", nullptr},
+                  {"message", error.what}}}}});
+    common.answered = true;
+  }
+  return tl::unexpected<Error>(error);
+}
+
 }  // namespace
 
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   std::error_code ignored;
   if (!std::filesystem::exists(arguments.path, ignored)) {
-    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
+    return Unreadable(common, arguments.path,
+                      {ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path), ""});
   }
   if (!std::filesystem::is_directory(arguments.path, ignored) &&
       !std::filesystem::is_regular_file(arguments.path, ignored)) {
-    return Fail(ErrorCode::kUnreadable, "is no regular file", DisplayPath(arguments.path),
-                "a pipe or a device is not read: save what it gives to a file");
+    return Unreadable(common, arguments.path,
+                      {ErrorCode::kUnreadable, "is no regular file", DisplayPath(arguments.path),
+                       "a pipe or a device is not read: save what it gives to a file"});
   }
   if (IsMade(arguments.path)) {
     const auto description = DescribeMade(arguments.path);
-    if (!description) return Forward(description);
+    if (!description) return Unreadable(common, arguments.path, description.error());
     common.answered = common.json;
     if (common.json)
       PrintJson(*description);

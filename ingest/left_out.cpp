@@ -109,6 +109,19 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
   if (failed != discovery.left_out.end()) {
     return {ErrorCode::kNotFound, "no file can be read; the first: " + failed->outcome.error.Message(), where, ""};
   }
+  const auto by_rule = [](const ItemResult& file) {
+    return file.outcome.kind == OutcomeKind::kLeftOut && !file.outcome.findings.empty() &&
+           file.outcome.findings.front().code != "name_mismatch" &&
+           file.outcome.findings.front().code != kFolderNotRead;
+  };
+  const auto ruled = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), by_rule);
+  if (ruled != discovery.left_out.end()) {
+    const auto count = std::count_if(discovery.left_out.begin(), discovery.left_out.end(), by_rule);
+    return {ErrorCode::kNotFound,
+            "all " + Counted(count, "file") +
+                " that match the pattern are left out by rule; the first: " + ruled->outcome.error.Message(),
+            where, "take the rule out, or choose other files"};
+  }
   const std::string files = found.empty() ? "" : "the folder holds " + EndingsOf(found) + "; ";
   if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, files + "is it the right folder?"};
   return {

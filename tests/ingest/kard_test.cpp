@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <set>
 
 #include "tests/ingest/sources.h"
@@ -50,6 +51,52 @@ TEST_F(Kard, EveryClipIsReadInMetresAndRightHanded) {
   EXPECT_EQ(frames, 51228);
   EXPECT_EQ(people.size(), 8u);
   EXPECT_EQ(labels.size(), 18u);
+}
+
+/// Without one of its rows, and asked to go on: which frames are missing, and the codes of the findings.
+struct Shortened {
+  std::vector<int> missing;
+  std::vector<std::string> codes;
+  bool read = false;
+};
+
+Shortened WithoutRow(const std::string& recording, int frame, int row) {
+  const std::filesystem::path folder = FreshFolder("kard_row");
+  const std::string name = recording + "_realworld.txt";
+  std::ifstream from(std::filesystem::path(TestData()) / "kinect/kard" / name);
+  std::ofstream to(folder / name);
+  int at = 0;
+  for (std::string line; std::getline(from, line); ++at) {
+    if (at != 15 * frame + row) to << line << '\n';
+  }
+  to.close();
+  IngestOptions options = Declared("kard");
+  options.path = folder;
+  options.source.damaged_rows = DamagedRows::kReport;
+  const Ingested ingested = RunIngest(Discover(options)->items.at(0), "kard_row");
+  Shortened shortened;
+  if (!ingested.outcome) return shortened;
+  shortened.read = true;
+  for (const Finding& finding : ingested.outcome->findings) shortened.codes.push_back(finding.code);
+  const auto& tracks = ingested.clip.evidence.tracks;
+  for (int f = 0; tracks && f < tracks->positions.frames; ++f) {
+    if (tracks->confidence[static_cast<std::size_t>(f) * 15] == 0.0) shortened.missing.push_back(f);
+  }
+  return shortened;
+}
+
+TEST_F(Kard, AMissingRowNeverShiftsWhatFollows) {
+  const Shortened late = WithoutRow("a14_s01_e01", 190, 7);
+  ASSERT_TRUE(late.read);
+  EXPECT_THAT(late.codes, testing::Contains("rows_shifted"));
+  ASSERT_FALSE(late.missing.empty());
+  EXPECT_GE(late.missing.front(), 189);
+  EXPECT_LE(late.missing.front(), 190);
+  EXPECT_EQ(late.missing.back() - late.missing.front() + 1, static_cast<int>(late.missing.size()));
+  EXPECT_EQ(late.missing.back(), 204);
+  const Shortened cut = WithoutRow("a14_s01_e01", 205, 14);  // the last row: nothing follows
+  EXPECT_THAT(cut.codes, testing::Not(testing::Contains("rows_shifted")));
+  EXPECT_TRUE(cut.missing.empty());
 }
 
 /// Codes of what ingest finds in the first clip.
