@@ -101,7 +101,7 @@ TEST(Errors, AMissingConfigOrFolderIsNamed) {
               HasSubstr("did you mean '" + (folder / "nine.yaml").string() + "'?"));
   const Result path = RunProgram(folder, {"inspect", (folder / "none").string(), "--json"});
   EXPECT_EQ(path.exit_code, 3);
-  EXPECT_EQ(path.Json()["error"]["code"], "not_found");
+  EXPECT_EQ(path.Json()["findings"][0]["code"], "not_found");
 }
 
 TEST(Errors, AnOutputThatCannotBeWrittenIsExitCode74) {
