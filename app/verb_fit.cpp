@@ -1,7 +1,6 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "app/config_loading.h"
@@ -25,12 +24,16 @@ namespace fs = std::filesystem;
 /// A folder for the run's own files, removed with all it holds.
 class ScratchFolder {
  public:
-  ScratchFolder() : path_(fs::temp_directory_path() / ("mocurate-fit-" + std::to_string(getpid()))) {}
+  /// Empty path when it cannot be made.
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "mocurate-fit-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
   ~ScratchFolder() {
     std::error_code ignored;
-    fs::remove_all(path_, ignored);
+    if (!path_.empty()) fs::remove_all(path_, ignored);
   }
   const fs::path& path() const { return path_; }
 
@@ -262,7 +265,10 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   settings.run_folder = scratch.path();
   settings.jobs = arguments.jobs;
   settings.progress = !common.quiet;
-  if (Status made = MakeFolder(settings.run_folder); !made) return made;
+  if (settings.run_folder.empty()) {
+    return Fail(ErrorCode::kCannotWrite, "no folder for what the run needs in between can be made",
+                DisplayPath(fs::temp_directory_path(unknown)), "free space there, or set TMPDIR");
+  }
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);
   const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner);

@@ -156,28 +156,20 @@ TEST(TrackUncertainty, NeverExceedsThatOfAnAngleOfWhichNothingIsKnown) {
   EXPECT_TRUE(motion.Check().has_value());
 }
 
-class StatedUncertainty : public testing::TestWithParam<const char*> {
- protected:
-  void SetUp() override {
-    if (ReferenceFolder().empty()) GTEST_SKIP() << "no reference problems: set MOCURATE_REFERENCE to their folder";
-  }
-};
-
-INSTANTIATE_TEST_SUITE_P(Reference, StatedUncertainty,
-                         testing::Values("platform_seed0", "platform_seed1", "platform_seed2",
-                                         "platform_dropouts5_seed0", "platform_dropouts5_seed1"));
-
-/// 68.3 and 95.4 % are right. Motion and noise of these problems are not those that the calibration was made with.
-TEST_P(StatedUncertainty, CoversTheErrorWithoutExaggeration) {
-  const ReferenceProblem problem = ReadReferenceProblem(ReferenceFolder() / (std::string(GetParam()) + ".h5"));
-  const auto fit = FitJointTracks(problem.tracks, problem.rate, problem.bone_length, Bones::kFixed, {});
-  ASSERT_TRUE(fit.has_value());
+/// 68.3 and 95.4 % are right. Motion and noise of these problems are not those that the calibration was made with; of
+/// one problem alone, 120 frames of one person, the shares are 63 to 70 and 91 to 95 %.
+TEST(StatedUncertainty, CoversTheErrorsOfTheReferenceProblems) {
+  if (ReferenceFolder().empty()) GTEST_SKIP() << "no reference problems: set MOCURATE_REFERENCE to their folder";
   Coverage coverage;
-  coverage.Add(fit->motion, problem.truth);
-  EXPECT_GT(coverage.one(), 0.62);
-  EXPECT_LT(coverage.one(), 0.72);
-  EXPECT_GT(coverage.two(), 0.90);
-  EXPECT_LT(coverage.two(), 0.98);
+  for (const char* name :
+       {"platform_seed0", "platform_seed1", "platform_seed2", "platform_dropouts5_seed0", "platform_dropouts5_seed1"}) {
+    const ReferenceProblem problem = ReadReferenceProblem(ReferenceFolder() / (std::string(name) + ".h5"));
+    const auto fit = FitJointTracks(problem.tracks, problem.rate, problem.bone_length, Bones::kFixed, {});
+    ASSERT_TRUE(fit.has_value()) << name;
+    coverage.Add(fit->motion, problem.truth);
+  }
+  EXPECT_NEAR(coverage.one(), 0.683, 0.03);
+  EXPECT_NEAR(coverage.two(), 0.954, 0.03);
 }
 
 }  // namespace
