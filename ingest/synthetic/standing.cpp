@@ -58,8 +58,6 @@ std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double 
   return weights;
 }
 
-constexpr double kFastestBack = 2.5;  ///< m/s
-
 }  // namespace
 
 Motion MoveBody(const SkeletonPtr& skeleton, const std::vector<double>& bone_length, FrameRate rate,
@@ -85,11 +83,8 @@ Motion MoveBody(const SkeletonPtr& skeleton, const std::vector<double>& bone_len
       if (!root.empty()) place -= support[i] * (soles[i] - before[i]);
     }
     before = soles;
-    if (pose.homing > 0.0) {
-      // Who has walked far and has little time does not come all the way back.
-      const Vector3d back = pose.homing * (Vector3d(start.x(), 0.0, start.z()) - Vector3d(place.x(), 0.0, place.z()));
-      place += back * std::min(1.0, kFastestBack / rate.hz() / std::max(back.norm(), 1e-12));
-    }
+    if (pose.homing > 0.0)
+      place += pose.homing * (Vector3d(start.x(), 0.0, start.z()) - Vector3d(place.x(), 0.0, place.z()));
     root.emplace_back(place.x(), height, place.z());
     rotation.insert(rotation.end(), local.begin(), local.end());
   }
