@@ -1,14 +1,10 @@
 #include "fitting/clouds/depth_fusion.h"
 
-#include <open3d/geometry/KDTreeFlann.h>
+#include <open3d/geometry/KDTreeSearchParam.h>
 #include <open3d/geometry/PointCloud.h>
-#include <open3d/utility/Eigen.h>
 #include <open3d/utility/Logging.h>
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <numeric>
 #include <string>
@@ -79,60 +75,15 @@ FusedCloud Sorted(const open3d::geometry::PointCloud& cloud) {
   return sorted;
 }
 
-/// Mean distance of every point to its neighbours, itself among them (as Open3D's statistical outlier removal counts),
-/// and the direction in which they spread least. One search serves both.
-struct Neighbourhoods {
-  std::vector<double> mean_distance;
-  std::vector<Vector3d> normal;
-};
-
-Neighbourhoods LookAround(const open3d::geometry::PointCloud& cloud, int neighbours) {
-  const open3d::geometry::KDTreeFlann tree(cloud);
-  Neighbourhoods around;
-  std::vector<int> indices;
-  std::vector<double> squares;
-  for (const Vector3d& point : cloud.points_) {
-    tree.SearchKNN(point, std::max(neighbours, kNormalNeighbours), indices, squares);
-    double sum = 0.0;
-    const std::size_t counted = std::min<std::size_t>(squares.size(), static_cast<std::size_t>(neighbours));
-    for (std::size_t i = 0; i < counted; ++i) sum += std::sqrt(squares[i]);
-    around.mean_distance.push_back(sum / static_cast<double>(std::max<std::size_t>(counted, 1)));
-    indices.resize(std::min<std::size_t>(indices.size(), kNormalNeighbours));
-    const auto spread = std::get<1>(open3d::utility::ComputeMeanAndCovariance(cloud.points_, indices));
-    Eigen::SelfAdjointEigenSolver<Matrix3d> axes;
-    axes.computeDirect(spread);
-    around.normal.emplace_back(axes.eigenvectors().col(0));
-  }
-  return around;
-}
-
-/// Mean + ratio * standard deviation of the mean distances.
-double FarthestKept(const std::vector<double>& distances, double spread_ratio) {
-  const auto count = static_cast<double>(distances.size());
-  double mean = 0.0;
-  for (const double distance : distances) mean += distance / count;
-  double square = 0.0;
-  for (const double distance : distances) square += (distance - mean) * (distance - mean);
-  return mean + spread_ratio * std::sqrt(square / std::max(1.0, count - 1.0));
-}
-
 /// The normals of `cloud` say where the camera is; they orient the estimated ones.
 FusedCloud ThinAndClean(const open3d::geometry::PointCloud& cloud, const FusionOptions& options) {
-  const auto thin = cloud.VoxelDownSample(options.voxel_size);
-  const auto neighbours = static_cast<int>(options.outliers.neighbours);
-  const bool clean = options.outliers.enabled && static_cast<int>(thin->points_.size()) > neighbours;
+  auto thin = cloud.VoxelDownSample(options.voxel_size);
+  const auto neighbours = static_cast<std::size_t>(options.outliers.neighbours);
+  if (options.outliers.enabled && thin->points_.size() > neighbours) {
+    thin = std::get<0>(thin->RemoveStatisticalOutliers(neighbours, options.outliers.spread_ratio));
+  }
   if (thin->points_.size() >= 3) {
-    const Neighbourhoods around = LookAround(*thin, clean ? neighbours : kNormalNeighbours);
-    const double farthest = FarthestKept(around.mean_distance, options.outliers.spread_ratio);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < thin->points_.size(); ++i) {
-      if (clean && around.mean_distance[i] >= farthest) continue;
-      const double side = around.normal[i].dot(thin->normals_[i]) < 0.0 ? -1.0 : 1.0;
-      thin->normals_[kept] = side * around.normal[i];
-      thin->points_[kept++] = thin->points_[i];
-    }
-    thin->points_.resize(kept);
-    thin->normals_.resize(kept);
+    thin->EstimateNormals(open3d::geometry::KDTreeSearchParamKNN(kNormalNeighbours));
   }
   thin->NormalizeNormals();
   return Sorted(*thin);
