@@ -139,10 +139,11 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
     Expected<FileLock> lock = LockRunFolder(resolved->run_folder);
     if (!lock) return Forward(lock);
     impl->lock = *std::move(lock);
+    // Before the journal: where there is one, a signal ends the run as documented.
+    impl->interruption = std::make_unique<Interruption>();
     Expected<Journal> journal = Journal::Open(resolved->run_folder / "journal.jsonl");
     if (!journal) return Forward(journal);
     impl->journal = *std::move(journal);
-    impl->interruption = std::make_unique<Interruption>();
   }
   return std::unique_ptr<Runner>(new Runner(std::move(impl)));
 }
