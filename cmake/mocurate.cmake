@@ -3,7 +3,9 @@
 find_program(MOCURATE_CCACHE ccache)
 if(MOCURATE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_C_COMPILER_LAUNCHER ${MOCURATE_CCACHE})
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${MOCURATE_CCACHE})
+  # What ccache asks for where headers are precompiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+    ${MOCURATE_CCACHE})
 endif()
 find_program(MOCURATE_MOLD mold)
 if(MOCURATE_MOLD)
@@ -44,6 +46,17 @@ function(mocurate_library name)
   target_link_libraries(mocurate_${name} PUBLIC mocurate_settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
 endfunction()
 
+# What nearly every test includes, parsed once for all of them: a third of the time that compiling the tests takes.
+# Tests are compiled with -O1, which takes a fifth less; what they test is compiled as it is installed.
+set(MOCURATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
+function(mocurate_test_headers)
+  add_library(mocurate_test_headers OBJECT ${PROJECT_SOURCE_DIR}/tests/precompiled.cpp)
+  target_link_libraries(mocurate_test_headers PRIVATE mocurate_settings Eigen3::Eigen nlohmann_json::nlohmann_json GTest::gmock
+                                                      GTest::gtest)
+  target_compile_options(mocurate_test_headers PRIVATE -fPIE ${MOCURATE_TEST_OPTIONS})
+  target_precompile_headers(mocurate_test_headers PRIVATE ${PROJECT_SOURCE_DIR}/tests/precompiled.h)
+endfunction()
+
 # mocurate_test(NAME LIBRARIES ... [WHOLE]): one executable test_NAME from tests/NAME/*.cpp. Each case is a CTest test;
 # with WHOLE the executable is one CTest test (programs whose start-up is slow).
 function(mocurate_test name)
@@ -57,6 +70,10 @@ function(mocurate_test name)
   target_compile_definitions(test_${name} PRIVATE MOCURATE_TEST_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}/tests/${name}"
                                                   MOCURATE_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}"
                                                   MOCURATE_BINARY_FOLDER="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  target_compile_options(test_${name} PRIVATE ${MOCURATE_TEST_OPTIONS})
+  if(NOT arg_WHOLE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_precompile_headers(test_${name} REUSE_FROM mocurate_test_headers)
+  endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
