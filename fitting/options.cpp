@@ -33,6 +33,8 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "joint position, metres per square root second");
   v.Integer("walk_refits", walk_refits, {0, 10},
             "how often both walks are fitted to what each joint of the clip does, and when, and the clip again");
+  v.Bool("recorded_rotations", recorded_rotations,
+         "rotations that the source recorded, or a given motion has, are evidence beside the positions");
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
   v.Number("limit_spread", limit_spread, Unit::kRadian, {1e-3, 1e2}, "distance beyond a joint limit");
   v.Number("bone_spread", bone_spread, Unit::kMetre, {1e-4, 1.0}, "distance from the prior length of a free bone");

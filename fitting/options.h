@@ -30,6 +30,7 @@ struct JointTrackOptions {
   double rotation_walk = 0.55;       ///< rad per sqrt(s), each joint
   double velocity_walk = 0.33;       ///< m per sqrt(s), each joint
   std::int64_t walk_refits = 2;      ///< how often the walks are fitted to the clip, and the clip again
+  bool recorded_rotations = true;    ///< rotations that the source recorded are evidence beside the positions
   double rest_spread = 3.3;          ///< rad from the rest pose; holds what no evidence determines
   double limit_spread = 0.5;         ///< rad beyond a joint limit
   double bone_spread = 0.02;         ///< m from the prior bone length, where bones are free

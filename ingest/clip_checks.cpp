@@ -69,6 +69,8 @@ void TakeAsMissing(const Finding& finding, JointTracks& tracks) {
     for (int f = begin; f < end; ++f) {
       tracks.confidence[static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(k)] = 0.0;
       tracks.positions.at(f, k).setZero();
+      if (!tracks.rotation_confidence.empty())
+        tracks.rotation_confidence[static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(k)] = 0.0;
     }
   }
 }

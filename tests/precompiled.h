@@ -2,9 +2,9 @@
 
 // Parsed once for all tests (cmake/mocurate.cmake). A test still includes what it uses.
 
-#include <Eigen/Dense>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

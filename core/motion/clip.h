@@ -43,6 +43,10 @@ struct JointTracks {
   std::vector<double> time_s;      ///< (F) increasing
   JointPositions positions;        ///< (F,K,3)
   std::vector<double> confidence;  ///< (F*K) in [0, 1]
+  /// (F*K) or none: world_from_point as the source recorded it. How a point's own frame lies in its limb is the
+  /// source's convention and constant in time. Read where rotation_confidence, (F*K) in [0, 1], is not 0.
+  std::vector<Quaterniond> rotation;
+  std::vector<double> rotation_confidence;
 };
 
 /// Depth images by reference. Values are depth along the camera's z axis.

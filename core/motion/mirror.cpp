@@ -106,6 +106,7 @@ void SwapNames(std::vector<std::string>& names) {
 
 void MirrorTracks(JointTracks& tracks) {
   ReflectPositions(tracks.positions);
+  for (Quaterniond& rotation : tracks.rotation) rotation = Reflected(rotation);
   SwapNames(tracks.names);
 }
 

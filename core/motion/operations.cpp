@@ -67,6 +67,8 @@ void CutTracks(JointTracks& tracks, const Span& span) {
   if (tracks.time_s.empty()) return;
   const Rows rows = RowsOf(span, tracks.time_s);
   KeepRows(tracks.confidence, tracks.positions.frames, rows.begin, rows.end);
+  KeepRows(tracks.rotation, tracks.positions.frames, rows.begin, rows.end);
+  KeepRows(tracks.rotation_confidence, tracks.positions.frames, rows.begin, rows.end);
   KeepFrames(tracks.positions, rows.begin, rows.end);
   CutTimes(tracks.time_s, rows, span);
 }
@@ -215,7 +217,10 @@ void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances) {
 
 void Transform(const RigidTransform& world_from_clip, Clip& clip) {
   if (clip.motion) TransformMotion(world_from_clip, *clip.motion);
-  if (clip.evidence.tracks) TransformPositions(world_from_clip, clip.evidence.tracks->positions);
+  if (clip.evidence.tracks) {
+    TransformPositions(world_from_clip, clip.evidence.tracks->positions);
+    for (Quaterniond& rotation : clip.evidence.tracks->rotation) rotation = world_from_clip.rotation * rotation;
+  }
   const RigidTransform clip_from_world = Inverse(world_from_clip);
   for (DepthView& view : clip.evidence.depth_views) {
     view.camera.camera_from_world = view.camera.camera_from_world * clip_from_world;

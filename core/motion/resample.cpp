@@ -96,6 +96,28 @@ std::vector<double> TimesBetween(double first, double last, FrameRate rate) {
   return times;
 }
 
+/// Between two recorded rotations the shortest turn.
+void ResampleRotations(JointTracks& tracks, const std::vector<Place>& places) {
+  if (tracks.rotation.empty()) return;
+  std::vector<Quaterniond> rotation;
+  std::vector<double> confidence;
+  const auto points = static_cast<std::size_t>(tracks.positions.joints);
+  for (const Place& place : places) {
+    const std::size_t first = static_cast<std::size_t>(place.frame) * points;
+    const std::size_t next = place.fraction == 0.0 ? first : first + points;
+    for (std::size_t k = 0; k < points; ++k) {
+      const double a = tracks.rotation_confidence[first + k];
+      const double b = tracks.rotation_confidence[next + k];
+      const bool both = a > 0.0 && b > 0.0;
+      confidence.push_back(both ? a + place.fraction * (b - a) : 0.0);
+      rotation.push_back(both ? tracks.rotation[first + k].slerp(place.fraction, tracks.rotation[next + k])
+                              : Quaterniond::Identity());
+    }
+  }
+  tracks.rotation = std::move(rotation);
+  tracks.rotation_confidence = std::move(confidence);
+}
+
 void ResampleTracks(JointTracks& tracks, FrameRate rate) {
   if (tracks.time_s.size() < 2) return;
   const std::vector<double> times = TimesBetween(tracks.time_s.front(), tracks.time_s.back(), rate);
@@ -111,6 +133,7 @@ void ResampleTracks(JointTracks& tracks, FrameRate rate) {
       confidence.push_back(a > 0.0 && b > 0.0 ? a + place.fraction * (b - a) : 0.0);
     }
   }
+  ResampleRotations(tracks, places);
   tracks.positions = PositionsAt(tracks.positions, places);
   for (int f = 0; f < tracks.positions.frames; ++f) {
     for (int k = 0; k < points; ++k) {

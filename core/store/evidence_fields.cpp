@@ -189,6 +189,37 @@ void UnpackKeypoints(const Content& content, Evidence& evidence) {
   }
 }
 
+Status PackTrackRotations(const JointTracks& tracks, Content& content) {
+  if (tracks.rotation.empty() && tracks.rotation_confidence.empty()) return {};
+  if (tracks.rotation.size() != tracks.confidence.size() ||
+      tracks.rotation_confidence.size() != tracks.confidence.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                "tracks have " + std::to_string(tracks.confidence.size()) + " positions, but " +
+                    std::to_string(tracks.rotation.size()) + " rotations and " +
+                    std::to_string(tracks.rotation_confidence.size()) + " confidences of rotations",
+                "/track_rotations");
+  }
+  std::vector<double> values;
+  for (std::size_t i = 0; i < tracks.rotation.size(); ++i) {
+    const bool recorded = tracks.rotation_confidence[i] != 0.0;
+    const Quaterniond q = recorded ? tracks.rotation[i] : Quaterniond::Identity();
+    values.insert(values.end(), {q.w(), q.x(), q.y(), q.z()});
+  }
+  const std::uint64_t T = tracks.time_s.size();
+  const std::uint64_t K = tracks.names.size();
+  content.Put("/track_rotations/rotation", {T, K, 4}, std::move(values));
+  content.Put("/track_rotations/confidence", {T, K}, tracks.rotation_confidence);
+  return {};
+}
+
+void UnpackTrackRotations(const Content& content, JointTracks& tracks) {
+  if (!content.Has("/track_rotations/rotation")) return;
+  const auto& values = content.Values<double>("/track_rotations/rotation");
+  for (std::size_t i = 0; i < values.size(); i += 4)
+    tracks.rotation.emplace_back(values[i], values[i + 1], values[i + 2], values[i + 3]);
+  tracks.rotation_confidence = content.Values<double>("/track_rotations/confidence");
+}
+
 }  // namespace
 
 Status PackEvidence(const Evidence& evidence, Content& content) {
@@ -215,7 +246,7 @@ Status PackEvidence(const Evidence& evidence, Content& content) {
   content.Put("/tracks/time_s", {T}, tracks.time_s);
   content.Put("/tracks/positions", {T, K, 3}, std::move(positions));
   content.Put("/tracks/confidence", {T, K}, tracks.confidence);
-  return {};
+  return PackTrackRotations(tracks, content);
 }
 
 Evidence UnpackEvidence(const Content& content) {
@@ -229,6 +260,7 @@ Evidence UnpackEvidence(const Content& content) {
   tracks.positions = JointPositions(static_cast<int>(tracks.time_s.size()), static_cast<int>(tracks.names.size()));
   tracks.positions.xyz = content.Values<double>("/tracks/positions");
   tracks.confidence = content.Values<double>("/tracks/confidence");
+  UnpackTrackRotations(content, tracks);
   evidence.tracks = std::move(tracks);
   return evidence;
 }

@@ -171,6 +171,10 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("time_s", kF8, {"T"}, "s", Rising(true), "time of each frame")
       .Add("positions", kF8, {"T", "K", "3"}, "m", Finite(), "in the world; of no meaning where confidence is 0")
       .Add("confidence", kF8, {"T", "K"}, "", InRange(0, 1), "0: not observed");
+  Group(fields, "/track_rotations", Presence::kGroup)
+      .Add("rotation", kF8, {"T", "K", "4"}, "", UnitQuaternion(1e-6),
+           "world_from_point as recorded; of no meaning where confidence is 0")
+      .Add("confidence", kF8, {"T", "K"}, "", InRange(0, 1), "0: not recorded");
   Group(fields, "/depth", Presence::kGroup)
       .Add("camera", kText, {"V"}, "", Anything(), "name of each view")
       .Add("width", kI4, {"V"}, "px", AtLeast(0), "of the image")

@@ -34,10 +34,31 @@ JointTracks KnownTracks(const JointTracks& tracks, const Skeleton& skeleton, std
   for (int f = 0; f < frames; ++f) {
     for (std::size_t k = 0; k < known.size(); ++k) {
       kept.positions.at(f, static_cast<int>(k)) = tracks.positions.at(f, static_cast<int>(known[k]));
-      kept.confidence.push_back(tracks.confidence[f * tracks.names.size() + known[k]]);
+      const std::size_t at = f * tracks.names.size() + known[k];
+      kept.confidence.push_back(tracks.confidence[at]);
+      if (tracks.rotation.empty()) continue;
+      kept.rotation.push_back(tracks.rotation[at]);
+      kept.rotation_confidence.push_back(tracks.rotation_confidence[at]);
     }
   }
   return kept;
+}
+
+/// World rotations of the motion's joints `common`. An end joint has none: its rotation in a motion means nothing.
+void AddRotations(const Motion& motion, const std::vector<int>& common, JointTracks& tracks) {
+  const Skeleton& skeleton = *motion.skeleton;
+  const std::vector<std::vector<int>> children = skeleton.Children();
+  std::vector<Quaterniond> world(skeleton.joints.size());
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < skeleton.joint_count(); ++j) {
+      const int parent = skeleton.joints[j].parent;
+      world[j] = parent < 0 ? motion.rotation_at(f, j) : (world[parent] * motion.rotation_at(f, j)).normalized();
+    }
+    for (const int joint : common) {
+      tracks.rotation.push_back(world[joint]);
+      tracks.rotation_confidence.push_back(children[joint].empty() ? 0.0 : 1.0);
+    }
+  }
 }
 
 }  // namespace
@@ -62,6 +83,7 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
     tracks.time_s.push_back(motion.rate.FrameTime(f));
     for (int k = 0; k < tracks.positions.joints; ++k) tracks.positions.at(f, k) = motion.joints.at(f, common[k]);
   }
+  if (!motion.joints_only()) AddRotations(motion, common, tracks);
   return tracks;
 }
 

@@ -63,6 +63,38 @@ Status CheckShapes(const JointTracks& tracks) {
   return {};
 }
 
+Status MapRotations(const JointTracks& tracks, const std::vector<int>& joint_of_track, SkeletonTracks& mapped) {
+  if (tracks.rotation.empty()) return {};
+  const std::size_t points = tracks.names.size();
+  if (tracks.rotation.size() != tracks.confidence.size() ||
+      tracks.rotation_confidence.size() != tracks.confidence.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(tracks.confidence.size()) + " positions, but " + std::to_string(tracks.rotation.size()) +
+                    " rotations and " + std::to_string(tracks.rotation_confidence.size()) + " of their confidences",
+                "tracks");
+  }
+  mapped.rotation.assign(mapped.confidence.size(), Quaterniond::Identity());
+  mapped.rotation_confidence.assign(mapped.confidence.size(), 0.0);
+  for (std::size_t at = 0; at < tracks.rotation.size(); ++at) {
+    const int joint = joint_of_track[at % points];
+    const double confidence = tracks.rotation_confidence[at];
+    if (joint < 0 || confidence == 0.0) continue;
+    const std::string where = "track '" + tracks.names[at % points] + "' frame " + std::to_string(at / points);
+    if (!(confidence > 0.0 && confidence <= 1.0)) {
+      return Fail(ErrorCode::kMalformed, "confidence " + FormatDouble(confidence) + " of a rotation is outside [0, 1]",
+                  where);
+    }
+    if (!tracks.rotation[at].coeffs().allFinite() || std::abs(tracks.rotation[at].norm() - 1.0) > 1e-6) {
+      return Fail(ErrorCode::kMalformed, "the rotation is no unit quaternion though its confidence is not 0", where,
+                  "missing rotations have confidence 0");
+    }
+    const std::size_t to = at / points * static_cast<std::size_t>(mapped.joints()) + static_cast<std::size_t>(joint);
+    mapped.rotation[to] = tracks.rotation[at];
+    mapped.rotation_confidence[to] = confidence;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<bool> SkeletonTracks::SeenJoints() const {
@@ -91,6 +123,7 @@ Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr&
   mapped.time_s = tracks.time_s;
   mapped.positions = JointPositions(tracks.positions.frames, skeleton->joint_count());
   mapped.confidence.assign(mapped.positions.xyz.size() / 3, 0.0);
+  if (Status rotations = MapRotations(tracks, *joint_of_track, mapped); !rotations) return Forward(rotations);
   bool anything = false;
   for (int f = 0; f < mapped.frames(); ++f) {
     for (std::size_t k = 0; k < tracks.names.size(); ++k) {
@@ -127,6 +160,11 @@ SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
   const auto last = static_cast<std::ptrdiff_t>(end) * tracks.joints();
   cut.positions.xyz.assign(tracks.positions.xyz.begin() + 3 * first, tracks.positions.xyz.begin() + 3 * last);
   cut.confidence.assign(tracks.confidence.begin() + first, tracks.confidence.begin() + last);
+  if (!tracks.rotation.empty()) {
+    cut.rotation.assign(tracks.rotation.begin() + first, tracks.rotation.begin() + last);
+    cut.rotation_confidence.assign(tracks.rotation_confidence.begin() + first,
+                                   tracks.rotation_confidence.begin() + last);
+  }
   return cut;
 }
 

@@ -14,6 +14,9 @@ struct SkeletonTracks {
   std::vector<double> time_s;      ///< (F) increasing
   JointPositions positions;        ///< (F,J,3)
   std::vector<double> confidence;  ///< (F*J) in [0, 1]
+  /// (F*J) or none: recorded world rotations, up to a constant turn within each joint; see JointTracks.
+  std::vector<Quaterniond> rotation;
+  std::vector<double> rotation_confidence;  ///< (F*J) or none
 
   int frames() const { return positions.frames; }
   int joints() const { return positions.joints; }

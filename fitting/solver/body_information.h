@@ -39,6 +39,11 @@ struct BodyInformation {
     gradient.head<3>() += pull;
     gradient.tail<3>() += p.cross(pull);
   }
+  /// A recorded rotation of weight W (symmetric 3 x 3, of the body's turn w); `pull` = W e.
+  void AddTurn(const Matrix3d& weight, const Vector3d& pull) {
+    information.bottomRightCorner<3, 3>() += weight;
+    gradient.tail<3>() += pull;
+  }
   BodyInformation& operator+=(const BodyInformation& other) {
     information += other.information;
     gradient += other.gradient;

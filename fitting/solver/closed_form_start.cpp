@@ -140,6 +140,11 @@ class StartPose {
 std::vector<bool> JointsWithEvidenceBelow(const SkeletonTracks& tracks) {
   const std::vector<bool> seen = tracks.SeenJoints();
   std::vector<bool> below(seen.size(), false);
+  for (std::size_t i = 0; i < tracks.rotation_confidence.size(); ++i) {
+    const int frame = static_cast<int>(i / seen.size());
+    const int joint = static_cast<int>(i % seen.size());
+    if (tracks.rotation_confidence[i] > 0.0 && tracks.seen(frame, joint)) below[joint] = true;
+  }
   for (int j = tracks.joints() - 1; j > 0; --j) {
     if (seen[j] || below[j]) below[tracks.skeleton->joints[j].parent] = true;
   }

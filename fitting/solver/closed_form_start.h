@@ -7,7 +7,8 @@
 
 namespace mocurate {
 
-/// Joints whose rotation moves a seen joint: the others cannot be told from evidence and stay in the rest pose. (J)
+/// Joints whose rotation moves a seen joint, or is recorded, or turns one whose rotation is: the others cannot be told
+/// from evidence and stay in the rest pose. (J)
 std::vector<bool> JointsWithEvidenceBelow(const SkeletonTracks& tracks);
 
 /// Writes a pose for every frame into `state` without iteration. Tracks are filled in time and freed of single outliers

@@ -33,7 +33,7 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution = solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin,
-                                 end, begin > 0, whole.walks});
+                                 end, begin > 0, whole.walks, whole.rotations});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -55,7 +55,7 @@ Status SolveLoosely(const TrackWindow& whole, FitResult& result) {
   options.solver = TrackSolver::kBanded;
   options.relative_tolerance = std::max(options.relative_tolerance, kLooseTolerance);
   return SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, options, 0,
-                       whole.end, false, whole.walks},
+                       whole.end, false, whole.walks, whole.rotations},
                       result);
 }
 
@@ -158,6 +158,10 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
                                               ? noise.joint_sigma
                                               : std::vector<double>(noise.joint_sigma.size(), noise.sigma);
   SkeletonTracks tracks = given;
+  if (!options.recorded_rotations) {
+    tracks.rotation.clear();
+    tracks.rotation_confidence.clear();
+  }
   const std::vector<bool> rejected = RejectOutliers(tracks, joint_sigma);
   JointTrackOptions walks = options;
   const double widening = WalkWidening(noise);
@@ -167,8 +171,17 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   ClosedFormStart(tracks, state);
   std::optional<WalkFactors> factors;
   TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
-  for (std::int64_t i = 0; i < options.walk_refits; ++i) {
+  std::optional<RotationTargets> rotations;
+  const bool recorded = !tracks.rotation.empty();
+  // Recorded rotations are read against a pose: the one of the positions first, then the one of both.
+  for (std::int64_t i = 0; i < std::max<std::int64_t>(options.walk_refits, recorded ? 1 : 0); ++i) {
     if (Status solved = SolveLoosely(whole, result); !solved) return tl::unexpected<Error>(solved.error());
+    if (recorded) {
+      const bool last = i + 1 >= options.walk_refits;
+      rotations = AlignRotations(tracks, state, last ? &result.findings : nullptr);
+      whole.rotations = &*rotations;
+    }
+    if (options.walk_refits == 0) break;
     auto refitted = RefitWalks(whole);
     if (!refitted) return Forward(refitted);
     factors = std::move(*refitted);

@@ -15,6 +15,7 @@ enum class Bones { kFixed, kFree };
 /// Skeleton motion that explains joint tracks: minimises
 ///   1/2 [ sum Huber(|c (p - seen) / sigma|^2) + sum |Log(R_f^T R_f+1)|^2 / (walk^2 dt) + sum |p_f+1 - p_f|^2 / (walk^2
 ///   dt)
+///         + sum Huber(|c Log(seen^T G) / sigma|^2) over recorded rotations
 ///         + sum |w|^2 / rest_spread^2 + joint limits + (kFree) sum (b - prior)^2 / bone_spread^2 ]
 /// (walks widened where the noise is not white, see WalkWidening, then fitted to each joint and time of the clip
 /// walk_refits times, see RefitWalks) over root translation and one rotation vector per joint and frame, from the

@@ -57,6 +57,10 @@ double TrackEquations::Cost() const {
         const Vector3d away = state.position(f, j) - window_.tracks.positions.at(f, j);
         twice += HuberValue(Square(weight) * away.squaredNorm(), options.huber_sigmas);
       }
+      if (const std::size_t at = window_.Index(f, j); window_.rotations != nullptr && window_.rotations->has(at)) {
+        twice +=
+            HuberValue(Square(window_.rotations->weight[at]) * RecordedTurn(f, j).squaredNorm(), options.huber_sigmas);
+      }
       if (j == 0 || !state.active(j)) continue;
       const Eigen::Map<const Vector3d> w(state.rotation(f, j));
       twice += w.squaredNorm() / Square(options.rest_spread);
@@ -79,6 +83,21 @@ double TrackEquations::Cost() const {
     twice += Square((*state.bone(k) - window_.bone_prior[k]) / options.bone_spread);
   }
   return 0.5 * twice;
+}
+
+Vector3d TrackEquations::RecordedTurn(int frame, int joint) const {
+  const Matrix3d target = window_.rotations->world_from_joint[window_.Index(frame, joint)].toRotationMatrix();
+  return LogMatrix(target.transpose() * window_.state.global(frame, joint));
+}
+
+void TrackEquations::AddRecordedTurn(int frame, int joint, BodyInformation& moved) const {
+  const std::size_t at = window_.Index(frame, joint);
+  if (window_.rotations == nullptr || !window_.rotations->has(at)) return;
+  const Vector3d away = RecordedTurn(frame, joint);
+  const double square = Square(window_.rotations->weight[at]);
+  const double weight = square * HuberSlope(square * away.squaredNorm(), window_.options.huber_sigmas);
+  const Matrix3d turn = RightJacobianInverse(away) * window_.state.global(frame, joint).transpose();
+  moved.AddTurn(weight * turn.transpose() * turn, weight * turn.transpose() * away);
 }
 
 double TrackEquations::DataWeight(int frame, int joint) const {
@@ -120,6 +139,7 @@ void TrackEquations::SumFrame(int frame) {
       weight += step;
       pull += step * (position - state.position(frame + 1, j));
     }
+    AddRecordedTurn(frame, j, subtree_[j].below);
     subtree_[j].at = subtree_[j].below;
     subtree_[j].at.AddPoint(Relative(frame, j), weight, pull);
     if (j > 0) subtree_[state.parent(j)].below += subtree_[j].at;

@@ -35,7 +35,7 @@ class TrackEquations {
 
  private:
   using Twist = Eigen::Matrix<double, 6, 3>;
-  /// Of all points below a joint (moved by its rotation), and of those and the joint itself.
+  /// Of all points below a joint and its recorded rotation (moved by its rotation), and of those and the joint itself.
   struct Subtree {
     BodyInformation below;
     BodyInformation at;
@@ -52,6 +52,10 @@ class TrackEquations {
   Vector3d Relative(int frame, int joint) const {
     return window_.state.position(frame, joint) - window_.state.position(frame, 0);
   }
+  /// Log(target^T G): how far a joint is turned from its recorded rotation, which it must have.
+  Vector3d RecordedTurn(int frame, int joint) const;
+  /// What the recorded rotation of a joint, if there is one, says about the twist of all that the joint turns.
+  void AddRecordedTurn(int frame, int joint, BodyInformation& moved) const;
   void UpdateTwists(int frame, std::vector<Twist>& twists) const;
   void SumFrame(int frame);
   void SumStep(int frame, std::vector<CrossSubtree>& sums) const;

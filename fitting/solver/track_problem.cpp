@@ -8,6 +8,7 @@
 #include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
+#include "fitting/costs/joint_rotation_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
@@ -40,6 +41,12 @@ void TrackProblem::AddFrame(int frame) {
     if (window_.tracks.seen(frame, j)) {
       const double weight = window_.tracks.confidence_at(frame, j) / window_.joint_sigma[j];
       auto* cost = new JointPositionCost(state_, frame, j, window_.tracks.positions.at(frame, j), weight, free_bones_);
+      problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
+    }
+    const std::size_t at = window_.Index(frame, j);
+    if (window_.rotations != nullptr && window_.rotations->has(at)) {
+      auto* cost = new JointRotationCost(state_, frame, j, window_.rotations->world_from_joint[at],
+                                         window_.rotations->weight[at]);
       problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
     }
     if (j == 0 || !state_.active(j)) continue;

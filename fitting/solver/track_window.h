@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "fitting/costs/pose_state.h"
+#include "fitting/evidence/rotation_targets.h"
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/options.h"
 #include "fitting/solver/joint_track_fit.h"
@@ -29,7 +30,8 @@ struct TrackWindow {
   int begin = 0;
   int end = 0;
   bool after_held = false;  ///< frame begin - 1 is held and joins through smoothness; then bones must be fixed
-  const WalkFactors* walks = nullptr;  ///< of all frames of the tracks; none: 1 everywhere
+  const WalkFactors* walks = nullptr;          ///< of all frames of the tracks; none: 1 everywhere
+  const RotationTargets* rotations = nullptr;  ///< recorded, of all frames of the tracks
 
   /// First frame whose kinematics the window reads.
   int first() const { return after_held ? begin - 1 : begin; }

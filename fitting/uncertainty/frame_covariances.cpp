@@ -19,6 +19,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     window.begin = std::max(begin - context, 0);
     window.end = std::min(end + context, whole.end);
     window.walks = whole.walks;
+    window.rotations = whole.rotations;
     TrackEquations track(window);
     BlockTridiagonal equations(window.end - window.begin, track.size(), 0);
     track.Linearise(equations);

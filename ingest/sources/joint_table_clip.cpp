@@ -14,6 +14,38 @@ bool IsMissing(const Vector3d& raw, MissingValue missing) {
   return missing == MissingValue::kZero && raw.isZero(0.0);
 }
 
+constexpr double kNoRotation = 1e-2;  ///< departure of a written rotation's product with itself from the identity
+
+/// The rotations that the file records, of points that it records one for. What is marked as sure and is no rotation is
+/// taken for missing, with a finding.
+void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks& tracks,
+                   std::vector<Finding>& findings) {
+  if (rows.rotation.empty()) return;
+  tracks.rotation.assign(tracks.confidence.size(), Quaterniond::Identity());
+  tracks.rotation_confidence.assign(tracks.confidence.size(), 0.0);
+  const Matrix3d turn = frame.world_from_file;
+  int malformed = 0;
+  int first = 0;
+  for (std::size_t at = 0; at < tracks.confidence.size(); ++at) {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> written(rows.rotation.data() + 9 * at);
+    const double confidence = rows.rotation_confidence.empty() ? 1.0 : rows.rotation_confidence[at];
+    if (!(confidence > 0.0) || written.isZero(0.0)) continue;
+    const bool rotation = written.allFinite() && written.determinant() > 0.0 &&
+                          (written.transpose() * written - Matrix3d::Identity()).cwiseAbs().maxCoeff() < kNoRotation;
+    if (!rotation) {
+      if (malformed++ == 0) first = static_cast<int>(at) / rows.joints;
+      continue;
+    }
+    // A mirrored file mirrors the points' own frames too: which way these lie is the source's convention.
+    tracks.rotation[at] = Quaterniond(Matrix3d(turn * written * turn.transpose())).normalized();
+    tracks.rotation_confidence[at] = std::min(confidence, 1.0);
+  }
+  if (malformed == 0) return;
+  findings.push_back(FrameFinding("not_a_rotation", first, first + 1, "", malformed,
+                                  Counted(malformed, "recorded rotation") +
+                                      " marked as sure: the matrix is not orthogonal; taken for missing"));
+}
+
 /// How far the distances between joints that follow each other in the file are from those of the first frames: median
 /// over the pairs of the relative difference. 0 where too few are seen.
 class RowOrder {
@@ -66,6 +98,10 @@ void DropShiftedFrames(JointTracks& tracks, std::vector<Finding>& findings) {
   first = std::max(0, first - 1);
   const auto begin = tracks.confidence.begin() + static_cast<std::ptrdiff_t>(first) * tracks.positions.joints;
   std::fill(begin, tracks.confidence.end(), 0.0);
+  if (!tracks.rotation_confidence.empty()) {
+    std::fill(tracks.rotation_confidence.begin() + (begin - tracks.confidence.begin()),
+              tracks.rotation_confidence.end(), 0.0);
+  }
   for (int f = first; f < frames; ++f) {
     for (int j = 0; j < tracks.positions.joints; ++j) tracks.positions.at(f, j).setZero();
   }
@@ -118,6 +154,7 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
       if (confidence > 0.0) tracks.positions.at(f, j) = frame->metres_from_file * raw;
     }
   }
+  TakeRotations(*rows, *frame, tracks, ingested.findings);
   if (zeros == tracks.confidence.size()) {
     return Fail(ErrorCode::kInconsistent, "every joint of every frame is 0 0 0", file.name,
                 "the tracker never saw the person: leave the file out");

@@ -110,6 +110,26 @@ TEST_F(Window, HasThemWithFreeBones) { ExpectSameAsCeres(Of(0, 6, Bones::kFree))
 
 TEST_F(Window, HasThemBesideAHeldFrame) { ExpectSameAsCeres(Of(2, 5, Bones::kFixed)); }
 
+TEST_F(Window, HasThemWithRecordedRotations) {
+  Random random(9, "recorded");
+  RotationTargets targets;
+  for (int f = 0; f < take_.tracks.frames(); ++f) {
+    for (int j = 0; j < take_.tracks.joints(); ++j) {
+      const bool recorded = state_->active(j) && random.Uniform() < 0.7;
+      const double spread = random.Uniform() < 0.1 ? 1.0 : 0.1;  // some in the linear part of the loss
+      const Vector3d away = spread * Vector3d(random.Normal(), random.Normal(), random.Normal());
+      state_->Update(f, f + 1, false);
+      targets.world_from_joint.push_back(Quaterniond(state_->global(f, j)) * ExpQuaternion(away));
+      targets.weight.push_back(recorded ? random.Uniform(0.3, 1.0) / 0.1 : 0.0);
+    }
+  }
+  for (const Bones bones : {Bones::kFixed, Bones::kFree}) {
+    TrackWindow window = Of(0, 6, bones);
+    window.rotations = &targets;
+    ExpectSameAsCeres(window);
+  }
+}
+
 TEST_F(Window, HasThemForOneFrame) {
   for (int j = 0; j < take_.tracks.joints(); ++j)
     take_.tracks.confidence[j] = 0.5;  // else bones have no block in Ceres

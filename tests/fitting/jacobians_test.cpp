@@ -6,6 +6,7 @@
 #include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
+#include "fitting/costs/joint_rotation_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
@@ -158,6 +159,39 @@ TEST_P(CostJacobian, OfJointVelocity) {
       const int above = static_cast<int>(state_.path(joint).size());
       const auto automatic = Automatic(VelocityResidual{skeleton_, joint, above, free_bones}, cost);
       EXPECT_JACOBIAN(At(cost, cost.Blocks(state_)), automatic, 1e-9);
+    }
+  }
+}
+
+/// Log(target^T G) of the chain's active joints down to the joint, itself included.
+struct RecordedResidual {
+  int blocks_above;
+  Quaterniond target;
+  template <class T>
+  bool operator()(T const* const* blocks, T* residuals) const {
+    T turned[4] = {T(target.w()), T(-target.x()), T(-target.y()), T(-target.z())};
+    for (int b = 0; b < blocks_above; ++b) {
+      T own[4];
+      T product[4];
+      ceres::AngleAxisToQuaternion(blocks[b], own);
+      ceres::QuaternionProduct(turned, own, product);
+      std::copy(product, product + 4, turned);
+    }
+    ceres::QuaternionToAngleAxis(turned, residuals);
+    for (int i = 0; i < 3; ++i) residuals[i] *= kWeight;
+    return true;
+  }
+};
+
+TEST_P(CostJacobian, OfJointRotation) {
+  for (int joint = 0; joint < kJoints; ++joint) {
+    const Quaterniond here(state_.global(0, joint));
+    for (const Vector3d& away : {Vector3d(0.3, -0.2, 0.5), Vector3d(1.5, 0.4, -1.0)}) {
+      const JointRotationCost cost(state_, 0, joint, here * ExpQuaternion(away), kWeight);
+      const auto blocks = cost.Blocks(state_);
+      const auto automatic =
+          Automatic(RecordedResidual{static_cast<int>(blocks.size()), here * ExpQuaternion(away)}, cost);
+      EXPECT_JACOBIAN(At(cost, blocks), automatic, 1e-9);
     }
   }
 }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "tests/ingest/sources.h"
@@ -128,6 +130,38 @@ TEST_F(KinectTables, Cad60IsReadByItsLayout) {
   EXPECT_TRUE(At(tracks, "head", 0).isApprox(Vector3d(-0.0454, 0.4972, -2.2542), 1e-6));
   EXPECT_NEAR((At(tracks, "left_knee", 0) - At(tracks, "left_foot", 0)).norm(), 0.35, 0.1);
   EXPECT_NEAR(ingested.outcome->summary["missing_share"].get<double>(), 0.01637, 1e-5);
+  ASSERT_EQ(tracks.rotation.size(), tracks.confidence.size());
+  const auto column = std::find(tracks.names.begin(), tracks.names.end(), "left_shoulder") - tracks.names.begin();
+  double apart = 0.0;  // the upper arm lies along its frame's x axis, towards the body: the file's own convention
+  int sure = 0;
+  for (int f = 0; f < tracks.positions.frames; ++f) {
+    const std::size_t at = static_cast<std::size_t>(f) * tracks.names.size() + static_cast<std::size_t>(column);
+    if (tracks.rotation_confidence[at] == 0.0) continue;
+    const Vector3d arm = (At(tracks, "left_elbow", f) - At(tracks, "left_shoulder", f)).normalized();
+    apart += std::acos(std::min(1.0, std::abs(arm.dot(tracks.rotation[at] * Vector3d::UnitX()))));
+    ++sure;
+  }
+  ASSERT_GT(sure, 100);
+  EXPECT_LT(apart / sure, 0.1) << "radians";
+  EXPECT_EQ(tracks.rotation_confidence[14], 0.0) << "of the feet nothing is recorded";
+}
+
+TEST(JointTableLayout, AMatrixThatIsNoRotationIsNamed) {
+  const std::filesystem::path folder = FreshFolder("no_rotation");
+  const std::string good = "1 0 0 0 1 0 0 0 1 1 ";
+  Put(folder / "a1_s2.txt", good + "1 2 3 " + good + "4 5 6\n" + good + "1 2 3 1 0 0 0 2 0 0 0 1 1 4 5 6\n");
+  IngestOptions options = SmallTable(folder);
+  options.source.layout = "2*(rotation rotation_confidence x y z)";
+  const Ingested ingested = RunIngest(Discover(options)->items.at(0), "no_rotation");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.evidence.tracks->rotation_confidence, (std::vector<double>{1, 1, 1, 0}));
+  int told = 0;
+  for (const Finding& finding : ingested.outcome->findings) {
+    if (finding.code != "not_a_rotation") continue;
+    ++told;
+    EXPECT_EQ(finding.frame_begin, 1);
+  }
+  EXPECT_EQ(told, 1);
 }
 
 TEST(JointTableLayout, WhatDoesNotFitTheLayoutNamesTheOption) {

@@ -72,6 +72,11 @@ inline Clip FullClip(const std::string& skeleton_name, int frames, FrameRate rat
   for (const Joint& joint : clip.motion->skeleton->joints) tracks.names.push_back(joint.name);
   tracks.positions = clip.motion->joints;
   tracks.confidence.assign(static_cast<std::size_t>(frames) * tracks.names.size(), 1.0);
+  for (int f = 0; f < frames; ++f) {
+    for (std::size_t k = 0; k < tracks.names.size(); ++k)
+      tracks.rotation.push_back(clip.motion->rotation_at(f, static_cast<int>(k)));
+  }
+  tracks.rotation_confidence = tracks.confidence;
   DepthView view;
   view.camera = {"left", 640, 480, 525, 524, 319.5, 239.5, {0.1, -0.05, 0.002, -0.003, 0.01}, {}};
   view.camera.camera_from_world = {ExpQuaternion(Vector3d(3.0, 0.2, 0.1)), Vector3d(0.1, 0.9, 3.0)};

@@ -31,6 +31,10 @@ void ExpectSameClip(const Clip& a, const Clip& b, double tolerance) {
   EXPECT_LE(LargestDistance(a.evidence.tracks->positions, b.evidence.tracks->positions), tolerance);
   EXPECT_EQ(a.evidence.tracks->confidence, b.evidence.tracks->confidence);
   EXPECT_EQ(a.evidence.tracks->time_s.size(), b.evidence.tracks->time_s.size());
+  EXPECT_EQ(a.evidence.tracks->rotation_confidence, b.evidence.tracks->rotation_confidence);
+  ASSERT_EQ(a.evidence.tracks->rotation.size(), b.evidence.tracks->rotation.size());
+  for (std::size_t i = 0; i < a.evidence.tracks->rotation.size(); ++i)
+    EXPECT_LE(a.evidence.tracks->rotation[i].angularDistance(b.evidence.tracks->rotation[i]), tolerance + 1e-7);
   EXPECT_EQ(a.evidence.depth_views[0].files, b.evidence.depth_views[0].files);
   EXPECT_EQ(a.evidence.depth_views[0].sha256, b.evidence.depth_views[0].sha256);
   EXPECT_EQ(a.evidence.keypoint_names, b.evidence.keypoint_names);
@@ -183,6 +187,8 @@ TEST(Transform, MovesEverythingThatHasAPlace) {
   const Vector3d hand = before.motion->joints.at(3, 20);
   EXPECT_LT((after.motion->joints.at(3, 20) - move * hand).norm(), 1e-12);
   EXPECT_LT((after.evidence.tracks->positions.at(3, 20) - move * hand).norm(), 1e-12);
+  const Quaterniond& turned = after.evidence.tracks->rotation[3 * 24 + 20];
+  EXPECT_LT(turned.angularDistance(move.rotation * before.evidence.tracks->rotation[3 * 24 + 20]), 1e-12);
   const Vector2d pixel = before.evidence.depth_views[0].camera.ProjectWorld(hand).value();
   EXPECT_LT((after.evidence.depth_views[0].camera.ProjectWorld(move * hand).value() - pixel).norm(), 1e-9);
   const auto seen = after.evidence.keypoint_views[0].camera.ProjectWorld(move * hand).value();

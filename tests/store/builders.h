@@ -182,6 +182,9 @@ inline Clip MakeEvidenceClip(bool with_motion) {
   tracks.positions = JointPositions(3, 2);
   for (std::size_t i = 0; i < tracks.positions.xyz.size(); ++i) tracks.positions.xyz[i] = 0.1 * static_cast<double>(i);
   tracks.confidence = {1, 0.5, 0, 1, 0.25, 1};
+  tracks.rotation_confidence = {0, 1, 0.5, 1, 0, 1};
+  for (int i = 0; i < 6; ++i) tracks.rotation.push_back(ExpQuaternion(Vector3d(0.1 * i, -0.2, 0.3)));
+  for (const std::size_t i : {0, 4}) tracks.rotation[i] = Quaterniond::Identity();  // not recorded
   clip.evidence.tracks = tracks;
   clip.evidence.depth_views = {MakeView("left"), MakeView("right")};
   clip.evidence.depth_views[1].masks = {"masks/0.jpg", "masks/1.jpg"};

@@ -145,6 +145,10 @@ void ExpectSameEvidence(const Evidence& read, const Evidence& written) {
   EXPECT_EQ(read.tracks->time_s, written.tracks->time_s);
   EXPECT_EQ(read.tracks->positions.xyz, written.tracks->positions.xyz);
   EXPECT_EQ(read.tracks->confidence, written.tracks->confidence);
+  EXPECT_EQ(read.tracks->rotation_confidence, written.tracks->rotation_confidence);
+  ASSERT_EQ(read.tracks->rotation.size(), written.tracks->rotation.size());
+  for (std::size_t i = 0; i < written.tracks->rotation.size(); ++i)
+    EXPECT_EQ(read.tracks->rotation[i].coeffs(), written.tracks->rotation[i].coeffs());
   ASSERT_EQ(read.depth_views.size(), written.depth_views.size());
   for (std::size_t i = 0; i < read.depth_views.size(); ++i) {
     const DepthView& a = read.depth_views[i];

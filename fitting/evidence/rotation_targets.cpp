@@ -1,0 +1,104 @@
+#include "fitting/evidence/rotation_targets.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/geometry/rotation.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSmallestSigma = 0.5 * kPi / 180.0;  ///< rad; nothing is recorded more finely
+constexpr double kLargestSigma = 30.0 * kPi / 180.0;
+constexpr double kNear = 0.02;  ///< rad; departures below count like this in the weights of the mean
+constexpr int kTurns = 10;      ///< of the reweighted mean
+
+/// Rotation with the least sum of weighted squared distances to `rotations` (Markley and others 2007).
+Quaterniond WeightedMean(const std::vector<Quaterniond>& rotations, const std::vector<double>& weights) {
+  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    const Eigen::Vector4d q = rotations[i].coeffs();
+    sum += weights[i] * q * q.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(sum);
+  Quaterniond mean;
+  mean.coeffs() = solver.eigenvectors().col(3);
+  return mean.normalized();
+}
+
+/// Rotation with about the least sum of distances: the mean, with the weights of an absolute value.
+Quaterniond MiddleRotation(const std::vector<Quaterniond>& rotations, const std::vector<double>& confidence) {
+  Quaterniond middle = WeightedMean(rotations, confidence);
+  std::vector<double> weights(rotations.size());
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (std::size_t i = 0; i < rotations.size(); ++i) {
+      weights[i] = confidence[i] / std::max(LogQuaternion(middle.conjugate() * rotations[i]).norm(), kNear);
+    }
+    middle = WeightedMean(rotations, weights);
+  }
+  return middle;
+}
+
+/// Standard deviation per axis that the middle of the departures tells.
+double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& middle) {
+  std::vector<double> departures;
+  for (const Quaterniond& rotation : rotations) {
+    const Vector3d away = LogQuaternion(middle.conjugate() * rotation);
+    for (int i = 0; i < 3; ++i) departures.push_back(std::abs(away[i]));
+  }
+  const auto half = departures.begin() + static_cast<std::ptrdiff_t>(departures.size() / 2);
+  std::nth_element(departures.begin(), half, departures.end());
+  return std::max(1.4826 * *half, kSmallestSigma);
+}
+
+Finding Disagreement(const std::string& joint, double sigma) {
+  Finding finding;
+  finding.code = "rotations_disagree";
+  finding.joint = joint;
+  finding.value = sigma * 180.0 / kPi;
+  finding.message = "the recorded rotations do not turn with the joint: they scatter by " +
+                    FormatDouble(std::round(finding.value)) + " degrees";
+  finding.action = "not used";
+  return finding;
+}
+
+}  // namespace
+
+RotationTargets AlignRotations(const SkeletonTracks& tracks, const PoseState& state, std::vector<Finding>* findings) {
+  const auto joints = static_cast<std::size_t>(tracks.joints());
+  RotationTargets targets;
+  targets.world_from_joint.assign(tracks.rotation.size(), Quaterniond::Identity());
+  targets.weight.assign(tracks.rotation.size(), 0.0);
+  targets.joint_sigma.assign(joints, 0.0);
+  for (int j = 0; j < tracks.joints(); ++j) {
+    if (!state.active(j)) continue;
+    std::vector<std::size_t> places;
+    std::vector<Quaterniond> recorded_in_joint;
+    std::vector<double> confidence;
+    for (int f = 0; f < tracks.frames(); ++f) {
+      const std::size_t at = static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(j);
+      if (!tracks.seen(f, j) || tracks.rotation_confidence[at] == 0.0) continue;
+      places.push_back(at);
+      recorded_in_joint.push_back(Quaterniond(state.global(f, j)).conjugate() * tracks.rotation[at]);
+      confidence.push_back(tracks.rotation_confidence[at]);
+    }
+    if (places.empty()) continue;
+    const Quaterniond middle = MiddleRotation(recorded_in_joint, confidence);
+    const double sigma = Scatter(recorded_in_joint, middle);
+    if (sigma > kLargestSigma) {
+      if (findings != nullptr) findings->push_back(Disagreement(tracks.skeleton->joints[j].name, sigma));
+      continue;
+    }
+    targets.joint_sigma[j] = sigma;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      targets.world_from_joint[places[i]] = (tracks.rotation[places[i]] * middle.conjugate()).normalized();
+      targets.weight[places[i]] = confidence[i] / sigma;
+    }
+  }
+  return targets;
+}
+
+}  // namespace mocurate

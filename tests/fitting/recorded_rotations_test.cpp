@@ -1,0 +1,182 @@
+// Rotations that a source recorded, as evidence beside positions.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fitting/evidence/motion_tracks.h"
+#include "fitting/solver/joint_track_fit.h"
+#include "tests/fitting/takes.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr int kElbow = 4;
+constexpr int kShoulder = 3;
+constexpr int kAnkle = 10;
+
+Quaterniond WorldRotation(const Motion& motion, int frame, int joint) {
+  const int parent = motion.skeleton->joints[joint].parent;
+  return parent < 0 ? motion.rotation_at(frame, joint)
+                    : WorldRotation(motion, frame, parent) * motion.rotation_at(frame, joint);
+}
+
+/// A take whose source recorded rotations too, each joint's in a frame of the source's own choice.
+Take Recorded(double noise_rad, std::uint64_t seed = 5) {
+  Take take = SmoothTake(90);
+  Random random(seed, "recorded");
+  std::vector<Quaterniond> convention;
+  for (int j = 0; j < take.tracks.joints(); ++j)
+    convention.push_back(ExpQuaternion(Vector3d(random.Normal(), random.Normal(), random.Normal())));
+  for (int f = 0; f < take.tracks.frames(); ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      const Vector3d noise = noise_rad * Vector3d(random.Normal(), random.Normal(), random.Normal());
+      take.tracks.rotation.push_back(WorldRotation(take.truth, f, j) * ExpQuaternion(noise) * convention[j]);
+      take.tracks.rotation_confidence.push_back(1.0);
+    }
+  }
+  return take;
+}
+
+/// Turn of a joint about its bone beside the truth, the constant part of it left out: degrees, root mean square.
+double ChangingTwistError(const Motion& fitted, const Motion& truth, int joint, const Vector3d& bone) {
+  std::vector<double> twist;
+  double mean = 0.0;
+  for (int f = 0; f < truth.frame_count(); ++f) {
+    const Quaterniond away = WorldRotation(truth, f, joint).conjugate() * WorldRotation(fitted, f, joint);
+    twist.push_back(LogQuaternion(away).dot(bone.normalized()));
+    mean += twist.back() / truth.frame_count();
+  }
+  double square = 0.0;
+  for (const double value : twist) square += (value - mean) * (value - mean) / truth.frame_count();
+  return std::sqrt(square) / kDegree;
+}
+
+FitResult Fit(const Take& take, JointTrackOptions options = {}) {
+  auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  EXPECT_TRUE(fit) << fit.error().Message();
+  return *std::move(fit);
+}
+
+class RecordedRotations : public testing::TestWithParam<TrackSolver> {
+ protected:
+  JointTrackOptions Options() const {
+    JointTrackOptions options;
+    options.solver = GetParam();
+    return options;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Solvers, RecordedRotations, testing::Values(TrackSolver::kCeres, TrackSolver::kBanded),
+                         [](const auto& solver) { return solver.param == TrackSolver::kCeres ? "Ceres" : "Banded"; });
+
+TEST_P(RecordedRotations, TellTheTwistThatNoPositionTellsWhateverTheFramesOfTheSource) {
+  Take take = Recorded(2.0 * kDegree);
+  AddNoise(take.tracks, 0.01, 8);
+  const Vector3d forearm(1, 0, 0);
+  const FitResult with = Fit(take, Options());
+  JointTrackOptions without = Options();
+  without.recorded_rotations = false;
+  const FitResult positions = Fit(take, without);
+  const double told = ChangingTwistError(with.motion, take.truth, kElbow, forearm);
+  const double untold = ChangingTwistError(positions.motion, take.truth, kElbow, forearm);
+  EXPECT_LT(told, 3.0);
+  EXPECT_GT(untold, 3.0 * told);
+  const std::size_t at = 3 * (static_cast<std::size_t>(45) * take.tracks.joints() + kElbow);
+  EXPECT_GT(with.motion.rotation_observed[at], 0.9F) << "and the fit knows";
+  EXPECT_LT(positions.motion.rotation_observed[at], 0.8F);
+}
+
+TEST_P(RecordedRotations, AreEvidenceForEndsThatTurnNoSeenJoint) {
+  const Take take = Recorded(0.0);
+  const FitResult with = Fit(take, Options());
+  EXPECT_LT(ChangingTwistError(with.motion, take.truth, kAnkle, Vector3d(1, 0, 0)), 3.0);
+}
+
+TEST(RecordedRotationsOfTracks, MoveNoJointByMoreThanItsNoise) {
+  Take take = Recorded(5.0 * kDegree);
+  AddNoise(take.tracks, 0.005, 8);
+  const FitResult with = Fit(take);
+  JointTrackOptions without;
+  without.recorded_rotations = false;
+  const FitResult positions = Fit(take, without);
+  double square = 0.0;
+  for (std::size_t i = 0; i < with.motion.joints.xyz.size(); ++i) {
+    const double moved = with.motion.joints.xyz[i] - positions.motion.joints.xyz[i];
+    square += moved * moved / static_cast<double>(with.motion.joints.xyz.size());
+  }
+  EXPECT_LT(std::sqrt(square), 0.005);
+}
+
+TEST(RecordedRotationsOfTracks, ThatDoNotFollowTheJointAreNamedAndNotUsed) {
+  Take take = Recorded(0.0);
+  Random random(6, "wild");
+  const auto joints = static_cast<std::size_t>(take.tracks.joints());
+  for (int f = 0; f < take.tracks.frames(); ++f) {
+    take.tracks.rotation[static_cast<std::size_t>(f) * joints + kShoulder] =
+        ExpQuaternion(2.0 * Vector3d(random.Normal(), random.Normal(), random.Normal()));
+  }
+  const FitResult fit = Fit(take);
+  int told = 0;
+  for (const Finding& finding : fit.findings) {
+    if (finding.code != "rotations_disagree") continue;
+    ++told;
+    EXPECT_EQ(finding.joint, "left_shoulder");
+    EXPECT_GT(finding.value, 30.0);
+  }
+  EXPECT_EQ(told, 1);
+}
+
+TEST(RecordedRotationsOfTracks, OfNoConfidenceAreNotRead) {
+  Take take = Recorded(0.0);
+  Take other = take;
+  const Quaterniond nothing(std::numeric_limits<double>::quiet_NaN(), 0, 0, 0);
+  for (Take* one : {&take, &other}) {
+    for (std::size_t i = 0; i < one->tracks.rotation.size(); i += 3) {
+      one->tracks.rotation[i] = one == &take ? nothing : Quaterniond::Identity();
+      one->tracks.rotation_confidence[i] = 0.0;
+    }
+  }
+  EXPECT_EQ(Fit(take).motion.joints.xyz, Fit(other).motion.joints.xyz);
+}
+
+TEST(RecordedRotationsOfTracks, ThatAreNoRotationsAreRefusedWithTheirPlace) {
+  const Take take = Recorded(0.0);
+  JointTracks source = AsSource(take.tracks);
+  source.rotation = take.tracks.rotation;
+  source.rotation_confidence = take.tracks.rotation_confidence;
+  ASSERT_TRUE(MapTracks(source, take.tracks.skeleton));
+  source.rotation[14 + 3].w() = std::numeric_limits<double>::quiet_NaN();
+  const auto mapped = MapTracks(source, take.tracks.skeleton);
+  ASSERT_FALSE(mapped);
+  EXPECT_EQ(mapped.error().where, "track 'left_shoulder' frame 1");
+}
+
+TEST(RecordedRotationsOfTracks, OfAGivenMotionKeepItsTwistOnAnotherSkeleton) {
+  const Take take = SmoothTake(90);
+  auto other = std::make_shared<Skeleton>(*take.truth.skeleton);  // the same joints, another rest pose: arms down
+  other->name = "arms_down";
+  for (Joint& joint : other->joints) {
+    if (joint.name.find("elbow") != std::string::npos || joint.name.find("wrist") != std::string::npos)
+      joint.rest_offset = Vector3d(0, -joint.rest_offset.norm(), 0);
+  }
+  const auto tracks = TracksOfMotion(take.truth, *other);
+  ASSERT_TRUE(tracks);
+  const auto mapped = MapTracks(*tracks, other);
+  ASSERT_TRUE(mapped);
+  const auto fit = FitJointTracks(*mapped, take.truth.rate, other->RestBoneLengths(), Bones::kFixed, {});
+  ASSERT_TRUE(fit);
+  double worst = 0.0;
+  const Quaterniond first = WorldRotation(take.truth, 0, kElbow).conjugate() * WorldRotation(fit->motion, 0, kElbow);
+  for (int f = 0; f < take.truth.frame_count(); ++f) {
+    const Quaterniond here = WorldRotation(take.truth, f, kElbow).conjugate() * WorldRotation(fit->motion, f, kElbow);
+    worst = std::max(worst, first.angularDistance(here));
+  }
+  EXPECT_LT(worst, 3.0 * kDegree) << "the elbow turns as it did, but for how its frame lies at rest";
+}
+
+}  // namespace
+}  // namespace mocurate
