@@ -23,6 +23,31 @@ void DeclareOtherJoints(OptionVisitor& v, OtherJoints& other) {
 
 }  // namespace
 
+void TrackStep::Declare(OptionVisitor& v) {
+  v.Choice("free", free, {{"root", FreeParts::kRoot}, {"pose", FreeParts::kPose}},
+           "what may move: the person as a whole, or every joint");
+  v.Choice("evidence", evidence, {{"positions", StepEvidence::kPositions}, {"all", StepEvidence::kAll}},
+           "tracked positions alone, or recorded rotations too");
+  v.Number("relative_tolerance", relative_tolerance, Unit::kNone, {1e-12, 1e-1},
+           "the step ends at this relative change of cost");
+  v.Integer("max_iterations", max_iterations, {1, 1000}, "of the solver, per window");
+  v.Bool("refit_walks", refit_walks,
+         "afterwards both walks are fitted to what each joint of the clip does, and when; the next step has them");
+}
+
+std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last) {
+  std::vector<TrackStep> steps;
+  for (int i = 0; i < refits; ++i) {
+    TrackStep step = last;
+    step.evidence = i == 0 ? StepEvidence::kPositions : last.evidence;
+    step.relative_tolerance = std::max(last.relative_tolerance, 1e-2);
+    step.refit_walks = true;
+    steps.push_back(step);
+  }
+  steps.push_back(last);
+  return steps;
+}
+
 void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
            "ceres, or our block-tridiagonal solver of the same costs, several times as fast");
@@ -31,17 +56,13 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
   v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "joint position, metres per square root second");
-  v.Integer("walk_refits", walk_refits, {0, 10},
-            "how often both walks are fitted to what each joint of the clip does, and when, and the clip again");
   v.Bool("recorded_rotations", recorded_rotations,
          "rotations that the source recorded, or a given motion has, are evidence beside the positions");
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
   v.Number("limit_spread", limit_spread, Unit::kRadian, {1e-3, 1e2}, "distance beyond a joint limit");
   v.Number("bone_spread", bone_spread, Unit::kMetre, {1e-4, 1.0}, "distance from the prior length of a free bone");
   v.Number("max_gap", max_gap_s, Unit::kSecond, {1e-3, 1e4}, "frames further apart are not smoothed together");
-  v.Number("relative_tolerance", relative_tolerance, Unit::kNone, {1e-12, 1e-1},
-           "the solver stops at this relative change of cost");
-  v.Integer("max_iterations", max_iterations, {1, 1000}, "of the solver, per window");
+  v.List("steps", steps, "what is solved one after the other, from a closed-form pose on; none: that pose is the fit");
   v.Integer("window_frames", window_frames, {10, 100000}, "longer clips are fitted in windows of this length");
   v.Integer("window_overlap", window_overlap, {1, 10000}, "frames of look-ahead that the next window fits again");
   v.Bool("uncertainty", uncertainty,

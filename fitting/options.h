@@ -21,25 +21,43 @@ enum class OtherJoints { kRefuse, kLeaveOut };
 /// What solves a problem of a fit. Both minimise the same costs to the same optimum.
 enum class TrackSolver { kCeres, kBanded };
 
+/// What a step of a fit may move: the person as a whole, or every joint.
+enum class FreeParts { kRoot, kPose };
+
+/// Which evidence a step reads: the tracked positions alone, or recorded rotations too.
+enum class StepEvidence { kPositions, kAll };
+
+/// A step of a fit of joint tracks. It starts from the pose that the step before left, the first from a closed form.
+struct TrackStep {
+  FreeParts free = FreeParts::kPose;
+  StepEvidence evidence = StepEvidence::kAll;
+  double relative_tolerance = 1e-4;  ///< stop at this relative change of cost
+  std::int64_t max_iterations = 100;
+  bool refit_walks = false;  ///< then both walks are fitted to what each joint did, and when
+
+  void Declare(OptionVisitor& v);
+};
+
+/// `refits` loose steps that fit the walks to the clip, the first one to positions alone, and the one that counts.
+std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last = {});
+
 /// Fit of a skeleton to joint tracks. The noise of the tracks is estimated from them, never set here. Spreads are
 /// standard deviations of what a person does: a random walk of q per square root of a second moves q * sqrt(dt) in dt.
 struct JointTrackOptions {
   TrackSolver solver = TrackSolver::kCeres;
   NoiseScale noise = NoiseScale::kPooled;
-  double huber_sigmas = 2.5;         ///< residuals beyond this many sigmas count linearly
-  double rotation_walk = 0.55;       ///< rad per sqrt(s), each joint
-  double velocity_walk = 0.33;       ///< m per sqrt(s), each joint
-  std::int64_t walk_refits = 2;      ///< how often the walks are fitted to the clip, and the clip again
-  bool recorded_rotations = true;    ///< rotations that the source recorded are evidence beside the positions
-  double rest_spread = 3.3;          ///< rad from the rest pose; holds what no evidence determines
-  double limit_spread = 0.5;         ///< rad beyond a joint limit
-  double bone_spread = 0.02;         ///< m from the prior bone length, where bones are free
-  double max_gap_s = 0.5;            ///< frames further apart than this are not smoothed together
-  double relative_tolerance = 1e-4;  ///< stop at this relative change of cost
-  std::int64_t max_iterations = 100;
-  std::int64_t window_frames = 600;  ///< longer clips are fitted in windows
-  std::int64_t window_overlap = 60;  ///< frames of look-ahead that the next window fits again
-  bool uncertainty = true;           ///< covariance of joints, standard deviation of rotations
+  double huber_sigmas = 2.5;       ///< residuals beyond this many sigmas count linearly
+  double rotation_walk = 0.55;     ///< rad per sqrt(s), each joint
+  double velocity_walk = 0.33;     ///< m per sqrt(s), each joint
+  bool recorded_rotations = true;  ///< rotations that the source recorded are evidence beside the positions
+  double rest_spread = 3.3;        ///< rad from the rest pose; holds what no evidence determines
+  double limit_spread = 0.5;       ///< rad beyond a joint limit
+  double bone_spread = 0.02;       ///< m from the prior bone length, where bones are free
+  double max_gap_s = 0.5;          ///< frames further apart than this are not smoothed together
+  std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit
+  std::int64_t window_frames = 600;                   ///< longer clips are fitted in windows
+  std::int64_t window_overlap = 60;                   ///< frames of look-ahead that the next window fits again
+  bool uncertainty = true;                            ///< covariance of joints, standard deviation of rotations
 
   void Declare(OptionVisitor& v);
 };

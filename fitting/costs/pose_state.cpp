@@ -13,8 +13,6 @@ PoseState::PoseState(const Skeleton& skeleton, int frames, const std::vector<dou
       stride_(3 + 3 * static_cast<std::size_t>(joints_)),
       parameters_(static_cast<std::size_t>(frames) * stride_ + joints_, 0.0),
       derived_(static_cast<std::size_t>(frames) * joints_),
-      active_(std::move(active)),
-      paths_(joints_),
       bones_(joints_) {
   for (int j = 0; j < joints_; ++j) {
     const Joint& joint = skeleton.joints[j];
@@ -23,10 +21,20 @@ PoseState::PoseState(const Skeleton& skeleton, int frames, const std::vector<dou
     directions_.push_back(length > 0.0 ? Vector3d(joint.rest_offset / length) : Vector3d(Vector3d::Zero()));
     *bone(j) = bone_length[j];
     if (joint.parent < 0) continue;
-    paths_[j] = paths_[joint.parent];
-    if (active_[joint.parent]) paths_[j].push_back(joint.parent);
     bones_[j] = bones_[joint.parent];
     bones_[j].push_back(j);
+  }
+  SetActive(std::move(active));
+}
+
+void PoseState::SetActive(std::vector<bool> active) {
+  active_ = std::move(active);
+  paths_.assign(static_cast<std::size_t>(joints_), {});
+  for (int j = 0; j < joints_; ++j) {
+    const int parent = parents_[j];
+    if (parent < 0) continue;
+    paths_[j] = paths_[parent];
+    if (active_[parent]) paths_[j].push_back(parent);
   }
 }
 

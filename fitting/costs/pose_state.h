@@ -15,7 +15,7 @@ namespace mocurate {
 /// a joint a above j: dp_j/dw_a = -Hat(p_j - p_a) A_a, A_a = G_parent(a) J_l(w_a); dp_j/db_k = G_parent(k) u_k.
 class PoseState {
  public:
-  /// `active` (J): joints whose rotation is a parameter; the others stay at the identity.
+  /// `active` (J): joints whose rotation is a parameter; the others stay at the identity (but see SetActive).
   PoseState(const Skeleton& skeleton, int frames, const std::vector<double>& bone_length, std::vector<bool> active);
 
   int frames() const { return frames_; }
@@ -36,6 +36,8 @@ class PoseState {
   }
 
   bool active(int joint) const { return active_[joint]; }
+  /// Which rotations are parameters from now on; the others stay as the last Update left them.
+  void SetActive(std::vector<bool> active);
   /// Active joints strictly above a joint, root first: the rotations its position depends on.
   const std::vector<int>& path(int joint) const { return paths_[joint]; }
   /// Joints from below the root down to a joint: the bones its position depends on.

@@ -18,7 +18,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   double cost = solution.initial_cost = track.Cost();
   if (!std::isfinite(cost)) return Fail(ErrorCode::kInternal, "the cost of the start is no number", "fitting");
   bool moved = true;
-  while (solution.iterations < window.options.max_iterations && !region.exhausted()) {
+  while (solution.iterations < window.step.max_iterations && !region.exhausted()) {
     if (moved) track.Linearise(equations);
     moved = false;
     ++solution.iterations;
@@ -35,7 +35,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
     if (!(foreseen > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
       track.SetParameters(parameters);
       // At the minimum rounding decides: nothing more is to be had.
-      if (foreseen <= 1e-3 * window.options.relative_tolerance * cost) {
+      if (foreseen <= 1e-3 * window.step.relative_tolerance * cost) {
         solution.converged = true;
         break;
       }
@@ -45,7 +45,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
     parameters += step;
     region.Accept(gain);
     moved = true;
-    const bool settled = cost - next <= window.options.relative_tolerance * cost;
+    const bool settled = cost - next <= window.step.relative_tolerance * cost;
     cost = next;
     if (settled) {
       solution.converged = true;

@@ -17,8 +17,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLooseTolerance = 1e-2;  ///< relative change of cost, of the fits that only tell how a person moves
-
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
 Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   const JointTrackOptions& options = whole.options;
@@ -33,7 +31,7 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution = solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin,
-                                 end, begin > 0, whole.walks, whole.rotations});
+                                 end, begin > 0, whole.walks, whole.rotations, whole.step});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -48,15 +46,22 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   return {};
 }
 
-/// A pose that is good enough to see how the person moves. By the banded solver whatever solves the problem in the end:
-/// it is the fastest, and a loose solution would differ between the two.
-Status SolveLoosely(const TrackWindow& whole, FitResult& result) {
+/// A step of the fit. All but the last are solved by the banded solver, whatever solves the last: it is the fastest,
+/// and a loose solution would differ between the two.
+Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, const TrackStep& step, bool last,
+                 FitResult& result) {
   JointTrackOptions options = whole.options;
-  options.solver = TrackSolver::kBanded;
-  options.relative_tolerance = std::max(options.relative_tolerance, kLooseTolerance);
-  return SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, options, 0,
-                       whole.end, false, whole.walks, whole.rotations},
-                      result);
+  if (!last) options.solver = TrackSolver::kBanded;
+  whole.state.Update(0, whole.end, false);
+  std::vector<bool> free = active;
+  if (step.free == FreeParts::kRoot) std::fill(free.begin() + 1, free.end(), false);
+  whole.state.SetActive(free);
+  const RotationTargets* rotations = step.evidence == StepEvidence::kAll ? whole.rotations : nullptr;
+  Status solved = SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, whole.bones, options, 0,
+                                whole.end, false, whole.walks, rotations, step},
+                               result);
+  whole.state.SetActive(active);
+  return solved;
 }
 
 /// A tracker's error wobbles slowly beside its white noise; only the white part may be smoothed away. With sigma of all
@@ -167,29 +172,36 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   const double widening = WalkWidening(noise);
   walks.rotation_walk *= widening;
   walks.velocity_walk *= widening;
-  PoseState state(*tracks.skeleton, tracks.frames(), bone_length, JointsWithEvidenceBelow(tracks));
+  const std::vector<bool> active = JointsWithEvidenceBelow(tracks);
+  PoseState state(*tracks.skeleton, tracks.frames(), bone_length, active);
   ClosedFormStart(tracks, state);
+  result.converged = true;
+  result.termination = "closed form";
   std::optional<WalkFactors> factors;
-  TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
   std::optional<RotationTargets> rotations;
-  const bool recorded = !tracks.rotation.empty();
-  // Recorded rotations are read against a pose: the one of the positions first, then the one of both.
-  for (std::int64_t i = 0; i < std::max<std::int64_t>(options.walk_refits, recorded ? 1 : 0); ++i) {
-    if (Status solved = SolveLoosely(whole, result); !solved) return tl::unexpected<Error>(solved.error());
-    if (recorded) {
-      const bool last = i + 1 >= options.walk_refits;
-      rotations = AlignRotations(tracks, state, last ? &result.findings : nullptr);
+  TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
+  std::vector<Finding> disagreements;
+  for (const TrackStep& step : options.steps) {
+    const bool last = &step == &options.steps.back();
+    if (!tracks.rotation.empty() && step.evidence == StepEvidence::kAll) {
+      // How recorded frames lie in their joints is read from the pose so far, better each time.
+      state.Update(0, state.frames(), false);
+      disagreements.clear();
+      rotations = AlignRotations(tracks, state, &disagreements);
       whole.rotations = &*rotations;
     }
-    if (options.walk_refits == 0) break;
+    whole.bones = last ? bones : Bones::kFixed;
+    if (Status solved = SolveStep(whole, active, step, last, result); !solved)
+      return tl::unexpected<Error>(solved.error());
+    whole.bones = Bones::kFixed;
+    if (!step.refit_walks) continue;
     auto refitted = RefitWalks(whole);
     if (!refitted) return Forward(refitted);
     factors = std::move(*refitted);
     whole.walks = &*factors;
   }
-  whole.bones = bones;
-  if (Status solved = SolveWindows(whole, result); !solved) return tl::unexpected<Error>(solved.error());
-  whole.bones = Bones::kFixed;
+  state.Update(0, state.frames(), false);
+  result.findings = std::move(disagreements);
   result.motion = MotionOf(state, tracks.skeleton, rate);
   result.motion.state = StatesOf(tracks, options.max_gap_s);
   if (options.uncertainty) {

@@ -18,7 +18,7 @@ enum class Bones { kFixed, kFree };
 ///         + sum Huber(|c Log(seen^T G) / sigma|^2) over recorded rotations
 ///         + sum |w|^2 / rest_spread^2 + joint limits + (kFree) sum (b - prior)^2 / bone_spread^2 ]
 /// (walks widened where the noise is not white, see WalkWidening, then fitted to each joint and time of the clip
-/// walk_refits times, see RefitWalks) over root translation and one rotation vector per joint and frame, from the
+/// by steps that say so, see RefitWalks) over root translation and one rotation vector per joint and frame, from the
 /// closed-form start (Levenberg-Marquardt, sparse Cholesky, one thread). F frames of `given` at `rate`; `bone_length`
 /// (J, metres). Joints whose rotation moves no seen joint stay in the rest pose. Samples that jump away and back are
 /// rejected first (RejectOutliers). States: observed where seen and not rejected, else interpolated where the joint is

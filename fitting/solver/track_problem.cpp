@@ -81,15 +81,15 @@ void TrackProblem::AddBonePriors() {
 
 namespace {
 
-ceres::Solver::Options SolverOptions(const JointTrackOptions& options) {
+ceres::Solver::Options SolverOptions(const TrackStep& step) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   solver.num_threads = 1;
-  solver.function_tolerance = options.relative_tolerance;
+  solver.function_tolerance = step.relative_tolerance;
   solver.gradient_tolerance = 1e-12;
   solver.parameter_tolerance = 1e-12;
-  solver.max_num_iterations = static_cast<int>(options.max_iterations);
+  solver.max_num_iterations = static_cast<int>(step.max_iterations);
   solver.logging_type = ceres::SILENT;
   return solver;
 }
@@ -100,7 +100,7 @@ Expected<WindowSolution> SolveWithCeres(const TrackWindow& window) {
   TrackProblem problem(window);
   ceres::Solver::Summary summary;
   const OneThread one_thread;
-  ceres::Solve(SolverOptions(window.options), &problem.problem(), &summary);
+  ceres::Solve(SolverOptions(window.step), &problem.problem(), &summary);
   if (!summary.IsSolutionUsable()) {
     return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message,
                 "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end));

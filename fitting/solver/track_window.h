@@ -32,6 +32,7 @@ struct TrackWindow {
   bool after_held = false;  ///< frame begin - 1 is held and joins through smoothness; then bones must be fixed
   const WalkFactors* walks = nullptr;          ///< of all frames of the tracks; none: 1 everywhere
   const RotationTargets* rotations = nullptr;  ///< recorded, of all frames of the tracks
+  TrackStep step = {};                         ///< how long it is solved
 
   /// First frame whose kinematics the window reads.
   int first() const { return after_held ? begin - 1 : begin; }

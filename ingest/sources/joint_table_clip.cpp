@@ -41,9 +41,9 @@ void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks&
     tracks.rotation_confidence[at] = std::min(confidence, 1.0);
   }
   if (malformed == 0) return;
-  findings.push_back(FrameFinding("not_a_rotation", first, first + 1, "", malformed,
-                                  Counted(malformed, "recorded rotation") +
-                                      " marked as sure: the matrix is not orthogonal; taken for missing"));
+  findings.push_back(FrameFinding(
+      "not_a_rotation", first, first + 1, "", malformed,
+      Counted(malformed, "recorded rotation") + " marked as sure: the matrix is not orthogonal; taken for missing"));
 }
 
 /// How far the distances between joints that follow each other in the file are from those of the first frames: median

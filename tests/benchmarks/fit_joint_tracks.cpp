@@ -26,9 +26,7 @@ void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& p
   const ReferenceProblem problem = ReadReferenceProblem(path);
   JointTrackOptions options;
   options.solver = solver;
-  options.relative_tolerance = tolerance;
-  options.max_iterations = 200;
-  options.walk_refits = 0;  // one solve of one stated problem
+  options.steps = {{FreeParts::kPose, StepEvidence::kAll, tolerance, 200}};  // one solve of one stated problem
   options.uncertainty = false;
   double rms = 0.0;
   FitResult fit;
@@ -70,9 +68,7 @@ void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, Track
   if (!person) return state.SkipWithError(person.error().Message().c_str());
   JointTrackOptions options;
   options.solver = solver;
-  options.relative_tolerance = tolerance;
-  options.max_iterations = 200;
-  options.walk_refits = 0;  // one solve of one stated problem
+  options.steps = {{FreeParts::kPose, StepEvidence::kAll, tolerance, 200}};  // one solve of one stated problem
   options.uncertainty = false;
   double frames = 0.0;
   double square = 0.0;

@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
     if (name == "velocity_walk") options.velocity_walk = value;
     if (name == "rest_spread") options.rest_spread = value;
     if (name == "huber_sigmas") options.huber_sigmas = value;
-    if (name == "walk_refits") options.walk_refits = static_cast<std::int64_t>(value);
+    if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   }
   std::vector<double> fitted, linear, cubic;
   int one = 0;

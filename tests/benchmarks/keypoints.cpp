@@ -147,7 +147,7 @@ int main(int argc, char** argv) {
     const auto at = text.find('=');
     const std::string name = text.substr(0, at);
     const double value = std::atof(text.c_str() + at + 1);
-    if (name == "walk_refits") options.joint_tracks.walk_refits = static_cast<std::int64_t>(value);
+    if (name == "walk_refits") options.joint_tracks.steps = StepsWithRefits(static_cast<int>(value));
     if (name == "rotation_walk") options.joint_tracks.rotation_walk = value;
     if (name == "velocity_walk") options.joint_tracks.velocity_walk = value;
     if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;

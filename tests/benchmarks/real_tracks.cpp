@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
   JointTrackOptions options;
   options.solver = TrackSolver::kBanded;
   options.uncertainty = false;
-  if (argc > 4) options.walk_refits = std::atoi(argv[4] + std::string("walk_refits=").size());
+  if (argc > 4) options.steps = StepsWithRefits(std::atoi(argv[4] + std::string("walk_refits=").size()));
   Row row;
   for (auto& [person, clips] : ReadPeople(argv[1], *skeleton, argc > 3 ? std::atoi(argv[3]) : 60)) {
     std::vector<SkeletonTracks> all;

@@ -25,7 +25,7 @@ void Set(const std::string& name, double value, JointTrackOptions& options, Repa
   if (name == "velocity_walk") options.velocity_walk = value;
   if (name == "rest_spread") options.rest_spread = value;
   if (name == "huber_sigmas") options.huber_sigmas = value;
-  if (name == "walk_refits") options.walk_refits = static_cast<std::int64_t>(value);
+  if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   if (name == "ceres") options.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
   if (name == "repair_swaps") repair.swaps = value != 0.0;
   if (name == "swap_margin") repair.swap_margin = value;

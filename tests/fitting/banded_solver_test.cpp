@@ -139,9 +139,7 @@ TEST_F(Window, HasThemForOneFrame) {
 JointTrackOptions With(TrackSolver solver) {
   JointTrackOptions options;
   options.solver = solver;
-  options.relative_tolerance = 1e-9;
-  options.max_iterations = 300;
-  options.walk_refits = 0;
+  options.steps = {{FreeParts::kPose, StepEvidence::kAll, 1e-9, 300}};
   return options;
 }
 

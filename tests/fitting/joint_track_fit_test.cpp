@@ -19,9 +19,7 @@ FitResult Fit(const Take& take, const JointTrackOptions& options = {}) {
 
 JointTrackOptions Tight() {
   JointTrackOptions options;
-  options.relative_tolerance = 1e-10;
-  options.max_iterations = 200;
-  options.walk_refits = 0;  // one problem, as the options state it
+  options.steps = {{FreeParts::kPose, StepEvidence::kAll, 1e-10, 200}};  // one problem, as the options state it
   return options;
 }
 
@@ -196,10 +194,42 @@ TEST(JointTrackFit, SaysWhenItDidNotConverge) {
   Take take = SmoothTake(30);
   AddNoise(take.tracks, 0.02, 51);
   JointTrackOptions options = Tight();
-  options.max_iterations = 1;
+  options.steps.back().max_iterations = 1;
   const FitResult fit = Fit(take, options);
   EXPECT_FALSE(fit.converged);
   EXPECT_EQ(fit.termination, "iteration limit");
+}
+
+TEST(JointTrackFit, WithoutStepsIsTheClosedForm) {
+  Take take = SmoothTake(30);
+  JointTrackOptions options;
+  options.steps.clear();
+  const FitResult fit = Fit(take, options);
+  EXPECT_EQ(fit.termination, "closed form");
+  EXPECT_EQ(fit.iterations, 0);
+  EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 0.05);
+}
+
+TEST(JointTrackFit, AStepThatFreesTheRootMovesThePersonAsAWhole) {
+  Take take = SmoothTake(30);
+  AddNoise(take.tracks, 0.02, 51);
+  JointTrackOptions options;
+  options.steps.clear();
+  const FitResult start = Fit(take, options);
+  options.steps = {{FreeParts::kRoot, StepEvidence::kAll, 1e-8, 100}};
+  for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
+    options.solver = solver;
+    const FitResult moved = Fit(take, options);
+    EXPECT_GT((moved.motion.root_translation[15] - start.motion.root_translation[15]).norm(), 1e-4);
+    for (int f = 0; f < 30; ++f) {
+      for (int j = 1; j < take.tracks.joints(); ++j) {
+        EXPECT_LT(moved.motion.rotation_at(f, j).angularDistance(start.motion.rotation_at(f, j)), 1e-9);
+      }
+    }
+  }
+  options.steps.push_back({FreeParts::kPose, StepEvidence::kAll, 1e-8, 100});
+  const FitResult all = Fit(take, options);
+  EXPECT_LT(LargestError(all.motion.joints, Fit(take, Tight()).motion.joints), 1e-4) << "the last step decides";
 }
 
 TEST(JointTrackFit, FindsTheNoiseOfTheTracks) {
@@ -217,7 +247,7 @@ TEST(JointTrackFit, PlacesARootThatNoTrackGives) {
 
 JointTrackOptions Refits(int count) {
   JointTrackOptions options;
-  options.walk_refits = count;
+  options.steps = StepsWithRefits(count);
   return options;
 }
 

@@ -31,11 +31,10 @@ TEST_P(PlatformProblem, IsSolvedWithinFifteenMillimetresAndNearTheOptimum) {
   EXPECT_LT(RmsError(fit->motion.joints, problem.truth), 0.015);
   EXPECT_NEAR(fit->noise_sigma, 0.0173, 0.002);  // 30 mm RMS in 3-D
 
-  options.walk_refits = 0;  // the same problem, solved loosely and tightly
+  options.steps = StepsWithRefits(0);  // the same problem, solved loosely and tightly
   const auto loose = FitJointTracks(problem.tracks, problem.rate, person->bone_length, Bones::kFree, options);
   ASSERT_TRUE(loose.has_value());
-  options.relative_tolerance = 1e-6;
-  options.max_iterations = 200;
+  options.steps = {{FreeParts::kPose, StepEvidence::kAll, 1e-6, 200}};
   const auto tight = FitJointTracks(problem.tracks, problem.rate, person->bone_length, Bones::kFree, options);
   ASSERT_TRUE(tight.has_value());
   EXPECT_LT(loose->final_cost, 1.001 * tight->final_cost);

@@ -76,7 +76,7 @@ TEST_F(FittingStages, MakeAMotionWithOneSetOfBonesOutOfTracks) {
   EXPECT_NEAR(proportions->summary["bone_length_m"]["left_knee"].get<double>(), 0.43 * 1.05, 2e-4);
 
   StageRequest request =
-      Request("fitting", {{"skeleton", "openni16"}, {"joint_tracks", {{"relative_tolerance", 1e-8}}}});
+      Request("fitting", {{"skeleton", "openni16"}, {"joint_tracks", {{"steps", {{{"relative_tolerance", 1e-8}}}}}}});
   request.inputs.push_back({"proportions", "p1", folder_ / "proportions.out", std::string(64, 'b')});
   const auto fitted = FittingStage(request);
   ASSERT_TRUE(fitted.has_value()) << fitted.error().Message();
