@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const char* const kSectionIds[] = {"funnel", "quality", "truth",   "filmstrips", "table",    "recognisers",
+const char* const kSectionIds[] = {"funnel", "quality", "truth",   "filmstrips", "clips",    "table",  "recognisers",
                                    "curves", "stops",   "dataset", "persons",    "findings", "reading"};
 
 std::string PageOf(SmallRun& run) {
