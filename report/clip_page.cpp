@@ -65,8 +65,8 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
   const Motion& motion = *clip.fitted.motion;
   std::string html = "<h1>" + EscapeHtml(clip.item) + "</h1>\n";
   std::string lead = clip.fitted.label.empty() ? "" : EscapeHtml(clip.fitted.label) + ", ";
-  lead += std::to_string(motion.frame_count()) + " frames at " + ShortText(motion.rate.hz()) +
-          " Hz, fitted on skeleton " + EscapeHtml(motion.skeleton->name);
+  lead += Counted(motion.frame_count(), "frame") + " at " + ShortText(motion.rate.hz()) + " Hz, fitted on skeleton " +
+          EscapeHtml(motion.skeleton->name);
   html += Paragraph(lead, "lead") + "<dl class=\"tiles\">\n";
   const auto tile = [&html](const std::string& name, const std::string& value, const std::string& note) {
     html += "<div><dt>" + name + "</dt><dd>" + value + "<small>" + note + "</small></dd></div>\n";
@@ -126,6 +126,9 @@ std::string SeenHtml(const ClipPageInput& input) {
 
 std::string TimeHtml(const ClipSeries& series) {
   std::string charts;
+  if (Finite(series.residual).size() == 1) {
+    return Paragraph(EscapeHtml(series.residual_name) + ": " + ShortText(Finite(series.residual).front()) + ".");
+  }
   if (!Finite(series.residual).empty()) {
     LineChart chart{series.residual_name, "s", "", {}};
     if (!series.residual_most.empty()) {

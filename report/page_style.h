@@ -35,7 +35,7 @@ table { border-collapse: collapse; font-size: 14px; min-width: min(420px, 100%);
 th, td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th { font-weight: 500; overflow-wrap: anywhere; }
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
-svg { display: block; width: 100%; height: auto; } svg.strip { background: var(--page); border-radius: 8px; }
+svg { display: block; width: 100%; height: auto; } svg.strip { background: var(--page); border-radius: 8px; max-height: 240px; }
 .label { font-size: 12px; fill: var(--soft); } .value { font-size: 12px; fill: var(--ink); }
 .before { fill: var(--before); } .after { fill: var(--after); } .good { fill: var(--good); } .doubt { fill: var(--doubt); }
 .bad { fill: var(--bad); } .axis { stroke: var(--soft); } .grid { stroke: var(--grid); }
