@@ -351,6 +351,36 @@ std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
   return items;
 }
 
+std::string ClipFileName(std::size_t index, const char* extension) {
+  std::string number = std::to_string(index + 1);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  return "clip_" + number + "." + extension;
+}
+
+std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
+                                    const std::vector<ClipPageFiles>& files, const ReportOptions& options) {
+  std::vector<ItemSpec> items;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    ClipPageOptions page;
+    page.stills = options.filmstrip_frames;
+    page.views = options.page_views;
+    page.video = files[i].video;
+    page.no_video = files[i].no_video;
+    items.push_back({clips[i]->item, OptionsToJson(page), {}});
+    AddDrawing(*clips[i], true, items.back());
+  }
+  return items;
+}
+
+std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips) {
+  std::vector<ItemSpec> items;
+  for (const ClipRecord* clip : clips) {
+    items.push_back({clip->item, OptionsToJson(ClipVideoOptions()), {}});
+    AddDrawing(*clip, true, items.back());
+  }
+  return items;
+}
+
 nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,
                           const std::map<std::string, ItemResult>& persons, const JobResult& result) {
   nlohmann::json run = {{"name", options.name},
@@ -363,6 +393,7 @@ nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecor
                         {"untrained", nlohmann::json::object()},
                         {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
+                        {"pages", result.pages},
                         {"table_markdown", result.table},
                         {"findings", result.set_findings},
                         {"stages", nlohmann::json::array()},

@@ -109,6 +109,19 @@ void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item);
 /// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
 std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips);
 
+/// Files of a clip in the folder of the report; empty names for those that are not there.
+struct ClipPageFiles {
+  std::string page;
+  std::string video;
+  std::string no_video;  ///< why there is none
+};
+/// "clip_001.html" of the first.
+std::string ClipFileName(std::size_t index, const char* extension);
+/// A page and a video for each of these clips.
+std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
+                                    const std::vector<ClipPageFiles>& files, const ReportOptions& options);
+std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips);
+
 /// What the report draws from, without anything that differs between equal runs (times, paths).
 nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,
                           const std::map<std::string, ItemResult>& persons, const JobResult& result);

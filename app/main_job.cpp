@@ -342,6 +342,8 @@ class MainJob {
 
   Status Report() {
     if (dataset_.artifact.empty() || DryRun()) return {};
+    if (Status made = MakeFolder(folder() / "report"); !made) return made;
+    if (Status paged = Fits() ? ClipPages() : Status(); !paged) return paged;
     const nlohmann::json run = RunSummary(options_, clips_, persons_, result_);
     const auto input = outputs_.Place("report_input.json");
     if (Status written = WriteFile(input, run.dump(1) + "\n"); !written) return written;
@@ -355,10 +357,42 @@ class MainJob {
     const auto page = RunOne(ReportDeclaration(), std::move(item));
     if (!page) return Forward(page);
     if (page->artifact.empty()) return {};
-    if (Status made = MakeFolder(folder() / "report"); !made) return made;
     result_.report = outputs_.Place("report/index.html");
     if (Status copied = CopyWhole(page->artifact, result_.report); !copied) return copied;
     return Fits() ? Pictures() : Status();
+  }
+
+  /// Videos first: a page says what lies beside it. Without an encoder there are pages without videos.
+  Status ClipPages() {
+    const auto clips = ClipsToDraw(clips_, static_cast<int>(options_.report.pages));
+    std::vector<ClipPageFiles> files(clips.size());
+    if (options_.report.videos) {
+      const auto report = RunStage(ClipVideoDeclaration(), ClipVideoItems(clips));
+      const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
+      if (!report && !no_encoder) return Forward(report);
+      if (no_encoder) LogWarning("no videos: " + report.error().Message());
+      for (std::size_t i = 0; i < clips.size(); ++i) {
+        const Error* why = no_encoder ? &report.error() : &report->items[i].outcome.error;
+        if (!no_encoder && !report->items[i].artifact.empty()) {
+          files[i].video = ClipFileName(i, "mp4");
+          Status copied = CopyWhole(report->items[i].artifact, outputs_.Place("report/" + files[i].video));
+          if (!copied) return copied;
+        } else {
+          files[i].no_video = why->Message();
+        }
+      }
+    }
+    const auto report = RunStage(ClipPageDeclaration(), ClipPageItems(clips, files, options_.report));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < clips.size(); ++i) {
+      if (report->items[i].artifact.empty()) continue;
+      files[i].page = ClipFileName(i, "html");
+      if (Status copied = CopyWhole(report->items[i].artifact, outputs_.Place("report/" + files[i].page)); !copied) {
+        return copied;
+      }
+      result_.pages[clips[i]->item] = {{"page", files[i].page}, {"video", files[i].video}};
+    }
+    return {};
   }
 
   Status Pictures() {

@@ -30,7 +30,8 @@ struct JobResult {
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;
   std::vector<Finding> set_findings;  ///< about the set as a whole: against its declaration, splits, rates
-  std::optional<Error> unevaluated;   ///< why there is no table although networks were to be scored
+  nlohmann::json pages = nlohmann::json::object();  ///< files of the clips that have a page of their own, by item
+  std::optional<Error> unevaluated;                 ///< why there is no table although networks were to be scored
   std::vector<StageReport> stages;
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One output, or with `*` in its name one per seed.
+/// One output, or with `*` in its name one per seed or clip.
 struct Output {
   JobStage stage;
   const char* folder;
@@ -36,13 +36,15 @@ constexpr Output kOutputs[] = {{JobStage::kCanon, "", "curation_log.jsonl"},
                                {JobStage::kEvaluate, "tables", "table.json"},
                                {JobStage::kReport, "", "report_input.json"},
                                {JobStage::kReport, "report", "index.html"},
+                               {JobStage::kReport, "report", "clip_*.html"},
+                               {JobStage::kReport, "report", "clip_*.mp4"},
                                {JobStage::kReport, "report", "clip.png"},
                                {JobStage::kReport, "report", "overlay.png"},
                                {JobStage::kReport, "report", "cloud.png"}};
 
 constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", "run.json"};
 
-/// `*` stands for the digits of a seed.
+/// `*` stands for the digits of a seed or a clip.
 bool Matches(std::string_view pattern, std::string_view name) {
   const std::size_t star = pattern.find('*');
   if (star == std::string_view::npos) return name == pattern;

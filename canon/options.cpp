@@ -11,7 +11,8 @@ void TrimOptions::Declare(OptionVisitor& v) {
   v.Number("speed_window", speed_window_s, Unit::kSecond, {0.0, 10.0},
            "a speed is the slope of a joint's path over this time: longer is less moved by noise");
   v.Number("margin", margin_s, Unit::kSecond, {0.0, 10.0}, "kept before the first and after the last moving frame");
-  v.Number("min_length", min_length_s, Unit::kSecond, {0.0, 3600.0}, "shorter clips are dropped, with a reason");
+  v.Number("min_length", min_length_s, Unit::kSecond, {0.0, 3600.0},
+           "shorter clips are dropped, with a reason; 0 s keeps single frames");
   v.Texts("drop_labels", drop_labels, "annotated segments of these labels are left out");
 }
 
@@ -61,7 +62,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 9, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 10, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 6, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -45,6 +45,7 @@ nlohmann::json ToJson(const FitError& error) {
   if (error.coverage.components > 0) {
     json["within_one_sigma"] = error.coverage.within_one_sigma;
     json["within_two_sigma"] = error.coverage.within_two_sigma;
+    json["within_quarters_of_sigma"] = error.coverage.within;
   }
   return json;
 }
@@ -56,6 +57,7 @@ void AddCoverage(const Coverage& clip, Coverage& total) {
   const double share = static_cast<double>(clip.components) / static_cast<double>(components);
   total.within_one_sigma += share * (clip.within_one_sigma - total.within_one_sigma);
   total.within_two_sigma += share * (clip.within_two_sigma - total.within_two_sigma);
+  for (std::size_t i = 0; i < total.within.size(); ++i) total.within[i] += share * (clip.within[i] - total.within[i]);
   total.components = components;
 }
 

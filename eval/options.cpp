@@ -17,6 +17,6 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration EvaluateDeclaration() { return {"evaluate", 5, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration FitErrorDeclaration() { return {"fit_error", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration FitErrorDeclaration() { return {"fit_error", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

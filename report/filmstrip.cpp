@@ -55,7 +55,8 @@ std::string Segment(const Vector3d& a, const Vector3d& b, const char* css_class)
 /// Places one still after the other on a strip.
 class StripDrawing {
  public:
-  StripDrawing(const DrawnClip& clip, const std::vector<int>& frames) : clip_(clip), view_(ViewpointOf(clip)) {
+  StripDrawing(const DrawnClip& clip, const std::vector<int>& frames, StripLayers layers)
+      : clip_(clip), layers_(layers), view_(ViewpointOf(clip)) {
     for (const int frame : frames) AddExtent(frame);
     if (!(high_ > low_)) low_ = -1.0, high_ = 1.0;
     scale_ = (kHeight - 34.0) / (high_ - low_);
@@ -77,16 +78,18 @@ class StripDrawing {
     const JointTracks* tracks = TracksOf(clip_);
     const TrackDrawing drawing =
         tracks ? MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr) : TrackDrawing();
+    const bool points = tracks != nullptr && layers_ != StripLayers::kFit;
+    const bool bones = motion != nullptr && layers_ != StripLayers::kEvidence;
     for (const auto& [a, b] : drawing.lines) {
-      if (!Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
+      if (!points || !Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
       svg += Segment(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
     }
     const std::vector<int> sides = motion ? SidesOf(*motion->skeleton) : std::vector<int>();
-    for (int j = 1; motion != nullptr && j < motion->joint_count(); ++j) {
+    for (int j = 1; bones && j < motion->joint_count(); ++j) {
       const int parent = motion->skeleton->joints[j].parent;
       svg += Segment(place(motion->joints.at(frame, parent)), place(motion->joints.at(frame, j)), BoneClass(sides[j]));
     }
-    for (int k = 0; tracks != nullptr && k < tracks->positions.joints; ++k) {
+    for (int k = 0; points && k < tracks->positions.joints; ++k) {
       if (!Present(*tracks, frame, k)) continue;
       const Vector3d at = place(tracks->positions.at(frame, k));
       svg += "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.6\" class=\"point\"/>";
@@ -128,6 +131,7 @@ class StripDrawing {
   }
 
   const DrawnClip& clip_;
+  StripLayers layers_;
   Viewpoint view_;
   double low_ = std::numeric_limits<double>::infinity();
   double high_ = -std::numeric_limits<double>::infinity();
@@ -231,10 +235,10 @@ std::vector<int> StillFrames(int frame_count, int stills) {
   return frames;
 }
 
-std::string FilmstripSvg(const DrawnClip& clip, int stills) {
+std::string FilmstripSvg(const DrawnClip& clip, int stills, StripLayers layers) {
   const std::vector<int> frames = StillFrames(FrameCountOf(clip), stills);
   if (frames.empty()) return "";
-  const StripDrawing drawing(clip, frames);
+  const StripDrawing drawing(clip, frames, layers);
   const double width = drawing.cell() * static_cast<double>(frames.size());
   const FrameRate rate = MotionOf(clip) != nullptr ? MotionOf(clip)->rate : clip.evidence.rate;
   std::string svg = "<svg class=\"strip\" viewBox=\"0 0 " + Coordinate(width) + " " +

@@ -43,8 +43,9 @@ Viewpoint FrontView(const Motion& motion);
 std::vector<int> StillFrames(int frame_count, int stills);
 int FrameCountOf(const DrawnClip& clip);
 
-/// Stick figures side by side: tracked points grey, fitted skeleton in colour.
-std::string FilmstripSvg(const DrawnClip& clip, int stills);
+/// Stick figures side by side: tracked points grey, fitted skeleton in colour, or one of both alone at the same places.
+enum class StripLayers { kBoth, kEvidence, kFit };
+std::string FilmstripSvg(const DrawnClip& clip, int stills, StripLayers layers = StripLayers::kBoth);
 
 /// What the player of the page draws: {"name", "hz", "step", "yaw", "pitch", "bones": [[a,b,side]...], "joints":
 /// [[mm...] per frame], "lines", "points"}; positions are whole millimetres relative to the first root; a missing point

@@ -5,6 +5,22 @@ namespace mocurate {
 void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("filmstrip_clips", filmstrip_clips, {1.0, 50.0}, "fits that are drawn: best, worst and those between");
   v.Integer("filmstrip_frames", filmstrip_frames, {2.0, 24.0}, "stills per filmstrip");
+  v.Integer("pages", pages, {0.0, 1000.0}, "clips that get a page of their own: best, worst and those between");
+  v.Integer("page_views", page_views, {0.0, 100.0}, "views over which a page draws the fitted body, at most");
+  v.Bool("videos", videos, "one H.264 video for each of these pages");
+}
+
+void ClipPageOptions::Declare(OptionVisitor& v) {
+  v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
+  v.Integer("views", views, {0.0, 100.0}, "views over which the body is drawn, at most");
+  v.Text("video", video, "file beside the page; empty: none");
+  v.Text("no_video", no_video, "why there is none");
+}
+
+void ClipVideoOptions::Declare(OptionVisitor& v) {
+  v.Integer("views", views, {0.0, 12.0}, "views beside the front, at most");
+  v.Integer("height", height, {64.0, 1080.0}, "pixels");
+  v.Integer("frames", frames, {2.0, 100000.0}, "at most; longer clips are thinned");
 }
 
 void PictureOptions::Declare(OptionVisitor& v) {
@@ -14,8 +30,12 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 9, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 10, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration PictureDeclaration() { return {"picture", 2, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 1, "mocurate-annotate", ClipLimits()}; }
+
+StageDeclaration ClipVideoDeclaration() { return {"clip_video", 1, "mocurate-video", ClipLimits()}; }
+
+StageDeclaration PictureDeclaration() { return {"picture", 3, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

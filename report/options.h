@@ -10,6 +10,9 @@ namespace mocurate {
 struct ReportOptions {
   std::int64_t filmstrip_clips = 5;   ///< best, median and worst fits that are drawn
   std::int64_t filmstrip_frames = 8;  ///< stills per strip
+  std::int64_t pages = 5;             ///< clips with a page of their own: best, worst and those between
+  std::int64_t page_views = 6;        ///< views over which a page draws the body, at most
+  bool videos = true;                 ///< one H.264 video per page
 
   void Declare(OptionVisitor& v);
 };
@@ -23,6 +26,25 @@ struct PictureOptions {
   void Declare(OptionVisitor& v);
 };
 
+struct ClipPageOptions {
+  std::int64_t stills = 8;  ///< per filmstrip
+  std::int64_t views = 6;   ///< over which the body is drawn, at most
+  std::string video;        ///< file beside the page; empty: none
+  std::string no_video;     ///< why there is none
+
+  void Declare(OptionVisitor& v);
+};
+
+struct ClipVideoOptions {
+  std::int64_t views = 3;     ///< beside the front, at most
+  std::int64_t height = 480;  ///< pixels
+  std::int64_t frames = 450;  ///< at most: longer clips are thinned, at their own speed
+
+  void Declare(OptionVisitor& v);
+};
+
+StageDeclaration ClipPageDeclaration();
+StageDeclaration ClipVideoDeclaration();
 StageDeclaration ReportDeclaration();
 StageDeclaration PictureDeclaration();
 

@@ -18,6 +18,7 @@ constexpr PageSection kSections[] = {{"funnel", "Clips, from read to kept", Funn
                                      {"quality", "Before and after", QualityHtml},
                                      {"truth", "Error against truth", TruthHtml},
                                      {"filmstrips", "Best, median and worst fits", FilmstripsHtml},
+                                     {"clips", "Clip by clip", ClipsHtml},
                                      {"table", "Evaluation", TableHtml},
                                      {"recognisers", "Recognition", RecognisersHtml},
                                      {"curves", "Training curves", CurvesHtml},

@@ -35,7 +35,7 @@ table { border-collapse: collapse; font-size: 14px; min-width: min(420px, 100%);
 th, td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th { font-weight: 500; overflow-wrap: anywhere; }
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
-svg { display: block; width: 100%; height: auto; } svg.strip { background: var(--page); border-radius: 8px; }
+svg { display: block; width: 100%; height: auto; } svg.strip { background: var(--page); border-radius: 8px; max-height: 240px; }
 .label { font-size: 12px; fill: var(--soft); } .value { font-size: 12px; fill: var(--ink); }
 .before { fill: var(--before); } .after { fill: var(--after); } .good { fill: var(--good); } .doubt { fill: var(--doubt); }
 .bad { fill: var(--bad); } .axis { stroke: var(--soft); } .grid { stroke: var(--grid); }
@@ -51,6 +51,11 @@ svg.strip .label { font-size: 13px; }
 figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-bottom: 4px; }
 .clip { display: grid; grid-template-columns: minmax(0, 1fr) 300px; gap: 18px; align-items: center; }
 code { white-space: nowrap; }
+video { display: block; max-width: 100%; max-height: 560px; border-radius: 8px; margin: 0 0 14px; background: #181c22; }
+.player.alone { max-width: 560px; margin-top: 14px; } .player.alone canvas { height: 340px; }
+.s-observed { fill: var(--grid); background: var(--grid); } .s-repaired { fill: var(--bad); background: var(--bad); }
+.s-interpolated { fill: var(--doubt); background: var(--doubt); } .s-inferred { fill: var(--soft); background: var(--soft); }
+.states .label { font-size: 10px; }
 .player canvas { width: 100%; height: 230px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
   touch-action: none; }
 .player canvas:focus-visible, button:focus-visible, input:focus-visible, a:focus-visible { outline: 2px solid var(--after);

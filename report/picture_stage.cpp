@@ -1,6 +1,6 @@
-#include <map>
-
-#include "core/store/store.h"
+#include "core/base/file.h"
+#include "report/clip_page.h"
+#include "report/drawn_clip.h"
 #include "report/options.h"
 #include "report/pictures.h"
 #include "report/stages.h"
@@ -10,34 +10,41 @@ namespace mocurate {
 Expected<StageOutcome> PictureStage(const StageRequest& request) {
   const auto options = OptionsFromJson<PictureOptions>(request.options, "picture");
   if (!options) return Forward(options);
-  std::map<std::string, std::filesystem::path> depth_files;
-  Expected<Clip> evidence = Fail(ErrorCode::kInternal, "a picture needs evidence", request.item);
-  Expected<Dataset> fit = Fail(ErrorCode::kInternal, "a picture needs a fit", request.item);
-  for (const StageInput& input : request.inputs) {
-    if (input.role == "depth") depth_files[input.name] = input.path;
-    if (input.role == "evidence") evidence = ReadEvidence(input.path);
-    if (input.role == "fit") fit = ReadDataset(input.path);
-  }
-  if (!evidence) return Forward(evidence);
-  if (!fit) return Forward(fit);
-  if (fit->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit holds no clip", request.item);
-  ResolveDepthFiles(depth_files, evidence->evidence);
-  const Clip& clip = fit->clips.front();
+  const auto drawn_clip = ReadDrawnClip(request);
+  if (!drawn_clip) return Forward(drawn_clip);
+  const Clip& clip = drawn_clip->fitted;
+  const Evidence& evidence = drawn_clip->evidence.evidence;
   const int middle = clip.motion->frame_count() / 2;
   Status drawn;
   switch (options->kind) {
     case PictureKind::kClip:
-      drawn = WriteClipPicture(clip, evidence->evidence, static_cast<int>(options->stills), request.output);
+      drawn = WriteClipPicture(clip, evidence, static_cast<int>(options->stills), request.output);
       break;
     case PictureKind::kOverlay:
-      drawn = WriteBodyOverlay(clip, evidence->evidence, 0, middle, request.output);
+      drawn = WriteBodyOverlay(clip, evidence, 0, middle, request.output);
       break;
     case PictureKind::kCloud:
-      drawn = WriteCloudPicture(clip, evidence->evidence, middle, request.output);
+      drawn = WriteCloudPicture(clip, evidence, middle, request.output);
       break;
   }
   if (!drawn) return Forward(drawn);
   return StageOutcome();
+}
+
+Expected<StageOutcome> ClipPageStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<ClipPageOptions>(request.options, "clip_page");
+  if (!options) return Forward(options);
+  ClipPageInput input;
+  input.options = *options;
+  auto drawn = ReadDrawnClip(request, &input.findings);
+  if (!drawn) return Forward(drawn);
+  input.clip = std::move(*drawn);
+  const auto page = MakeClipPage(input);
+  if (!page) return Forward(page);
+  if (Status written = WriteFile(request.output, *page); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"bytes", page->size()}};
+  return outcome;
 }
 
 }  // namespace mocurate

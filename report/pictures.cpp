@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "report/html.h"
+#include "report/painters.h"
 #include "report/scene.h"
 
 namespace mocurate {
@@ -82,21 +83,6 @@ struct Extent {
   double Height() const { return std::max(0.5, high.y() - low.y() + 0.35); }
 };
 
-cv::Mat StillOf(const Clip& fitted, const Evidence& evidence, int frame, const Extent& extent) {
-  const Motion& motion = *fitted.motion;
-  const int height = 400 * kOversampling;
-  const double pixels_per_metre = 0.88 * height / extent.Height();
-  const double wanted = std::clamp(2.0 * extent.reach * pixels_per_metre, 0.4 * height, 1.2 * height);
-  const int width = static_cast<int>(wanted) / kOversampling * kOversampling;
-  Vector3d centre = motion.joints.at(frame, 0);
-  centre.y() = 0.5 * (extent.low.y() + extent.high.y()) - 0.04;
-  const Camera camera = LookAt(FrontView(motion), centre, pixels_per_metre, width, height);
-  cv::Mat image = ShadeBody(BodyOf(fitted, frame), camera, FloorOf(motion)).image;
-  if (evidence.tracks) DrawTracks(*evidence.tracks, *motion.skeleton, frame, camera, image);
-  WriteBelow(FixedText(motion.rate.FrameTime(frame), 2) + " s", image);
-  return Smaller(image);
-}
-
 /// Measured points of all views that lie near the body, world.
 Expected<std::vector<Vector3d>> CloudNear(const PosedBody& body, const Evidence& evidence, int frame) {
   constexpr double kReach = 0.3;
@@ -143,12 +129,34 @@ void DrawCloud(const std::vector<Vector3d>& points, const Camera& camera, const 
 
 }  // namespace
 
+FrontPainter::FrontPainter(const Clip& fitted, const Evidence& evidence, const std::vector<int>& frames, int height)
+    : fitted_(&fitted), evidence_(&evidence), view_(FrontView(*fitted.motion)), floor_(FloorOf(*fitted.motion)) {
+  const Extent extent(*fitted.motion, frames);
+  low_ = extent.low.y();
+  high_ = extent.high.y();
+  height_ = height * kOversampling;
+  pixels_per_metre_ = 0.88 * height_ / extent.Height();
+  const double wanted = std::clamp(2.0 * extent.reach * pixels_per_metre_, 0.4 * height_, 1.2 * height_);
+  width_ = static_cast<int>(wanted) / kOversampling * kOversampling;
+}
+
+cv::Mat FrontPainter::Draw(int frame) const {
+  const Motion& motion = *fitted_->motion;
+  Vector3d centre = motion.joints.at(frame, 0);
+  centre.y() = 0.5 * (low_ + high_) - 0.04;
+  const Camera camera = LookAt(view_, centre, pixels_per_metre_, width_, height_);
+  cv::Mat image = ShadeBody(BodyOf(*fitted_, frame), camera, floor_).image;
+  if (evidence_->tracks) DrawTracks(*evidence_->tracks, *motion.skeleton, frame, camera, image);
+  WriteBelow(FixedText(motion.rate.FrameTime(frame), 2) + " s", image);
+  return Smaller(image);
+}
+
 Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png) {
   if (Status ok = CheckFrame(fitted, 0); !ok) return ok;
   const std::vector<int> chosen = StillFrames(fitted.motion->frame_count(), std::max(1, frames));
-  const Extent extent(*fitted.motion, chosen);
+  const FrontPainter painter(fitted, evidence, chosen, 400);
   std::vector<cv::Mat> stills;
-  for (const int frame : chosen) stills.push_back(StillOf(fitted, evidence, frame, extent));
+  for (const int frame : chosen) stills.push_back(painter.Draw(frame));
   cv::Mat strip;
   cv::hconcat(stills, strip);
   return WritePng(strip, png);

@@ -14,7 +14,8 @@ namespace mocurate {
 /// `frames` stills of the fitted body with the tracked points (dark) in front, time below.
 Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png);
 
-/// A depth view in false colours, cut to the person, with the outline of the fitted body and its bones over it.
+/// What a view saw (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
+/// outline of the fitted body and its bones over it.
 Status WriteBodyOverlay(const Clip& fitted, const Evidence& evidence, int view, int frame,
                         const std::filesystem::path& png);
 /// The same, as bytes of a PNG.

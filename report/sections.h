@@ -27,6 +27,7 @@ std::string DatasetHtml(const ReportInput& input);     ///< labels, splits
 std::string QualityHtml(const ReportInput& input);     ///< before and after
 std::string TruthHtml(const ReportInput& input);       ///< error against truth
 std::string FilmstripsHtml(const ReportInput& input);  ///< strips, players, overlays
+std::string ClipsHtml(const ReportInput& input);       ///< all clips, with links to their pages
 std::string PersonsHtml(const ReportInput& input);     ///< bone lengths
 std::string FindingsHtml(const ReportInput& input);
 std::string TableHtml(const ReportInput& input);        ///< metrics of the evaluation

@@ -103,6 +103,23 @@ std::string Figures(const DrawnClip& clip) {
   return Paragraph(text, "soft");
 }
 
+/// Of the whitened errors, the share that lies within so many stated standard deviations, beside what is right.
+std::string CoverageChart(const nlohmann::json& error) {
+  LineChart chart{"Errors within so many stated standard deviations", "standard deviations", "%", {{}, {}}};
+  chart.curves[0] = {"if the statements were exact", {{0.0, 0.0}}, 5};
+  chart.curves[1] = {"measured", {{0.0, 0.0}}, 0};
+  double sigmas = 0.0;
+  for (const double share : NumbersOf(Field(error, "within_quarters_of_sigma"))) {
+    sigmas += 0.25;
+    chart.curves[0].points.emplace_back(sigmas, 100.0 * std::erf(sigmas / std::sqrt(2.0)));
+    chart.curves[1].points.emplace_back(sigmas, 100.0 * share);
+  }
+  if (sigmas == 0.0) return "";
+  return "<div class=\"charts wide\"><figure><figcaption>Errors within so many stated standard deviations, "
+         "%</figcaption>" +
+         chart.Svg() + "</figure></div>\n";
+}
+
 }  // namespace
 
 std::string QualityHtml(const ReportInput& input) {
@@ -164,7 +181,7 @@ std::string TruthHtml(const ReportInput& input) {
   table.rows.push_back(
       {"Errors within one stated standard deviation, % (68.3 is right)", "–", share("within_one_sigma")});
   table.rows.push_back({"within two, % (95.4 is right)", "–", share("within_two_sigma")});
-  return table.Html() +
+  return table.Html() + CoverageChart(error) +
          Paragraph("The truth was opened by the evaluation alone; no stage before it has seen it.", "soft");
 }
 

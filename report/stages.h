@@ -12,4 +12,11 @@ Expected<StageOutcome> ReportStage(const StageRequest& request);
 /// clip, the body over its first depth view, or the bones inside the fused cloud, at the middle frame.
 Expected<StageOutcome> PictureStage(const StageRequest& request);
 
+/// One fitted clip (roles "evidence", "fit", "depth") -> an HTML page about it.
+Expected<StageOutcome> ClipPageStage(const StageRequest& request);
+
+/// The same -> an H.264 video (MP4). In a library and a program of its own (report_video, mocurate-video), as video
+/// coders load some 200 libraries. Error kMissingOnHost without an encoder.
+Expected<StageOutcome> ClipVideoStage(const StageRequest& request);
+
 }  // namespace mocurate

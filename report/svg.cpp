@@ -185,12 +185,20 @@ std::string LineChart::Svg() const {
   std::string svg = Open(kWidth, 262, title) + frame.Axes(x_name, y_name);
   double key_x = frame.left;
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const std::string css_class = "curve c" + std::to_string(i % 6);
-    svg += "<polyline class=\"" + css_class + "\" points=\"";
+    const std::size_t colour = curves[i].colour < 0 ? i % 6 : static_cast<std::size_t>(curves[i].colour);
+    const std::string css_class = "curve c" + std::to_string(colour);
+    const std::string begin = "<polyline class=\"" + css_class + "\" points=\"";
+    const std::string end = "\"><title>" + EscapeHtml(curves[i].name) + "</title></polyline>\n";
+    std::string part;
     for (const auto& [x, y] : curves[i].points) {
-      if (std::isfinite(x) && std::isfinite(y)) svg += Coordinate(frame.x(x)) + "," + Coordinate(frame.y(y)) + " ";
+      if (std::isfinite(x) && std::isfinite(y)) {
+        part += Coordinate(frame.x(x)) + "," + Coordinate(frame.y(y)) + " ";
+      } else if (!part.empty()) {
+        svg += begin + part + end;
+        part.clear();
+      }
     }
-    svg += "\"><title>" + EscapeHtml(curves[i].name) + "</title></polyline>\n";
+    if (!part.empty()) svg += begin + part + end;
     svg += "<line x1=\"" + Coordinate(key_x) + "\" y1=\"250\" x2=\"" + Coordinate(key_x + 18) +
            "\" y2=\"250\" class=\"" + css_class + "\"/>\n" + Text(key_x + 24, 254, curves[i].name, "start");
     key_x += 42.0 + 6.6 * static_cast<double>(curves[i].name.size());

@@ -39,11 +39,13 @@ struct TwoSidedHistogram {
   std::string Svg() const;
 };
 
-/// Curves over a common horizontal axis. Every curve has points (x, y) in order of x; NaN is left out.
+/// Curves over a common horizontal axis. Every curve has points (x, y) in order of x; a point
+/// that is not finite interrupts it.
 struct LineChart {
   struct Curve {
     std::string name;
     std::vector<std::pair<double, double>> points;
+    int colour = -1;  ///< of the six of the page's style (0 blue, 1 orange, 5 grey); -1: its place among the curves
   };
   std::string title;
   std::string x_name;

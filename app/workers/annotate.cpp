@@ -33,5 +33,6 @@ int main(int argc, char** argv) {
                     {AuditDeclaration().name, AuditStage},
                     {FitErrorDeclaration().name, FitErrorStage},
                     {ReportDeclaration().name, ReportStage},
+                    {ClipPageDeclaration().name, ClipPageStage},
                     {PictureDeclaration().name, PictureStage}});
 }

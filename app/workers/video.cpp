@@ -1,13 +1,17 @@
-// Tells of video files for `mocurate inspect`: mocurate-video FILE ... prints a line of JSON per file, at once, with
-// the file's place among the arguments ("index", from 0). A program of its own: OpenCV's decoders load some 200
-// libraries, and what a damaged file makes of them ends here.
+// Everything that needs OpenCV's video coders: a program of its own, as they load some 200 libraries, and what a
+// damaged file makes of them ends here. mocurate-video FILE ... tells of video files for `mocurate inspect`: a line of
+// JSON per file, at once, with the file's place among the arguments ("index", from 0). Without arguments it is the
+// worker that writes the videos of a report.
 
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "core/base/version.h"
+#include "core/pipeline/worker.h"
 #include "ingest/sources/video.h"
+#include "report/options.h"
+#include "report/stages.h"
 
 int main(int argc, char** argv) {
   using namespace mocurate;
@@ -15,6 +19,7 @@ int main(int argc, char** argv) {
     std::printf("%s\n", std::string(CreatedBy()).c_str());
     return 0;
   }
+  if (argc == 1) return RunWorker({{ClipVideoDeclaration().name, ClipVideoStage}});
   for (int i = 1; i < argc; ++i) {
     const auto video = VideoReader::Open(argv[i]);
     nlohmann::json line;

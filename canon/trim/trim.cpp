@@ -123,10 +123,12 @@ std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, st
   std::vector<KeptSpan> kept;
   for (const KeptSpan& span : spans) {
     const double length_s = clip.motion->rate.FrameTime(span.end - span.begin);
-    if (span.end - span.begin < 2 || length_s < options.min_length_s) {
-      findings.push_back(Dropped(clip, "too_short", span.begin, span.end, length_s,
-                                 RoundedText(length_s) + " s of '" + span.label + "', trim.min_length is " +
-                                     RoundedText(options.min_length_s) + " s"));
+    const bool still = span.end - span.begin < 2 && options.min_length_s > 0.0;
+    if (span.end <= span.begin || still || length_s < options.min_length_s) {
+      const std::string what = still ? "one frame" : RoundedText(length_s) + " s";
+      findings.push_back(
+          Dropped(clip, "too_short", span.begin, span.end, length_s,
+                  what + " of '" + span.label + "', trim.min_length is " + RoundedText(options.min_length_s) + " s"));
       continue;
     }
     kept.push_back(span);

@@ -105,22 +105,25 @@ Matrix3d PositionCovariance(const Motion& motion, int frame, int joint) {
 void AddCoverage(const Motion& fitted, const Motion& truth, const std::vector<std::pair<int, int>>& shared,
                  FitError& error) {
   if (fitted.position_cov.empty()) return;
-  std::int64_t one = 0;
-  std::int64_t two = 0;
+  std::array<std::int64_t, 12> within{};
   std::int64_t count = 0;
   for (int f = 0; f < truth.frame_count(); ++f) {
     for (const auto& [a, b] : shared) {
       const Eigen::LLT<Matrix3d> root(PositionCovariance(fitted, f, a));
       if (root.info() != Eigen::Success) continue;
       const Vector3d white = root.matrixL().solve(Vector3d(fitted.joints.at(f, a) - truth.joints.at(f, b)));
-      one += (white.array().abs() < 1.0).count();
-      two += (white.array().abs() < 2.0).count();
+      for (std::size_t i = 0; i < within.size(); ++i)
+        within[i] += (white.array().abs() < 0.25 * static_cast<double>(i + 1)).count();
       count += 3;
     }
   }
   if (count == 0) return;
-  error.coverage = {static_cast<double>(one) / static_cast<double>(count),
-                    static_cast<double>(two) / static_cast<double>(count), count};
+  Coverage& coverage = error.coverage;
+  for (std::size_t i = 0; i < within.size(); ++i)
+    coverage.within[i] = static_cast<double>(within[i]) / static_cast<double>(count);
+  coverage.within_one_sigma = coverage.within[3];
+  coverage.within_two_sigma = coverage.within[7];
+  coverage.components = count;
 }
 
 }  // namespace

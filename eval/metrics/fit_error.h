@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 
@@ -12,7 +13,8 @@ namespace mocurate {
 struct Coverage {
   double within_one_sigma = 0.0;  ///< share in [0, 1]
   double within_two_sigma = 0.0;
-  std::int64_t components = 0;  ///< 0: the fit states no covariance
+  std::int64_t components = 0;      ///< 0: the fit states no covariance
+  std::array<double, 12> within{};  ///< share within 0.25, 0.5, ..., 3 standard deviations
 };
 
 /// How far a fit, and the evidence it was fitted to, lie from the truth. World frame, all frames, hidden ones too.

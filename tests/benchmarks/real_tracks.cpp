@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
   for (auto& [person, clips] : ReadPeople(argv[1], *skeleton, argc > 3 ? std::atoi(argv[3]) : 60)) {
     std::vector<SkeletonTracks> all;
     for (std::size_t i = 0; i < clips.size() && i < 30; ++i) all.push_back(clips[i].tracks);
-    const auto bones = EstimateProportions(all, *skeleton, ProportionsOptions{});
+    const auto bones = EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
     if (!bones) continue;
     for (const RealClip& clip : clips) {
       const auto fit = RepairAndFit(clip.tracks, clip.rate, bones->bone_length, RepairOptions{}, options);
@@ -158,7 +158,7 @@ int main(int argc, char** argv) {
     }
   }
   if (row.clips == 0) return std::fprintf(stderr, "no clip was fitted\n"), 1;
-  std::printf("| %s | %d | %.0f | %.1f | %.1g | %.1f | %.2f | %.2f | %.2f | %.0f | %.0f | %.3f | %.3f |\n", argv[1],
+  std::printf("| %s | %d | %.0f | %.1f | %.1f | %.1f | %.2f | %.2f | %.2f | %.0f | %.0f | %.3f | %.3f |\n", argv[1],
               row.clips, row.frames, row.spread_before / row.clips, row.spread_after / row.clips,
               1e3 * std::sqrt(row.square / row.frames), 100.0 * row.repaired / row.frames,
               100.0 * row.swapped / row.frames, 100.0 * row.outliers / row.samples, row.jerk_before / row.clips,

@@ -151,6 +151,22 @@ TEST(Trim, AnnotatedSegmentsBecomeClipsAndUnwantedLabelsAreLeftOut) {
   EXPECT_EQ(findings[1].code, "too_short");
 }
 
+TEST(Trim, AStillStaysOnlyWhereNoLengthIsAskedFor) {
+  Clip clip = ClipMoving("p", "a", 90, 10, 50, 1.0);
+  clip.segments = {{1.0, 1.0 + 1.0 / 30.0, "pose", "", "annotated"}, {2.0, 2.0, "nothing", "", "annotated"}};
+  TrimOptions options;
+  options.rule = TrimRule::kAnnotated;
+  std::vector<Finding> findings;
+  EXPECT_TRUE(FindSpans(options, clip, findings).empty());
+  ASSERT_FALSE(findings.empty());
+  EXPECT_THAT(findings[0].message, testing::HasSubstr("one frame of 'pose'"));
+  options.min_length_s = 0.0;
+  const auto spans = FindSpans(options, clip, findings);
+  ASSERT_EQ(spans.size(), 1u) << "a span without a frame never stays";
+  EXPECT_EQ(spans[0].begin, 30);
+  EXPECT_EQ(spans[0].end, 31);
+}
+
 TEST(Tracks, MissingObservationsAreInterpolatedAndMarkedAndNeverRead) {
   const SkeletonPtr skeleton = Skeleton15();
   JointTracks tracks;

@@ -53,6 +53,7 @@ const std::map<std::string, std::string> kLibraryRooms = {
     {"eval_options", "eval"},       {"eval_metrics", "eval"},
     {"eval_tables", "eval"},        {"eval_fits", "eval"},
     {"report", "report"},           {"report_options", "report"},
+    {"report_video", "report"},
 };
 
 /// Include prefix of a heavy library -> folders that may see it.

@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const char* const kSectionIds[] = {"funnel", "quality", "truth",   "filmstrips", "table",    "recognisers",
+const char* const kSectionIds[] = {"funnel", "quality", "truth",   "filmstrips", "clips",    "table",  "recognisers",
                                    "curves", "stops",   "dataset", "persons",    "findings", "reading"};
 
 std::string PageOf(SmallRun& run) {
@@ -55,6 +55,22 @@ TEST(ReportPage, DrawsTheFittedBodyOverTheDepthView) {
   const std::string page = PageOf(run);
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
   EXPECT_THAT(page, HasSubstr("Fit over view front, frame 20"));
+}
+
+TEST(ReportPage, DrawsHowManyErrorsTheStatedUncertaintyCovers) {
+  SmallRun run;
+  EXPECT_EQ(PageOf(run).find("stated standard deviations, %</figcaption>"), std::string::npos);
+  run.run["fit_error"]["within_quarters_of_sigma"] = {0.2, 0.4, 0.6, 0.7};
+  EXPECT_THAT(PageOf(run), HasSubstr("stated standard deviations, %</figcaption>"));
+}
+
+TEST(ReportPage, LinksEveryClipThatHasAPageAndListsTheRest) {
+  SmallRun run;
+  run.run["pages"]["test/p1/b"] = {{"page", "clip_001.html"}, {"video", "clip_001.mp4"}};
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("<a href=\"clip_001.html\">test/p1/b</a>, <a href=\"clip_001.mp4\">video</a>"));
+  EXPECT_THAT(page, HasSubstr("<th scope=\"row\">test/p1/c</th><td>15.0</td>"));
+  EXPECT_LT(page.find(">test/p1/b</a>"), page.find("<th scope=\"row\">test/p1/a</th>"));
 }
 
 TEST(ReportPage, SaysWhyADepthViewIsNotDrawnAndKeepsTheRest) {

@@ -262,6 +262,8 @@ TEST_F(StageVersions, ReportAndPicture) {
   ItemSpec report{"report", OptionsToJson(ReportOptions()), drawn};
   report.inputs.push_back(Input("run", "run.json", "run.json"));
   Judge(ReportDeclaration(), "report", report, kRounded);
+  Judge(ClipPageDeclaration(), "clip_page", {clip.id(), OptionsToJson(ClipPageOptions()), drawn}, kRounded);
+  Judge(ClipVideoDeclaration(), "clip_video", {clip.id(), OptionsToJson(ClipVideoOptions()), drawn}, kRounded);
   Judge(PictureDeclaration(), "picture", {clip.id(), OptionsToJson(PictureOptions()), drawn}, kComputed);
 }
 

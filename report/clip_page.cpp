@@ -1,0 +1,340 @@
+#include "report/clip_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "report/clip_series.h"
+#include "report/html.h"
+#include "report/page_style.h"
+#include "report/painters.h"
+#include "report/pictures.h"
+#include "report/player_script.h"
+#include "report/run_facts.h"
+#include "report/state_map.h"
+#include "report/svg.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kPlayerNumbers = 300000;
+constexpr std::size_t kBonesDrawn = 3;
+constexpr std::size_t kMostRepairs = 200;
+constexpr int kMostPoints = 1200;  ///< of a curve
+
+using Points = std::vector<std::pair<double, double>>;
+
+/// A curve over time; long ones keep the largest of each stretch, so that no peak is lost.
+Points Over(const std::vector<double>& time, const std::vector<double>& values) {
+  Points points;
+  const std::size_t step = (values.size() + kMostPoints - 1) / kMostPoints;
+  for (std::size_t i = 0; i < values.size(); i += std::max<std::size_t>(1, step)) {
+    std::size_t most = i;
+    for (std::size_t k = i; k < std::min(values.size(), i + step); ++k) {
+      if (!(values[k] <= values[most])) most = k;
+    }
+    points.emplace_back(time[most], values[most]);
+  }
+  return points;
+}
+
+std::vector<double> Finite(const std::vector<double>& values) {
+  std::vector<double> finite;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(finite), [](double v) { return std::isfinite(v); });
+  return finite;
+}
+
+std::string Figure(const std::string& caption, const std::string& inside) {
+  return inside.empty() ? "" : "<figure><figcaption>" + caption + "</figcaption>" + inside + "</figure>\n";
+}
+
+std::string FramesText(int begin, int end) {
+  return end - begin <= 1 ? std::to_string(begin) : std::to_string(begin) + "–" + std::to_string(end - 1);
+}
+
+double RmsOf(const std::vector<double>& values) {
+  double sum = 0.0;
+  const std::vector<double> finite = Finite(values);
+  for (const double value : finite) sum += value * value;
+  return finite.empty() ? std::nan("") : std::sqrt(sum / static_cast<double>(finite.size()));
+}
+
+std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
+  const DrawnClip& clip = input.clip;
+  const Motion& motion = *clip.fitted.motion;
+  std::string html = "<h1>" + EscapeHtml(clip.item) + "</h1>\n";
+  std::string lead = clip.fitted.label.empty() ? "" : EscapeHtml(clip.fitted.label) + ", ";
+  lead += Counted(motion.frame_count(), "frame") + " at " + ShortText(motion.rate.hz()) + " Hz, fitted on skeleton " +
+          EscapeHtml(motion.skeleton->name);
+  html += Paragraph(lead, "lead") + "<dl class=\"tiles\">\n";
+  const auto tile = [&html](const std::string& name, const std::string& value, const std::string& note) {
+    html += "<div><dt>" + name + "</dt><dd>" + value + "<small>" + note + "</small></dd></div>\n";
+  };
+  if (clip.fitted.fit_rms > 0.0) {
+    tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over what was observed");
+  }
+  if (series.raw_bones) {
+    double raw = 0.0;
+    double fitted = 0.0;
+    int bones = 0;
+    for (const BoneSeries& bone : series.bones) {
+      if (!std::isfinite(bone.raw_spread)) continue;
+      raw += bone.raw_spread;
+      fitted += bone.fitted_spread;
+      ++bones;
+    }
+    tile("Bone lengths spread", FixedText(fitted / std::max(1, bones), 1) + " mm",
+         FixedText(raw / std::max(1, bones), 1) + " mm before");
+  }
+  if (!Finite(series.jerk_raw).empty()) {
+    tile("Jerk", FixedText(RmsOf(series.jerk_fitted), 0) + " m/s³", FixedText(RmsOf(series.jerk_raw), 0) + " before");
+  }
+  if (!series.sigma_mm.empty()) {
+    tile("Stated standard deviation", FixedText(RmsOf(series.sigma_mm), 1) + " mm", "of a joint's place, per axis");
+  }
+  return html + "</dl>\n";
+}
+
+std::string SeenHtml(const ClipPageInput& input) {
+  const DrawnClip& clip = input.clip;
+  const int stills = static_cast<int>(input.options.stills);
+  std::string html;
+  if (!input.options.video.empty()) {
+    html += "<video controls preload=\"metadata\" src=\"" + EscapeHtml(input.options.video) +
+            "\">The video lies beside this page: " + EscapeHtml(input.options.video) + "</video>\n";
+  } else if (!input.options.no_video.empty()) {
+    html += Paragraph("No video: " + EscapeHtml(input.options.no_video), "soft");
+  }
+  if (clip.evidence.evidence.tracks) {
+    html += Figure("Before: what was tracked", FilmstripSvg(clip, stills, StripLayers::kEvidence));
+  }
+  html += Figure("After: the fitted motion", FilmstripSvg(clip, stills, StripLayers::kFit));
+  const bool points = clip.evidence.evidence.tracks.has_value();
+  return html +
+         "<div class=\"player alone\" role=\"group\" aria-label=\"Player\">\n<canvas tabindex=\"0\" role=\"img\" "
+         "aria-label=\"The clip in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\">"
+         "<button type=\"button\">Play</button><input type=\"range\" min=\"0\" value=\"0\" step=\"1\" "
+         "aria-label=\"Frame\"><output>0.00 s</output><label" +
+         std::string(points ? "" : " hidden") +
+         " for=\"seen\"><input type=\"checkbox\" id=\"seen\" checked> evidence</label></div>\n</div>\n" +
+         Paragraph(
+             "<span class=\"k-before\"></span>evidence<span class=\"k-left\"></span>left side and trunk of the "
+             "fit<span class=\"k-right\"></span>right side",
+             "key soft");
+}
+
+std::string TimeHtml(const ClipSeries& series) {
+  std::string charts;
+  if (Finite(series.residual).size() == 1) {
+    return Paragraph(EscapeHtml(series.residual_name) + ": " + ShortText(Finite(series.residual).front()) + ".");
+  }
+  if (!Finite(series.residual).empty()) {
+    LineChart chart{series.residual_name, "s", "", {}};
+    if (!series.residual_most.empty()) {
+      chart.curves.push_back({"worst joint", Over(series.time_s, series.residual_most), 5});
+      chart.curves.push_back({"root mean square over joints", Over(series.time_s, series.residual), 0});
+    } else {
+      chart.curves.push_back({"each frame", Over(series.time_s, series.residual), 0});
+    }
+    charts += Figure(EscapeHtml(series.residual_name), chart.Svg());
+  }
+  LineChart jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
+  if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
+  if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});
+  charts += Figure("Jerk, m/s³", jerk.Svg());
+  if (charts.empty()) return Paragraph("A clip this short has nothing over time.");
+  return "<div class=\"charts wide\">\n" + charts + "</div>\n" +
+         Paragraph("Read both together: what smooths away motion has little jerk and a large residual.", "soft");
+}
+
+std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
+  if (!series.raw_bones) {
+    return Paragraph(
+        "The evidence holds no joints whose distances could be compared; the fit's bones have one length "
+        "each.");
+  }
+  std::vector<const BoneSeries*> sorted;
+  for (const BoneSeries& bone : series.bones) {
+    if (std::isfinite(bone.raw_spread)) sorted.push_back(&bone);
+  }
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const BoneSeries* a, const BoneSeries* b) { return a->raw_spread > b->raw_spread; });
+  std::string charts;
+  for (std::size_t i = 0; i < std::min(kBonesDrawn, sorted.size()) && series.time_s.size() > 1; ++i) {
+    const BoneSeries& bone = *sorted[i];
+    const std::string name =
+        skeleton.joints[skeleton.joints[bone.joint].parent].name + " to " + skeleton.joints[bone.joint].name;
+    const LineChart chart{
+        name,
+        "s",
+        "mm",
+        {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
+    charts += Figure(EscapeHtml(name) + ", mm", chart.Svg());
+  }
+  HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, spread", "After", "After, spread"}, {}, true};
+  for (const BoneSeries* bone : sorted) {
+    table.rows.push_back({EscapeHtml(skeleton.joints[bone->joint].name), FixedText(bone->raw_mean, 1),
+                          FixedText(bone->raw_spread, 1), FixedText(bone->fitted.front(), 1),
+                          FixedText(bone->fitted_spread, 1)});
+  }
+  return "<div class=\"charts wide\">\n" + charts + "</div>\n<details><summary>All bones</summary>" + table.Html() +
+         "</details>\n";
+}
+
+std::string RepairsHtml(const ClipPageInput& input) {
+  const Clip& fitted = input.clip.fitted;
+  std::string html;
+  HtmlTable table{
+      "What was mended before the fit; each can be taken back", {"Frames", "What", "Joints", "Value"}, {}, false};
+  const auto repairs = fitted.provenance.find("track_repairs");
+  if (repairs != fitted.provenance.end()) {
+    const nlohmann::json list = nlohmann::json::parse(repairs->second, nullptr, false);
+    for (const nlohmann::json& repair : Elements(list)) {
+      const std::vector<double> frames = NumbersOf(Field(repair, "frames"));
+      if (frames.size() != 2 || table.rows.size() >= kMostRepairs) continue;
+      std::string joints;
+      for (const nlohmann::json& joint : Elements(Field(repair, "joints"))) {
+        if (joint.is_string()) joints += (joints.empty() ? "" : ", ") + EscapeHtml(joint.get<std::string>());
+      }
+      const auto value = NumberOf(repair, "value");
+      table.rows.push_back({FramesText(static_cast<int>(frames[0]), static_cast<int>(frames[1])),
+                            EscapeHtml(TextOf(repair, "code") + " (" + TextOf(repair, "action") + ")"), joints,
+                            value ? ShortText(*value) : "–"});
+    }
+    if (table.rows.size() < Elements(list).size()) {
+      html += Paragraph(CountText(static_cast<long long>(Elements(list).size() - table.rows.size())) +
+                            " more repairs stand in the clip's provenance.",
+                        "soft");
+    }
+  }
+  html =
+      (table.rows.empty() ? Paragraph("Nothing was exchanged, and nothing taken for missing.") : table.Html()) + html;
+  HtmlTable findings{"Findings", {"Frames", "Code", "Joint", "What", "Done"}, {}, false};
+  for (const Finding& finding : input.findings) {
+    if (findings.rows.size() >= kMostRepairs) break;
+    const bool all = finding.frame_end <= finding.frame_begin;
+    findings.rows.push_back({all ? "–" : FramesText(finding.frame_begin, finding.frame_end), EscapeHtml(finding.code),
+                             EscapeHtml(finding.joint), EscapeHtml(finding.message), EscapeHtml(finding.action)});
+  }
+  if (!findings.rows.empty()) html += findings.Html();
+  const std::string map = StateMapSvg(*fitted.motion);
+  if (map.empty()) return html;
+  return html +
+         Paragraph(
+             "Where each joint comes from, joint by joint over the frames: <span class=\"s-observed\"></span>"
+             "observed<span class=\"s-repaired\"></span>repaired (observed as the other side)"
+             "<span class=\"s-interpolated\"></span>interpolated<span class=\"s-inferred\"></span>inferred",
+             "key soft") +
+         map;
+}
+
+std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
+  if (series.sigma_mm.empty()) return Paragraph("The fit states no uncertainty.");
+  const LineChart chart{"Stated standard deviation of a joint's place, per axis",
+                        "s",
+                        "mm",
+                        {{"root mean square over joints", Over(series.time_s, series.sigma_mm), 0}}};
+  HtmlTable table{"Means over the frames",
+                  {"Joint", "Place, mm per axis", "Largest", "Rotation, degrees", "Axes the evidence decided, of 3"},
+                  {},
+                  true};
+  const int frames = motion.frame_count();
+  const int joints = motion.joint_count();
+  for (int j = 0; j < joints; ++j) {
+    double sum = 0.0, most = 0.0, turn = 0.0, decided = 0.0;
+    for (int f = 0; f < frames; ++f) {
+      const double sigma = StatedSigmaMm(motion, f, j);
+      sum += sigma / frames;
+      most = std::max(most, sigma);
+      const std::size_t first = 3 * (static_cast<std::size_t>(f) * joints + j);
+      for (std::size_t axis = first; axis < first + 3; ++axis) {
+        if (!motion.rotation_sigma.empty()) turn += motion.rotation_sigma[axis] * 57.29577951308232 / (3.0 * frames);
+        if (!motion.rotation_observed.empty()) decided += static_cast<double>(motion.rotation_observed[axis]) / frames;
+      }
+    }
+    table.rows.push_back({EscapeHtml(motion.skeleton->joints[j].name), FixedText(sum, 1), FixedText(most, 1),
+                          motion.rotation_sigma.empty() ? "–" : FixedText(turn, 1),
+                          motion.rotation_observed.empty() ? "–" : FixedText(decided, 2)});
+  }
+  const std::string drawn = frames > 1 ? "<div class=\"charts wide\">" +
+                                             Figure("Stated standard deviation of a joint's place, mm", chart.Svg()) +
+                                             "</div>\n"
+                                       : "";
+  return drawn + "<details><summary>Joint by joint</summary>" + table.Html() + "</details>\n" +
+         Paragraph(
+             "An axis that no evidence decides, such as the twist of a straight limb, keeps the spread of what "
+             "people do; it is not certain.",
+             "soft");
+}
+
+/// The frame in the middle and the one that fits worst.
+std::vector<int> FramesToDraw(const ClipSeries& series) {
+  std::vector<int> frames = {static_cast<int>(series.time_s.size()) / 2};
+  const std::vector<double>& residual = series.residual;
+  int worst = -1;
+  for (std::size_t f = 0; f < residual.size(); ++f) {
+    if (std::isfinite(residual[f]) && (worst < 0 || residual[f] > residual[worst])) worst = static_cast<int>(f);
+  }
+  if (worst >= 0 && worst != frames.front()) frames.push_back(worst);
+  return frames;
+}
+
+std::string ViewsHtml(const ClipPageInput& input, const ClipSeries& series) {
+  const Evidence& evidence = input.clip.evidence.evidence;
+  const int views = ViewCount(evidence);
+  if (views == 0) return "";
+  const std::vector<int> frames = FramesToDraw(series);
+  std::string html;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    html += "<h3>Frame " + std::to_string(frames[i]) + (i == 0 ? ", the middle" : ", the worst fit") +
+            "</h3>\n<div class=\"overlays\">\n";
+    for (const int view : ChosenViews(evidence, static_cast<int>(input.options.views))) {
+      const std::string name = EscapeHtml(ViewCamera(evidence, view).name);
+      const auto png = BodyOverlayPng(input.clip.fitted, evidence, view, frames[i]);
+      html += png ? "<figure><img alt=\"Fitted body over view " + name + "\" src=\"data:image/png;base64," +
+                        Base64(*png) + "\"><figcaption>" + name + "</figcaption></figure>\n"
+                  : Paragraph("Not drawn over view " + name + ": " + EscapeHtml(png.error().Message()), "soft");
+    }
+    html += "</div>\n";
+  }
+  const auto shown = static_cast<int>(ChosenViews(evidence, static_cast<int>(input.options.views)).size());
+  if (shown < views) html += Paragraph(std::to_string(shown) + " of " + std::to_string(views) + " views.", "soft");
+  return html + Paragraph(
+                    "White: outline of the fitted body. Depth: near is bright. Keypoints: those of the person "
+                    "yellow, other people's grey; the camera stands where the calibration says.",
+                    "soft");
+}
+
+}  // namespace
+
+Expected<std::string> MakeClipPage(const ClipPageInput& input) {
+  const auto series = SeriesOf(input.clip.fitted, input.clip.evidence.evidence);
+  if (!series) return Forward(series);
+  const Motion& motion = *input.clip.fitted.motion;
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>" +
+      EscapeHtml(input.clip.item) + " - mocurate report</title>\n<style>" + kPageStyle +
+      "</style>\n</head>\n<body>\n<a class=\"skip\" href=\"#seen-section\">Skip to the content</a>\n<header>\n"
+      "<p><a href=\"index.html\">All clips of the run</a></p>\n" +
+      HeadOf(input, *series) + "</header>\n<main id=\"main\">\n";
+  const auto section = [&html](const char* id, const char* title, const std::string& inside) {
+    if (inside.empty()) return;
+    html += "<section id=\"" + std::string(id) + "\" aria-labelledby=\"" + id + "-title\">\n<h2 id=\"" + id +
+            "-title\">" + title + "</h2>\n" + inside + "</section>\n";
+  };
+  section("seen-section", "Before and after", SeenHtml(input));
+  section("time", "Residual and jerk", TimeHtml(*series));
+  section("bones", "Bone lengths", BonesHtml(*series, *motion.skeleton));
+  section("repairs", "Repairs and doubts", RepairsHtml(input));
+  section("uncertainty", "How sure", SigmaHtml(*series, motion));
+  section("views", "Over the views", ViewsHtml(input, *series));
+  const nlohmann::json players = nlohmann::json::array({PlayerData(input.clip, kPlayerNumbers)});
+  return html + "</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + " from stored results.") +
+         "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(players) +
+         "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";
+}
+
+}  // namespace mocurate

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "core/motion/clip.h"
+#include "report/filmstrip.h"
+#include "report/posed_body.h"
+
+namespace mocurate {
+
+/// What draws one frame of a clip after the other with a crop that stays; only for files that draw with OpenCV. The
+/// clip and the evidence must outlive the painter.
+
+/// The views of an evidence that a body can be drawn over: depth views first, then views of keypoints.
+int ViewCount(const Evidence& evidence);
+const Camera& ViewCamera(const Evidence& evidence, int view);
+/// At most `most` of them, evenly chosen.
+std::vector<int> ChosenViews(const Evidence& evidence, int most);
+
+/// What one view saw, cut to the person over `frames`, with the outline of the fitted body and its bones over it: depth
+/// in false colours, keypoints as dots (those of the person bright, other people's grey).
+class ViewPainter {
+ public:
+  /// `height` pixels of every picture; depth is enlarged by whole factors up to four unless `exact`. Errors
+  /// kInconsistent for a view or frame that is not there, and of ReadDepth.
+  static Expected<ViewPainter> Make(const Clip& fitted, const Evidence& evidence, int view,
+                                    const std::vector<int>& frames, int height, bool exact);
+  Expected<cv::Mat> Draw(int frame) const;
+
+ private:
+  Status SetDepthRange(int frame);
+  Expected<cv::Mat> Ground(int frame) const;
+  void DrawKeypoints(int frame, cv::Mat& image) const;
+
+  const Clip* fitted_ = nullptr;
+  const Evidence* evidence_ = nullptr;
+  int view_ = 0;
+  cv::Rect crop_;
+  Camera camera_;  ///< of the pictures
+  std::vector<Vector2d> rays_;
+  double low_ = 0.0;  ///< of the false colours, in units of the images
+  double high_ = 1.0;
+};
+
+/// Which of the people of an image are the fitted person: the median distance of their keypoints from the projected
+/// joints that bear their names is least. -1 for nobody within a quarter of the body's height in the image.
+struct SeenPerson {
+  int index = -1;
+  double median_px = 0.0;
+};
+SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence, int keypoint_view, int image);
+/// The image of a keypoint view nearest in time to a frame of the clip; -1 when none is within half a frame.
+int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view);
+/// Joint of the skeleton behind each keypoint; -1 for points that are no joints.
+std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names);
+
+/// The fitted body from its front, the tracked points before it, time below.
+class FrontPainter {
+ public:
+  FrontPainter(const Clip& fitted, const Evidence& evidence, const std::vector<int>& frames, int height);
+  cv::Mat Draw(int frame) const;
+
+ private:
+  const Clip* fitted_;
+  const Evidence* evidence_;
+  Viewpoint view_;
+  double low_ = 1e9;
+  double high_ = -1e9;
+  double floor_ = 0.0;
+  double pixels_per_metre_ = 1.0;
+  int width_ = 0;
+  int height_ = 0;
+};
+
+}  // namespace mocurate

@@ -1,0 +1,101 @@
+#include "report/video/clip_video.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "core/base/file.h"
+#include "report/painters.h"
+#include "report/scene.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kHowToEncode =
+    "OpenCV's videoio writes with FFmpeg's libavcodec, which needs libx264 (Debian: libopencv-videoio406, "
+    "libavcodec59, "
+    "libx264-164)";
+
+/// The encoder's threads change its bytes.
+void OneEncoderThread() { setenv("OPENCV_FFMPEG_WRITER_OPTIONS", "threads;1", 0); }
+
+void WriteName(const std::string& name, cv::Mat& image) {
+  cv::putText(image, name, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(235, 235, 235), 1, cv::LINE_AA);
+}
+
+/// H.264 wants even sides.
+cv::Mat Even(const cv::Mat& image, int height) {
+  cv::Mat even;
+  cv::copyMakeBorder(image(cv::Rect(0, 0, image.cols, std::min(image.rows, height))), even, 0,
+                     std::max(0, height - image.rows), 0, image.cols % 2, cv::BORDER_REPLICATE);
+  return even;
+}
+
+struct Panels {
+  FrontPainter front;
+  std::vector<ViewPainter> views;
+  std::vector<std::string> names;
+
+  Expected<cv::Mat> Draw(int frame, int height) const {
+    std::vector<cv::Mat> images = {Even(front.Draw(frame), height)};
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      auto image = views[i].Draw(frame);
+      if (!image) return image;
+      WriteName(names[i], *image);
+      images.push_back(Even(*image, height));
+    }
+    cv::Mat joined;
+    cv::hconcat(images, joined);
+    return joined;
+  }
+};
+
+}  // namespace
+
+Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& options,
+                             const std::filesystem::path& file) {
+  if (Status ok = CheckFrame(clip.fitted, 0); !ok) return Forward(ok);
+  const Motion& motion = *clip.fitted.motion;
+  const Evidence& evidence = clip.evidence.evidence;
+  const int frames = motion.frame_count();
+  const int step = std::max(1, (frames + static_cast<int>(options.frames) - 1) / static_cast<int>(options.frames));
+  const int height = static_cast<int>(options.height) / 2 * 2;
+  std::vector<int> shown;
+  for (int f = 0; f < frames; f += step) shown.push_back(f);
+  Panels panels{FrontPainter(clip.fitted, evidence, shown, height), {}, {}};
+  for (const int view : ChosenViews(evidence, static_cast<int>(options.views))) {
+    auto painter = ViewPainter::Make(clip.fitted, evidence, view, shown, height, true);
+    if (!painter) return Forward(painter);
+    panels.views.push_back(std::move(*painter));
+    panels.names.push_back(ViewCamera(evidence, view).name);
+  }
+  OneEncoderThread();
+  const std::filesystem::path partial = file.string() + ".mp4";  // the name tells OpenCV the container
+  cv::VideoWriter writer;
+  int written = 0;
+  for (const int frame : shown) {
+    const auto image = panels.Draw(frame, height);
+    if (!image) return Forward(image);
+    if (written == 0) {
+      const double rate = std::clamp(motion.rate.hz() / step, 1.0, 120.0);
+      try {
+        writer.open(partial.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), rate, image->size());
+      } catch (const cv::Exception&) {
+        // Told below.
+      }
+      if (!writer.isOpened()) {
+        return Fail(ErrorCode::kMissingOnHost, "no H.264 encoder: a video cannot be written", clip.item, kHowToEncode);
+      }
+    }
+    writer.write(*image);
+    ++written;
+  }
+  writer.release();
+  std::error_code problem;
+  std::filesystem::rename(partial, file, problem);
+  if (problem) return Fail(ErrorCode::kCannotWrite, "the video cannot be written: " + problem.message(), clip.item);
+  return written;
+}
+
+}  // namespace mocurate
