@@ -101,12 +101,18 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
                               const PointCloudOptions& options) {
   Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options);
   if (!clouds) return Forward(clouds);
-  const auto track =
-      TrackClouds(std::move(*clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
-                  clip.evidence.depth_views[0].time_s, options);
+  return FitFusedClouds(std::move(*clouds), {clip.rate, clip.evidence.depth_views[0].time_s}, skeleton, bone_length,
+                        options);
+}
+
+Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock,
+                                   const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
+                                   const PointCloudOptions& options) {
+  const auto track = TrackClouds(std::move(clouds), skeleton,
+                                 bone_length.empty() ? skeleton->RestBoneLengths() : bone_length, clock.time_s, options);
   if (!track) return Forward(track);
   FitResult result;
-  result.motion = MotionOf(track->state, track->body.skeleton, clip.rate);
+  result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
   Measure(*track, options.max_distance, result);
   ReportFramesWithoutPoints(*track, result);
