@@ -63,12 +63,23 @@ void CloudOutlierOptions::Declare(OptionVisitor& v) {
   v.Number("spread_ratio", spread_ratio, Unit::kNone, {0.1, 100.0}, "standard deviations above the mean that stay");
 }
 
+void CloudStartOptions::Declare(OptionVisitor& v) {
+  v.OptionalNumber("facing", facing, Unit::kRadian, {-6.3, 6.3},
+                   "where the person faces when the clip begins, about y from +z, within 45 degrees; none: found");
+  v.Choice("posture", posture,
+           {{"standing", StartPosture::kStanding},
+            {"seated", StartPosture::kSeated},
+            {"unknown", StartPosture::kUnknown}},
+           "how the person is known to be when the clip begins");
+}
+
 void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
            "ceres, or our normal equations of the same costs, several times as fast");
   v.Number("voxel_size", voxel_size, Unit::kMetre, {1e-3, 0.5}, "points are thinned to one per voxel");
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
   v.Group("outliers", outliers, "statistical outlier removal");
+  v.Group("start", start, "what is known of the first pose");
   v.Number("capsule_radius_scale", capsule_radius_scale, Unit::kNone, {0.1, 10.0}, "factor on the skeleton's radii");
   v.Integer("iterations", iterations, {1, 1000}, "of matching points to capsules, at most, per frame");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");

@@ -21,7 +21,7 @@ struct FusedCloud {
 
 /// Thinning and cleaning of a fused cloud.
 struct FusionOptions {
-  double voxel_size = 0.015;  ///< m
+  double voxel_size = 0.03;  ///< m
   CloudOutlierOptions outliers;
 };
 

@@ -15,6 +15,7 @@ namespace {
 constexpr int kObservingPoints = 10;   ///< of the capsules at a joint make it observed
 constexpr double kNotableRoom = 0.02;  ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
+constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
 /// Points near each joint: those of the capsules that end at it or move with it.
 std::vector<int> PointsOfJoints(const FleshBody& body, const std::vector<CloudMatch>& matches) {
@@ -95,6 +96,18 @@ void ReportPointsOffTheBody(const CloudTrack& track, double max_distance, FitRes
   report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body", "flagged");
 }
 
+/// A body of capsules looks much the same from the front and from the back.
+void ReportDoubt(const CloudTrack& track, FitResult& result) {
+  if (!track.start.margin || *track.start.margin > kSureMargin) return;
+  Finding finding;
+  finding.code = "facing_in_doubt";
+  finding.value = *track.start.margin;
+  finding.message = "a first pose that faces another way explains the points almost as well: its cost is " +
+                    std::to_string(std::lround(100.0 * *track.start.margin)) + " % higher";
+  finding.action = "the cheaper one kept; tell fitting.point_clouds.start.facing where it is known";
+  result.findings.push_back(finding);
+}
+
 }  // namespace
 
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
@@ -115,6 +128,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
   Measure(*track, options.max_distance, result);
+  ReportDoubt(*track, result);
   ReportFramesWithoutPoints(*track, result);
   ReportPointsOffTheBody(*track, options.max_distance, result);
   int unsettled = 0;

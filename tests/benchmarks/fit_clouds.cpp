@@ -2,7 +2,7 @@
 // order of persons, at most so many frames of each, as PHSPD's three depth cameras see them (512 x 424, a Kinect's
 // errors), bodies unknown to the fitter; fitted on one core. Errors as in bench_studio_fits; frames/s from decoded images
 // to a motion, and of decoding alone. Images stay in FOLDER for the next time. Options: those of point_clouds by name,
-// ceres, and start (1: facing told within 45 degrees), room, subjects.
+// ceres, and start (0: the facing is not told), room, subjects.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -98,6 +98,7 @@ int main(int argc, char** argv) {
       auto clouds = Fuse(take.evidence.depth_views, options, spent);
       if (!clouds) return std::fprintf(stderr, "%s\n", clouds.error().Message().c_str()), 1;
       for (const FusedCloud& cloud : *clouds) points += cloud.size();
+      if (given.count("start") == 0 || given["start"] != 0.0) options.start.facing = take.told_heading;
       const double begin = CpuSeconds();
       const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s}, skeleton,
                                       *bones, options);
