@@ -11,6 +11,7 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
   v.Choice("method", method,
            {{"joint_tracks", FitMethod::kJointTracks},
             {"point_clouds", FitMethod::kPointClouds},
+            {"joints_and_clouds", FitMethod::kJointsAndClouds},
             {"keypoints", FitMethod::kKeypoints},
             {"none", FitMethod::kNone}},
            "evidence the skeleton is fitted to; none hands a given motion on");
@@ -66,11 +67,10 @@ void CloudOutlierOptions::Declare(OptionVisitor& v) {
 void CloudStartOptions::Declare(OptionVisitor& v) {
   v.OptionalNumber("facing", facing, Unit::kRadian, {-6.3, 6.3},
                    "where the person faces when the clip begins, about y from +z, within 45 degrees; none: found");
-  v.Choice("posture", posture,
-           {{"standing", StartPosture::kStanding},
-            {"seated", StartPosture::kSeated},
-            {"unknown", StartPosture::kUnknown}},
-           "how the person is known to be when the clip begins");
+  v.Choice(
+      "posture", posture,
+      {{"standing", StartPosture::kStanding}, {"seated", StartPosture::kSeated}, {"unknown", StartPosture::kUnknown}},
+      "how the person is known to be when the clip begins");
 }
 
 void PointCloudOptions::Declare(OptionVisitor& v) {
@@ -87,6 +87,7 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3},
            "distance of joints from the rest pose; the trunk, feet and hands move less");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
+  v.Bool("uncertainty", uncertainty, "covariance of joint positions, standard deviation of rotations");
 }
 
 void ContactOptions::Declare(OptionVisitor& v) {
@@ -148,8 +149,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 8, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 9, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 11, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 12, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

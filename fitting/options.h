@@ -11,7 +11,7 @@
 namespace mocurate {
 
 /// Which evidence a clip is fitted to. kNone hands a given motion on as it is.
-enum class FitMethod { kJointTracks, kPointClouds, kKeypoints, kNone };
+enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints, kNone };
 
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };
@@ -59,7 +59,7 @@ struct RepairOptions {
 
 /// Outliers of a fused point cloud.
 struct CloudOutlierOptions {
-  bool enabled = false;           ///< beside what is dropped on the images; most of the time of a fit
+  bool enabled = false;          ///< beside what is dropped on the images; most of the time of a fit
   std::int64_t neighbours = 20;  ///< mean distance to this many neighbours is looked at
   double spread_ratio = 2.0;     ///< points further than mean + ratio * standard deviation are dropped
 
@@ -90,6 +90,7 @@ struct PointCloudOptions {
   double velocity_walk = 0.33;   ///< m per sqrt(s), root
   double rest_spread = 1.0;  ///< rad from the rest pose; joints of the trunk, feet and hands have less, see RestSpreads
   double huber_sigmas = 2.5;
+  bool uncertainty = true;  ///< covariance of joints, standard deviation of rotations
 
   void Declare(OptionVisitor& v);
 };

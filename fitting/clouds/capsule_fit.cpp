@@ -84,10 +84,9 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
     outcome.sigma = RobustSigma(std::move(distances));
     const std::vector<Vector3d> before = JointsOf(state, frame);
     const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveWithCeres;
-    const auto solution = solve(body,
-                                {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held,
-                                 fit.joints},
-                                state, options);
+    const auto solution =
+        solve(body, {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held, fit.joints},
+              state, options);
     if (!solution) return Forward(solution);
     if (i == 0) outcome.initial_cost = solution->initial_cost;
     outcome.final_cost = solution->final_cost;

@@ -25,10 +25,10 @@ struct CapsuleFitOutcome {
 struct FrameFit {
   int frame = 0;
   std::vector<HeldFrame> held;  ///< frames beside it
-  double widening = 1.0;  ///< the first matching looks this many times farther than max_distance, later ones less
-  int iterations = 40;    ///< of matching, at most
+  double widening = 1.0;        ///< the first matching looks this many times farther than max_distance, later ones less
+  int iterations = 40;          ///< of matching, at most
   std::vector<SeenJoint> joints = {};  ///< what other evidence says
-  double trust = 1.0;             ///< factor on the weight of points: below 1 where the body errs as a whole
+  double trust = 1.0;                  ///< factor on the weight of points: below 1 where the body errs as a whole
 };
 
 /// Fits one frame from the pose that stands in the state, matching and solving in turn until the joints rest. Error

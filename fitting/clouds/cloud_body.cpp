@@ -17,6 +17,23 @@ constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1",
                                                                       {"foot", 0.2},
                                                                       {"wrist", 0.4}}};
 
+/// Of joints that are not named.
+constexpr double kBodyError = 0.012;
+constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0155},
+                                                                         {"spine1", 0.007},
+                                                                         {"spine2", 0.0055},
+                                                                         {"spine3", 0.005},
+                                                                         {"neck", 0.0065},
+                                                                         {"head", 0.0055},
+                                                                         {"collar", 0.0055},
+                                                                         {"hip", 0.0165},
+                                                                         {"knee", 0.011},
+                                                                         {"ankle", 0.0125},
+                                                                         {"foot", 0.0165},
+                                                                         {"shoulder", 0.012},
+                                                                         {"wrist", 0.0125},
+                                                                         {"hand", 0.022}}};
+
 }  // namespace
 
 std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread) {
@@ -27,6 +44,16 @@ std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread) {
     }
   }
   return spreads;
+}
+
+std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
+  std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);
+  for (const auto& [name, error] : kBodyErrors) {
+    for (const char* side : {"", "left_", "right_"}) {
+      if (const auto joint = skeleton.FindJoint(std::string(side) + name)) errors[*joint] = scale * error;
+    }
+  }
+  return errors;
 }
 
 }  // namespace mocurate

@@ -28,6 +28,7 @@ class CloudEquations {
   void Linearise();
   const Eigen::MatrixXd& matrix() const { return matrix_; }  ///< upper triangle
   const Eigen::VectorXd& gradient() const { return gradient_; }
+  int column(int joint) const { return column_[joint]; }  ///< first unknown of a joint's rotation; -1: not active
 
   Eigen::VectorXd Parameters() const;
   /// Writes them and updates the kinematics with derivatives.

@@ -11,9 +11,10 @@ namespace mocurate {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kHeadings = 8;                                              ///< tried, evenly around
+constexpr int kHeadings = 8;                                               ///< tried, evenly around
 constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< rad, where the facing is known
-constexpr double kFacingError = 1.4;                                      ///< rad; a pose that faces another way is none
+constexpr double kFacingError = 1.4;  ///< rad; a pose that faces another way is none
+constexpr double kTaller = 1.35;      ///< a stance against the points
 constexpr double kWidening = 2.0;
 constexpr std::size_t kFinalists = 4;
 constexpr double kSameHeading = 0.6;   ///< rad; finalists face further apart, or have other legs
@@ -118,7 +119,10 @@ void StartPose(const FleshBody& body, const FusedCloud& cloud, int frame, double
   const HeightSpan of_body = HeightOf(body, state, frame);
   const HeightSpan of_cloud = HeightOf(cloud.points);
   const Vector3d across = cloud.points.rowwise().mean() - MiddleOf(body, state, frame);
-  const double up = 0.5 * (of_cloud.low + of_cloud.high - of_body.low - of_body.high);
+  // Of a body that cannot be all there, the upper part is seen.
+  const double up = of_body.height() > kTaller * of_cloud.height()
+                        ? of_cloud.high - of_body.high
+                        : 0.5 * (of_cloud.low + of_cloud.high - of_body.low - of_body.high);
   Eigen::Map<Vector3d>(state.translation(frame)) = Vector3d(across.x(), up, across.z());
 }
 
@@ -215,8 +219,7 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
     for (Candidate& candidate : candidates) {
       state.SetFrameParameters(frame, candidate.parameters);
       if (Status fitted = Refine(body, points, fit, options, state, candidate); !fitted) return fitted;
-      const bool faces_away =
-          options.start.facing && Between(candidate.heading, *options.start.facing) > kFacingError;
+      const bool faces_away = options.start.facing && Between(candidate.heading, *options.start.facing) > kFacingError;
       if (faces_away) candidate.cost = std::numeric_limits<double>::max();
     }
     SortByCost(candidates);

@@ -26,10 +26,10 @@ struct CloudStart {
   std::optional<double> margin;
 };
 
-/// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances (standing,
-/// stepping, squatting, seated; arms in several places) that face all around, or about the facing that is told. Starts
-/// are fitted to few points first; the best go on, the best few are fitted to all points, and the cheapest stays. Errors
-/// of FitCloudFrame.
+/// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances
+/// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the facing that is
+/// told. Starts are fitted to few points first; the best go on, the best few are fitted to all points, and the cheapest
+/// stays. Errors of FitCloudFrame.
 Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state);
 

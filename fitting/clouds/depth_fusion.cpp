@@ -19,10 +19,10 @@
 namespace mocurate {
 namespace {
 
-constexpr int kHalfWindow = 2;             ///< pixels around one that its normal is read from
-constexpr double kFewestOfWindow = 0.6;    ///< share of the window; a pixel with fewer is a stray one
-constexpr double kSurface = 0.04;          ///< m in depth; a neighbour farther off is of another surface
-constexpr double kPixelsPerVoxel = 2.0;    ///< along each axis, looked at
+constexpr int kHalfWindow = 2;           ///< pixels around one that its normal is read from
+constexpr double kFewestOfWindow = 0.6;  ///< share of the window; a pixel with fewer is a stray one
+constexpr double kSurface = 0.04;        ///< m in depth; a neighbour farther off is of another surface
+constexpr double kPixelsPerVoxel = 2.0;  ///< along each axis, looked at
 
 /// `hash`: of the file when it was ingested, or empty.
 Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash) {

@@ -24,8 +24,7 @@ struct CloudClock {
 };
 
 /// FitClouds of clouds that are fused already, one per frame, freed of what is not of the person.
-Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock,
-                                   const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
-                                   const PointCloudOptions& options);
+Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock, const SkeletonPtr& skeleton,
+                                   const std::vector<double>& bone_length, const PointCloudOptions& options);
 
 }  // namespace mocurate
