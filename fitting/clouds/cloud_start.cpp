@@ -16,7 +16,7 @@ constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< 
 constexpr double kFacingError = 1.4;  ///< rad; a pose that faces another way is none
 constexpr double kTaller = 1.35;      ///< a stance against the points
 constexpr double kWidening = 2.0;
-constexpr std::size_t kFinalists = 4;
+constexpr std::size_t kFinalists = 6;
 constexpr double kSameHeading = 0.6;   ///< rad; finalists face further apart, or have other legs
 constexpr double kOtherHeading = 1.6;  ///< rad; facing another way
 
@@ -26,7 +26,7 @@ struct Round {
   int matchings;
   double kept;
 };
-constexpr std::array<Round, 2> kRounds = {{{250, 4, 0.3}, {500, 12, 1.0}}};
+constexpr std::array<Round, 2> kRounds = {{{300, 6, 0.4}, {600, 15, 1.0}}};
 
 enum class Legs { kStanding, kLeftStep, kRightStep, kSquatting, kSeated };
 enum class Arms { kDown, kOut, kUp, kForward };

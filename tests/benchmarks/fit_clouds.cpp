@@ -167,10 +167,12 @@ int main(int argc, char** argv) {
   const double n = all.frames;
   if (mix.clips > 0) {
     std::printf(
-        "{\"name\": \"fit_tracks_and_clouds\", \"clips\": %d, \"tracks_mm\": %.2f, \"tracks_deg\": %.2f, \"both_mm\": "
-        "%.2f, \"both_deg\": %.2f, \"both_within_sigma\": %.3f, \"both_within_two\": %.3f, \"trust\": %.3f}\n",
-        mix.clips, mix.tracks.joint_mm(), mix.tracks.rotation_deg(), mix.both.joint_mm(), mix.both.rotation_deg(),
-        mix.both.within_one(), mix.both.within_two(), mix.trust / mix.clips);
+        "{\"name\": \"fit_tracks_and_clouds\", \"clips\": %d, \"tracks_mm\": %.2f, \"tracks_deg\": %.2f, "
+        "\"tracks_within_sigma\": %.3f, \"tracks_within_two\": %.3f, \"both_mm\": %.2f, \"both_deg\": %.2f, "
+        "\"both_within_sigma\": %.3f, \"both_within_two\": %.3f, \"trust\": %.3f}\n",
+        mix.clips, mix.tracks.joint_mm(), mix.tracks.rotation_deg(), mix.tracks.within_one(), mix.tracks.within_two(),
+        mix.both.joint_mm(), mix.both.rotation_deg(), mix.both.within_one(), mix.both.within_two(),
+        mix.trust / mix.clips);
   }
   std::printf(
       "{\"name\": \"fit_clouds\", \"clips\": %zu, \"frames\": %d, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, "

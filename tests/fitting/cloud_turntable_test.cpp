@@ -60,7 +60,7 @@ class Turntable : public ::testing::Test {
 };
 
 TEST_F(Turntable, EveryViewLiesOnTheOthers) {
-  const auto rms = ViewAgreement(clip_.evidence.depth_views, 0, 0.03, 7);
+  auto rms = ViewAgreement(clip_.evidence.depth_views, 0, 0.03, 7);
   ASSERT_TRUE(rms) << rms.error().Message();
   ASSERT_EQ(rms->size(), 80u);
   const double median = Median(*rms);
