@@ -18,21 +18,21 @@ constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1",
                                                                       {"wrist", 0.4}}};
 
 /// Of joints that are not named.
-constexpr double kBodyError = 0.012;
-constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0155},
-                                                                         {"spine1", 0.007},
-                                                                         {"spine2", 0.0055},
-                                                                         {"spine3", 0.005},
-                                                                         {"neck", 0.0065},
-                                                                         {"head", 0.0055},
-                                                                         {"collar", 0.0055},
-                                                                         {"hip", 0.0165},
-                                                                         {"knee", 0.011},
-                                                                         {"ankle", 0.0125},
-                                                                         {"foot", 0.0165},
-                                                                         {"shoulder", 0.012},
-                                                                         {"wrist", 0.0125},
-                                                                         {"hand", 0.022}}};
+constexpr double kBodyError = 0.0107;
+constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0138},
+                                                                         {"spine1", 0.0062},
+                                                                         {"spine2", 0.0049},
+                                                                         {"spine3", 0.0044},
+                                                                         {"neck", 0.0058},
+                                                                         {"head", 0.0049},
+                                                                         {"collar", 0.0049},
+                                                                         {"hip", 0.0147},
+                                                                         {"knee", 0.0098},
+                                                                         {"ankle", 0.0111},
+                                                                         {"foot", 0.0147},
+                                                                         {"shoulder", 0.0107},
+                                                                         {"wrist", 0.0111},
+                                                                         {"hand", 0.0196}}};
 
 }  // namespace
 
