@@ -82,10 +82,13 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
   std::vector<FitMethod> methods;
   switch (options.ingest.source.format) {
     case SourceFormat::kJointTable:
-    case SourceFormat::kNtuSkeleton:
     case SourceFormat::kPanoptic:
     case SourceFormat::kPhspd:
       wanted = "joint_tracks", gives = "joint tracks", methods = {FitMethod::kJointTracks};
+      break;
+    case SourceFormat::kNtuSkeleton:
+      wanted = "joint_tracks", gives = "joint tracks, and depth views where its depth files are there",
+      methods = {FitMethod::kJointTracks, FitMethod::kPointClouds, FitMethod::kJointsAndClouds};
       break;
     case SourceFormat::kDepthSequence:
     case SourceFormat::kDepthViews:

@@ -25,6 +25,8 @@ std::string MethodName(FitMethod method) {
       return "joint_tracks";
     case FitMethod::kPointClouds:
       return "point_clouds";
+    case FitMethod::kJointsAndClouds:
+      return "joints_and_clouds";
     case FitMethod::kKeypoints:
       return "keypoints";
     case FitMethod::kNone:
@@ -194,7 +196,8 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
         MeasuresJson(MeasureJoints(skeleton, tracks.positions, tracks.confidence, tracks.time_s), skeleton);
   };
   if (fit.triangulated) measure_before(*fit.triangulated);
-  if (options.method == FitMethod::kJointTracks) {
+  if (fit.cloud_trust) outcome.summary["cloud_trust"] = std::round(*fit.cloud_trust * 1e4) / 1e4;
+  if (options.method == FitMethod::kJointTracks || options.method == FitMethod::kJointsAndClouds) {
     if (const auto tracks = TracksOfClip(clip, fit.motion.skeleton, options.other_joints)) measure_before(*tracks);
   }
   return outcome;

@@ -30,6 +30,7 @@ struct FitResult {
   std::string track_repairs;                   ///< RepairsText of what was mended in the tracks; empty when nothing was
   std::optional<KeypointReport> keypoints;     ///< of a fit to 2-D keypoints
   std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
+  std::optional<double> cloud_trust;           ///< weight of depth points against joints; of a fit to both
   std::vector<Finding> findings;               ///< clip id left empty
 };
 

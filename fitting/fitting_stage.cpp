@@ -4,7 +4,9 @@
 #include "core/base/version.h"
 #include "core/body/flesh_body.h"
 #include "core/store/store.h"
+#include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/contacts/foot_contacts.h"
 #include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
@@ -28,6 +30,20 @@ Expected<std::vector<double>> ReadBoneLengths(const StageRequest& request, const
   return std::vector<double>{};
 }
 
+/// Joint tracks and depth views of the same moments.
+Expected<FitResult> FitBoth(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bones,
+                            const FittingOptions& options) {
+  const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, options);
+  if (!tracks) return Forward(tracks);
+  const Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options.point_clouds);
+  if (!clouds) return Forward(clouds);
+  Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);
+  if (both) return both;
+  Error error = both.error();
+  error.where = clip.id() + ": " + error.where;
+  return tl::unexpected<Error>(error);
+}
+
 Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const FittingOptions& options) {
   if (options.method == FitMethod::kNone) return TakeGivenMotion(clip);
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(options.skeleton);
@@ -41,6 +57,7 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   const Expected<std::vector<double>> bones = ReadBoneLengths(request, **skeleton);
   if (!bones) return Forward(bones);
   if (options.method == FitMethod::kPointClouds) return FitClouds(clip, *skeleton, *bones, options.point_clouds);
+  if (options.method == FitMethod::kJointsAndClouds) return FitBoth(clip, *skeleton, *bones, options);
   return FitTracksOfClip(clip, *skeleton, *bones, options);
 }
 

@@ -11,6 +11,7 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
   v.Choice("method", method,
            {{"joint_tracks", FitMethod::kJointTracks},
             {"point_clouds", FitMethod::kPointClouds},
+            {"joints_and_clouds", FitMethod::kJointsAndClouds},
             {"keypoints", FitMethod::kKeypoints},
             {"none", FitMethod::kNone}},
            "evidence the skeleton is fitted to; none hands a given motion on");
@@ -86,12 +87,22 @@ void CloudOutlierOptions::Declare(OptionVisitor& v) {
   v.Number("spread_ratio", spread_ratio, Unit::kNone, {0.1, 100.0}, "standard deviations above the mean that stay");
 }
 
+void CloudStartOptions::Declare(OptionVisitor& v) {
+  v.OptionalNumber("facing", facing, Unit::kRadian, {-6.3, 6.3},
+                   "where the person faces when the clip begins, about y from +z, within 45 degrees; none: found");
+  v.Choice(
+      "posture", posture,
+      {{"standing", StartPosture::kStanding}, {"seated", StartPosture::kSeated}, {"unknown", StartPosture::kUnknown}},
+      "how the person is known to be when the clip begins");
+}
+
 void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
            "ceres, or our normal equations of the same costs, several times as fast");
   v.Number("voxel_size", voxel_size, Unit::kMetre, {1e-3, 0.5}, "points are thinned to one per voxel");
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
   v.Group("outliers", outliers, "statistical outlier removal");
+  v.Group("start", start, "what is known of the first pose");
   v.Number("capsule_radius_scale", capsule_radius_scale, Unit::kNone, {0.1, 10.0}, "factor on the skeleton's radii");
   v.Integer("iterations", iterations, {1, 1000}, "of matching points to capsules, at most, per frame");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
@@ -99,6 +110,7 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3},
            "distance of joints from the rest pose; the trunk, feet and hands move less");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
+  v.Bool("uncertainty", uncertainty, "covariance of joint positions, standard deviation of rotations");
 }
 
 void ContactOptions::Declare(OptionVisitor& v) {
@@ -160,8 +172,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 8, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 9, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 11, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 12, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

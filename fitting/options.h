@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace mocurate {
 
 /// Which evidence a clip is fitted to. kNone hands a given motion on as it is.
-enum class FitMethod { kJointTracks, kPointClouds, kKeypoints, kNone };
+enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints, kNone };
 
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };
@@ -77,9 +78,20 @@ struct RepairOptions {
 
 /// Outliers of a fused point cloud.
 struct CloudOutlierOptions {
-  bool enabled = true;
+  bool enabled = false;          ///< beside what is dropped on the images; most of the time of a fit
   std::int64_t neighbours = 20;  ///< mean distance to this many neighbours is looked at
   double spread_ratio = 2.0;     ///< points further than mean + ratio * standard deviation are dropped
+
+  void Declare(OptionVisitor& v);
+};
+
+/// How a person is known to stand when a clip begins.
+enum class StartPosture { kStanding, kSeated, kUnknown };
+
+/// What is known of the first pose of a clip.
+struct CloudStartOptions {
+  std::optional<double> facing;  ///< rad about y, 0 faces +z, within 45 degrees; none: found
+  StartPosture posture = StartPosture::kUnknown;
 
   void Declare(OptionVisitor& v);
 };
@@ -87,15 +99,17 @@ struct CloudOutlierOptions {
 /// Fit of a capsule body to fused depth views.
 struct PointCloudOptions {
   TrackSolver solver = TrackSolver::kCeres;
-  double voxel_size = 0.015;  ///< m, after fusing the views
+  double voxel_size = 0.03;   ///< m, after fusing the views
   double max_distance = 0.1;  ///< m from the body; farther points do not pull
   CloudOutlierOptions outliers;
+  CloudStartOptions start;
   double capsule_radius_scale = 1.0;
   std::int64_t iterations = 40;  ///< of matching points to capsules, at most, per frame
   double rotation_walk = 0.55;   ///< rad per sqrt(s), each joint
   double velocity_walk = 0.33;   ///< m per sqrt(s), root
   double rest_spread = 1.0;  ///< rad from the rest pose; joints of the trunk, feet and hands have less, see RestSpreads
   double huber_sigmas = 2.5;
+  bool uncertainty = true;  ///< covariance of joints, standard deviation of rotations
 
   void Declare(OptionVisitor& v);
 };

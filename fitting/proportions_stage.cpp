@@ -59,7 +59,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       keypoint_clips.push_back(std::move(*clip));
       continue;
     }
-    if (options->method != FitMethod::kJointTracks) continue;
+    if (options->method != FitMethod::kJointTracks && options->method != FitMethod::kJointsAndClouds) continue;
     Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton, options->other_joints);
     if (tracks) {
       clips.push_back(std::move(*tracks));

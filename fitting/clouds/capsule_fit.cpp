@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_problem.h"
@@ -47,33 +48,22 @@ double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
-/// A frame's points, each held to its capsule.
-struct MatchedFrame {
-  const FleshBody& body;
-  const FusedCloud& cloud;
-  const std::vector<CloudMatch>& matches;
-  const FrameFit& fit;
-  double sigma = 0.0;
-};
-
-Expected<CloudSolution> SolveWithCeres(const MatchedFrame& matched, PoseState& state,
+Expected<CloudSolution> SolveWithCeres(const FleshBody& body, FrameTerms terms, PoseState& state,
                                        const PointCloudOptions& options) {
-  const int frame = matched.fit.frame;
-  CloudProblem problem(matched.body, state, {frame, frame + 1, matched.fit.since_previous_s}, matched.sigma, options);
-  problem.AddFrame(frame, matched.cloud, matched.matches);
-  if (matched.fit.since_previous_s) problem.AddStep();
+  CloudProblem problem(body, state, terms, options);
   ceres::Solver::Summary summary;
   const OneThread one_thread;
   ceres::Solve(SolverOptions(), &problem.problem(), &summary);
   if (!summary.IsSolutionUsable()) {
-    return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message, "frame " + std::to_string(frame));
+    return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message,
+                "frame " + std::to_string(terms.frame));
   }
   return CloudSolution{summary.initial_cost, summary.final_cost};
 }
 
-Expected<CloudSolution> SolveDense(const MatchedFrame& matched, PoseState& state, const PointCloudOptions& options) {
-  CloudEquations equations(matched.body, state, matched.fit.frame, matched.cloud, matched.matches,
-                           PointWeight(matched.sigma, options.voxel_size), matched.fit.since_previous_s, options);
+Expected<CloudSolution> SolveDense(const FleshBody& body, FrameTerms terms, PoseState& state,
+                                   const PointCloudOptions& options) {
+  CloudEquations equations(body, state, std::move(terms), options);
   return SolveCloudEquations(equations, kSolverSteps, kRelativeTolerance);
 }
 
@@ -83,6 +73,8 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
                                           PoseState& state, const PointCloudOptions& options) {
   CapsuleFitOutcome outcome;
   const int frame = fit.frame;
+  for (const HeldFrame& held : fit.held) state.Update(frame + held.step, frame + held.step + 1, true);
+  const double share = fit.trust * PatchShare(options.voxel_size);
   for (int i = 0; i < fit.iterations && !outcome.converged; ++i) {
     state.Update(frame, frame + 1, false);
     const double widening = Widening(fit.widening, i);
@@ -91,9 +83,10 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
     for (const CloudMatch& match : matches) distances.push_back(match.distance);
     outcome.sigma = RobustSigma(std::move(distances));
     const std::vector<Vector3d> before = JointsOf(state, frame);
-    const MatchedFrame matched{body, cloud, matches, fit, outcome.sigma};
     const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveWithCeres;
-    const auto solution = solve(matched, state, options);
+    const auto solution =
+        solve(body, {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held, fit.joints},
+              state, options);
     if (!solution) return Forward(solution);
     if (i == 0) outcome.initial_cost = solution->initial_cost;
     outcome.final_cost = solution->final_cost;
@@ -108,9 +101,11 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
 double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
                 const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, options.max_distance);
-  const double weight = PointWeight(kComparedSigma, options.voxel_size);
-  const double cost = CloudEquations(body, state, frame, cloud, matches, weight, std::nullopt, options).Cost();
-  const double of_a_far_point = 0.5 * HuberValue(std::pow(weight * options.max_distance, 2), PointHuber(options));
+  const double share = PatchShare(options.voxel_size);
+  const double weight = share / kComparedSigma;
+  const double huber = share * options.huber_sigmas;
+  const double cost = CloudEquations(body, state, {frame, cloud, matches, weight, huber, {}, {}}, options).Cost();
+  const double of_a_far_point = 0.5 * HuberValue(std::pow(weight * options.max_distance, 2), huber);
   return cost + of_a_far_point * (cloud.size() - static_cast<double>(matches.size()));
 }
 

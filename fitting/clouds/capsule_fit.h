@@ -1,10 +1,11 @@
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "core/base/error.h"
 #include "fitting/clouds/cloud_body.h"
 #include "fitting/clouds/depth_fusion.h"
+#include "fitting/clouds/frame_terms.h"
 #include "fitting/costs/pose_state.h"
 #include "fitting/options.h"
 
@@ -23,10 +24,11 @@ struct CapsuleFitOutcome {
 /// How one frame is fitted.
 struct FrameFit {
   int frame = 0;
-  /// Seconds since the frame before, which then is held and joins through the walks of the options. None: on its own.
-  std::optional<double> since_previous_s;
-  double widening = 1.0;  ///< the first matching looks this many times farther than max_distance, later ones less
-  int iterations = 40;    ///< of matching, at most
+  std::vector<HeldFrame> held;  ///< frames beside it
+  double widening = 1.0;        ///< the first matching looks this many times farther than max_distance, later ones less
+  int iterations = 40;          ///< of matching, at most
+  std::vector<SeenJoint> joints = {};  ///< what other evidence says
+  double trust = 1.0;                  ///< factor on the weight of points: below 1 where the body errs as a whole
 };
 
 /// Fits one frame from the pose that stands in the state, matching and solving in turn until the joints rest. Error

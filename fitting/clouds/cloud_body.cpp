@@ -17,6 +17,23 @@ constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1",
                                                                       {"foot", 0.2},
                                                                       {"wrist", 0.4}}};
 
+/// Of joints that are not named.
+constexpr double kBodyError = 0.0107;
+constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0138},
+                                                                         {"spine1", 0.0062},
+                                                                         {"spine2", 0.0049},
+                                                                         {"spine3", 0.0044},
+                                                                         {"neck", 0.0058},
+                                                                         {"head", 0.0049},
+                                                                         {"collar", 0.0049},
+                                                                         {"hip", 0.0147},
+                                                                         {"knee", 0.0098},
+                                                                         {"ankle", 0.0111},
+                                                                         {"foot", 0.0147},
+                                                                         {"shoulder", 0.0107},
+                                                                         {"wrist", 0.0111},
+                                                                         {"hand", 0.0196}}};
+
 }  // namespace
 
 std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread) {
@@ -27,6 +44,16 @@ std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread) {
     }
   }
   return spreads;
+}
+
+std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
+  std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);
+  for (const auto& [name, error] : kBodyErrors) {
+    for (const char* side : {"", "left_", "right_"}) {
+      if (const auto joint = skeleton.FindJoint(std::string(side) + name)) errors[*joint] = scale * error;
+    }
+  }
+  return errors;
 }
 
 }  // namespace mocurate

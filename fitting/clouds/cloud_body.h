@@ -18,4 +18,9 @@ inline CapsuleEnds EndsOf(const FleshCapsule& capsule, const PoseState& state, i
 /// error of a capsule body.
 std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread);
 
+/// (J) how far joints of this body usually are from those of the person whose surface it lies on, metres, standard
+/// deviation per axis: bones and flesh are the template's, scaled by one height. Measured on synthetic people whose
+/// bodies have other shapes (`bench_fit_clouds`).
+std::vector<double> BodyErrors(const Skeleton& skeleton, double scale);
+
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/rotation.h"
 #include "fitting/costs/huber.h"
@@ -14,9 +15,6 @@ namespace {
 constexpr double kBodyPatch = 0.05;  ///< m; points closer than this share the error of the capsule body
 
 double Square(double value) { return value * value; }
-
-/// Square root of a point's share in its patch.
-double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
 
 double BeyondLimit(double angle, double min, double max) {
   return angle > max ? angle - max : angle < min ? angle - min : 0.0;
@@ -32,25 +30,17 @@ Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
 
 }  // namespace
 
-double PointWeight(double sigma, double voxel_size) { return PatchShare(voxel_size) / sigma; }
-double PointHuber(const PointCloudOptions& options) { return options.huber_sigmas * PatchShare(options.voxel_size); }
+double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
 
-CloudEquations::CloudEquations(const FleshBody& body, PoseState& state, int frame, const FusedCloud& cloud,
-                               const std::vector<CloudMatch>& matches, double weight,
-                               std::optional<double> since_previous_s, const PointCloudOptions& options)
+CloudEquations::CloudEquations(const FleshBody& body, PoseState& state, FrameTerms terms,
+                               const PointCloudOptions& options)
     : body_(body),
       state_(state),
-      frame_(frame),
-      cloud_(cloud),
-      matches_(matches),
-      weight_(weight),
-      huber_(PointHuber(options)),
+      terms_(std::move(terms)),
+      frame_(terms_.frame),
+      options_(options),
       rest_spreads_(RestSpreads(*body.skeleton, options.rest_spread)),
       subtree_(state.joints()) {
-  if (since_previous_s) {
-    turn_weight_ = 1.0 / (Square(options.rotation_walk) * *since_previous_s);
-    move_weight_ = 1.0 / (Square(options.velocity_walk) * *since_previous_s);
-  }
   for (int j = 0; j < state.joints(); ++j) {
     column_.push_back(state.active(j) ? size_ : -1);
     if (state.active(j)) size_ += 3;
@@ -61,16 +51,20 @@ double CloudEquations::Cost() const {
   std::vector<CapsuleEnds> ends;
   for (const FleshCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
   double twice = 0.0;
-  for (const CloudMatch& match : matches_) {
-    const Vector3d point = cloud_.points.col(match.point);
+  for (const CloudMatch& match : terms_.matches) {
+    const Vector3d point = terms_.cloud.points.col(match.point);
     const double distance = (point - NearestOnAxis(ends[match.capsule], point)).norm();
-    twice += HuberValue(Square(weight_ * (distance - body_.capsules[match.capsule].radius)), huber_);
+    twice += HuberValue(Square(terms_.weight * (distance - body_.capsules[match.capsule].radius)), terms_.huber);
+  }
+  for (const SeenJoint& seen : terms_.joints) {
+    const Vector3d error = seen.weight * (state_.position(frame_, seen.joint) - seen.position);
+    twice += HuberValue(error.squaredNorm(), options_.huber_sigmas);
   }
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    if (turn_weight_ > 0.0) {
-      const Matrix3d turn = state_.local(frame_ - 1, j).transpose() * state_.local(frame_, j);
-      twice += turn_weight_ * LogMatrix(turn).squaredNorm();
+    for (const HeldFrame& held : terms_.held) {
+      const Matrix3d turn = state_.local(frame_ + held.step, j).transpose() * state_.local(frame_, j);
+      twice += LogMatrix(turn).squaredNorm() / (Square(options_.rotation_walk) * held.seconds);
     }
     if (j == 0) continue;
     const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
@@ -80,8 +74,9 @@ double CloudEquations::Cost() const {
       twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSpread);
     }
   }
-  if (move_weight_ > 0.0) {
-    twice += move_weight_ * (state_.position(frame_, 0) - state_.position(frame_ - 1, 0)).squaredNorm();
+  for (const HeldFrame& held : terms_.held) {
+    const Vector3d move = state_.position(frame_, 0) - state_.position(frame_ + held.step, 0);
+    twice += move.squaredNorm() / (Square(options_.velocity_walk) * held.seconds);
   }
   return 0.5 * twice;
 }
@@ -92,26 +87,39 @@ void CloudEquations::SumPoints() {
   for (const FleshCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
   for (BodyInformation& sum : subtree_) sum = {};
   const Vector3d& origin = state_.position(frame_, 0);
-  for (const CloudMatch& match : matches_) {
+  for (const CloudMatch& match : terms_.matches) {
     const FleshCapsule& capsule = body_.capsules[match.capsule];
-    const Vector3d point = cloud_.points.col(match.point);
+    const Vector3d point = terms_.cloud.points.col(match.point);
     const Vector3d nearest = NearestOnAxis(ends[match.capsule], point);
     const Vector3d away = point - nearest;
     const double length = away.norm();
     if (length == 0.0) continue;  // on the axis: no direction
-    const double residual = weight_ * (length - capsule.radius);
+    const double residual = terms_.weight * (length - capsule.radius);
     Vector6d row;  // of the residual in the twist: -weight (n, q x n)
-    row.head<3>() = (-weight_ / length) * away;
+    row.head<3>() = (-terms_.weight / length) * away;
     row.tail<3>() = (nearest - origin).cross(row.head<3>());
-    const double slope = HuberSlope(Square(residual), huber_);
+    const double slope = HuberSlope(Square(residual), terms_.huber);
     BodyInformation& sum = subtree_[capsule.frame];
     sum.information.noalias() += (slope * row) * row.transpose();
     sum.gradient += (slope * residual) * row;
   }
-  for (int j = state_.joints() - 1; j > 0; --j) subtree_[state_.parent(j)] += subtree_[j];
+}
+
+/// Seen joints move with the joint above them.
+void CloudEquations::SumJoints() {
+  const Vector3d& origin = state_.position(frame_, 0);
+  for (const SeenJoint& seen : terms_.joints) {
+    const Vector3d& position = state_.position(frame_, seen.joint);
+    const Vector3d error = position - seen.position;
+    const double weight = Square(seen.weight);
+    const double slope = HuberSlope(weight * error.squaredNorm(), options_.huber_sigmas);
+    subtree_[std::max(0, state_.parent(seen.joint))].AddPoint(position - origin, slope * weight,
+                                                              slope * weight * error);
+  }
 }
 
 void CloudEquations::AddPoints() {
+  for (int j = state_.joints() - 1; j > 0; --j) subtree_[state_.parent(j)] += subtree_[j];
   std::vector<Twist> twists(state_.joints());
   matrix_.topLeftCorner<3, 3>() += subtree_[0].information.topLeftCorner<3, 3>();
   gradient_.head<3>() += subtree_[0].gradient.head<3>();
@@ -147,16 +155,19 @@ void CloudEquations::AddPriors() {
   }
 }
 
-void CloudEquations::AddStep() {
-  matrix_.topLeftCorner<3, 3>().diagonal().array() += move_weight_;
-  gradient_.head<3>() += move_weight_ * (state_.position(frame_, 0) - state_.position(frame_ - 1, 0));
+void CloudEquations::AddStep(const HeldFrame& held) {
+  const int other = frame_ + held.step;
+  const double move_weight = 1.0 / (Square(options_.velocity_walk) * held.seconds);
+  const double turn_weight = 1.0 / (Square(options_.rotation_walk) * held.seconds);
+  matrix_.topLeftCorner<3, 3>().diagonal().array() += move_weight;
+  gradient_.head<3>() += move_weight * (state_.position(frame_, 0) - state_.position(other, 0));
   for (int j = 0; j < state_.joints(); ++j) {
     const int c = column_[j];
     if (c < 0) continue;
-    const Vector3d turn = LogMatrix(state_.local(frame_ - 1, j).transpose() * state_.local(frame_, j));
+    const Vector3d turn = LogMatrix(state_.local(other, j).transpose() * state_.local(frame_, j));
     const Matrix3d after = RightJacobianInverse(turn) * state_.right_jacobian(frame_, j);
-    matrix_.block<3, 3>(c, c).noalias() += turn_weight_ * after.transpose() * after;
-    gradient_.segment<3>(c).noalias() += turn_weight_ * after.transpose() * turn;
+    matrix_.block<3, 3>(c, c).noalias() += turn_weight * after.transpose() * after;
+    gradient_.segment<3>(c).noalias() += turn_weight * after.transpose() * turn;
   }
 }
 
@@ -164,9 +175,10 @@ void CloudEquations::Linearise() {
   matrix_ = Eigen::MatrixXd::Zero(size_, size_);
   gradient_ = Eigen::VectorXd::Zero(size_);
   SumPoints();
+  SumJoints();
   AddPoints();
   AddPriors();
-  if (turn_weight_ > 0.0) AddStep();
+  for (const HeldFrame& held : terms_.held) AddStep(held);
 }
 
 Eigen::VectorXd CloudEquations::Parameters() const {

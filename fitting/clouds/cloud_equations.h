@@ -1,20 +1,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
-#include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/frame_terms.h"
 #include "fitting/options.h"
 #include "fitting/solver/body_information.h"
 
 namespace mocurate {
 
-/// Weight of a point, 1/m: `sigma` (m) is the spread of distances, and points share the error of the body with their
-/// neighbours, so that a patch of them counts as one observation.
-double PointWeight(double sigma, double voxel_size);
-/// Whitened distance beyond which a point counts linearly.
-double PointHuber(const PointCloudOptions& options);
+/// Points share the error of the body with their neighbours, so that a patch of them counts as one observation: the
+/// square root of a point's share in its patch, for a cloud of one point per voxel.
+double PatchShare(double voxel_size);
 /// Radians beyond a joint limit, in clouds.
 inline constexpr double kCloudLimitSpread = 0.1;
 
@@ -23,10 +20,7 @@ inline constexpr double kCloudLimitSpread = 0.1;
 /// vector of each active joint (3), root first.
 class CloudEquations {
  public:
-  /// `since_previous_s`: seconds since frame - 1, which is held and joins through the walks. `weight` of PointWeight.
-  CloudEquations(const FleshBody& body, PoseState& state, int frame, const FusedCloud& cloud,
-                 const std::vector<CloudMatch>& matches, double weight, std::optional<double> since_previous_s,
-                 const PointCloudOptions& options);
+  CloudEquations(const FleshBody& body, PoseState& state, FrameTerms terms, const PointCloudOptions& options);
 
   /// 1/2 sum of rho(r^2). The state's kinematics must be up to date.
   double Cost() const;
@@ -34,6 +28,7 @@ class CloudEquations {
   void Linearise();
   const Eigen::MatrixXd& matrix() const { return matrix_; }  ///< upper triangle
   const Eigen::VectorXd& gradient() const { return gradient_; }
+  int column(int joint) const { return column_[joint]; }  ///< first unknown of a joint's rotation; -1: not active
 
   Eigen::VectorXd Parameters() const;
   /// Writes them and updates the kinematics with derivatives.
@@ -43,20 +38,17 @@ class CloudEquations {
   using Twist = Eigen::Matrix<double, 6, 3>;
 
   void SumPoints();
+  void SumJoints();
   void AddPoints();
   void AddPriors();
-  void AddStep();
+  void AddStep(const HeldFrame& held);
 
   const FleshBody& body_;
   PoseState& state_;
+  const FrameTerms terms_;
   const int frame_;
-  const FusedCloud& cloud_;
-  const std::vector<CloudMatch>& matches_;
-  const double weight_;
-  const double huber_;
+  const PointCloudOptions& options_;
   const std::vector<double> rest_spreads_;
-  double turn_weight_ = 0.0;  ///< squared, of the walk from the frame before; 0 where there is none
-  double move_weight_ = 0.0;
   int size_ = 3;
   std::vector<int> column_;  ///< first unknown of a joint's rotation; -1: not active
   std::vector<BodyInformation> subtree_;

@@ -1,56 +1,81 @@
 #include "fitting/clouds/cloud_problem.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "fitting/clouds/capsule_distance_cost.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/costs/joint_limit_cost.h"
+#include "fitting/costs/joint_position_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
 
 namespace mocurate {
-CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const CloudFrames& frames, double sigma,
+namespace {
+
+int FirstOf(const FrameTerms& terms) {
+  int first = terms.frame;
+  for (const HeldFrame& held : terms.held) first = std::min(first, terms.frame + held.step);
+  return first;
+}
+
+int LastOf(const FrameTerms& terms) {
+  int last = terms.frame;
+  for (const HeldFrame& held : terms.held) last = std::max(last, terms.frame + held.step);
+  return last;
+}
+
+}  // namespace
+
+CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const FrameTerms& terms,
                            const PointCloudOptions& options)
     : body_(body),
       state_(state),
-      frames_(frames),
-      options_(options),
-      weight_(PointWeight(sigma, options.voxel_size)),
-      rest_spreads_(RestSpreads(*body.skeleton, options.rest_spread)),
-      update_(state, frames.since_previous_s ? frames.begin - 1 : frames.begin, frames.end),
-      loss_(PointHuber(options)),
-      problem_(PoseProblemOptions(update_)) {}
-
-void CloudProblem::AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches) {
-  for (const CloudMatch& match : matches) {
-    auto* cost =
-        new CapsuleDistanceCost(state_, frame, body_.capsules[match.capsule], cloud.points.col(match.point), weight_);
-    problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
+      frame_(terms.frame),
+      update_(state, FirstOf(terms), LastOf(terms) + 1),
+      point_loss_(terms.huber),
+      joint_loss_(options.huber_sigmas),
+      problem_(PoseProblemOptions(update_)) {
+  for (const CloudMatch& match : terms.matches) {
+    auto* cost = new CapsuleDistanceCost(state_, frame_, body_.capsules[match.capsule],
+                                         terms.cloud.points.col(match.point), terms.weight);
+    problem_.AddResidualBlock(cost, &point_loss_, cost->Blocks(state_));
   }
+  for (const SeenJoint& seen : terms.joints) {
+    auto* cost = new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.weight, false);
+    problem_.AddResidualBlock(cost, &joint_loss_, cost->Blocks(state_));
+  }
+  AddPriors(options);
+  for (const HeldFrame& held : terms.held) AddStep(held, options);
+}
+
+void CloudProblem::AddPriors(const PointCloudOptions& options) {
+  const std::vector<double> rest_spreads = RestSpreads(*body_.skeleton, options.rest_spread);
   for (int j = 1; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    problem_.AddResidualBlock(new RestPriorCost(rest_spreads_[j]), nullptr, state_.rotation(frame, j));
+    problem_.AddResidualBlock(new RestPriorCost(rest_spreads[j]), nullptr, state_.rotation(frame_, j));
     const auto& limits = body_.skeleton->joints[j].limits;
     if (!limits) continue;
-    problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSpread), nullptr, state_.rotation(frame, j));
+    problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSpread), nullptr, state_.rotation(frame_, j));
   }
 }
 
-void CloudProblem::AddStep() {
-  const int previous = frames_.begin - 1;
-  const double root_of_time = std::sqrt(frames_.since_previous_s.value_or(0.0));
-  const double turn_weight = 1.0 / (options_.rotation_walk * root_of_time);
+void CloudProblem::AddStep(const HeldFrame& held, const PointCloudOptions& options) {
+  const int other = frame_ + held.step;
+  const int first = std::min(frame_, other);
+  const double root_of_time = std::sqrt(held.seconds);
+  const double turn_weight = 1.0 / (options.rotation_walk * root_of_time);
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    problem_.AddResidualBlock(new RotationSmoothnessCost(state_, previous, j, turn_weight), nullptr,
-                              state_.rotation(previous, j), state_.rotation(previous + 1, j));
-    problem_.SetParameterBlockConstant(state_.rotation(previous, j));
+    problem_.AddResidualBlock(new RotationSmoothnessCost(state_, first, j, turn_weight), nullptr,
+                              state_.rotation(first, j), state_.rotation(first + 1, j));
+    problem_.SetParameterBlockConstant(state_.rotation(other, j));
   }
-  const double move_weight = 1.0 / (options_.velocity_walk * root_of_time);
-  auto* cost = new JointVelocityCost(state_, previous, 0, move_weight, false);
+  const double move_weight = 1.0 / (options.velocity_walk * root_of_time);
+  auto* cost = new JointVelocityCost(state_, first, 0, move_weight, false);
   problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
-  problem_.SetParameterBlockConstant(state_.translation(previous));
+  problem_.SetParameterBlockConstant(state_.translation(other));
 }
 
 }  // namespace mocurate

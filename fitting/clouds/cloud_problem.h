@@ -4,44 +4,29 @@
 #include <ceres/problem.h>
 
 #include <optional>
-#include <vector>
-
-#include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/frame_terms.h"
 #include "fitting/options.h"
 #include "fitting/solver/pose_update.h"
 
 namespace mocurate {
 
-/// Frames [begin, end) of a state that are solved together.
-struct CloudFrames {
-  int begin = 0;
-  int end = 0;
-  /// Seconds since frame begin - 1, which then is held and joins through the walks of the options.
-  std::optional<double> since_previous_s;
-};
-
-/// The costs of matched points over the memory of a PoseState. Weights: points share the error of the body with their
-/// neighbours, so that a patch of them counts as one observation of `sigma` metres.
+/// The costs of one frame of matched points over the memory of a PoseState: those of CloudEquations.
 class CloudProblem {
  public:
-  CloudProblem(const FleshBody& body, PoseState& state, const CloudFrames& frames, double sigma,
-               const PointCloudOptions& options);
-
-  void AddFrame(int frame, const FusedCloud& cloud, const std::vector<CloudMatch>& matches);
-  /// Joins the first frame to the one before it, which is held.
-  void AddStep();
+  CloudProblem(const FleshBody& body, PoseState& state, const FrameTerms& terms, const PointCloudOptions& options);
 
   ceres::Problem& problem() { return problem_; }
 
  private:
+  void AddPriors(const PointCloudOptions& options);
+  void AddStep(const HeldFrame& held, const PointCloudOptions& options);
+
   const FleshBody& body_;
   PoseState& state_;
-  CloudFrames frames_;
-  const PointCloudOptions& options_;
-  double weight_;
-  std::vector<double> rest_spreads_;
+  const int frame_;
   PoseUpdate update_;
-  ceres::HuberLoss loss_;
+  ceres::HuberLoss point_loss_;
+  ceres::HuberLoss joint_loss_;
   ceres::Problem problem_;
 };
 

@@ -1,14 +1,58 @@
 #include "fitting/clouds/cloud_proportions.h"
 
+#include <array>
 #include <iterator>
+#include <limits>
 #include <utility>
 
+#include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/cloud_tracking.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kFrames = 9;  ///< of each clip, evenly spread
+constexpr int kFrames = 9;             ///< of each clip, evenly spread
+constexpr std::size_t kFewClouds = 3;  ///< people may squat or raise an arm in so many
+constexpr std::array<double, 7> kFactors = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};  ///< on the scale from the height
+constexpr std::array<double, 3> kUsual = {0.87, 0.95, 1.03};                           ///< scales of grown people
+
+/// What the best poses of a body of some scale cost in all clouds.
+Expected<double> CostOfScale(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double scale,
+                             const PointCloudOptions& options) {
+  const FleshBody body = FleshBody::Make(skeleton, scale, options.capsule_radius_scale);
+  std::vector<double> lengths = skeleton->RestBoneLengths();
+  for (double& length : lengths) length *= scale;
+  double cost = 0.0;
+  for (const FusedCloud& cloud : clouds) {
+    if (cloud.size() == 0) continue;
+    PoseState state(*skeleton, 1, lengths, body.MovingJoints());
+    const auto start = FindStart(body, cloud, 0, options, state);
+    if (!start) return Forward(start);
+    cost += start->cost;
+  }
+  return cost;
+}
+
+/// The scale whose body fits a few clouds best: the height does not tell it when people do not stand upright, or are
+/// seen in part.
+Expected<double> BestScale(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double from_height,
+                           const PointCloudOptions& options) {
+  std::vector<double> scales;
+  for (const double factor : kFactors) scales.push_back(factor * from_height);
+  for (const double usual : kUsual) {
+    if (usual > scales.back()) scales.push_back(usual);
+  }
+  double best = from_height;
+  double least = std::numeric_limits<double>::max();
+  for (const double scale : scales) {
+    const Expected<double> cost = CostOfScale(skeleton, clouds, scale, options);
+    if (!cost) return Forward(cost);
+    if (*cost >= least) continue;
+    least = *cost;
+    best = scale;
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -20,7 +64,12 @@ Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& cli
     if (!of_clip) return Forward(of_clip);
     clouds.insert(clouds.end(), std::make_move_iterator(of_clip->begin()), std::make_move_iterator(of_clip->end()));
   }
-  const double scale = ScaleFromHeight(skeleton, clouds, options.voxel_size);
+  double scale = ScaleFromHeight(skeleton, clouds, options.voxel_size);
+  if (!clouds.empty() && clouds.size() <= kFewClouds) {
+    const Expected<double> best = BestScale(skeleton, clouds, scale, options);
+    if (!best) return Forward(best);
+    scale = *best;
+  }
   std::vector<double> lengths = skeleton->RestBoneLengths();
   for (double& length : lengths) length *= scale;
   return lengths;

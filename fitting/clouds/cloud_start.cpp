@@ -4,19 +4,49 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace mocurate {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kHeadings = 8;                                   ///< tried, evenly around
-constexpr std::array<double, 3> kArmsDown = {1.3, 0.2, -1.0};  ///< rad from the T-pose
-constexpr int kCoarsePoints = 500;
-constexpr int kCoarseIterations = 12;
+constexpr int kHeadings = 8;                                               ///< tried, evenly around
+constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< rad, where the facing is known
+constexpr double kFacingError = 1.4;  ///< rad; a pose that faces another way is none
+constexpr double kTaller = 1.35;      ///< a stance against the points
 constexpr double kWidening = 2.0;
-constexpr int kFinalists = 4;
-constexpr double kSameHeading = 0.6;  ///< rad; finalists face further apart
+constexpr std::size_t kFinalists = 6;
+constexpr double kSameHeading = 0.6;   ///< rad; finalists face further apart, or have other legs
+constexpr double kOtherHeading = 1.6;  ///< rad; facing another way
+
+/// Rounds of the search: points and matchings per start, and the share of starts that goes on.
+struct Round {
+  int points;
+  int matchings;
+  double kept;
+};
+constexpr std::array<Round, 2> kRounds = {{{300, 6, 0.4}, {600, 15, 1.0}}};
+
+enum class Legs { kStanding, kLeftStep, kRightStep, kSquatting, kSeated };
+enum class Arms { kDown, kOut, kUp, kForward };
+
+struct Stance {
+  Legs legs;
+  Arms arms;
+};
+constexpr std::array<Stance, 12> kStances = {{{Legs::kStanding, Arms::kDown},
+                                              {Legs::kStanding, Arms::kOut},
+                                              {Legs::kStanding, Arms::kUp},
+                                              {Legs::kStanding, Arms::kForward},
+                                              {Legs::kLeftStep, Arms::kDown},
+                                              {Legs::kRightStep, Arms::kDown},
+                                              {Legs::kSquatting, Arms::kDown},
+                                              {Legs::kSquatting, Arms::kForward},
+                                              {Legs::kSeated, Arms::kDown},
+                                              {Legs::kSeated, Arms::kForward},
+                                              {Legs::kSeated, Arms::kOut},
+                                              {Legs::kSeated, Arms::kUp}}};
 
 /// Every n-th point, so that about `count` are left.
 FusedCloud Coarse(const FusedCloud& cloud, int count) {
@@ -30,27 +60,76 @@ FusedCloud Coarse(const FusedCloud& cloud, int count) {
   return coarse;
 }
 
-/// Upright, facing `heading` about y, arms lowered; amid the points.
-void StartPose(const FleshBody& body, const FusedCloud& cloud, int frame, double heading, double arms_down,
+/// The joint below one that has a single child; -1 for others.
+int Below(const std::vector<std::vector<int>>& children, int joint) {
+  return children[joint].size() == 1 ? children[joint][0] : -1;
+}
+
+void BendLegs(const Skeleton& skeleton, Legs legs, int frame, PoseState& state) {
+  const auto hips = skeleton.Hips();
+  if (!hips || legs == Legs::kStanding) return;
+  const auto children = skeleton.Children();
+  for (const int side : {0, 1}) {
+    const bool ahead = (legs == Legs::kLeftStep) == (side == 0);
+    const double hip = legs == Legs::kSeated ? -1.45 : legs == Legs::kSquatting ? -1.2 : ahead ? -0.4 : 0.3;
+    const double knee = legs == Legs::kSeated ? 1.4 : legs == Legs::kSquatting ? 1.6 : 0.3;
+    const int lower = Below(children, (*hips)[side]);
+    if (lower < 0) continue;
+    state.rotation(frame, (*hips)[side])[0] = hip;
+    if (state.active(lower)) state.rotation(frame, lower)[0] = knee;
+  }
+}
+
+void SwingArms(const Skeleton& skeleton, Arms arms, int frame, PoseState& state) {
+  const auto shoulders = skeleton.Shoulders();
+  if (!shoulders) return;
+  for (const int side : {0, 1}) {
+    double* turn = state.rotation(frame, (*shoulders)[side]);
+    const double sign = side == 0 ? -1.0 : 1.0;
+    if (arms == Arms::kForward) {
+      turn[1] = 1.2 * sign;
+    } else {
+      turn[2] = sign * (arms == Arms::kDown ? 1.3 : arms == Arms::kOut ? 0.2 : -1.0);
+    }
+  }
+}
+
+/// Mean place of a posed body's surface, about.
+Vector3d MiddleOf(const FleshBody& body, const PoseState& state, int frame) {
+  Vector3d sum = Vector3d::Zero();
+  double area = 0.0;
+  for (const FleshCapsule& capsule : body.capsules) {
+    const CapsuleEnds ends = EndsOf(capsule, state, frame);
+    const double share = capsule.radius * ((ends.end - ends.begin).norm() + 2.0 * capsule.radius);
+    sum += 0.5 * share * (ends.begin + ends.end);
+    area += share;
+  }
+  return sum / area;
+}
+
+/// A stance that faces `heading` about y, amid the points.
+void StartPose(const FleshBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
                PoseState& state) {
   std::fill(state.translation(frame), state.rotation(frame, 0), 0.0);
   for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(frame, j)).setZero();
   state.rotation(frame, 0)[1] = heading;
-  if (const auto shoulders = body.skeleton->Shoulders()) {
-    state.rotation(frame, (*shoulders)[0])[2] = -arms_down;
-    state.rotation(frame, (*shoulders)[1])[2] = arms_down;
-  }
+  BendLegs(*body.skeleton, stance.legs, frame, state);
+  SwingArms(*body.skeleton, stance.arms, frame, state);
   state.Update(frame, frame + 1, false);
   const HeightSpan of_body = HeightOf(body, state, frame);
   const HeightSpan of_cloud = HeightOf(cloud.points);
-  const Vector3d centre = cloud.points.rowwise().mean();
-  const double up = 0.5 * (of_cloud.low + of_cloud.high - of_body.low - of_body.high);
-  Eigen::Map<Vector3d>(state.translation(frame)) = Vector3d(centre.x(), up, centre.z());
+  const Vector3d across = cloud.points.rowwise().mean() - MiddleOf(body, state, frame);
+  // Of a body that cannot be all there, the upper part is seen.
+  const double up = of_body.height() > kTaller * of_cloud.height()
+                        ? of_cloud.high - of_body.high
+                        : 0.5 * (of_cloud.low + of_cloud.high - of_body.low - of_body.high);
+  Eigen::Map<Vector3d>(state.translation(frame)) = Vector3d(across.x(), up, across.z());
 }
 
 struct Candidate {
   double cost = 0.0;
   double heading = 0.0;
+  Legs legs = Legs::kStanding;
   std::vector<double> parameters;
 };
 
@@ -70,18 +149,47 @@ Status Refine(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fi
   return {};
 }
 
-/// The cheapest ones that face in different directions.
-std::vector<Candidate> Finalists(std::vector<Candidate> candidates) {
+double Between(double heading, double other) { return std::abs(std::remainder(heading - other, 2.0 * kPi)); }
+
+void SortByCost(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+}
+
+/// The cheapest ones that face in different directions or began with other legs.
+std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
   std::vector<Candidate> finalists;
-  for (Candidate& candidate : candidates) {
+  for (const Candidate& candidate : candidates) {
     const bool is_new = std::none_of(finalists.begin(), finalists.end(), [&](const Candidate& other) {
-      return std::abs(std::remainder(candidate.heading - other.heading, 2.0 * kPi)) < kSameHeading;
+      return candidate.legs == other.legs && Between(candidate.heading, other.heading) < kSameHeading;
     });
-    if (is_new && finalists.size() < kFinalists) finalists.push_back(std::move(candidate));
+    if (is_new && finalists.size() < kFinalists) finalists.push_back(candidate);
   }
   return finalists;
+}
+
+bool IsWanted(const Stance& stance, StartPosture posture) {
+  if (posture == StartPosture::kSeated) return stance.legs == Legs::kSeated;
+  if (posture == StartPosture::kStanding) return stance.legs != Legs::kSeated && stance.legs != Legs::kSquatting;
+  return true;
+}
+
+std::vector<Candidate> Starts(const FleshBody& body, const FusedCloud& cloud, int frame,
+                              const CloudStartOptions& options, PoseState& state) {
+  std::vector<double> headings;
+  for (int h = 0; !options.facing && h < kHeadings; ++h) headings.push_back(2.0 * kPi * h / kHeadings);
+  for (const double off : kAboutTheFacing) {
+    if (options.facing) headings.push_back(*options.facing + off);
+  }
+  std::vector<Candidate> starts;
+  for (const double heading : headings) {
+    for (const Stance& stance : kStances) {
+      if (!IsWanted(stance, options.posture)) continue;
+      StartPose(body, cloud, frame, heading, stance, state);
+      starts.push_back({0.0, heading, stance.legs, state.FrameParameters(frame)});
+    }
+  }
+  return starts;
 }
 
 }  // namespace
@@ -104,29 +212,36 @@ HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame) {
   return span;
 }
 
-Status FindStart(const FleshBody& body, const FusedCloud& cloud, int frame, const PointCloudOptions& options,
-                 PoseState& state) {
-  const FusedCloud coarse = Coarse(cloud, kCoarsePoints);
-  std::vector<Candidate> candidates;
-  for (int h = 0; h < kHeadings; ++h) {
-    for (const double arms_down : kArmsDown) {
-      StartPose(body, cloud, frame, 2.0 * kPi * h / kHeadings, arms_down, state);
-      candidates.emplace_back();
-      const FrameFit fit{frame, std::nullopt, kWidening, kCoarseIterations};
-      if (Status fitted = Refine(body, coarse, fit, options, state, candidates.back()); !fitted) return fitted;
+Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
+                               const PointCloudOptions& options, PoseState& state) {
+  std::vector<Candidate> candidates = Starts(body, cloud, frame, options.start, state);
+  const auto refine = [&](const FusedCloud& points, const FrameFit& fit) -> Status {
+    for (Candidate& candidate : candidates) {
+      state.SetFrameParameters(frame, candidate.parameters);
+      if (Status fitted = Refine(body, points, fit, options, state, candidate); !fitted) return fitted;
+      const bool faces_away = options.start.facing && Between(candidate.heading, *options.start.facing) > kFacingError;
+      if (faces_away) candidate.cost = std::numeric_limits<double>::max();
     }
+    SortByCost(candidates);
+    return {};
+  };
+  for (const Round& round : kRounds) {
+    const FrameFit fit{frame, {}, kWidening, round.matchings};
+    if (Status refined = refine(Coarse(cloud, round.points), fit); !refined) return Forward(refined);
+    candidates.resize(std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size()))));
   }
-  std::vector<Candidate> finalists = Finalists(std::move(candidates));
-  for (Candidate& finalist : finalists) {
-    state.SetFrameParameters(frame, finalist.parameters);
-    const FrameFit fit{frame, std::nullopt, 1.0, static_cast<int>(options.iterations)};
-    if (Status fitted = Refine(body, cloud, fit, options, state, finalist); !fitted) return fitted;
+  candidates = Finalists(candidates);
+  const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
+  if (Status refined = refine(cloud, fit); !refined) return Forward(refined);
+  CloudStart start{candidates.size(), candidates[0].cost, std::nullopt};
+  for (const Candidate& other : candidates) {
+    if (Between(other.heading, candidates[0].heading) < kOtherHeading) continue;
+    start.margin = (other.cost - candidates[0].cost) / candidates[0].cost;
+    break;
   }
-  const auto best = std::min_element(finalists.begin(), finalists.end(),
-                                     [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-  state.SetFrameParameters(frame, best->parameters);
+  state.SetFrameParameters(frame, candidates[0].parameters);
   state.Update(frame, frame + 1, false);
-  return {};
+  return start;
 }
 
 }  // namespace mocurate

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include "fitting/clouds/capsule_fit.h"
 
 namespace mocurate {
@@ -14,10 +17,20 @@ struct HeightSpan {
 HeightSpan HeightOf(const Eigen::Matrix3Xd& points);
 HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame);
 
-/// Leaves in the state the pose of a frame that nothing is known about but that the person is near upright: fitted from
-/// starts that face all around with arms in several places; the best few are fitted to all points, and the cheapest
+/// What the search for a first pose came to.
+struct CloudStart {
+  std::size_t finalists = 0;
+  double cost = 0.0;
+  /// By how much the cheapest pose that faces another way costs more, as a share of the cost; none: every start that
+  /// was good enough to be fitted to all points came to face about the same way.
+  std::optional<double> margin;
+};
+
+/// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances
+/// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the facing that is
+/// told. Starts are fitted to few points first; the best go on, the best few are fitted to all points, and the cheapest
 /// stays. Errors of FitCloudFrame.
-Status FindStart(const FleshBody& body, const FusedCloud& cloud, int frame, const PointCloudOptions& options,
-                 PoseState& state);
+Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
+                               const PointCloudOptions& options, PoseState& state);
 
 }  // namespace mocurate

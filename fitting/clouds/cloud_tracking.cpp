@@ -18,13 +18,15 @@ constexpr int kRadiusRounds = 4;
 constexpr int kFewestPoints = 100;
 constexpr double kSmallest = 0.4;  ///< of a person against the rest skeleton
 constexpr double kLargest = 1.5;
+constexpr double kPoor = 1.15;    ///< cost per point against the median of the clip: worth a second look
+constexpr double kBetter = 0.98;  ///< of the cost before; else the pose stays
 
 /// Radii and pose of a frame in turn.
 Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& track) {
   for (int round = 0; round < kRadiusRounds; ++round) {
     track.state.Update(frame, frame + 1, false);
     CalibrateRadii(track.clouds, track.state, frame, frame + 1, options.max_distance, track.body);
-    const FrameFit fit{frame, std::nullopt, 1.0, static_cast<int>(options.iterations)};
+    const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
     const auto fitted = FitCloudFrame(track.body, track.clouds[frame], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[frame] = *fitted;
@@ -71,7 +73,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     if (track.clouds[f].size() < kFewestPoints) continue;
     Predict(before, last, f, time_s, options.max_distance, track);
     // The frame held is the one before, which repeats `last` across a gap: only the time since then is another.
-    const FrameFit fit{f, time_s[f] - time_s[last], 1.0, static_cast<int>(options.iterations)};
+    const FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;
@@ -79,6 +81,41 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     last = f;
   }
   for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
+  return {};
+}
+
+/// Fits the frames that are explained worse than most once more, from where the frame after (step 1) or before (-1)
+/// stands, in the order that carries good poses on; the cheaper pose stays.
+Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+  const int frames = track.state.frames();
+  const auto is_fitted = [&](int f) { return f >= 0 && f < frames && track.outcomes[f].iterations > 0; };
+  std::vector<double> costs(frames, 0.0);
+  std::vector<double> known;
+  for (int f = 0; f < frames; ++f) {
+    if (!is_fitted(f)) continue;
+    track.state.Update(f, f + 1, false);
+    costs[f] = PoseCost(track.body, track.clouds[f], track.state, f, options) / track.clouds[f].size();
+    known.push_back(costs[f]);
+  }
+  if (known.size() < 3) return {};
+  const double median = Median(known);
+  for (int i = 0; i < frames; ++i) {
+    const int f = step > 0 ? frames - 1 - i : i;
+    if (!is_fitted(f) || !is_fitted(f + step) || costs[f] <= kPoor * median) continue;
+    const std::vector<double> kept = track.state.FrameParameters(f);
+    track.state.SetFrameParameters(f, track.state.FrameParameters(f + step));
+    const FrameFit fit{f, {{step, std::abs(time_s[f] - time_s[f + step])}}, 1.0, static_cast<int>(options.iterations)};
+    const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
+    if (!fitted) return Forward(fitted);
+    const double cost = PoseCost(track.body, track.clouds[f], track.state, f, options) / track.clouds[f].size();
+    if (cost < kBetter * costs[f]) {
+      costs[f] = cost;
+      track.outcomes[f] = *fitted;
+      continue;
+    }
+    track.state.SetFrameParameters(f, kept);
+    track.state.Update(f, f + 1, false);
+  }
   return {};
 }
 
@@ -138,12 +175,15 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   }
   FleshBody body = FleshBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
-  CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames)};
-  if (Status found = FindStart(track.body, track.clouds[first], first, options, track.state); !found) {
-    return Forward(found);
-  }
+  CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames), {}};
+  const auto start = FindStart(track.body, track.clouds[first], first, options, track.state);
+  if (!start) return Forward(start);
+  track.start = *start;
   if (Status measured = MeasureRadii(first, options, track); !measured) return Forward(measured);
   if (Status followed = Follow(first, time_s, options, track); !followed) return Forward(followed);
+  for (const int step : {1, -1}) {
+    if (Status looked = LookAgain(step, time_s, options, track); !looked) return Forward(looked);
+  }
   return track;
 }
 

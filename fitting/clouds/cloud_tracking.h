@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/motion/clip.h"
 #include "fitting/clouds/capsule_fit.h"
+#include "fitting/clouds/cloud_start.h"
 
 namespace mocurate {
 
@@ -14,6 +15,7 @@ struct CloudTrack {
   FleshBody body;                           ///< with the person's radii
   PoseState state;                          ///< all frames
   std::vector<CapsuleFitOutcome> outcomes;  ///< (F); iterations 0 where a frame has no points
+  CloudStart start;                         ///< of the first frame with points
 };
 
 /// Fuses all frames of a clip, or `frames` of them, evenly spread. Errors of FuseViews; kInconsistent without views or
@@ -25,7 +27,8 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
 /// to one point per voxel takes about half a voxel at either end, which is given back. 1 without points.
 double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size);
 
-/// Finds the first pose by trying several, measures the radii there, then follows frame after frame. Bones (J, metres)
+/// Finds the first pose by trying several, measures the radii there, then follows frame after frame; frames that are
+/// explained worse than most are fitted once more from the frames after and before them. Bones (J, metres)
 /// are held; `time_s` (F) increases. Error kInconsistent when no frame has points.
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
                                  const std::vector<double>& bone_length, const std::vector<double>& time_s,

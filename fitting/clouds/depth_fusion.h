@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/geometry/depth_image.h"
 #include "core/motion/clip.h"
 #include "fitting/options.h"
 
@@ -20,16 +21,26 @@ struct FusedCloud {
 
 /// Thinning and cleaning of a fused cloud.
 struct FusionOptions {
-  double voxel_size = 0.015;  ///< m
+  double voxel_size = 0.03;  ///< m
   CloudOutlierOptions outliers;
 };
 
-/// Every measured pixel of one view in the world, in the order of the pixels. Errors of ReadDepthImage; kInconsistent
-/// for an image of another size than its camera, or another content than when it was ingested (where a hash is given).
+/// The images of a frame, one per view: decoded, and without what lies outside the masks. Errors of ReadDepthImage;
+/// kInconsistent for an image of another size than its camera, or another content than when it was ingested (where a
+/// hash is given).
+Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views, int frame);
+
+/// Every measured pixel of one view in the world, in the order of the pixels. Errors of ReadFrame.
 Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame);
 
-/// Back-projects a frame of all views, keeps one point per voxel, drops statistical outliers and estimates normals.
-/// Same input, same points in the same order. Errors of BackProject. May be empty.
+/// Back-projects images of all views (as ReadFrame gives them), keeps one point per voxel and drops statistical
+/// outliers. A pixel that few of its neighbours lie near (flying pixels, stray ones) is none; normals are those of the
+/// planes through the neighbours. Same input, same points in the same order. May be empty. Error kInconsistent for
+/// voxels too small to be counted.
+Expected<FusedCloud> FuseImages(const std::vector<DepthView>& views, const std::vector<DepthImage>& images,
+                                const FusionOptions& options);
+
+/// FuseImages of a frame that is read first.
 Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, const FusionOptions& options);
 
 }  // namespace mocurate

@@ -8,13 +8,16 @@
 #include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/cloud_uncertainty.h"
+#include "fitting/clouds/uncertain_motion.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kObservingPoints = 10;   ///< of the capsules at a joint make it observed
-constexpr double kNotableRoom = 0.02;  ///< share of the points, worth a finding
+constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at a joint make it observed
+constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
+constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
 /// Points near each joint: those of the capsules that end at it or move with it.
 std::vector<int> PointsOfJoints(const FleshBody& body, const std::vector<CloudMatch>& matches) {
@@ -28,27 +31,36 @@ std::vector<int> PointsOfJoints(const FleshBody& body, const std::vector<CloudMa
 }
 
 /// Residuals and joint states in one pass over all frames.
-void Measure(const CloudTrack& track, double max_distance, FitResult& result) {
+void Measure(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
   std::vector<double> residuals;
-  double square = 0.0;
+  const double area = options.voxel_size * options.voxel_size;
   for (int f = 0; f < track.state.frames(); ++f) {
     const bool is_fitted = track.outcomes[f].iterations > 0;
     std::vector<CloudMatch> matches;
-    if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], max_distance);
+    if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
     for (const int points : PointsOfJoints(track.body, matches)) {
-      result.motion.state.push_back(points >= kObservingPoints ? JointState::kObserved : JointState::kInferred);
+      result.motion.state.push_back(points * area >= kObservingArea ? JointState::kObserved : JointState::kInferred);
     }
-    for (const CloudMatch& match : matches) {
-      residuals.push_back(std::abs(match.distance));
-      square += match.distance * match.distance;
-    }
+    for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
   }
-  if (residuals.empty()) return;
-  result.residual_rms = std::sqrt(square / static_cast<double>(residuals.size()));
-  result.noise_sigma = RobustSigma(residuals);
-  const auto place = residuals.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(residuals.size() - 1));
-  std::nth_element(residuals.begin(), place, residuals.end());
-  result.residual_p95 = *place;
+  SetResiduals(std::move(residuals), result);
+}
+
+Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
+  const Motion& motion = result.motion;
+  UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
+  const std::vector<double> body_error = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    if (track.outcomes[f].iterations == 0) continue;
+    FrameFit fit;
+    fit.frame = f;
+    const auto uncertainty =
+        UncertaintyOfFrame(track.body, track.clouds[f], fit, track.outcomes[f].sigma, track.state, options);
+    if (!uncertainty) return Forward(uncertainty);
+    uncertain.Set(f, *uncertainty, body_error);
+  }
+  uncertain.Write(result.motion);
+  return {};
 }
 
 void ReportFramesWithoutPoints(const CloudTrack& track, FitResult& result) {
@@ -95,20 +107,41 @@ void ReportPointsOffTheBody(const CloudTrack& track, double max_distance, FitRes
   report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body", "flagged");
 }
 
+/// A body of capsules looks much the same from the front and from the back.
+void ReportDoubt(const CloudTrack& track, FitResult& result) {
+  if (!track.start.margin || *track.start.margin > kSureMargin) return;
+  Finding finding;
+  finding.code = "facing_in_doubt";
+  finding.value = *track.start.margin;
+  finding.message = "a first pose that faces another way explains the points almost as well: its cost is " +
+                    std::to_string(std::lround(100.0 * *track.start.margin)) + " % higher";
+  finding.action = "the cheaper one kept; tell fitting.point_clouds.start.facing where it is known";
+  result.findings.push_back(finding);
+}
+
 }  // namespace
 
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
                               const PointCloudOptions& options) {
   Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options);
   if (!clouds) return Forward(clouds);
-  const auto track =
-      TrackClouds(std::move(*clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
-                  clip.evidence.depth_views[0].time_s, options);
+  return FitFusedClouds(std::move(*clouds), {clip.rate, clip.evidence.depth_views[0].time_s}, skeleton, bone_length,
+                        options);
+}
+
+Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock, const SkeletonPtr& skeleton,
+                                   const std::vector<double>& bone_length, const PointCloudOptions& options) {
+  auto track = TrackClouds(std::move(clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
+                           clock.time_s, options);
   if (!track) return Forward(track);
   FitResult result;
-  result.motion = MotionOf(track->state, track->body.skeleton, clip.rate);
+  result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
-  Measure(*track, options.max_distance, result);
+  Measure(*track, options, result);
+  if (options.uncertainty) {
+    if (Status added = AddUncertainty(*track, options, result); !added) return Forward(added);
+  }
+  ReportDoubt(*track, result);
   ReportFramesWithoutPoints(*track, result);
   ReportPointsOffTheBody(*track, options.max_distance, result);
   int unsettled = 0;

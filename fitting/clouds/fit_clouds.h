@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/motion/clip.h"
+#include "fitting/clouds/depth_fusion.h"
 #include "fitting/fit_result.h"
 #include "fitting/options.h"
 
@@ -15,5 +16,15 @@ namespace mocurate {
 /// Errors: kInconsistent without depth views or with views of unequal length; kUnreadable, kMalformed for images.
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
                               const PointCloudOptions& options);
+
+/// When the clouds of a clip were seen.
+struct CloudClock {
+  FrameRate rate;
+  std::vector<double> time_s;  ///< (F) increasing
+};
+
+/// FitClouds of clouds that are fused already, one per frame, freed of what is not of the person.
+Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock, const SkeletonPtr& skeleton,
+                                   const std::vector<double>& bone_length, const PointCloudOptions& options);
 
 }  // namespace mocurate

@@ -3,8 +3,6 @@
 #include <ceres/crs_matrix.h>
 #include <gtest/gtest.h>
 
-#include <optional>
-
 #include "core/base/random.h"
 #include "core/motion/skeleton.h"
 #include "fitting/clouds/cloud_problem.h"
@@ -13,15 +11,15 @@
 namespace mocurate {
 namespace {
 
-/// A body in two frames, and points about its surface in the second, some of them far off.
+/// A body in three frames, and points about its surface in the second, some of them far off.
 class Cloud : public testing::Test {
  protected:
   Cloud()
       : skeleton_(*LoadSkeleton("smpl24")),
         body_(FleshBody::Make(skeleton_, 1.0, 1.0)),
-        state_(*skeleton_, 2, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
+        state_(*skeleton_, 3, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
     Random random(8, "cloud");
-    for (int f = 0; f < 2; ++f) {
+    for (int f = 0; f < 3; ++f) {
       Eigen::Map<Vector3d>(state_.translation(f)) = Vector3d(0.1, 0.9, -0.2 + 0.02 * f);
       for (int j = 0; j < state_.joints(); ++j) {
         if (!state_.active(j)) continue;
@@ -29,7 +27,7 @@ class Cloud : public testing::Test {
       }
     }
     Eigen::Map<Vector3d>(state_.rotation(1, 4)) = Vector3d(-0.6, 1.0, 0.1);  // beyond the knee's limits
-    state_.Update(0, 2, true);
+    state_.Update(0, 3, true);
     cloud_ = {Eigen::Matrix3Xd(3, 600), Eigen::Matrix3Xd(3, 600), 0};
     for (int i = 0; i < 600; ++i) {
       const FleshCapsule& capsule = body_.capsules[static_cast<std::size_t>(i) % body_.capsules.size()];
@@ -42,16 +40,14 @@ class Cloud : public testing::Test {
     matches_ = MatchPoints(body_, state_, 1, cloud_, 0.1);
   }
 
-  CloudEquations Equations(std::optional<double> since) {
-    return CloudEquations(body_, state_, 1, cloud_, matches_, PointWeight(kSigma, options_.voxel_size), since,
-                          options_);
+  FrameTerms Terms(const std::vector<HeldFrame>& held, const std::vector<SeenJoint>& joints = {}) {
+    const double share = PatchShare(options_.voxel_size);
+    return {1, cloud_, matches_, share / kSigma, share * options_.huber_sigmas, held, joints};
   }
 
   /// Cost, gradient and J'J of the Ceres problem.
-  void ExpectSameAsCeres(std::optional<double> since) {
-    CloudProblem problem(body_, state_, {1, 2, since}, kSigma, options_);
-    problem.AddFrame(1, cloud_, matches_);
-    if (since) problem.AddStep();
+  void ExpectSameAsCeres(const FrameTerms& terms) {
+    CloudProblem problem(body_, state_, terms, options_);
     ceres::Problem::EvaluateOptions evaluate;
     evaluate.parameter_blocks.push_back(state_.translation(1));
     for (int j = 0; j < state_.joints(); ++j) {
@@ -66,7 +62,7 @@ class Cloud : public testing::Test {
       for (int i = jacobian.rows[r]; i < jacobian.rows[r + 1]; ++i) rows(r, jacobian.cols[i]) = jacobian.values[i];
     }
     const Eigen::MatrixXd square = (rows.transpose() * rows).triangularView<Eigen::Upper>();
-    CloudEquations equations = Equations(since);
+    CloudEquations equations(body_, state_, terms, options_);
     equations.SetParameters(equations.Parameters());
     EXPECT_NEAR(equations.Cost(), cost, 1e-9 * cost);
     equations.Linearise();
@@ -85,22 +81,33 @@ class Cloud : public testing::Test {
   PointCloudOptions options_;
 };
 
-TEST_F(Cloud, EquationsOfAFrameAreThoseOfTheCeresProblem) { ExpectSameAsCeres(std::nullopt); }
+TEST_F(Cloud, EquationsOfAFrameAreThoseOfTheCeresProblem) { ExpectSameAsCeres(Terms({})); }
 
-TEST_F(Cloud, AndOfAFrameThatFollowsAnother) { ExpectSameAsCeres(1.0 / 30.0); }
+TEST_F(Cloud, AndOfAFrameThatFollowsAnother) { ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}})); }
+
+TEST_F(Cloud, AndOfAFrameBetweenTwoOthers) { ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}, {1, 0.1}})); }
+
+TEST_F(Cloud, AndOfAFrameWhoseJointsAreSeenToo) {
+  std::vector<SeenJoint> joints;
+  for (int j = 0; j < state_.joints(); ++j) {
+    joints.push_back({j, state_.position(1, j) + Vector3d(0.01 * j, 0.02, -0.01), 40.0 + j});
+  }
+  ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}}, joints));
+}
 
 TEST_F(Cloud, HoldsPointsInTheLinearPartOfTheLossAndAKneeBeyondItsLimit) {
   int linear = 0;
+  const FrameTerms terms = Terms({});
   for (const CloudMatch& match : matches_) {
-    const double whitened = PointWeight(kSigma, options_.voxel_size) * match.distance;
-    linear += HuberSlope(whitened * whitened, PointHuber(options_)) < 1.0 ? 1 : 0;
+    const double whitened = terms.weight * match.distance;
+    linear += HuberSlope(whitened * whitened, terms.huber) < 1.0 ? 1 : 0;
   }
   EXPECT_GT(linear, 10);
   EXPECT_LT(linear, 400);
 }
 
 TEST_F(Cloud, ASolveLowersTheCostToWhereTheGradientVanishes) {
-  CloudEquations equations = Equations(1.0);
+  CloudEquations equations(body_, state_, Terms({{-1, 1.0}}), options_);
   const auto solution = SolveCloudEquations(equations, 100, 1e-14);
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(solution->final_cost, 0.9 * solution->initial_cost);

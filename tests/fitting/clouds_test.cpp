@@ -152,6 +152,59 @@ TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
   EXPECT_EQ(fit->motion.state.back(), JointState::kInferred);
 }
 
+TEST(CloudFit, PointsFarBehindThePersonChangeNothing) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const auto clip = RenderClip(Standing(skeleton, 1), Folder("junk"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  const auto clean = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  int measured = 0, junk = 0;
+  for (const DepthView& view : clip->evidence.depth_views) {
+    auto image = ReadDepthImage(view.files[0]);
+    ASSERT_TRUE(image);
+    for (std::size_t i = 0; i < image->values.size(); ++i) {
+      if (image->values[i] == 0 || ++measured % 50 != 0) continue;
+      image->values[i] = 60000;
+      ++junk;
+    }
+    ASSERT_TRUE(WriteDepthImage(*image, view.files[0]));
+  }
+  ASSERT_GT(junk, 100);
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  ASSERT_TRUE(clean && fit);
+  EXPECT_LT(MeanJointError(fit->motion.joints, clean->motion.joints), 0.003);
+}
+
+TEST(CloudFit, ABodyOfAnotherSizeIsDoubtedWithANumber) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const auto clip = RenderClip(Standing(skeleton, 1), Folder("other_size"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  std::vector<double> bones = skeleton->RestBoneLengths();
+  for (double& bone : bones) bone *= 0.5;
+  const auto fit = FitClouds(*clip, skeleton, bones, PointCloudOptions());
+  ASSERT_TRUE(fit) << fit.error().Message();
+  const auto far = std::find_if(fit->findings.begin(), fit->findings.end(),
+                                [](const Finding& finding) { return finding.code == "points_off_the_body"; });
+  ASSERT_NE(far, fit->findings.end());
+  EXPECT_GT(far->value, 0.1);
+}
+
+TEST(CloudFit, ImagesWithoutAPersonAreRefused) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const auto clip = RenderClip(Standing(skeleton, 2), Folder("nobody"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  for (const DepthView& view : clip->evidence.depth_views) {
+    DepthImage nothing{view.camera.width, view.camera.height, {}};
+    nothing.values.resize(static_cast<std::size_t>(nothing.width) * nothing.height, 0);
+    for (const auto& file : view.files) ASSERT_TRUE(WriteDepthImage(nothing, file));
+  }
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  ASSERT_FALSE(fit);
+  EXPECT_THAT(fit.error().Message(), HasSubstr("no frame has 100 points"));
+}
+
 class Fusion : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -1,0 +1,68 @@
+#include "fitting/clouds/cloud_uncertainty.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <string>
+
+#include "fitting/clouds/cloud_equations.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kUnknownAngle = 3.2898681336964528;  ///< pi^2 / 3: variance of an angle of which nothing is known
+
+/// dp = translation + sum over the joint's path of P_a dw_a.
+Matrix3d PositionCovariance(const CloudEquations& equations, const PoseState& state, int frame, int joint,
+                            const Eigen::MatrixXd& covariance) {
+  std::vector<int> columns{0};
+  std::vector<Matrix3d> derivatives{Matrix3d::Identity()};
+  for (const int a : state.path(joint)) {
+    columns.push_back(equations.column(a));
+    derivatives.emplace_back(Hat(state.position(frame, a) - state.position(frame, joint)) * state.lever(frame, a));
+  }
+  Matrix3d sum = Matrix3d::Zero();
+  for (std::size_t b = 0; b < columns.size(); ++b) {
+    Matrix3d left = Matrix3d::Zero();
+    for (std::size_t a = 0; a < columns.size(); ++a) {
+      left.noalias() += derivatives[a] * covariance.block<3, 3>(columns[a], columns[b]);
+    }
+    sum.noalias() += left * derivatives[b].transpose();
+  }
+  return sum;
+}
+
+}  // namespace
+
+Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                              double sigma, PoseState& state, const PointCloudOptions& options) {
+  const std::vector<CloudMatch> matches = MatchPoints(body, state, fit.frame, cloud, options.max_distance);
+  const double share = fit.trust * PatchShare(options.voxel_size);
+  CloudEquations equations(
+      body, state, {fit.frame, cloud, matches, share / sigma, share * options.huber_sigmas, fit.held, fit.joints},
+      options);
+  equations.SetParameters(equations.Parameters());
+  equations.Linearise();
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
+  if (factor.info() != Eigen::Success) {
+    return Fail(ErrorCode::kInternal, "the information of the pose cannot be factored",
+                "frame " + std::to_string(fit.frame));
+  }
+  const auto size = equations.matrix().rows();
+  const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));
+  const std::vector<double> rest = RestSpreads(*body.skeleton, options.rest_spread);
+  CloudUncertainty uncertainty;
+  for (int j = 0; j < state.joints(); ++j) {
+    uncertainty.position.push_back(PositionCovariance(equations, state, fit.frame, j, covariance));
+    const double prior = j == 0 ? kUnknownAngle : std::min(rest[j] * rest[j], kUnknownAngle);
+    Vector3d variance = Vector3d::Constant(prior);
+    if (const int column = equations.column(j); column >= 0) {
+      const Matrix3d& jacobian = state.right_jacobian(fit.frame, j);
+      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
+    }
+    uncertainty.rotation.emplace_back(variance.cwiseMin(prior));
+    uncertainty.observed.emplace_back((1.0 - variance.array() / prior).cwiseMax(0.0));
+  }
+  return uncertainty;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "fitting/clouds/capsule_fit.h"
+
+namespace mocurate {
+
+/// How uncertain a frame's pose is.
+struct CloudUncertainty {
+  std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2
+  std::vector<Vector3d> rotation;  ///< (J) variance about the joint's own axes, rad^2
+  std::vector<Vector3d> observed;  ///< (J) 1 - posterior / prior variance of the rotation
+};
+
+/// From the inverse of the Gauss-Newton matrix of the frame's terms at the pose in the state, which is a minimum;
+/// points weighted with `sigma` (CapsuleFitOutcome). That the body is not the person's is not in it (BodyErrors). Needs
+/// Update.
+Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                              double sigma, PoseState& state, const PointCloudOptions& options);
+
+}  // namespace mocurate

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "fitting/clouds/cloud_match.h"
+
+namespace mocurate {
+
+/// A frame beside the one that is fitted. It is held, and joins through the walks of the options.
+struct HeldFrame {
+  int step = -1;         ///< -1: the frame before, 1: the frame after
+  double seconds = 0.0;  ///< between them
+};
+
+/// Where other evidence says that a joint lies. Robust as points are: beyond huber_sigmas / weight it pulls linearly.
+struct SeenJoint {
+  int joint = 0;
+  Vector3d position = Vector3d::Zero();  ///< world, metres
+  double weight = 0.0;                   ///< 1/m, per axis
+};
+
+/// What holds one frame of a state beside its priors.
+struct FrameTerms {
+  int frame = 0;
+  const FusedCloud& cloud;
+  const std::vector<CloudMatch>& matches;
+  double weight = 0.0;  ///< of a point's distance, 1/m
+  double huber = 0.0;   ///< whitened distance beyond which a point counts linearly
+  std::vector<HeldFrame> held = {};
+  std::vector<SeenJoint> joints = {};
+};
+
+}  // namespace mocurate

@@ -1,0 +1,158 @@
+#include "fitting/clouds/joint_cloud_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "fitting/clouds/cloud_uncertainty.h"
+#include "fitting/clouds/flesh_calibration.h"
+#include "fitting/clouds/uncertain_motion.h"
+#include "fitting/evidence/noise.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFewestPoints = 100;
+constexpr int kShownFrames = 24;      ///< that the flesh and the trust are read from, evenly spread
+constexpr double kLeastTrust = 0.02;  ///< of clouds that contradict the tracks
+constexpr double kFarShare = 0.5;     ///< of the points within reach of the body, or they are of somebody else
+/// Variance of joints over what the information of a frame says: bones and flesh come from the same noisy tracks, and
+/// their errors stay from frame to frame. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1).
+constexpr double kSharedErrors = 3.4;
+constexpr double kSmallestSpread = 1e-3;  ///< m
+
+Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
+  const float* c = values.data() + 6 * at;
+  Matrix3d covariance;
+  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return covariance;
+}
+
+PoseState StateOf(const Motion& motion, const FleshBody& body) {
+  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, body.MovingJoints());
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    Eigen::Map<Vector3d>(state.translation(f)) = motion.root_translation[static_cast<std::size_t>(f)];
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
+    }
+  }
+  state.Update(0, motion.frame_count(), false);
+  return state;
+}
+
+std::vector<SeenJoint> JointsOf(const Motion& motion, int frame) {
+  std::vector<SeenJoint> joints;
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    const std::size_t at = static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(j);
+    const double spread = std::max(kSmallestSpread, std::sqrt(CovarianceAt(motion.position_cov, at).trace() / 3.0));
+    joints.push_back({j, motion.joints.at(frame, j), 1.0 / spread});
+  }
+  return joints;
+}
+
+/// Evenly spread frames that have points.
+std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
+  std::vector<int> with_points;
+  for (std::size_t f = 0; f < clouds.size(); ++f) {
+    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
+  }
+  const auto available = static_cast<int>(with_points.size());
+  const int count = std::min(available, kShownFrames);
+  std::vector<int> shown;
+  for (int i = 0; i < count; ++i) shown.push_back(with_points[static_cast<std::size_t>(i * available / count)]);
+  return shown;
+}
+
+/// Factor on the weight of points that makes poses of the clouds alone as uncertain as they are wrong: the squared
+/// distance of their joints from the tracks', less the variance of the tracks, against the variance that they claim.
+Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedCloud>& clouds,
+                               const std::vector<int>& frames, const FleshBody& body, PoseState state,
+                               const PointCloudOptions& options) {
+  std::vector<double> apart, claimed, of_tracks;
+  for (const int f : frames) {
+    FrameFit fit;
+    fit.frame = f;
+    fit.iterations = static_cast<int>(options.iterations);
+    const auto fitted = FitCloudFrame(body, clouds[f], fit, state, options);
+    if (!fitted) return Forward(fitted);
+    const auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
+    if (!uncertainty) return Forward(uncertainty);
+    for (int j = 0; j < state.joints(); ++j) {
+      const std::size_t at = static_cast<std::size_t>(f) * state.joints() + static_cast<std::size_t>(j);
+      apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
+      claimed.push_back(uncertainty->position[j].trace());
+      of_tracks.push_back(CovarianceAt(motion.position_cov, at).trace());
+    }
+  }
+  if (apart.empty()) return 1.0;
+  const double real = std::max(Median(apart) - Median(of_tracks), 0.1 * Median(apart));
+  return std::clamp(std::sqrt(Median(claimed) / real), kLeastTrust, 1.0);
+}
+
+Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clouds, const std::vector<int>& frames,
+                        const FleshBody& body, const PoseState& state, const PointCloudOptions& options) {
+  double near = 0.0, all = 0.0;
+  for (const int f : frames) {
+    near += static_cast<double>(MatchPoints(body, state, f, clouds[f], options.max_distance).size());
+    all += clouds[f].size();
+  }
+  if (near >= kFarShare * all) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "only " + std::to_string(std::lround(100.0 * near / all)) +
+                  " % of the depth points lie near the body of the joint tracks",
+              motion.skeleton->name, "are tracks and depth views of one person, one clock and one world?");
+}
+
+}  // namespace
+
+Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
+                                       const PointCloudOptions& options) {
+  const Motion& motion = tracks.motion;
+  if (static_cast<int>(clouds.size()) != motion.frame_count()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(clouds.size()) + " frames of depth images, " + std::to_string(motion.frame_count()) +
+                    " of joint tracks",
+                "evidence", "fit one of them alone: fitting.method joint_tracks or point_clouds");
+  }
+  if (motion.position_cov.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks has no uncertainty", "evidence",
+                "set fitting.joint_tracks.uncertainty to true");
+  }
+  FleshBody body =
+      FleshBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
+  PoseState state = StateOf(motion, body);
+  const std::vector<int> shown = ShownFrames(clouds);
+  if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
+  CalibrateFlesh(clouds, state, shown, options.max_distance, body);
+  const auto trust = TrustInClouds(motion, clouds, shown, body, state, options);
+  if (!trust) return Forward(trust);
+
+  FitResult result = tracks;
+  UncertainMotion uncertain(motion);
+  std::vector<double> residuals;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    if (clouds[f].size() < kFewestPoints) continue;
+    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), JointsOf(motion, f), *trust};
+    const auto fitted = FitCloudFrame(body, clouds[f], fit, state, options);
+    if (!fitted) return Forward(fitted);
+    auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
+    if (!uncertainty) return Forward(uncertainty);
+    for (Matrix3d& covariance : uncertainty->position) covariance *= kSharedErrors;
+    uncertain.Narrow(f, *uncertainty);
+    for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
+      residuals.push_back(std::abs(match.distance));
+    }
+    result.iterations += fitted->iterations;
+    result.converged = result.converged && fitted->converged;
+  }
+  result.motion = MotionOf(state, motion.skeleton, motion.rate);
+  result.motion.state = motion.state;
+  uncertain.Write(result.motion);
+  SetResiduals(std::move(residuals), result);
+  result.capsule_radii = RadiiText(body);
+  result.cloud_trust = *trust;
+  return result;
+}
+
+}  // namespace mocurate

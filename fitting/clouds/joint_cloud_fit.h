@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "fitting/clouds/depth_fusion.h"
+#include "fitting/fit_result.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// Joint tracks and depth views of one clip in one problem per frame. `tracks` is the fit of the tracks alone, with its
+/// uncertainty: the pose starts there, and each of its joints is an observation with its own spread. The flesh is first
+/// fitted to the clouds (one per frame) in the tracks' poses, so that what the body is not counts once and not in every
+/// frame; how far the clouds are to be trusted is measured by how far poses from the clouds alone lie from the tracks',
+/// beyond what the tracks are uncertain. Frames with few points, or joints that they do not reach, stay with the
+/// tracks. Motion, uncertainty and residuals (of points) are those of the mix; findings and states are those of the
+/// tracks. Error kInconsistent for clouds of another number of frames, for tracks without uncertainty, or a cloud that
+/// lies elsewhere than the tracks.
+Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
+                                       const PointCloudOptions& options);
+
+}  // namespace mocurate

@@ -1,0 +1,79 @@
+#include "fitting/clouds/uncertain_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fitting/clouds/cloud_match.h"
+
+namespace mocurate {
+namespace {
+
+constexpr float kUnknownPlace = 1.0F;  ///< m^2, of a joint of which nothing is known
+const float kUnknownAngle = static_cast<float>(3.14159265358979323846 / std::sqrt(3.0));  ///< rad
+
+}  // namespace
+
+UncertainMotion::UncertainMotion(int frames, int joints) : joints_(joints) {
+  const auto numbers = static_cast<std::size_t>(frames) * static_cast<std::size_t>(joints);
+  position_cov_.assign(6 * numbers, 0.0F);
+  for (std::size_t at = 0; at < numbers; ++at) {
+    for (const int i : {0, 3, 5}) position_cov_[6 * at + static_cast<std::size_t>(i)] = kUnknownPlace;
+  }
+  rotation_sigma_.assign(3 * numbers, kUnknownAngle);
+  rotation_observed_.assign(3 * numbers, 0.0F);
+}
+
+UncertainMotion::UncertainMotion(const Motion& motion)
+    : joints_(motion.joint_count()),
+      position_cov_(motion.position_cov),
+      rotation_sigma_(motion.rotation_sigma),
+      rotation_observed_(motion.rotation_observed) {}
+
+void UncertainMotion::SetPosition(std::size_t at, const Matrix3d& c) {
+  const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+  for (std::size_t i = 0; i < 6; ++i) position_cov_[6 * at + i] = static_cast<float>(values[i]);
+}
+
+void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error) {
+  for (int j = 0; j < joints_; ++j) {
+    const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
+    SetPosition(at, uncertainty.position[j] + body_error[j] * body_error[j] * Matrix3d::Identity());
+    for (std::size_t i = 0; i < 3; ++i) {
+      rotation_sigma_[3 * at + i] = static_cast<float>(std::sqrt(uncertainty.rotation[j][static_cast<int>(i)]));
+      rotation_observed_[3 * at + i] = static_cast<float>(uncertainty.observed[j][static_cast<int>(i)]);
+    }
+  }
+}
+
+void UncertainMotion::Narrow(int frame, const CloudUncertainty& uncertainty) {
+  for (int j = 0; j < joints_; ++j) {
+    const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
+    SetPosition(at, uncertainty.position[j]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto sigma = static_cast<float>(std::sqrt(uncertainty.rotation[j][static_cast<int>(i)]));
+      if (sigma >= rotation_sigma_[3 * at + i]) continue;
+      rotation_sigma_[3 * at + i] = sigma;
+      rotation_observed_[3 * at + i] =
+          std::max(rotation_observed_[3 * at + i], static_cast<float>(uncertainty.observed[j][static_cast<int>(i)]));
+    }
+  }
+}
+
+void UncertainMotion::Write(Motion& motion) const {
+  motion.position_cov = position_cov_;
+  motion.rotation_sigma = rotation_sigma_;
+  motion.rotation_observed = rotation_observed_;
+}
+
+void SetResiduals(std::vector<double> distances, FitResult& result) {
+  if (distances.empty()) return;
+  double square = 0.0;
+  for (const double distance : distances) square += distance * distance;
+  result.residual_rms = std::sqrt(square / static_cast<double>(distances.size()));
+  result.noise_sigma = RobustSigma(distances);
+  const auto place = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(distances.size() - 1));
+  std::nth_element(distances.begin(), place, distances.end());
+  result.residual_p95 = *place;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "core/motion/motion.h"
+#include "fitting/clouds/cloud_uncertainty.h"
+#include "fitting/fit_result.h"
+
+namespace mocurate {
+
+/// The uncertainty of all frames of a motion, as Motion stores it.
+class UncertainMotion {
+ public:
+  /// Of frames that are not set nothing is known.
+  UncertainMotion(int frames, int joints);
+  /// Begins with the uncertainty of another motion.
+  explicit UncertainMotion(const Motion& motion);
+
+  /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own.
+  void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error);
+  /// Positions are those given; of rotations the better known of both stays, axis by axis.
+  void Narrow(int frame, const CloudUncertainty& uncertainty);
+  void Write(Motion& motion) const;
+
+ private:
+  void SetPosition(std::size_t at, const Matrix3d& covariance);
+
+  int joints_;
+  std::vector<float> position_cov_;
+  std::vector<float> rotation_sigma_;
+  std::vector<float> rotation_observed_;
+};
+
+/// Root mean square, 95th percentile and robust spread of distances (m, absolute).
+void SetResiduals(std::vector<double> distances, FitResult& result);
+
+}  // namespace mocurate

@@ -1,0 +1,186 @@
+// bench_fit_clouds [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: studio clips of HumanAct12's 12 classes, in
+// the order of persons, at most so many frames of each, as PHSPD's three depth cameras see them (512 x 424, a Kinect's
+// errors), bodies unknown to the fitter; fitted on one core. Errors as in bench_studio_fits; frames/s from decoded
+// images to a motion, and of decoding alone. Images stay in FOLDER for the next time. Options: those of point_clouds by
+// name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
+// 30 mm RMS of noise, alone and together with the clouds).
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/joint_cloud_fit.h"
+#include "fitting/clouds/person_points.h"
+#include "fitting/fit_outcome.h"
+#include "fitting/proportions.h"
+#include "tests/fitting/cloud_takes.h"
+#include "tests/fitting/fit_score.h"
+
+namespace mocurate {
+namespace {
+
+double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+struct Spent {
+  double decode = 0.0, fuse = 0.0, person = 0.0, fit = 0.0;
+};
+
+void Set(const std::string& name, double value, PointCloudOptions& options, CloudTakeOptions& takes) {
+  if (name == "ceres") options.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
+  if (name == "voxel_size") options.voxel_size = value;
+  if (name == "max_distance") options.max_distance = value;
+  if (name == "iterations") options.iterations = static_cast<std::int64_t>(value);
+  if (name == "rotation_walk") options.rotation_walk = value;
+  if (name == "velocity_walk") options.velocity_walk = value;
+  if (name == "rest_spread") options.rest_spread = value;
+  if (name == "huber_sigmas") options.huber_sigmas = value;
+  if (name == "outliers") options.outliers.enabled = value != 0.0;
+  if (name == "room") takes.room = value != 0.0;
+  if (name == "subjects") takes.subjects = static_cast<int>(value);
+}
+
+Expected<std::vector<FusedCloud>> Fuse(const std::vector<DepthView>& views, const PointCloudOptions& options,
+                                       Spent& spent) {
+  std::vector<FusedCloud> clouds;
+  for (int f = 0; f < static_cast<int>(views[0].files.size()); ++f) {
+    double begin = CpuSeconds();
+    const auto images = ReadFrame(views, f);
+    if (!images) return Forward(images);
+    spent.decode += CpuSeconds() - begin;
+    begin = CpuSeconds();
+    const auto cloud = FuseImages(views, *images, {options.voxel_size, options.outliers});
+    if (!cloud) return Forward(cloud);
+    spent.fuse += CpuSeconds() - begin;
+    begin = CpuSeconds();
+    clouds.push_back(PersonPoints(*cloud, options.voxel_size));
+    spent.person += CpuSeconds() - begin;
+  }
+  return clouds;
+}
+
+/// Errors of joint tracks alone and of tracks and clouds together.
+struct MixScore {
+  FitScore tracks, both;
+  double trust = 0.0;
+  int clips = 0;
+};
+
+Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, const std::vector<double>& bones,
+              const PointCloudOptions& options, MixScore& score) {
+  JointTrackOptions track_options;
+  track_options.solver = TrackSolver::kBanded;
+  const auto tracks = RepairAndFit(take.clip.tracks, take.clip.truth.rate, bones, RepairOptions{}, track_options);
+  if (!tracks) return Forward(tracks);
+  const auto both = FitTracksAndClouds(*tracks, clouds, options);
+  if (!both) return Forward(both);
+  FitScore alone, together;
+  alone.Add(*tracks, take.clip), score.tracks.Add(*tracks, take.clip);
+  together.Add(*both, take.clip), score.both.Add(*both, take.clip);
+  score.trust += *both->cloud_trust;
+  ++score.clips;
+  std::fprintf(stderr, "    tracks %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, trust %.3f, residual %4.1f mm\n",
+               alone.joint_mm(), alone.rotation_deg(), together.joint_mm(), together.rotation_deg(), *both->cloud_trust,
+               1e3 * both->residual_rms);
+  return {};
+}
+
+}  // namespace
+}  // namespace mocurate
+
+int main(int argc, char** argv) {
+  using namespace mocurate;
+  CloudTakeOptions wanted;
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  if (argc > 1) wanted.clips = std::atoi(argv[1]);
+  if (argc > 2) wanted.frames = std::atoi(argv[2]);
+  if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
+  const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_clouds";
+  std::map<std::string, double> given;
+  for (int i = 5; i < argc; ++i) {
+    const std::string text = argv[i];
+    const std::size_t at = text.find('=');
+    given[text.substr(0, at)] = std::atof(text.c_str() + at + 1);
+  }
+  for (const auto& [name, value] : given) Set(name, value, options, wanted);
+  const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
+  if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  Spent spent;
+  FitScore all;
+  MixScore mix;
+  double points = 0.0, iterations = 0.0;
+  for (int person = 1; person <= wanted.subjects; ++person) {
+    std::vector<Clip> clips;
+    for (const CloudTake& take : takes) {
+      if (take.clip.subject != person) continue;
+      clips.emplace_back();
+      clips.back().evidence = take.evidence;
+    }
+    if (clips.empty()) continue;
+    const auto bones = BoneLengthsFromClouds(clips, skeleton, options);
+    if (!bones) return std::fprintf(stderr, "%s\n", bones.error().Message().c_str()), 1;
+    std::vector<SkeletonTracks> tracks;
+    for (const CloudTake& take : takes) {
+      if (take.clip.subject == person) tracks.push_back(take.clip.tracks);
+    }
+    const auto proportions = EstimateProportions(tracks, skeleton, ProportionsOptions{});
+    if (!proportions) return std::fprintf(stderr, "%s\n", proportions.error().Message().c_str()), 1;
+    for (const CloudTake& take : takes) {
+      if (take.clip.subject != person) continue;
+      auto clouds = Fuse(take.evidence.depth_views, options, spent);
+      if (!clouds) return std::fprintf(stderr, "%s\n", clouds.error().Message().c_str()), 1;
+      for (const FusedCloud& cloud : *clouds) points += cloud.size();
+      if (given.count("start") == 0 || given["start"] != 0.0) options.start.facing = take.told_heading;
+      const std::vector<FusedCloud> copies = given["mix"] != 0.0 ? *clouds : std::vector<FusedCloud>{};
+      const double begin = CpuSeconds();
+      const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s}, skeleton,
+                                      *bones, options);
+      spent.fit += CpuSeconds() - begin;
+      if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
+      FitScore one;
+      one.Add(*fit, take.clip);
+      all.Add(*fit, take.clip);
+      iterations += fit->iterations;
+      const double size = (*bones)[4] / take.clip.truth.bone_length[4];
+      std::fprintf(stderr, "%-24s %s %3d frames %6.1f mm %5.1f deg, residual %4.1f mm, thigh %4.2f of the truth\n",
+                   take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(),
+                   one.rotation_deg(), 1e3 * fit->residual_rms, size);
+      if (!copies.empty()) {
+        const Status mixed = AddMix(take, copies, proportions->bone_length, options, mix);
+        if (!mixed) return std::fprintf(stderr, "%s\n", mixed.error().Message().c_str()), 1;
+      }
+      for (const Finding& finding : fit->findings) {
+        std::fprintf(stderr, "    %s %.3g: %s\n", finding.code.c_str(), finding.value, finding.message.c_str());
+      }
+    }
+  }
+  std::fprintf(stderr, "joints (mm):");
+  for (std::size_t j = 0; j < all.by_joint.size(); ++j) {
+    std::fprintf(stderr, " %s %.1f", skeleton->joints[j].name.c_str(), all.by_joint[j] / all.frames * 1e3);
+  }
+  std::fprintf(stderr, "\n");
+  const double n = all.frames;
+  if (mix.clips > 0) {
+    std::printf(
+        "{\"name\": \"fit_tracks_and_clouds\", \"clips\": %d, \"tracks_mm\": %.2f, \"tracks_deg\": %.2f, "
+        "\"tracks_within_sigma\": %.3f, \"tracks_within_two\": %.3f, \"both_mm\": %.2f, \"both_deg\": %.2f, "
+        "\"both_within_sigma\": %.3f, \"both_within_two\": %.3f, \"trust\": %.3f}\n",
+        mix.clips, mix.tracks.joint_mm(), mix.tracks.rotation_deg(), mix.tracks.within_one(), mix.tracks.within_two(),
+        mix.both.joint_mm(), mix.both.rotation_deg(), mix.both.within_one(), mix.both.within_two(),
+        mix.trust / mix.clips);
+  }
+  std::printf(
+      "{\"name\": \"fit_clouds\", \"clips\": %zu, \"frames\": %d, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, "
+      "\"within_sigma\": %.3f, \"within_two\": %.3f, \"points\": %.0f, \"matchings\": %.1f, \"decode_ms\": %.2f, "
+      "\"fuse_ms\": %.2f, \"person_ms\": %.2f, \"fit_ms\": %.2f, \"frames_per_s\": %.1f, "
+      "\"frames_per_s_with_decoding\": %.1f, \"threads\": 1}\n",
+      takes.size(), all.frames, all.joint_mm(), all.rotation_deg(), all.whitened > 0 ? all.within_one() : 0.0,
+      all.whitened > 0 ? all.within_two() : 0.0, points / n, iterations / n, 1e3 * spent.decode / n,
+      1e3 * spent.fuse / n, 1e3 * spent.person / n, 1e3 * spent.fit / n, n / (spent.fuse + spent.person + spent.fit),
+      n / (spent.decode + spent.fuse + spent.person + spent.fit));
+}

@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "tests/fitting/cloud_scene.h"
+
+namespace mocurate {
+namespace {
+
+/// One moment of a person as three depth cameras see it, with the truth.
+struct Still {
+  std::string name;
+  Clip clip;
+  JointPositions truth;
+};
+
+Expected<Still> ReadStill(const std::filesystem::path& folder, const std::string& name) {
+  const Expected<std::string> bytes = ReadFile(folder / (name + ".json"));
+  if (!bytes) return Forward(bytes);
+  const auto sequence = ParseDepthSequence(*bytes, name);
+  if (!sequence) return Forward(sequence);
+  const auto truth = ParseDepthSequenceTruth(*bytes, name);
+  if (!truth) return Forward(truth);
+  const Matrix3d world_from_rig = Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  Still still;
+  still.name = name;
+  still.clip.rate = FrameRate{1, 1};
+  for (const DepthSequenceView& given : sequence->views) {
+    DepthView view;
+    view.files = {folder / (name + "_" + given.name + ".png")};
+    view.time_s = {0.0};
+    const auto image = ReadDepthImage(view.files[0]);
+    if (!image) return Forward(image);
+    view.camera = {given.name, image->width, image->height, given.fx, given.fy, given.cx, given.cy, {}, {}};
+    view.camera.camera_from_world =
+        given.camera_from_rig * RigidTransform{Quaterniond(world_from_rig), Vector3d::Zero()};
+    still.clip.evidence.depth_views.push_back(view);
+  }
+  still.truth = JointPositions(1, truth->joints);
+  for (int j = 0; j < truth->joints; ++j) {
+    still.truth.at(0, j) = world_from_rig * truth->joint[static_cast<std::size_t>(j)];
+  }
+  return still;
+}
+
+/// Each still is all that is known of its person.
+TEST(RenderedStills, AreFittedOneByOneWithoutKnowingTheFacing) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const std::filesystem::path folder = std::filesystem::path(data) / "clouds" / "rendered_body";
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  double sum = 0.0;
+  int count = 0;
+  for (const char* name :
+       {"male_tpose", "male_wave", "female_squat", "female_walk_noisy", "male_walk_noisy", "child_arms_down"}) {
+    const auto still = ReadStill(folder, name);
+    ASSERT_TRUE(still) << still.error().Message();
+    const auto bones = BoneLengthsFromClouds({still->clip}, skeleton, options);
+    ASSERT_TRUE(bones) << bones.error().Message();
+    const auto fit = FitClouds(still->clip, skeleton, *bones, options);
+    ASSERT_TRUE(fit) << fit.error().Message();
+    const double error = MeanJointError(fit->motion.joints, still->truth);
+    std::string doubt = "sure";
+    for (const Finding& finding : fit->findings) {
+      if (finding.code == "facing_in_doubt") doubt = "margin " + std::to_string(finding.value);
+    }
+    std::printf("%-20s %5.1f mm, %s\n", name, 1e3 * error, doubt.c_str());
+    sum += error;
+    ++count;
+  }
+  EXPECT_LT(sum / count, 0.03);
+}
+
+}  // namespace
+}  // namespace mocurate

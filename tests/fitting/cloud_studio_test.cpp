@@ -1,0 +1,185 @@
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/joint_cloud_fit.h"
+#include "fitting/fit_outcome.h"
+#include "fitting/proportions.h"
+#include "tests/fitting/cloud_takes.h"
+#include "tests/fitting/fit_score.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kHalfTurn = 3.141592653589793;
+constexpr std::size_t kSitting = 8;  ///< clip of the ninth class
+
+/// One of the studio's people in the first frames of all actions up to sitting, before PHSPD's depth cameras.
+class StudioClouds : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    CloudTakeOptions options;
+    options.seed = 811;
+    options.subjects = 1;
+    options.clips = 9;
+    options.frames = 8;
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / ("mocurate_cloud_takes_" + std::to_string(getpid()));
+    takes_ = new std::vector<CloudTake>(CloudTakes(options, folder));
+    for (const CloudTake& take : *takes_) {
+      clips_.emplace_back();
+      clips_.back().evidence = take.evidence;
+      clips_.back().rate = take.clip.truth.rate;
+    }
+    skeleton_ = *LoadSkeleton("smpl24");
+    options_.solver = TrackSolver::kBanded;
+    if (!clips_.empty()) bones_ = *BoneLengthsFromClouds(clips_, skeleton_, options_);
+  }
+
+  void SetUp() override {
+    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+
+  static FitScore Score(const FitResult& fit, const CloudTake& take) {
+    FitScore score;
+    score.Add(fit, take.clip);
+    return score;
+  }
+
+  static std::vector<CloudTake>* takes_;
+  static std::vector<Clip> clips_;
+  static SkeletonPtr skeleton_;
+  static std::vector<double> bones_;
+  static PointCloudOptions options_;
+};
+
+std::vector<CloudTake>* StudioClouds::takes_ = nullptr;
+std::vector<Clip> StudioClouds::clips_;
+SkeletonPtr StudioClouds::skeleton_;
+std::vector<double> StudioClouds::bones_;
+PointCloudOptions StudioClouds::options_;
+
+TEST_F(StudioClouds, SomebodySeatedIsFoundFromTheFacingAlone) {
+  const CloudTake& take = (*takes_)[kSitting];
+  ASSERT_TRUE(take.seated);
+  PointCloudOptions options = options_;
+  options.start.facing = take.told_heading;
+  const auto fit = FitClouds(clips_[kSitting], skeleton_, bones_, options);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  EXPECT_LT(Score(*fit, take).joint_mm(), 35.0);
+}
+
+TEST_F(StudioClouds, APoseThatFacesOtherwiseThanToldIsNotTaken) {
+  const CloudTake& take = (*takes_)[0];
+  PointCloudOptions options = options_;
+  options.start.facing = take.heading + kHalfTurn;
+  const auto wrong = FitClouds(clips_[0], skeleton_, bones_, options);
+  ASSERT_TRUE(wrong) << wrong.error().Message();
+  EXPECT_GT(std::abs(std::remainder(HeadingOf(wrong->motion, 0) - take.heading, 2.0 * kHalfTurn)), 1.5);
+  options.start.facing = take.told_heading;
+  const auto right = FitClouds(clips_[0], skeleton_, bones_, options);
+  ASSERT_TRUE(right) << right.error().Message();
+  EXPECT_LT(Score(*right, take).joint_mm(), 25.0);
+  EXPECT_LT(right->residual_rms, wrong->residual_rms);
+}
+
+TEST_F(StudioClouds, ErrorsAreAboutAsLargeAsTheUncertaintySays) {
+  FitScore score;
+  for (std::size_t i = 0; i < takes_->size(); ++i) {
+    PointCloudOptions options = options_;
+    options.start.facing = (*takes_)[i].told_heading;
+    const auto fit = FitClouds(clips_[i], skeleton_, bones_, options);
+    ASSERT_TRUE(fit) << fit.error().Message();
+    score.Add(*fit, (*takes_)[i].clip);
+  }
+  EXPECT_GT(score.within_one(), 0.5);
+  EXPECT_LT(score.within_one(), 0.85);
+  EXPECT_GT(score.within_two(), 0.85);
+}
+
+class TracksAndClouds : public StudioClouds {
+ protected:
+  Expected<FitResult> FitTracks(const CloudTake& take) {
+    std::vector<SkeletonTracks> tracks;
+    for (const CloudTake& of_person : *takes_) tracks.push_back(of_person.clip.tracks);
+    const auto person = EstimateProportions(tracks, skeleton_, ProportionsOptions{});
+    JointTrackOptions options;
+    options.solver = TrackSolver::kBanded;
+    return RepairAndFit(take.clip.tracks, take.clip.truth.rate, person->bone_length, RepairOptions{}, options);
+  }
+};
+
+TEST_F(TracksAndClouds, TogetherAreATenthBetterThanTheBetterOneAlone) {
+  FitScore of_tracks, of_clouds, of_both;
+  for (std::size_t i = 0; i < takes_->size(); i += 2) {
+    const CloudTake& take = (*takes_)[i];
+    const auto tracks = FitTracks(take);
+    ASSERT_TRUE(tracks) << tracks.error().Message();
+    PointCloudOptions options = options_;
+    options.start.facing = take.told_heading;
+    const auto clouds = FitClouds(clips_[i], skeleton_, bones_, options);
+    ASSERT_TRUE(clouds) << clouds.error().Message();
+    const auto both = FitTracksAndClouds(*tracks, *FuseClip(clips_[i], options), options);
+    ASSERT_TRUE(both) << both.error().Message();
+    of_tracks.Add(*tracks, take.clip);
+    of_clouds.Add(*clouds, take.clip);
+    of_both.Add(*both, take.clip);
+  }
+  RecordProperty("tracks_mm", std::to_string(of_tracks.joint_mm()));
+  RecordProperty("clouds_mm", std::to_string(of_clouds.joint_mm()));
+  RecordProperty("both_mm", std::to_string(of_both.joint_mm()));
+  EXPECT_LT(of_both.joint_mm(), 0.9 * std::min(of_tracks.joint_mm(), of_clouds.joint_mm()));
+  EXPECT_LT(of_both.rotation_deg(), 0.9 * std::min(of_tracks.rotation_deg(), of_clouds.rotation_deg()));
+}
+
+TEST_F(TracksAndClouds, BothSolversComeToTheSamePose) {
+  const auto tracks = FitTracks((*takes_)[2]);
+  ASSERT_TRUE(tracks);
+  const auto clouds = FuseClip(clips_[2], options_);
+  const auto banded = FitTracksAndClouds(*tracks, *clouds, options_);
+  PointCloudOptions options = options_;
+  options.solver = TrackSolver::kCeres;
+  const auto ceres = FitTracksAndClouds(*tracks, *clouds, options);
+  ASSERT_TRUE(banded && ceres);
+  double furthest = 0.0;
+  for (int f = 0; f < banded->motion.frame_count(); ++f) {
+    for (int j = 0; j < banded->motion.joint_count(); ++j) {
+      furthest = std::max(furthest, (banded->motion.joints.at(f, j) - ceres->motion.joints.at(f, j)).norm());
+    }
+  }
+  EXPECT_LT(furthest, 0.005);
+}
+
+TEST_F(TracksAndClouds, ACloudOfSomebodyElseIsRefused) {
+  const auto tracks = FitTracks((*takes_)[0]);
+  ASSERT_TRUE(tracks);
+  auto clouds = FuseClip(clips_[0], options_);
+  for (FusedCloud& cloud : *clouds) cloud.points.row(0).array() += 2.0;
+  const auto both = FitTracksAndClouds(*tracks, *clouds, options_);
+  ASSERT_FALSE(both);
+  EXPECT_THAT(both.error().Message(), HasSubstr("of one person"));
+  clouds->pop_back();
+  EXPECT_THAT(FitTracksAndClouds(*tracks, *clouds, options_).error().Message(), HasSubstr("7 frames of depth images"));
+}
+
+TEST_F(TracksAndClouds, FramesWithoutPointsStayWithTheTracks) {
+  const auto tracks = FitTracks((*takes_)[0]);
+  ASSERT_TRUE(tracks);
+  auto clouds = FuseClip(clips_[0], options_);
+  (*clouds)[3] = {Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
+  const auto both = FitTracksAndClouds(*tracks, *clouds, options_);
+  ASSERT_TRUE(both) << both.error().Message();
+  EXPECT_LT((both->motion.joints.at(3, 20) - tracks->motion.joints.at(3, 20)).norm(), 1e-6);
+  EXPECT_GT((both->motion.joints.at(4, 20) - tracks->motion.joints.at(4, 20)).norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace mocurate
