@@ -59,11 +59,14 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
   for (const auto& [code, votes] : Count(clips)) {
     if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
     findings.push_back(Together(code, votes, clips.size(), refuse));
-    if (!refuse) continue;
     for (ItemResult& clip : clips) {
       if (!HasArtifact(clip.outcome.kind)) continue;
       Finding own = findings.back();
       own.clip = clip.item;
+      if (!refuse) {
+        clip.outcome.kind = OutcomeKind::kDoubtful;
+        continue;
+      }
       own.action = "refused";
       clip.outcome.kind = OutcomeKind::kRefused;
       clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
