@@ -101,7 +101,7 @@ RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const 
 
 void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
                   const std::string& up, const std::string& where, nlohmann::json& findings) {
-  if (clip.positions.empty() || clip.positions.frames < 2) return;
+  if (clip.positions.empty() || clip.positions.frames < 2 || units == "px") return;
   const std::optional<double> rate = clip.rate_hz || !source ? clip.rate_hz : source->rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
   metres.confidence = ConfidenceOf(clip);

@@ -12,7 +12,8 @@ namespace mocurate {
 RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const std::string& up);
 
 /// Appends what is wrong with a clip, by FindDefects, as `mocurate run` finds it: with the limits of the source, or
-/// those of none. Where unit or up is not known, only what needs neither is asked; without a rate speeds are those of
+/// those of none. Where unit or up is not known, only what needs neither is asked, of
+/// images nothing; without a rate speeds are those of
 /// 30 Hz.
 void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
                   const std::string& up, const std::string& where, nlohmann::json& findings);

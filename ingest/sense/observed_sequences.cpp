@@ -77,7 +77,9 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
       for (std::size_t i = 0; !calibration && i < folder.beside.size(); ++i) {
         auto storages = folder.storages;
         storages.push_back(folder.beside[i]);
-        if (auto together = ObserveOpenCv(storages)) calibration = std::move(together);
+        // Together they may lack another field than one alone.
+        auto together = ObserveOpenCv(storages);
+        if (together || together.error().where != calibration.error().where) calibration = std::move(together);
       }
       if (calibration) {
         file.calibrations.push_back(std::move(*calibration));

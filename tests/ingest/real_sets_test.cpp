@@ -47,7 +47,7 @@ const std::vector<RealSet>& RealSets() {
       {"KARD", "kinect/kard", "a", "mm", "+y", "left", 0, kNoRate, {}, 30},
       {"KARD, pixels and depth", "kinect/kard", "screen/", "", "-y", "right", 0, kPixels, {"up", "handedness"}},
       {"MSR-Action3D", "kinect/msr_action3d", "a", "m", "+y", "right", 15},
-      {"MSR-Action3D, pixels and depth (mirrored)", "kinect/msr_action3d", "screen/", "", "-y", "left", 0, kPixels},
+      {"MSR-Action3D, pixels and depth (mirrored)", "kinect/msr_action3d", "screen/", "", "-y", "left", 15, kPixels},
       {"UTKinect", "kinect/utkinect", "", "m", "+y", "right", 0, kNoRate, {}, 15},
       {"Florence3D", "kinect/florence3d", "", "mm", "+y", "right", 0, kNoRate, {}, 15},
       {"CAD-60", "kinect/cad60", "", "mm", "+y", "right", 30},
