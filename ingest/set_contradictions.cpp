@@ -1,5 +1,6 @@
 #include "ingest/set_contradictions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -64,7 +65,11 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
       Finding own = findings.back();
       own.clip = clip.item;
       if (!refuse) {
+        std::vector<Finding>& told = clip.outcome.findings;
+        const bool of_itself =
+            std::any_of(told.begin(), told.end(), [&](const Finding& finding) { return finding.code == own.code; });
         clip.outcome.kind = OutcomeKind::kDoubtful;
+        if (!of_itself) told.push_back(std::move(own));
         continue;
       }
       own.action = "refused";
