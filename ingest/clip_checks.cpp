@@ -4,6 +4,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/checks.h"
+#include "ingest/sense/tree_points.h"
 
 namespace mocurate {
 namespace {
@@ -38,7 +39,21 @@ void JudgeLife(const CheckOptions& options, int frames, std::vector<Finding>& fi
   findings.push_back(std::move(finding));
 }
 
-/// `frames_in_name`: "{first}-{last}", both ends included. Annotation may have gaps, so that fewer frames are right.
+}  // namespace
+
+std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
+                                 std::optional<double> rate_hz, bool metres) {
+  CheckLimits limits = LimitsOf(options);
+  limits.metres = metres;
+  std::vector<Finding> findings = CheckPoints(points, rate_hz.value_or(0.0), limits);
+  JudgeLife(options, points.frames(), findings);
+  for (Finding& finding : findings) {
+    if (finding.code.rfind("zero_", 0) != 0) continue;
+    finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+  }
+  return findings;
+}
+
 void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings) {
   if (source.frames_in_name.empty()) return;
   const std::string text = FillFields(source.frames_in_name, named.fields);
@@ -52,6 +67,8 @@ void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, 
                                   "the name speaks of " + std::to_string(std::max(0LL, said)) + " frames (" + text +
                                       "), the file holds " + std::to_string(frames)));
 }
+
+namespace {
 
 /// A motion that was made may stand still; only what a sensor saw cannot. It is then reported, if nothing else is said.
 FindingAction ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
@@ -85,6 +102,7 @@ ClipPoints::ClipPoints(const Clip& clip, const SkeletonPtr& skeleton) {
     time_s = &tracks.time_s;
     names = tracks.names;
     if (skeleton) bones = BonesBetween(names, *skeleton);
+    body = PointsOfBody(names, skeleton.get());
   } else if (clip.motion) {
     const Motion& motion = *clip.motion;
     positions = &motion.joints;
@@ -93,6 +111,7 @@ ClipPoints::ClipPoints(const Clip& clip, const SkeletonPtr& skeleton) {
     time_s = &own_time_s;
     for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
     bones = BonesBetween(names, *motion.skeleton);
+    body = PointsOfBody(*motion.skeleton);
   }
 }
 
@@ -101,19 +120,16 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   const ClipPoints points(ingested.clip, skeleton ? *skeleton : nullptr);
   if (points.empty()) return std::nullopt;
-  CheckLimits limits = LimitsOf(options);
+  bool metres = true;
   for (const Finding& finding : ingested.findings) {
-    if (finding.code == "units_contradiction" || finding.code == "up_contradiction") limits.metres = false;
+    if (finding.code == "units_contradiction" || finding.code == "up_contradiction") metres = false;
   }
-  std::vector<Finding> findings = CheckPoints(points.view(), ingested.clip.rate.hz(), limits);
-  JudgeLife(options, points.positions->frames, findings);
+  std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres);
   JudgeName(source, named, points.positions->frames, findings);
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {
     const FindingAction action = ActionFor(options, finding.code, ingested.clip);
     if (action == FindingAction::kIgnore) continue;
-    if (finding.code.rfind("zero_", 0) == 0)
-      finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
     if (action == FindingAction::kMissing && ingested.clip.evidence.tracks) {
       TakeAsMissing(finding, *ingested.clip.evidence.tracks);
       finding.action = "taken as missing";

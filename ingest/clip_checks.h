@@ -12,13 +12,16 @@ struct ClipPoints {
   explicit ClipPoints(const Clip& clip, const SkeletonPtr& skeleton);
 
   bool empty() const { return positions == nullptr || positions->frames == 0; }
-  TrackedPoints view() const { return {*positions, *confidence, *time_s, names, bones.parents, bones.rest_lengths}; }
+  TrackedPoints view() const {
+    return {*positions, *confidence, *time_s, names, bones.parents, bones.rest_lengths, body};
+  }
 
   const JointPositions* positions = nullptr;
   const std::vector<double>* confidence = nullptr;
   const std::vector<double>* time_s = nullptr;
   std::vector<std::string> names;
   PointBones bones;
+  HandednessPoints body;
   std::vector<double> own_time_s, own_confidence;  ///< of a motion
 };
 
@@ -27,6 +30,15 @@ struct DroppedClip {
   Finding finding;
   double threshold = 0.0;
 };
+
+/// What is wrong with points, as CheckPoints says, and "lifeless_clip": the same for what is inspected and what is
+/// ingested. `metres`: unit and up are beyond doubt. Without a rate none is doubted.
+std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
+                                 std::optional<double> rate_hz, bool metres);
+
+/// "name_contradiction" by `frames_in_name`: "{first}-{last}", both ends included. Annotation may have gaps, so that
+/// fewer frames are right.
+void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings);
 
 /// Asks core/quality what is wrong with the clip, which is in metres and canonical axes, and the name whether it agrees
 /// with the content; appends findings and does about them what `source.checks` says: each finding's action tells.

@@ -117,10 +117,12 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
   const auto ruled = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), by_rule);
   if (ruled != discovery.left_out.end()) {
     const auto count = std::count_if(discovery.left_out.begin(), discovery.left_out.end(), by_rule);
-    return {ErrorCode::kNotFound,
-            "all " + Counted(count, "file") +
-                " that match the pattern are left out by rule; the first: " + ruled->outcome.error.Message(),
-            where, "take the rule out, or choose other files"};
+    return {
+        ErrorCode::kNotFound,
+        (count == 1 ? std::string("the one file that matches the pattern is left out by rule: ")
+                    : "all " + Counted(count, "file") + " that match the pattern are left out by rule; the first: ") +
+            ruled->outcome.error.Message(),
+        where, "take the rule out, or choose other files"};
   }
   const std::string files = found.empty() ? "" : "the folder holds " + EndingsOf(found) + "; ";
   if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, files + "is it the right folder?"};

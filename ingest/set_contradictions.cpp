@@ -1,5 +1,6 @@
 #include "ingest/set_contradictions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -59,11 +60,18 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
   for (const auto& [code, votes] : Count(clips)) {
     if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
     findings.push_back(Together(code, votes, clips.size(), refuse));
-    if (!refuse) continue;
     for (ItemResult& clip : clips) {
       if (!HasArtifact(clip.outcome.kind)) continue;
       Finding own = findings.back();
       own.clip = clip.item;
+      if (!refuse) {
+        std::vector<Finding>& told = clip.outcome.findings;
+        const bool of_itself =
+            std::any_of(told.begin(), told.end(), [&](const Finding& finding) { return finding.code == own.code; });
+        clip.outcome.kind = OutcomeKind::kDoubtful;
+        if (!of_itself) told.push_back(std::move(own));
+        continue;
+      }
       own.action = "refused";
       clip.outcome.kind = OutcomeKind::kRefused;
       clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,

@@ -34,7 +34,7 @@ struct Bvh {
   int frames = 0;
   double frame_time_s = 0.0;
   std::vector<double> values;     ///< (frames, channel_count)
-  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "frame_count", "cut_off"
+  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "count_contradiction", "cut_off"
 
   double hz() const { return 1.0 / frame_time_s; }
   double value(int frame, int channel) const {

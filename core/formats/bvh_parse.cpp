@@ -214,7 +214,7 @@ class Parser {
           CountContradiction("Frames", static_cast<double>(announced_), static_cast<double>(rows),
                              name_ + ":" + std::to_string(announced_line_));
       if (!reports_) return contradiction;
-      Report("frame_count", static_cast<double>(announced_), announced_line_, 0, contradiction.value().what);
+      Report("count_contradiction", static_cast<double>(announced_), announced_line_, 0, contradiction.value().what);
     }
     bvh_.frames = static_cast<int>(rows);
     return {};

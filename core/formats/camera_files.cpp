@@ -1,5 +1,6 @@
 #include "core/formats/camera_files.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -254,6 +255,20 @@ Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::st
   });
 }
 
+bool SpeaksOfCameras(std::string_view bytes) {
+  const auto holds = [&](std::string_view word) { return bytes.find(word) != std::string_view::npos; };
+  const std::string_view content = Trim(bytes);
+  if (content.empty()) return false;
+  if (content[0] == '<') return holds("<calibration") && holds("<camera");
+  if (content[0] == '{') {
+    const bool lens = holds("\"K\"") || holds("\"fx\"") || holds("\"fy\"") || holds("\"cx\"");
+    const bool place = holds("\"R\"") || holds("\"T\"") || holds("\"t\"");
+    return (lens && place) || (holds("\"intrinsics\"") || holds("\"extrinsics\"")) || holds("\"calibration_matrix\"");
+  }
+  return (holds("matrix") && (holds("rotation") || holds("translation"))) ||
+         (holds("rotation") && holds("translation"));
+}
+
 Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string& name) {
   const std::string_view content = Trim(bytes);
   if (!content.empty() && content[0] == '<') return ParseQualisys(bytes, name);
@@ -262,10 +277,13 @@ Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
   if (root.Has("rig")) return ParsePhspdRigs(bytes, name);
-  if (root.Has("extrinsics")) return ParseHuman36m(bytes, name);
+  if (root.Has("extrinsics") || root.Has("intrinsics")) return ParseHuman36m(bytes, name);
   if (root.Has("convention")) return ParsePlainCameras(bytes, name);
   if (root.Has("cameras")) return ParsePanopticCameras(bytes, name);
-  const bool campus = !document->empty() && JsonPlace{&document->begin().value(), "", &name}.Has("fx");
+  const bool campus = std::any_of(document->begin(), document->end(), [&](const json& camera) {
+    const JsonPlace place{&camera, "", &name};
+    return camera.is_object() && (place.Has("fx") || place.Has("fy") || place.Has("cx") || place.Has("cy"));
+  });
   if (campus) return ParseCampusShelf(bytes, name);
   return Fail(ErrorCode::kUnsupported, "the file is no calibration of a known kind", name,
               "known are Qualisys, Pose2Sim, Human3.6M, Campus/Shelf, Panoptic, PHSPD and plain cameras");

@@ -65,7 +65,7 @@ class Parser {
       const auto contradiction =
           CountContradiction("the frame count", *frames, held, name_ + ":" + std::to_string(line));
       if (!reports_) return contradiction;
-      Report("frame_count", *frames, line, contradiction.value().what);
+      Report("count_contradiction", *frames, line, contradiction.value().what);
     }
     return std::move(skeleton_);
   }

@@ -45,7 +45,7 @@ bool operator==(const NtuBody& a, const NtuBody& b);
 /// An NTU RGB+D `.skeleton` file: bodies of each frame, none to many, in the file's order.
 struct NtuSkeleton {
   std::vector<std::vector<NtuBody>> frames;
-  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "not_a_number", "row_length", "frame_count"
+  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "not_a_number", "row_length", "count_contradiction"
 };
 
 /// Of the frames; what was found on the way does not count.

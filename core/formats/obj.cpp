@@ -39,6 +39,8 @@ class ObjParser {
       joined.clear();
     }
     if (!joined.empty()) return Bad("the last line is to be continued, but the file ends");
+    if (obj_.faces.empty() && !bytes_.empty() && bytes_.back() != '\n')
+      return Bad("the file ends within a line, before any face: it is cut off");
     if (obj_.vertices.empty()) return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_);
     return std::move(obj_);
   }

@@ -30,7 +30,8 @@ bool operator==(const ObjCorner& a, const ObjCorner& b);
 bool operator==(const Obj& a, const Obj& b);
 
 /// Indices from 1, or negative: counted from the last one so far. A fourth number of a vertex (weight) and a colour are
-/// checked and left. Error kMalformed "name:line" for anything else, also a word that is no keyword of the format.
+/// checked and left. Error kMalformed "name:line" for anything else, also a word that is no keyword of the format, and
+/// for vertices without a face whose last line has no end: the file is cut off.
 Expected<Obj> ParseObj(std::string_view bytes, const std::string& name);
 std::string WriteObj(const Obj& obj);
 

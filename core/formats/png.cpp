@@ -2,7 +2,12 @@
 
 #include <zlib.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <optional>
+
+#include "core/formats/binary_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -38,7 +43,78 @@ std::string FilteredRows(const DepthImage& image) {
   return rows;
 }
 
+std::uint32_t BigAt(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = (value << 8) | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+const Bytef* Data(std::string_view bytes) { return reinterpret_cast<const Bytef*>(bytes.data()); }
+
+/// Bytes of the rows with their filters; 0: interlaced or of no known kind, and not to be told in advance.
+std::uint64_t RowBytes(std::string_view header) {
+  constexpr std::array<int, 7> kSamples = {1, 0, 3, 1, 2, 0, 4};
+  const auto colour = static_cast<unsigned char>(header[9]);
+  if (header[12] != 0 || colour >= kSamples.size()) return 0;
+  const std::uint64_t bits = static_cast<std::uint64_t>(BigAt(header, 0)) * static_cast<unsigned char>(header[8]) *
+                             static_cast<std::uint64_t>(kSamples[colour]);
+  return BigAt(header, 4) * (1 + (bits + 7) / 8);
+}
+
+/// How many bytes packed data hold; nothing where they are damaged or cut off. Nothing is kept.
+std::optional<std::uint64_t> UnpackedBytes(std::string_view packed) {
+  z_stream stream = {};
+  if (inflateInit(&stream) != Z_OK) return std::nullopt;
+  std::array<Bytef, 1 << 15> buffer;
+  stream.next_in = const_cast<Bytef*>(Data(packed));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  int state = Z_OK;
+  while (state == Z_OK) {
+    stream.next_out = buffer.data();
+    stream.avail_out = static_cast<uInt>(buffer.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+  }
+  const std::uint64_t bytes = stream.total_out;
+  inflateEnd(&stream);
+  if (state != Z_STREAM_END) return std::nullopt;
+  return bytes;
+}
+
 }  // namespace
+
+Status CheckPng(std::string_view bytes, const std::string& name) {
+  constexpr std::size_t kSignature = 8, kAround = 12, kHeader = 13;
+  const char* whole = "the image is damaged or cut off: copy it again";
+  if (bytes.substr(0, kSignature) != std::string_view("\x89PNG\r\n\x1a\n", kSignature))
+    return Fail(ErrorCode::kMalformed, "the file does not begin as a PNG does", name, whole);
+  std::string_view header;
+  std::string packed;
+  for (std::size_t at = kSignature;;) {
+    if (bytes.size() < at + kAround)
+      return Fail(ErrorCode::kMalformed, "the file ends before the end mark", name + ":IEND", whole);
+    const std::uint64_t length = BigAt(bytes, at);
+    const std::string type(bytes.substr(at + 4, 4));
+    const std::string where = name + ":" + ShownText(type);
+    if (length > bytes.size() - at - kAround)
+      return Fail(ErrorCode::kMalformed, "the chunk announces more bytes than the file holds", where, whole);
+    const std::string_view body = bytes.substr(at + 4, 4 + static_cast<std::size_t>(length));
+    at += kAround + static_cast<std::size_t>(length);
+    if (crc32(0, Data(body), static_cast<uInt>(body.size())) != BigAt(bytes, at - 4))
+      return Fail(ErrorCode::kMalformed, "the chunk does not agree with its checksum", where, whole);
+    if (type == "IHDR") header = body.substr(4);
+    if (type == "IDAT") packed.append(body.substr(4));
+    if (type == "IEND") break;
+  }
+  if (header.size() != kHeader) return Fail(ErrorCode::kMalformed, "the header is missing", name + ":IHDR", whole);
+  const std::optional<std::uint64_t> unpacked = UnpackedBytes(packed);
+  if (!unpacked) return Fail(ErrorCode::kMalformed, "the pixels do not unpack", name + ":IDAT", whole);
+  const std::uint64_t rows = RowBytes(header);
+  if (rows == 0 || rows == *unpacked) return {};
+  return Fail(
+      ErrorCode::kMalformed,
+      "the header asks for " + std::to_string(rows) + " bytes of pixels, there are " + std::to_string(*unpacked),
+      name + ":IDAT", whole);
+}
 
 Expected<std::string> EncodePng(const DepthImage& image) {
   const bool is_whole = image.width > 0 && image.height > 0 &&

@@ -4,7 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include "core/quality/gravity.h"
+#include "core/quality/rate.h"
 
 namespace mocurate {
 namespace {
@@ -64,13 +64,14 @@ std::vector<double> WithoutBlanks(const TrackedPoints& points, const std::vector
 std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, const CheckLimits& limits) {
   std::vector<Finding> findings = FindBlanks(given);
   const std::vector<double> confidence = WithoutBlanks(given, findings);
-  const TrackedPoints points{given.positions, confidence, given.time_s, given.names, given.parents, given.rest_lengths};
+  const TrackedPoints points{given.positions, confidence,         given.time_s, given.names,
+                             given.parents,   given.rest_lengths, given.body};
   Append(FindRepeats(points, limits.repeats), findings);
   std::vector<Finding> no_body = FindNoBody(points, limits.rigidity);
   if (no_body.empty() && limits.metres) {
     Append(FindTeleports(points, limits.teleports), findings);
     Append(FindSwaps(points, limits.swaps), findings);
-    Append(FindWrongRate(points, rate_hz), findings);
+    if (rate_hz > 0.0) Append(FindWrongRate(points, rate_hz), findings);
   }
   Append(std::move(no_body), findings);
   return Fewer(std::move(findings), static_cast<std::size_t>(std::max(1, limits.most_per_code)));

@@ -19,7 +19,7 @@ struct CheckLimits {
 
 /// What is wrong with one person's points: FindBlanks, FindRepeats, FindTeleports, FindSwaps, FindNoBody and
 /// FindWrongRate, in order of code, frame and joint. Metres, y up. What is blank is missing to the others; numbers that
-/// are no body are told so and not asked for more.
+/// are no body are told so and not asked for more. `rate_hz` 0: nobody says it, and it is not doubted.
 std::vector<Finding> CheckPoints(const TrackedPoints& points, double rate_hz, const CheckLimits& limits = {});
 
 /// Share of the frames that findings of `code` cover.

@@ -5,6 +5,7 @@
 
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
+#include "core/quality/handedness.h"
 
 namespace mocurate {
 
@@ -17,6 +18,7 @@ struct TrackedPoints {
   std::vector<std::string> names = {};    ///< (K), or empty
   std::vector<int> parents = {};          ///< (K) the point at the other end of its bone, -1 for none; or empty
   std::vector<double> rest_lengths = {};  ///< (K) of that bone in a rest pose, in any unit, 0 unknown; or empty
+  HandednessPoints body = {};             ///< which of them are hips, knees ...; -1 where that is not known
 
   int frames() const { return positions.frames; }
   int count() const { return positions.joints; }

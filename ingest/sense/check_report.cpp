@@ -1,10 +1,12 @@
 #include "ingest/sense/check_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/quality/checks.h"
+#include "ingest/clip_checks.h"
 #include "ingest/sense/clip_report.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -22,33 +24,96 @@ Matrix3d MetresYUp(double metres, const std::string& up) {
   return metres * turn;
 }
 
-}  // namespace
+/// What the file says is zero stands there for the checks, as it does for whoever ingests it.
+std::vector<double> ConfidenceOf(const ObservedClip& clip) {
+  std::vector<double> confidence = clip.confidence;
+  for (std::size_t i = 0; i < clip.zeros.size(); ++i) {
+    if (clip.zeros[i] != 0) confidence[i] = 1.0;
+  }
+  return confidence;
+}
 
-void ReportChecks(const ObservedClip& clip, const std::string& units, const std::string& up, const std::string& where,
-                  nlohmann::json& findings) {
-  if (clip.positions.empty() || clip.positions.frames < 2) return;
-  const auto metres = MetresPerUnit(units);
-  const Matrix3d map = MetresYUp(metres ? *metres : 1.0, up);
-  JointPositions positions(clip.positions.frames, clip.positions.joints);
-  const double rate = clip.rate_hz.value_or(kUsualRate);
+/// A root that stays where it is while another joint carries the body through the world is no part of the body.
+void LeaveOutIdleRoot(const ObservedClip& clip, std::vector<double>& confidence) {
+  const int frames = clip.positions.frames, joints = clip.positions.joints;
+  if (clip.parents.empty() || frames < 2) return;
+  for (int j = 0; j < joints; ++j) {
+    if (clip.parents[static_cast<std::size_t>(j)] >= 0) continue;
+    const Vector3d first = clip.positions.at(0, j);
+    for (int f = 1; f < frames; ++f) {
+      if (clip.positions.at(f, j) != first) return;
+    }
+    if (confidence.empty()) confidence.assign(static_cast<std::size_t>(frames) * static_cast<std::size_t>(joints), 1.0);
+    for (int f = 0; f < frames; ++f)
+      confidence[static_cast<std::size_t>(f) * static_cast<std::size_t>(joints) + static_cast<std::size_t>(j)] = 0.0;
+  }
+}
+
+std::string PlaceOf(const Finding& finding, const std::string& where) {
+  std::string place = where;
+  if (finding.frame_end > finding.frame_begin) {
+    place += " frames " + std::to_string(finding.frame_begin) + "-" + std::to_string(finding.frame_end);
+  }
+  if (!finding.joint.empty()) place += " joint " + finding.joint;
+  return place;
+}
+
+bool Remarked(const ObservedClip& clip, const std::string& code) {
+  return std::any_of(clip.remarks.begin(), clip.remarks.end(),
+                     [&](const Remark& remark) { return remark.code == code; });
+}
+
+/// A clip in metres with y up.
+struct ClipInMetres {
+  ClipInMetres(const ObservedClip& clip, const std::string& units, const std::string& up, double rate_hz);
+  TrackedPoints view(const ObservedClip& clip) const {
+    return {positions, confidence, time_s, clip.names, bones.parents, bones.rest_lengths, clip.points};
+  }
+
+  bool known = false;  ///< unit and up are
+  JointPositions positions;
+  std::vector<double> confidence;
   std::vector<double> time_s;
+  PointBones bones;
+};
+
+ClipInMetres::ClipInMetres(const ObservedClip& clip, const std::string& units, const std::string& up, double rate_hz)
+    : positions(clip.positions.frames, clip.positions.joints), confidence(clip.confidence) {
+  const auto metres = MetresPerUnit(units);
+  known = metres.has_value() && !up.empty();
+  const Matrix3d map = MetresYUp(metres ? *metres : 1.0, up);
   for (int f = 0; f < positions.frames; ++f) {
-    time_s.push_back(f / rate);
+    time_s.push_back(f / rate_hz);
     for (int j = 0; j < positions.joints; ++j) positions.at(f, j) = map * clip.positions.at(f, j);
   }
-  CheckLimits limits;
-  limits.metres = metres.has_value() && !up.empty();
-  const TrackedPoints points{positions, clip.confidence, time_s, clip.names};
-  for (const Finding& finding : CheckPoints(points, rate, limits)) {
-    if (finding.code == "rate_doubtful" && !clip.rate_hz) continue;
+  // An order that was guessed by its bones says nothing new of them.
+  if (clip.skeleton_from != "declared" || static_cast<int>(clip.names.size()) != clip.joints) return;
+  if (const auto skeleton = KnownSkeleton(clip.skeleton)) bones = BonesBetween(clip.names, **skeleton);
+}
+
+}  // namespace
+
+RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const std::string& up) {
+  if (clip.positions.empty()) return {};
+  const ClipInMetres metres(clip, units, up, kUsualRate);
+  return metres.known ? MeasureRate(metres.view(clip)) : RateMeasure();
+}
+
+void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
+                  const std::string& up, const std::string& where, nlohmann::json& findings) {
+  if (clip.positions.empty() || clip.positions.frames < 2 || units == "px") return;
+  const std::optional<double> rate = clip.rate_hz || !source ? clip.rate_hz : source->rate_hz;
+  ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
+  metres.confidence = ConfidenceOf(clip);
+  LeaveOutIdleRoot(clip, metres.confidence);
+  const CheckOptions options = source ? source->checks : CheckOptions();
+  std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known);
+  if (!Remarked(clip, "no_joint_seen")) NoteEmptyFrames(metres.confidence, metres.positions.frames, found);
+  for (const Finding& finding : found) {
+    if (options.ActionFor(finding.code) == FindingAction::kIgnore || Remarked(clip, finding.code)) continue;
     if (finding.code == "zero_joint" && !clip.parents.empty()) continue;  // a tree's joint may lie at its origin
-    std::string place = where;
-    if (finding.frame_end > finding.frame_begin) {
-      place += " frames " + std::to_string(finding.frame_begin) + "-" + std::to_string(finding.frame_end);
-    }
-    if (!finding.joint.empty()) place += " joint " + finding.joint;
-    findings.push_back(InspectionFinding(finding.code, finding.severity, place, std::round(finding.value * 1e4) / 1e4,
-                                         finding.message));
+    findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),
+                                         std::round(finding.value * 1e4) / 1e4, finding.message));
   }
 }
 

@@ -3,13 +3,19 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "core/quality/rate.h"
 #include "ingest/sense/measure.h"
 
 namespace mocurate {
 
-/// Appends what core/quality finds wrong in the positions of a clip. `units` and `up` as told or measured; where one is
-/// not known, only what needs neither is asked. A frame rate that nobody says is taken as 30 Hz for speeds.
-void ReportChecks(const ObservedClip& clip, const std::string& units, const std::string& up, const std::string& where,
-                  nlohmann::json& findings);
+/// What a clip says of its own rate; nothing where unit or up is not known. `units` and `up` as told or measured.
+RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const std::string& up);
+
+/// Appends what is wrong with a clip, by FindDefects, as `mocurate run` finds it: with the limits of the source, or
+/// those of none. Where unit or up is not known, only what needs neither is asked, of
+/// images nothing; without a rate speeds are those of
+/// 30 Hz.
+void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
+                  const std::string& up, const std::string& where, nlohmann::json& findings);
 
 }  // namespace mocurate

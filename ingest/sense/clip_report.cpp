@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/quality/rate.h"
+#include "ingest/clip_checks.h"
 #include "ingest/sense/check_report.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sources/source_file.h"
@@ -13,6 +15,8 @@ namespace {
 
 constexpr double kManyMissing = 0.2;     // share of missing samples worth a warning
 constexpr double kRateTolerance = 0.01;  // relative
+constexpr double kRateTold = 0.6;        // least confidence of a measured rate that is told as a value
+constexpr double kSetSure = 0.5;         // files of a set may have been thinned out
 
 using Json = nlohmann::json;
 
@@ -57,11 +61,40 @@ std::string Joined(const std::string& first, const std::string& second) {
   return first + (first.empty() || second.empty() ? "" : "; ") + second;
 }
 
-Json RateOf(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m) {
-  if (clip.rate_hz) return ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
-  if (source && source->rate_hz) return Declared(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
-  const std::string silence = clip.rate_evidence.empty() ? "the file does not say it" : clip.rate_evidence;
-  return ReportValue(Json(), "unknown", 0.0, Joined(silence, m.rate.evidence));
+/// "range": [lowest, highest] Hz, null where there is no limit.
+void AddRange(const RateMeasure& measure, Json& json) {
+  if (!measure.Tells()) return;
+  const auto limit = [](double hz) { return hz > 0.0 && std::isfinite(hz) ? Json(Rounded(hz)) : Json(); };
+  json["range"] = {limit(measure.lowest), limit(measure.highest)};
+}
+
+/// By the file, the source, flights of the body, or the set; where none tells, the range that the motion allows.
+Json RateOf(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m,
+            const RateMeasure& measure) {
+  const std::string shown = measure.Tells() ? "the motion fits " + measure.Range() + ": " + measure.Words() : "";
+  Json json;
+  if (clip.rate_hz) {
+    json = ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
+  } else if (source && source->rate_hz) {
+    json = Declared(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
+  } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
+    json = ReportValue(clip.set_rate_hz, "declared", kSetSure, Joined(clip.set_says, "the file holds no times"));
+  } else if (measure.rate_hz() && measure.confidence() > kRateTold) {
+    json = ReportValue(std::round(*measure.rate_hz() * 10.0) / 10.0, "measured", measure.confidence(), shown);
+    AddRange(measure, json);
+    return json;
+  } else {
+    const std::string silence = clip.rate_evidence.empty() ? "the file does not say it" : clip.rate_evidence;
+    json = ReportValue(Json(), "unknown", 0.0, Joined(silence, shown.empty() ? m.rate.evidence : shown));
+    AddRange(measure, json);
+    return json;
+  }
+  if (!measure.Tells()) return json;
+  json["measured"] = {{"value", measure.rate_hz() ? Json(Rounded(*measure.rate_hz())) : Json()},
+                      {"confidence", Rounded(measure.confidence())},
+                      {"evidence", shown}};
+  AddRange(measure, json["measured"]);
+  return json;
 }
 
 Json FirstFrame(const ObservedClip& clip) {
@@ -76,11 +109,18 @@ Json FirstFrame(const ObservedClip& clip) {
   return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
 
-void AddNameFields(const SourceOptions& source, const std::string& file, Json& json, Json& findings) {
+void AddNameFields(const ObservedClip& clip, const SourceOptions& source, const std::string& file, Json& json,
+                   Json& findings) {
   const auto named = ReadName(source, file);
   if (!named) {
     findings.push_back(InspectionFinding("name_mismatch", Severity::kWarning, file, 0.0, named.error().Message()));
     return;
+  }
+  std::vector<Finding> contradictions;
+  JudgeName(source, *named, clip.frames, contradictions);
+  for (const Finding& finding : contradictions) {
+    findings.push_back(
+        InspectionFinding(finding.code, finding.severity, file + clip.id, finding.value, finding.message));
   }
   json["item"] = named->item();
   json["person"] = ReportValue(named->identity.person, "declared", 1.0, "name of the file");
@@ -126,9 +166,8 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   const Statements said = StatementsOf(clip, source);
   const std::string where = file + clip.id;
   Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
-  if (source) AddNameFields(*source, file, json, findings);
+  if (source) AddNameFields(clip, *source, file, json, findings);
   json["frames"] = ReportValue(clip.frames, "measured", 1.0, clip.layout_evidence);
-  json["rate_hz"] = RateOf(clip, source, m);
   const bool has_joints = clip.joints > 0;
   json["joints"] = ReportValue(
       has_joints ? Json(clip.joints) : Json(), clip.format == "joint_table" && !source ? "measured" : "declared",
@@ -172,7 +211,10 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   }
   if (source) CompareFormat(clip, *source, where, findings);
   if (source) CompareRate(clip, *source, where, findings);
-  ReportChecks(clip, units, up, where, findings);
+  const bool no_body = std::any_of(clip.remarks.begin(), clip.remarks.end(),
+                                   [](const Remark& remark) { return remark.code == "not_joint_positions"; });
+  json["rate_hz"] = RateOf(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));
+  ReportChecks(clip, source, units, up, where, findings);
   return json;
 }
 

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/formats/camera_files.h"
 #include "core/formats/header_count.h"
+#include "core/formats/png.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_groups.h"
@@ -96,6 +98,7 @@ class Inspector {
 
  private:
   Status Read(const FileToInspect& file, FileKind kind);
+  Status AddStoragesBeside(const FileToInspect& file);
   void Add(const ObservedFile& file, const std::string& name);
   void AddVideos();
   Json& findings() { return inspection["findings"]; }
@@ -113,14 +116,43 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
   const Expected<std::string> bytes = ReadFile(file.path);
   if (!bytes) return Forward(bytes);
   const FileBytes content{*bytes, file.name, file.path};
+  if (kind == FileKind::kPng) {
+    if (Status whole = CheckPng(*bytes, file.name); !whole) return whole;
+    sequences_.AddImage(content, true);
+    return {};
+  }
   const JsonKind json = kind == FileKind::kJson ? JsonKindOf(*bytes) : JsonKind::kOther;
   if (json == JsonKind::kOpenPose) return sequences_.AddOpenPose(content);
   if (json == JsonKind::kPanopticBodies) return sequences_.AddPanoptic(content);
   const bool storage = kind == FileKind::kXml && bytes->find("<opencv_storage") != std::string::npos;
-  if (storage || kind == FileKind::kOpenCvYaml) return sequences_.AddOpenCv(content);
+  if (storage || kind == FileKind::kOpenCvYaml) {
+    if (Status added = sequences_.AddOpenCv(content); !added) return added;
+    return folder_ ? Status() : AddStoragesBeside(file);
+  }
   const Expected<ObservedFile> observed = ObserveFile(content, source_);
   if (!observed) return Forward(observed);
   Add(*observed, file.name);
+  return {};
+}
+
+/// A rig is two storages, intri and extri: asked for one of them, the other is looked for where it lies.
+Status Inspector::AddStoragesBeside(const FileToInspect& file) {
+  std::vector<std::filesystem::path> beside;
+  std::error_code error;
+  const std::filesystem::path folder = file.path.has_parent_path() ? file.path.parent_path() : ".";
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().extension() == file.path.extension() && at->path().filename() != file.path.filename())
+      beside.push_back(at->path());
+  }
+  std::sort(beside.begin(), beside.end());
+  for (const std::filesystem::path& path : beside) {
+    const Expected<std::string> head = ReadHead(path);
+    if (!head || (KindOf(*head) != FileKind::kOpenCvYaml && head->find("<opencv_storage") == std::string::npos))
+      continue;
+    const Expected<std::string> bytes = ReadFile(path);
+    if (!bytes) return Forward(bytes);
+    sequences_.AddBeside({*bytes, DisplayPath(path.filename()), path});
+  }
   return {};
 }
 
@@ -180,9 +212,7 @@ void Inspector::Look(const FileToInspect& file) {
     return;
   }
   if (kind == FileKind::kVideo) return videos_.push_back(file);
-  if (kind == FileKind::kPng || kind == FileKind::kJpeg) {
-    return sequences_.AddImage({*head, file.name, file.path}, kind == FileKind::kPng);
-  }
+  if (kind == FileKind::kJpeg) return sequences_.AddImage({*head, file.name, file.path}, false);
   if (size > kLargestFile) {
     return AddError({ErrorCode::kUnsupported, "the file is larger than 1 GiB", file.name, ""}, file.name, "too_large",
                     findings());
@@ -192,8 +222,12 @@ void Inspector::Look(const FileToInspect& file) {
   const ErrorCode code = read.error().code;
   if (code == ErrorCode::kUnreadable || code == ErrorCode::kNotFound)
     return AddError(read.error(), file.name, "unreadable", findings());
-  // Text in brackets and XML may be anything.
-  const bool common = kind == FileKind::kJson || kind == FileKind::kXml || kind == FileKind::kToml;
+  // Text in brackets and XML may be anything, but not where it speaks of cameras.
+  bool common = kind == FileKind::kJson || kind == FileKind::kXml || kind == FileKind::kToml;
+  if (common) {
+    const Expected<std::string> bytes = ReadFile(file.path);
+    common = !bytes || !SpeaksOfCameras(*bytes);
+  }
   if (folder_ && (code == ErrorCode::kUnsupported || common)) {
     others_.push_back(file.name);
     return;
@@ -216,7 +250,7 @@ std::string FormatOf(const Json& inspection) {
 }
 
 void Inspector::Finish(const std::string& path) {
-  for (const auto& [folder, file] : sequences_.Finish()) Add(file, folder.empty() ? path : folder);
+  for (const auto& [folder, file] : sequences_.Finish(folder_)) Add(file, folder.empty() ? path : folder);
   AddVideos();
   if (!others_.empty()) {
     findings().push_back(InspectionFinding(

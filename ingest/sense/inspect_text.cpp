@@ -34,8 +34,8 @@ std::string Field(const char* name, const Json& field) {
   if (from == "unknown") text += "  " + field.at("evidence").get<std::string>();
   if (field.contains("measured")) {
     const Json& measured = field.at("measured");
-    text += "; measured " + Text(measured.at("value")) + ", " + Percent(measured.at("confidence")) +
-            " sure: " + measured.at("evidence").get<std::string>();
+    text += "; measured " + (measured.at("value").is_null() ? "" : Text(measured.at("value")) + ", ") +
+            Percent(measured.at("confidence")) + " sure: " + measured.at("evidence").get<std::string>();
   }
   return Line(name, text);
 }

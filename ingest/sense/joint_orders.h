@@ -13,7 +13,9 @@ struct JointOrder {
   std::string name;      ///< "kard", "kinect1", ...
   std::string skeleton;  ///< whose names `joints` are
   std::vector<std::string> joints;
-  std::string told = {};  ///< what is said of a clip in this order; empty: `skeleton`
+  std::string told = {};      ///< what is said of a clip in this order; empty: `skeleton`
+  double set_rate_hz = 0.0;   ///< of the one set that lists joints so, and
+  std::string set_says = {};  ///< who says it; 0 and empty: several sets do, or nobody says
 };
 
 const std::vector<JointOrder>& KnownJointOrders();

@@ -272,8 +272,10 @@ ClipMeasures Measure(const ObservedClip& clip) {
   }
   if (clip.positions.empty()) return m;
   const Body body(clip);
-  m.body = body.Chain();
-  if (m.body > 0.0) {
+  m.body = clip.lengths_assumed ? 0.0 : body.Chain();
+  if (clip.lengths_assumed) {
+    m.units.evidence = "lengths are those of a standard body";
+  } else if (m.body > 0.0) {
     m.units = UnitsFromLength(m.body, kTypicalBody, kShortestBody, kTallestBody, "head to foot along the bones", 1.0);
   } else if (clip.joints >= 10) {
     m.units = UnitsFromLength(Extent(clip), 1.55, 0.7, 2.3, "the longest side of the box around all points", 0.5);

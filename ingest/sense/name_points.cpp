@@ -39,6 +39,8 @@ bool RecogniseOrder(ObservedClip& clip) {
   }
   const OrderScore& best = scores[0];
   clip.names = best.order->joints;
+  clip.set_rate_hz = best.order->set_rate_hz;
+  clip.set_says = best.order->set_says;
   clip.skeleton = best.order->told.empty() ? best.order->skeleton : best.order->told;
   clip.skeleton_from = "measured";
   clip.skeleton_evidence = Words(best);

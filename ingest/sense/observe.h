@@ -54,17 +54,21 @@ class ObservedSequences {
   Status AddOpenPose(const FileBytes& file);
   Status AddPanoptic(const FileBytes& file);
   Status AddOpenCv(const FileBytes& file);
+  /// A storage that nobody asked for, which may say what the others lack.
+  void AddBeside(const FileBytes& file);
   void AddImage(const FileBytes& head, bool png);
 
-  /// By folder ("" is the one asked for): clips with their folder in `id`; calibrations likewise.
-  std::map<std::string, ObservedFile> Finish() const;
+  /// By folder ("" is the one asked for): clips with their folder in `id`; calibrations likewise. In a folder storages
+  /// may be of anything; the one file that is asked for has to be known.
+  std::map<std::string, ObservedFile> Finish(bool folder) const;
 
  private:
   struct Folder {
     std::vector<OpenPoseFrame> keypoints;
     std::vector<PanopticBodies> scenes;
     std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
-    std::map<std::string, ObservedCompanion> images;            ///< by what is equal in them
+    std::vector<std::pair<std::string, std::string>> beside;
+    std::map<std::string, ObservedCompanion> images;  ///< by what is equal in them
   };
   std::map<std::string, Folder> folders_;
 };
@@ -102,7 +106,8 @@ Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& 
 ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody);
 /// A clip per body of a scene.
 std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& scenes);
-/// Text of OpenCV's FileStorage, as far as calibrations need it: rigs of intri and extri, or one file per view.
+/// Text of OpenCV's FileStorage, as far as calibrations need it: rigs of intri and extri, or one file per view. Error
+/// kMalformed names the field that is missing or of another size ("intri.yml:K_cam02"), kUnsupported: no calibration.
 Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages);
 
 }  // namespace mocurate

@@ -11,8 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostFrames = 256;  // forward kinematics of more tells nothing new
-
 struct Beside {
   fs::path skeleton;   ///< empty: none whose name begins the motion's
   std::string others;  ///< names of those that lie there as well
@@ -82,12 +80,11 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
     clip.names.push_back(bone.name);
     parents.push_back(bone.parent + 1);
   }
-  const int step = std::max(1, amc.frames / kMostFrames);
-  clip.positions = JointPositions((amc.frames + step - 1) / step, clip.joints);
+  clip.positions = JointPositions(amc.frames, clip.joints);
   std::vector<Vector3d> ends;
   for (int i = 0; i < clip.positions.frames; ++i) {
     Vector3d root = Vector3d::Zero();
-    AcclaimForward(asf, amc, i * step, ends, &root);
+    AcclaimForward(asf, amc, i, ends, &root);
     clip.positions.at(i, 0) = root;
     for (std::size_t b = 0; b < asf.bones.size(); ++b) {
       const int parent = asf.bones[b].parent;

@@ -1,15 +1,9 @@
-#include <algorithm>
 #include <cmath>
 
 #include "core/formats/bvh.h"
 #include "ingest/sense/observe.h"
 
 namespace mocurate {
-namespace {
-
-constexpr int kMostFrames = 256;  // forward kinematics of more tells nothing new
-
-}  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
   const Expected<Bvh> bvh = ParseBvh(bytes, name, DamagedRows::kReport);
@@ -21,14 +15,11 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   clip.rate_evidence = "Frame Time of the file";
   clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
   for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
-  const int step = std::max(1, bvh->frames / kMostFrames);
-  std::vector<int> frames;
-  for (int f = 0; f < bvh->frames; f += step) frames.push_back(f);
-  clip.positions = JointPositions(static_cast<int>(frames.size()), clip.joints);
+  clip.positions = JointPositions(bvh->frames, clip.joints);
   std::vector<Vector3d> positions;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    BvhForward(*bvh, frames[i], positions);
-    for (int j = 0; j < clip.joints; ++j) clip.positions.at(static_cast<int>(i), j) = positions[j];
+  for (int f = 0; f < bvh->frames; ++f) {
+    BvhForward(*bvh, f, positions);
+    for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
   }
   std::vector<int> parents;
   for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 
 #include "core/base/text.h"
@@ -155,6 +156,42 @@ Status SetPose(const Storage& storage, const std::string& matrix_key, const std:
   return {};
 }
 
+/// Half a camera is told by the field that is not there. `part`: a storage with some of it, or null.
+tl::unexpected<Error> Missing(const Storage& part, const std::string& key, const std::string& what) {
+  return Fail(
+      ErrorCode::kMalformed, "the field is missing: " + what, part.file + ":" + key,
+      "a rig is two files in one folder: K_n and dist_n of each camera n of `names`, and R_n or Rot_n with T_n; "
+      "a view is one file with intrinsic, R and t");
+}
+
+bool HoldsAny(const Storage& storage, std::initializer_list<const char*> prefixes) {
+  for (const auto& [key, numbers] : storage.numbers) {
+    for (const char* prefix : prefixes) {
+      if (key.rfind(prefix, 0) == 0) return true;
+    }
+  }
+  return false;
+}
+
+/// Why storages are no calibration: a part of one, with the field that it lacks, or something else.
+tl::unexpected<Error> Fault(const std::vector<Storage>& storages, const Storage* intrinsic, const Storage* extrinsic) {
+  for (const Storage& storage : storages) {
+    const bool of_rig = HoldsAny(storage, {"K_", "R_", "Rot_", "T_", "dist_"});
+    if (of_rig && storage.names.empty()) return Missing(storage, "names", "the cameras are not listed");
+    const bool of_view = storage.numbers.count("R") > 0 || storage.numbers.count("t") > 0;
+    if (of_view && !of_rig) return Missing(storage, "intrinsic", "the view has a pose and no camera matrix");
+  }
+  if (intrinsic != nullptr && extrinsic == nullptr) {
+    return Missing(*intrinsic, "R_" + intrinsic->names[0], "half a camera, intrinsics without a pose");
+  }
+  if (extrinsic != nullptr && intrinsic == nullptr && HoldsAny(*extrinsic, {"R_", "Rot_", "T_"})) {
+    return Missing(*extrinsic, "K_" + extrinsic->names[0], "half a camera, a pose without intrinsics");
+  }
+  return Fail(ErrorCode::kUnsupported, "the storage is no calibration of a known kind",
+              storages.empty() ? "" : storages[0].file,
+              "known are intri and extri with names, K_n, R_n, T_n in one folder, and views with intrinsic, R, t");
+}
+
 }  // namespace
 
 Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages) {
@@ -176,15 +213,11 @@ Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std
       calibration.dialect = "opencv_views";
       calibration.views.push_back(std::move(view));
     } else if (!storage.names.empty()) {
-      (storage.numbers.count("K_" + storage.names[0]) > 0 ? intrinsic : extrinsic) = &storage;
+      (HoldsAny(storage, {"K_", "dist_"}) ? intrinsic : extrinsic) = &storage;
     }
   }
   if (!calibration.views.empty()) return calibration;
-  if (intrinsic == nullptr || extrinsic == nullptr) {
-    return Fail(ErrorCode::kUnsupported, "the storage is no calibration of a known kind",
-                parsed.empty() ? "" : parsed[0].file,
-                "known are intri and extri with names, K_n, R_n, T_n in one folder, and views with intrinsic, R, t");
-  }
+  if (intrinsic == nullptr || extrinsic == nullptr) return Fault(parsed, intrinsic, extrinsic);
   calibration.dialect = "opencv_rig";
   for (const std::string& name : extrinsic->names) {
     CalibratedView view;

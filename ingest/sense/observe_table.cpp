@@ -24,8 +24,6 @@ struct Layout {
   int axis[3] = {0, 1, 2};  ///< columns of x, y, z after the joint's first
 };
 
-bool IsMissing(const Vector3d& value) { return !value.allFinite() || value.isZero(0.0); }
-
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
 /// How a source would declare the layout; a fourth number that lies in 0..1 throughout is a confidence.
@@ -61,6 +59,7 @@ ObservedClip Read(const JointTable& rows, const Layout& layout) {
   clip.frames = rows.frames / layout.rows_per_frame;
   clip.positions = JointPositions(clip.frames, clip.joints);
   clip.confidence.assign(static_cast<std::size_t>(clip.frames) * clip.joints, 0.0);
+  clip.zeros.assign(clip.confidence.size(), 0);
   const int per_row = layout.joints / layout.rows_per_frame;
   for (int f = 0; f < clip.frames; ++f) {
     for (int j = 0; j < clip.joints; ++j) {
@@ -69,9 +68,12 @@ ObservedClip Read(const JointTable& rows, const Layout& layout) {
                                                   : layout.x_columns[j];
       const auto number = [&](int axis) { return rows.at(row, 0, column + layout.axis[axis]); };
       const Vector3d value(number(0), number(1), number(2));
-      if (IsMissing(value)) continue;
+      const std::size_t at =
+          static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);
+      clip.zeros[at] = value.isZero(0.0) ? 1 : 0;
+      if (!value.allFinite() || value.isZero(0.0)) continue;
       clip.positions.at(f, j) = value;
-      clip.confidence[static_cast<std::size_t>(f) * clip.joints + j] = 1.0;
+      clip.confidence[at] = 1.0;
     }
   }
   clip.layout_evidence = layout.words;
@@ -224,10 +226,15 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
       for (int j = 0; j < clip.joints; ++j) {
         const int row = f * layout.rows_per_frame + j / per_row;
         const double value = rows.at(row, 0, (j % per_row) * layout.columns_per_joint + confidence);
-        if (!(value > 0.0)) clip.confidence[static_cast<std::size_t>(f) * clip.joints + j] = 0.0;
+        const std::size_t at =
+            static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);
+        if (value > 0.0) continue;
+        clip.confidence[at] = 0.0;
+        if (source.least_confidence <= 0.0) clip.zeros[at] = 0;
       }
     }
   }
+  if (source.missing == MissingValue::kZero) clip.zeros.clear();
   DeclareOrder(source, clip);
   return clip;
 }

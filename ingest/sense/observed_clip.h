@@ -30,12 +30,18 @@ struct ObservedClip {
   std::string people_evidence = "files of this format hold one person";
   JointPositions positions;        ///< empty where the file holds none, or only with what it does not hold
   std::vector<double> confidence;  ///< (frames*joints); 0: missing
+  /// (frames*joints), or empty: 1 where the file says 0 0 0 and nobody calls that missing; confidence is 0 there, so
+  /// that nothing is measured of it.
+  std::vector<char> zeros;
   std::vector<std::string> names;  ///< (joints), or empty: unknown
   std::vector<int> parents;        ///< (joints) where the file holds a tree; -1 for the root
   HandednessPoints points;
-  std::optional<double> rate_hz;        ///< where the file says it
-  std::string rate_evidence;            ///< where it says it, or what is known besides the file
+  std::optional<double> rate_hz;  ///< where the file says it
+  std::string rate_evidence;      ///< where it says it, or what is known besides the file
+  double set_rate_hz = 0.0;       ///< where only the set that the file is of tells it
+  std::string set_says;
   std::optional<double> missing_share;  ///< where positions do not show it
+  bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them
   std::string silence = "no joints";    ///< why nothing can be measured without positions
   /// What else the file says: ("gender", "male").
   std::vector<std::pair<std::string, std::string>> facts;

@@ -38,6 +38,10 @@ Status ObservedSequences::AddOpenCv(const FileBytes& file) {
   return {};
 }
 
+void ObservedSequences::AddBeside(const FileBytes& file) {
+  folders_[FolderOf(file.name)].beside.emplace_back(file.name, std::string(file.bytes));
+}
+
 void ObservedSequences::AddImage(const FileBytes& head, bool png) {
   ObservedCompanion image{FolderOf(head.name), png ? "png" : "jpeg", {}, {{"files", 1.0}}};
   if (png && head.bytes.size() >= 26) {
@@ -53,7 +57,7 @@ void ObservedSequences::AddImage(const FileBytes& head, bool png) {
   if (!fresh) known->second.numbers[0].second += 1.0;
 }
 
-std::map<std::string, ObservedFile> ObservedSequences::Finish() const {
+std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) const {
   // Cameras of one recording stand in folders side by side and were given to the same detector.
   std::map<std::string, std::vector<OpenPosePerson>> everybody;
   for (const auto& [name, folder] : folders_) {
@@ -70,13 +74,20 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish() const {
     for (const auto& [key, image] : folder.images) file.companions.push_back(image);
     if (!folder.storages.empty()) {
       Expected<Calibration> calibration = ObserveOpenCv(folder.storages);
+      for (std::size_t i = 0; !calibration && i < folder.beside.size(); ++i) {
+        auto storages = folder.storages;
+        storages.push_back(folder.beside[i]);
+        // Together they may lack another field than one alone.
+        auto together = ObserveOpenCv(storages);
+        if (together || together.error().where != calibration.error().where) calibration = std::move(together);
+      }
       if (calibration) {
         file.calibrations.push_back(std::move(*calibration));
       } else {
-        file.remarks.push_back(
-            {calibration.error().code == ErrorCode::kUnsupported ? "unknown_format" : "malformed",
-             calibration.error().code == ErrorCode::kUnsupported ? Severity::kInfo : Severity::kError, 0.0,
-             calibration.error().Message()});
+        const bool other = calibration.error().code == ErrorCode::kUnsupported;
+        file.remarks.push_back({other ? "unknown_format" : "malformed",
+                                other && of_folder ? Severity::kInfo : Severity::kError, 0.0,
+                                calibration.error().Message()});
       }
     }
     files.emplace(name, std::move(file));

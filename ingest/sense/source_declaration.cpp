@@ -82,6 +82,7 @@ void WriteUnits(const ClipVotes& source, const std::string& format, DeclarationW
 
 void WriteRate(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const Vote rate = source.Ask("rate_hz");
+  if (rate.from == "measured") return writer.Unknown("rate", rate.comment);  // near, but no rate to divide times by
   if (!rate.value.is_null() && rate.share < kOneRate) {
     return writer.Comment("rate: each file says its own, most " + FormatDouble(rate.value.get<double>()) + " Hz");
   }

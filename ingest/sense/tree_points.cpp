@@ -96,6 +96,33 @@ HandednessPoints PointsOfTree(const std::vector<std::string>& names, const std::
   return points;
 }
 
+HandednessPoints PointsOfBody(const Skeleton& skeleton) {
+  const HandednessPoints known = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
+  if (known.knee[0] >= 0 && known.knee[1] >= 0) return known;
+  std::vector<std::string> names;
+  std::vector<int> parents;
+  for (const Joint& joint : skeleton.joints) {
+    names.push_back(joint.name);
+    parents.push_back(joint.parent);
+  }
+  return PointsOfTree(names, parents);
+}
+
+HandednessPoints PointsOfBody(const std::vector<std::string>& names, const Skeleton* skeleton) {
+  const auto find = [&](std::string_view name) -> std::optional<int> {
+    const std::optional<int> joint = skeleton != nullptr ? skeleton->FindJoint(name) : std::nullopt;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      if (names[k] == name) return static_cast<int>(k);
+      if (joint && skeleton->FindJoint(names[k]) == joint) return static_cast<int>(k);
+    }
+    return std::nullopt;
+  };
+  return FindHandednessPoints([&](std::string_view name) {
+    const std::optional<int> point = find(name);
+    return point || name != "head" ? point : find("nose");
+  });
+}
+
 void CompareTree(const SourceOptions& source, ObservedClip& clip) {
   if (source.skeleton.empty() || clip.parents.empty()) return;
   const auto skeleton = KnownSkeleton(source.skeleton);

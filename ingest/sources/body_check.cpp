@@ -11,35 +11,6 @@ namespace {
 
 constexpr int kFewestFrames = 8;  // fewer tell nothing about the order of joints
 
-/// By the names that all skeletons share, or, in a tree of a file's own, by what its names look like.
-HandednessPoints PointsOf(const Skeleton& skeleton) {
-  const HandednessPoints known = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
-  if (known.knee[0] >= 0 && known.knee[1] >= 0) return known;
-  std::vector<std::string> names;
-  std::vector<int> parents;
-  for (const Joint& joint : skeleton.joints) {
-    names.push_back(joint.name);
-    parents.push_back(joint.parent);
-  }
-  return PointsOfTree(names, parents);
-}
-
-HandednessPoints PointsOf(const SourceOptions& source, const JointTracks& tracks) {
-  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-  const auto find = [&](std::string_view name) -> std::optional<int> {
-    const std::optional<int> joint = skeleton && *skeleton ? (*skeleton)->FindJoint(name) : std::nullopt;
-    for (std::size_t k = 0; k < tracks.names.size(); ++k) {
-      if (tracks.names[k] == name) return static_cast<int>(k);
-      if (joint && (*skeleton)->FindJoint(tracks.names[k]) == joint) return static_cast<int>(k);
-    }
-    return std::nullopt;
-  };
-  return FindHandednessPoints([&](std::string_view name) {
-    const std::optional<int> point = find(name);
-    return point || name != "head" ? point : find("nose");  // detectors' layouts have no head
-  });
-}
-
 /// Back to the units and axes of the file, in which the declaration speaks.
 JointPositions InFile(const SourceOptions& source, JointPositions positions) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
@@ -70,7 +41,10 @@ std::optional<ObservedClip> Observed(const SourceOptions& source, const Clip& cl
   observed.joints = observed.positions.joints;
   observed.rate_hz = clip.rate.hz();
   if (listed && !source.skeleton.empty() && observed.frames >= kFewestFrames) DeclareOrder(source, observed);
-  observed.points = clip.evidence.tracks ? PointsOf(source, *clip.evidence.tracks) : PointsOf(*clip.motion->skeleton);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  observed.points = clip.evidence.tracks
+                        ? PointsOfBody(clip.evidence.tracks->names, skeleton ? skeleton->get() : nullptr)
+                        : PointsOfBody(*clip.motion->skeleton);
   if (observed.units.empty()) observed.units = "m";
   return observed;
 }

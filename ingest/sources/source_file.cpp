@@ -145,10 +145,14 @@ void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>&
 }
 
 void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings) {
-  const int frames = tracks.positions.frames;
-  const auto joints = static_cast<std::ptrdiff_t>(tracks.positions.joints);
+  NoteEmptyFrames(tracks.confidence, tracks.positions.frames, findings);
+}
+
+void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vector<Finding>& findings) {
+  if (frames <= 0 || confidence.empty()) return;
+  const auto joints = static_cast<std::ptrdiff_t>(confidence.size()) / frames;
   const auto empty = [&](int f) {
-    const auto first = tracks.confidence.begin() + f * joints;
+    const auto first = confidence.begin() + f * joints;
     return std::all_of(first, first + joints, [](double c) { return c == 0.0; });
   };
   for (int f = 0; f < frames; ++f) {

@@ -166,6 +166,7 @@ Status AddDepthImage(const StageInput& image, double time_s, DepthView& view);
 
 /// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.
 void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings);
+void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vector<Finding>& findings);
 
 /// From the axes and units of a source to the canonical world.
 struct SourceFrame {

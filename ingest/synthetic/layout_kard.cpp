@@ -39,7 +39,7 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
     const Motion motion =
         Seen(PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1}), sensor_from_world);
     const std::vector<std::string> names = NamesOf(KardPlaces());
-    TrackedPoints tracked = Track(PlacesOf(motion, KardPlaces()), names, options.tracker, options.seed, recording);
+    TrackedTake tracked = Track(PlacesOf(motion, KardPlaces()), names, options.tracker, options.seed, recording);
     JointTable table;
     table.frames = motion.frame_count();
     table.rows_per_frame = static_cast<int>(names.size());

@@ -75,7 +75,7 @@ struct View {
   NtuName name;
 };
 
-NtuBody BodyAt(const View& view, const Motion& motion, const TrackedPoints& tracked,
+NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracked,
                const std::vector<std::uint8_t>& hidden, const Camera& camera, int frame) {
   NtuBody body;
   body.id = kFirstBody + static_cast<std::uint64_t>(view.take->subject) * 64 + 1;
@@ -190,7 +190,7 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     const std::string recording = view.name.Text();
     const BodyView body(actor);
     const JointPositions places = PlacesOf(motion, Kinect25Places());
-    TrackedPoints tracked = Track(places, NamesOf(Kinect25Places()), options.tracker, options.seed, recording);
+    TrackedTake tracked = Track(places, NamesOf(Kinect25Places()), options.tracker, options.seed, recording);
     const std::vector<std::uint8_t> hidden = HiddenPlaces(body, motion, places, camera);
     NtuSkeleton skeleton;
     for (int f = 0; f < motion.frame_count(); ++f) {

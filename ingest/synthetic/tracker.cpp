@@ -118,8 +118,8 @@ JointPositions PointsOf(const Motion& motion, const std::vector<std::string>& na
   return points;
 }
 
-TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
-                    std::int64_t options_seed, const std::string& item) {
+TrackedTake Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
+                  std::int64_t options_seed, const std::string& item) {
   const auto seed = static_cast<std::uint64_t>(options_seed);
   const std::size_t count = names.size();
   Random noise(seed, "studio.noise", item);
@@ -143,7 +143,7 @@ TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>&
     wander.emplace_back(options.wander_frames, Random(seed, "studio.wander", item + "/" + std::to_string(k)));
   }
 
-  TrackedPoints tracked{JointPositions(truth.frames, truth.joints), {}, {}};
+  TrackedTake tracked{JointPositions(truth.frames, truth.joints), {}, {}};
   for (int f = 0; f < truth.frames; ++f) {
     for (std::size_t k = 0; k < count; ++k) {
       const auto point = static_cast<int>(k);
@@ -167,7 +167,7 @@ TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>&
 
 std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item) {
   const std::vector<std::string>& names = TrackedJoints();
-  const TrackedPoints tracked = Track(PointsOf(truth, names), names, options.tracker, options.seed, item);
+  const TrackedTake tracked = Track(PointsOf(truth, names), names, options.tracker, options.seed, item);
   JointTable table;
   table.frames = truth.frame_count();
   table.rows_per_frame = static_cast<int>(names.size());

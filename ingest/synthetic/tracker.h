@@ -10,7 +10,7 @@
 namespace mocurate {
 
 /// What a tracker says of some points.
-struct TrackedPoints {
+struct TrackedTake {
   JointPositions positions;          ///< (F,K,3), metres; of what was not seen: not to be read
   std::vector<std::uint8_t> seen;    ///< (F*K)
   std::vector<std::uint8_t> frozen;  ///< (F*K) repeats an earlier value
@@ -19,8 +19,8 @@ struct TrackedPoints {
 /// Adds a tracker's errors to true positions (F,K,3). `names` (K) tell left from right. Each seen point is off by white
 /// noise and its bias; points are lost or frozen for some frames on end; some are grossly wrong, and now and then left
 /// and right limbs are exchanged. `item` keys the randomness; a bias is the same for every item.
-TrackedPoints Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
-                    std::int64_t seed, const std::string& item);
+TrackedTake Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
+                  std::int64_t seed, const std::string& item);
 
 /// Positions of named joints or synonyms (K) of a motion's skeleton, (F,K,3).
 JointPositions PointsOf(const Motion& motion, const std::vector<std::string>& names);

@@ -23,7 +23,7 @@ VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::
   const std::vector<std::string> names = NamesOf(Vibe49Places());
   track.joints = names.size();
   const JointPositions truth = PlacesOf(motion, Vibe49Places());
-  TrackedPoints tracked = Track(truth, names, options, seed, item);
+  TrackedTake tracked = Track(truth, names, options, seed, item);
   for (int f = 0; f < motion.frame_count(); ++f) {
     const std::vector<double> pose = RotationVectors(motion, f);
     track.pose.insert(track.pose.end(), pose.begin(), pose.end());

@@ -133,7 +133,7 @@ TEST(BadInput, ATruncatedBvhNamesLineAndCountsInARunAndInInspect) {
                "the file is cut off, or its header is wrong: copy it again"});
   const Result inspected = RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"});
   const nlohmann::json finding = nlohmann::json::parse(inspected.out).at("findings").at(0);
-  EXPECT_EQ(finding.at("code"), "frame_count");
+  EXPECT_EQ(finding.at("code"), "count_contradiction");
   EXPECT_EQ(finding.at("value"), 3);
   EXPECT_NE(finding.at("message").get<std::string>().find("walk_p1.bvh:8: Frames announces 3, the file holds 1"),
             std::string::npos);
@@ -343,7 +343,7 @@ TEST(BadInput, AHeaderThatContradictsTheRowsIsAFindingOfTheRunWithItsNumber) {
   EXPECT_EQ(flagged[0]["value"], 60);
   EXPECT_THAT(flagged[0]["message"].get<std::string>(), HasSubstr("walk_p1.bvh:8: Frames announces 60"));
   RunFolder(folder, std::string(kBvh) + "    damaged_rows: report\n");
-  flagged = Flagged(folder / "run", "frame_count", clips);
+  flagged = Flagged(folder / "run", "count_contradiction", clips);
   ASSERT_EQ(flagged.size(), 1u);
   EXPECT_EQ(flagged[0]["value"], 60);
   EXPECT_THAT(flagged[0]["clip"].get<std::string>(), HasSubstr("#0-40"));

@@ -128,7 +128,7 @@ inline std::vector<StudioClip> StudioClips(std::uint64_t seed, int subjects, boo
       clip.subject = recording.subject;
       clip.action = action;
       clip.truth = Seen(*motion, frames, RigidTransform{});
-      const TrackedPoints seen =
+      const TrackedTake seen =
           Track(clip.truth.joints, names, errors.tracker, static_cast<std::int64_t>(seed), clip.name);
       clip.tracks.skeleton = *skeleton;
       clip.tracks.positions = seen.positions;

@@ -151,7 +151,7 @@ TEST(HeaderCounts, OfABvhAreAFindingWhereThatIsAskedForAndNoRowMoves) {
     EXPECT_EQ(bvh->values, right.values);
     EXPECT_EQ(bvh->frames, 2);
     ASSERT_EQ(bvh->findings.size(), 1u);
-    EXPECT_EQ(bvh->findings[0].code, "frame_count");
+    EXPECT_EQ(bvh->findings[0].code, "count_contradiction");
     EXPECT_EQ(bvh->findings[0].value, std::stod(count));
     EXPECT_THAT(bvh->findings[0].message, HasSubstr("f:17: Frames announces"));
   }
@@ -166,7 +166,7 @@ TEST(HeaderCounts, ALastRowOfABvhThatIsCutOffIsLeftOutAndSaid) {
   ASSERT_EQ(bvh->findings.size(), 2u);
   EXPECT_EQ(bvh->findings[0].code, "cut_off");
   EXPECT_EQ(bvh->findings[0].frame_begin, 1);
-  EXPECT_EQ(bvh->findings[1].code, "frame_count");
+  EXPECT_EQ(bvh->findings[1].code, "count_contradiction");
   EXPECT_FALSE(ParseBvh(Replaced(kBvh, "1 2 3 4 5 6", "1 2 3 4"), "f", DamagedRows::kReport)) << "rows would move";
 }
 

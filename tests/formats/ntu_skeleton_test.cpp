@@ -141,7 +141,7 @@ TEST(NtuSkeletonText, AFrameCountThatContradictsTheDataIsAFindingWhereThatIsAske
     ASSERT_TRUE(skeleton) << skeleton.error().Message();
     EXPECT_TRUE(*skeleton == Scene());
     ASSERT_EQ(skeleton->findings.size(), 1u);
-    EXPECT_EQ(skeleton->findings[0].code, "frame_count");
+    EXPECT_EQ(skeleton->findings[0].code, "count_contradiction");
     EXPECT_THAT(skeleton->findings[0].message, HasSubstr("a.skeleton:1: the frame count announces"));
   }
   EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton", DamagedRows::kReport)->findings.empty());

@@ -278,14 +278,14 @@ TEST(Tracker, EachErrorComesAloneAndAsAsked) {
   TrackerOptions frozen = none;
   frozen.noise = 0.01;
   frozen.frozen_share = 0.2;
-  const TrackedPoints stuck = Track(truth, names, frozen, 1, "a");
+  const TrackedTake stuck = Track(truth, names, frozen, 1, "a");
   int repeats = 0;
   for (int f = 1; f < frames; ++f) repeats += stuck.positions.at(f, 0) == stuck.positions.at(f - 1, 0) ? 1 : 0;
   EXPECT_NEAR(repeats / static_cast<double>(frames), 0.2, 0.05);
 
   TrackerOptions bias = none;
   bias.bias = 0.03;
-  const TrackedPoints moved = Track(truth, names, bias, 1, "a"), elsewhere = Track(truth, names, bias, 1, "b");
+  const TrackedTake moved = Track(truth, names, bias, 1, "a"), elsewhere = Track(truth, names, bias, 1, "b");
   const Vector3d offset = moved.positions.at(0, 0) - truth.at(0, 0);
   EXPECT_GT(offset.norm(), 0.003);
   EXPECT_LT((moved.positions.at(100, 0) - truth.at(100, 0) - offset).norm(), 1e-12);
@@ -294,7 +294,7 @@ TEST(Tracker, EachErrorComesAloneAndAsAsked) {
   TrackerOptions slow = none;
   slow.wander = 0.03;
   slow.wander_frames = 10.0;
-  const TrackedPoints drifting = Track(truth, names, slow, 1, "a");
+  const TrackedTake drifting = Track(truth, names, slow, 1, "a");
   double squares = 0.0, steps = 0.0;
   for (int f = 1; f < frames; ++f) {
     squares += (drifting.positions.at(f, 0) - truth.at(f, 0)).squaredNorm();
@@ -308,7 +308,7 @@ TEST(Tracker, EachErrorComesAloneAndAsAsked) {
   swap.swap_frames = 5;
   int swapped = 0, takes = 0;
   for (int take = 0; take < 40; ++take) {
-    const TrackedPoints tracked = Track(truth, names, swap, 1, std::to_string(take));
+    const TrackedTake tracked = Track(truth, names, swap, 1, std::to_string(take));
     int frames_swapped = 0;
     for (int f = 0; f < frames; ++f) frames_swapped += tracked.positions.at(f, 0).x() < 0.0 ? 1 : 0;
     EXPECT_TRUE(frames_swapped == 0 || frames_swapped == 5) << frames_swapped;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/quality/checks.h"
-#include "core/quality/gravity.h"
+#include "core/quality/rate.h"
 #include "tests/quality/people.h"
 
 namespace mocurate::test {
@@ -230,9 +230,10 @@ TEST(Defects, WhoHopsTellsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
     who.hop_s = 0.3 + 0.01 * static_cast<double>(seed % 10);
     Take take = Perform(seed, who);
     EXPECT_TRUE(Only("none", take, who.rate_hz).empty()) << "seed " << seed;
-    const RateEvidence evidence = MeasureFlights(take.view());
-    EXPECT_GE(evidence.flights.size(), 2u);
-    EXPECT_NEAR(evidence.gravity, 9.81, 2.5);
+    const RateMeasure measure = MeasureRate(take.view());
+    ASSERT_TRUE(measure.rate_hz()) << "seed " << seed << ": " << measure.Words();
+    EXPECT_NEAR(*measure.rate_hz(), who.rate_hz, 0.15 * who.rate_hz) << measure.Words();
+    EXPECT_TRUE(measure.Allows(who.rate_hz)) << measure.Words();
     for (const double factor : {2.0, 4.0, 0.5}) {
       Take marked = take;
       for (double& time : marked.time_s) time /= factor;
@@ -241,6 +242,32 @@ TEST(Defects, WhoHopsTellsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
       EXPECT_NEAR(found[0].value, who.rate_hz, 0.2 * who.rate_hz);
     }
   }
+}
+
+TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesTellsARateThatIsTooHighOrTooLow) {
+  for (const double rate : {30.0, 60.0, 120.0}) {
+    const Take take = WalkAsAPendulum(rate, 4.0);
+    const RateMeasure measure = MeasureRate(take.view());
+    EXPECT_TRUE(measure.Allows(rate)) << rate << ": " << measure.Words();
+    for (const double factor : {0.125, 0.25, 0.5, 3.0, 4.0, 8.0}) {
+      EXPECT_FALSE(measure.Allows(factor * rate)) << rate << " marked " << factor * rate << ": " << measure.Words();
+    }
+  }
+}
+
+TEST(Defects, WhoMovesAsAPuppetDoesNeverTellsThatTheRateIsTooLow) {
+  for (std::uint64_t seed = 0; seed < 2 * kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    const RateMeasure measure = MeasureRate(Perform(seed, who).view());
+    EXPECT_EQ(measure.lowest, 0.0) << "seed " << seed << ": " << measure.Words();
+    EXPECT_TRUE(measure.Allows(who.rate_hz)) << "seed " << seed << ": " << measure.Words();
+  }
+}
+
+TEST(Defects, WithoutTimesAtOnePaceNoRateIsMeasured) {
+  Take take = WalkAsAPendulum(60.0, 4.0);
+  for (std::size_t f = 100; f < take.time_s.size(); ++f) take.time_s[f] += 0.5;
+  EXPECT_FALSE(MeasureRate(take.view()).Tells());
 }
 
 TEST(Defects, ManyOfAKindAreCountedNotListed) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/random.h"
@@ -19,7 +21,13 @@ struct Take {
   std::vector<int> parents;
   std::vector<double> rest_lengths;
 
-  TrackedPoints view() const { return {positions, confidence, time_s, names, parents, rest_lengths}; }
+  TrackedPoints view() const { return {positions, confidence, time_s, names, parents, rest_lengths, Body()}; }
+  HandednessPoints Body() const {
+    return FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
+      const int joint = Joint(std::string(name));
+      return joint < 0 ? std::nullopt : std::optional<int>(joint);
+    });
+  }
   int Joint(const std::string& name) const {
     for (std::size_t k = 0; k < names.size(); ++k) {
       if (names[k] == name) return static_cast<int>(k);
@@ -107,6 +115,54 @@ inline Take Perform(std::uint64_t seed, const TakeOptions& options = {}) {
     for (std::size_t k = 0; k < bones.size(); ++k) take.positions.at(f, static_cast<int>(k)).y() -= lowest;
   }
   for (double& value : take.positions.xyz) value += options.noise * random.Normal();
+  return take;
+}
+
+/// Somebody who walks as a pendulum on its head does: over each foot in turn the centre of mass keeps to x'' = g x / h,
+/// for `step` metres to either side. Arms hang.
+inline Take WalkAsAPendulum(double rate_hz, double seconds, double step = 0.28, double noise = 0.001) {
+  TakeOptions options;
+  options.frames = static_cast<int>(seconds * rate_hz);
+  options.rate_hz = rate_hz;
+  options.walk = 0.0;
+  options.noise = 0.0;
+  Take take = Perform(1, options);
+  const double height = 1.0, omega = std::sqrt(9.81 / height), stance_s = 0.55;
+  const double scale = step / std::sinh(0.5 * omega * stance_s);
+  Random random(5, "pendulum", "");
+  const auto put = [&](int f, const char* name, const Vector3d& place) {
+    take.positions.at(f, take.Joint(name)) = place;
+  };
+  for (int f = 0; f < options.frames; ++f) {
+    const double t = f / rate_hz;
+    const int number = static_cast<int>(t / stance_s);
+    const double in_step = t - number * stance_s;
+    const double stand_z = 2.0 * step * number;
+    const double z = stand_z + scale * std::sinh(omega * (in_step - 0.5 * stance_s));
+    const double swing = 0.5 - 0.5 * std::cos(M_PI * in_step / stance_s);
+    for (int side = 0; side < 2; ++side) {
+      const bool stands = number % 2 == side;
+      const double x = side == 0 ? 0.02 : -0.02;
+      const double foot_z = stands ? stand_z : stand_z - 2.0 * step + 4.0 * step * swing;
+      const double lift = stands ? 0.0 : 0.1 * std::sin(M_PI * in_step / stance_s);
+      const std::string s = side == 0 ? "left_" : "right_";
+      put(f, (s + "hip").c_str(), {5.0 * x, 0.9, z});
+      put(f, (s + "knee").c_str(), {x, 0.5 + 0.5 * lift, z});
+      put(f, (s + "ankle").c_str(), {x, 0.08 + lift, foot_z - 0.06});
+      put(f, (s + "foot").c_str(), {x, 0.03 + lift, foot_z + 0.06});
+      put(f, (s + "shoulder").c_str(), {8.0 * x, 1.4, z});
+      put(f, (s + "elbow").c_str(), {9.0 * x, 1.15, z});
+      put(f, (s + "wrist").c_str(), {10.0 * x, 0.9, z});
+      put(f, (s + "hand").c_str(), {10.0 * x, 0.82, z});
+    }
+    put(f, "hip_center", {0, 0.9, z});
+    put(f, "spine", {0, 1.1, z});
+    put(f, "shoulder_center", {0, 1.42, z});
+    put(f, "head", {0, 1.6, z});
+    for (int k = 0; k < take.positions.joints; ++k) {
+      for (int axis = 0; axis < 3; ++axis) take.positions.at(f, k)[axis] += noise * random.Normal();
+    }
+  }
   return take;
 }
 

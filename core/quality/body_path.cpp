@@ -1,0 +1,131 @@
+#include "core/quality/body_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr double kSeen = 0.98;
+constexpr int kFewestFrames = 12;
+constexpr double kPace = 0.25;        // of the usual time between frames, that a step in time may differ by
+constexpr double kFloorShare = 0.05;  // of frames that a sole spends at its lowest
+
+using Path = std::vector<Vector3d>;
+
+/// One point in all frames, gaps bridged; empty where it is seen too rarely.
+Path PathOf(const TrackedPoints& points, int point) {
+  if (point < 0) return {};
+  Path path(static_cast<std::size_t>(points.frames()));
+  int before = -1, seen = 0;
+  for (int f = 0; f < points.frames(); ++f) {
+    if (!points.sees(f, point)) continue;
+    ++seen;
+    path[static_cast<std::size_t>(f)] = points.at(f, point);
+    const Vector3d from = before < 0 ? points.at(f, point) : points.at(before, point);
+    for (int g = before + 1; g < f; ++g) {
+      const double share = static_cast<double>(g - before) / (f - before);
+      path[static_cast<std::size_t>(g)] = (1.0 - share) * from + share * points.at(f, point);
+    }
+    before = f;
+  }
+  if (seen < kSeen * points.frames()) return {};
+  for (int g = before + 1; g < points.frames(); ++g) path[static_cast<std::size_t>(g)] = points.at(before, point);
+  return path;
+}
+
+bool OnePace(const std::vector<double>& time_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
+  if (steps.empty()) return false;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double usual = *middle;
+  return std::all_of(steps.begin(), steps.end(),
+                     [&](double step) { return std::abs(step - usual) <= kPace * usual && usual > 0.0; });
+}
+
+double MedianDistance(const Path& a, const Path& b) {
+  std::vector<double> lengths;
+  for (std::size_t f = 0; f < a.size(); ++f) lengths.push_back((a[f] - b[f]).norm());
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+void AddSole(const Path& path, BodyPath& body) {
+  std::vector<double> heights;
+  for (const Vector3d& place : path) heights.push_back(place.y());
+  std::vector<double> sorted = heights;
+  const auto floor = sorted.begin() + static_cast<std::ptrdiff_t>(kFloorShare * static_cast<double>(sorted.size()));
+  std::nth_element(sorted.begin(), floor, sorted.end());
+  for (double& height : heights) height -= *floor;
+  body.sole.push_back(std::move(heights));
+}
+
+}  // namespace
+
+std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
+  if (points.frames() < kFewestFrames || !OnePace(points.time_s)) return std::nullopt;
+  const HandednessPoints& at = points.body;
+  std::array<Path, 2> hip, knee, ankle, toe, shoulder, wrist;
+  for (std::size_t side = 0; side < 2; ++side) {
+    hip[side] = PathOf(points, at.hip[side]);
+    knee[side] = PathOf(points, at.knee[side]);
+    ankle[side] = PathOf(points, at.ankle[side]);
+    shoulder[side] = PathOf(points, at.shoulder[side]);
+    if (hip[side].empty() || knee[side].empty() || ankle[side].empty() || shoulder[side].empty()) return std::nullopt;
+    toe[side] = PathOf(points, at.toe[side]);
+    wrist[side] = PathOf(points, at.wrist[side]);
+  }
+  const Path head = PathOf(points, at.head);
+  BodyPath body;
+  for (std::size_t side = 0; side < 2; ++side) {
+    body.leg += 0.5 * (MedianDistance(hip[side], knee[side]) + MedianDistance(knee[side], ankle[side]));
+    for (const Path* end : {&wrist[side], &ankle[side]}) {
+      if (end->empty()) continue;
+      body.limb_end.push_back(*end);
+      for (std::size_t f = 0; f < end->size(); ++f) body.limb_end.back()[f] -= 0.5 * (hip[0][f] + hip[1][f]);
+    }
+    AddSole(ankle[side], body);
+    if (!toe[side].empty()) AddSole(toe[side], body);
+  }
+  for (std::size_t f = 0; f < hip[0].size(); ++f) {
+    const Vector3d hips = 0.5 * (hip[0][f] + hip[1][f]), shoulders = 0.5 * (shoulder[0][f] + shoulder[1][f]);
+    Vector3d sum = 0.44 * 0.5 * (hips + shoulders) + 0.08 * (head.empty() ? shoulders : head[f]);
+    double mass = 0.44 + 0.08;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Vector3d hand = wrist[side].empty() ? shoulder[side][f] : wrist[side][f];
+      sum += 0.05 * (0.6 * shoulder[side][f] + 0.4 * hand);
+      sum += 0.14 * (0.57 * hip[side][f] + 0.43 * knee[side][f]);
+      sum += 0.057 * (0.57 * knee[side][f] + 0.43 * ankle[side][f]);
+      mass += 0.05 + 0.14 + 0.057;
+      body.foot[side].push_back(toe[side].empty() ? ankle[side][f] : Vector3d(0.5 * (ankle[side][f] + toe[side][f])));
+    }
+    body.centre.emplace_back(sum / mass);
+    body.trunk.emplace_back(0.5 * (hips + shoulders));
+  }
+  return body;
+}
+
+std::vector<Vector3d> Accelerations(const std::vector<Vector3d>& path, int lag) {
+  std::vector<Vector3d> accelerations;
+  const auto k = static_cast<std::size_t>(lag);
+  for (std::size_t f = k; f + k < path.size(); ++f) {
+    accelerations.emplace_back((path[f + k] - 2.0 * path[f] + path[f - k]) / (lag * lag));
+  }
+  return accelerations;
+}
+
+double MostNoise(const std::vector<Vector3d>& path, const Vector3d& axis) {
+  if (path.size() < 4) return 0.0;
+  double sum = 0.0;
+  for (std::size_t f = 3; f < path.size(); ++f) {
+    const double third = axis.dot(path[f] - 3.0 * path[f - 1] + 3.0 * path[f - 2] - path[f - 3]);
+    sum += third * third;
+  }
+  constexpr double kOfWhiteNoise = 20.0;  // 1 + 9 + 9 + 1
+  return std::sqrt(sum / static_cast<double>(path.size() - 3) / kOfWhiteNoise);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+
+/// A person as mechanics sees one: metres, y up, one entry a frame.
+struct BodyPath {
+  std::vector<Vector3d> centre;                 ///< of mass
+  std::vector<Vector3d> trunk;                  ///< middle of hips and shoulders
+  std::array<std::vector<Vector3d>, 2> foot;    ///< left, right: between ankle and toe
+  std::vector<std::vector<double>> sole;        ///< heights of each ankle and toe over its own lowest twentieth
+  std::vector<std::vector<Vector3d>> limb_end;  ///< wrists and ankles that are seen, from the middle of the hips
+  double leg = 0.0;                             ///< hip to ankle along the bones
+
+  int frames() const { return static_cast<int>(centre.size()); }
+};
+
+/// Hips, knees, ankles and shoulders have to be seen in nearly all frames (98 %), which must follow each other at one
+/// pace; short gaps are bridged by lines. Shares of mass after de Leva (1996), without hands and feet of their own.
+/// Nothing where that fails or for fewer than 12 frames.
+std::optional<BodyPath> PathOfBody(const TrackedPoints& points);
+
+/// Second differences over `lag` frames on either side, per frame^2: the mean acceleration of that time, weighted like
+/// a tent. Entry i is of frame i + lag.
+std::vector<Vector3d> Accelerations(const std::vector<Vector3d>& path, int lag);
+
+/// Standard deviation of white noise that explains all third differences of a path along `axis`: fast motion counts as
+/// noise too, never the other way round.
+double MostNoise(const std::vector<Vector3d>& path, const Vector3d& axis);
+
+}  // namespace mocurate
