@@ -112,6 +112,18 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
   return move;
 }
 
+/// Points that the other views give.
+TriangulatedTracks PointsWithout(const RigSamples& frames, const RigModel& model, std::size_t view,
+                                 const TriangulationOptions& options) {
+  std::vector<ViewKeypoints> rest;
+  std::vector<std::size_t> view_of;
+  const std::vector<ViewKeypoints> all = frames.Views(model, &view_of);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (view_of[i] != view) rest.push_back(all[i]);
+  }
+  return TriangulateViews(rest, frames.count(), frames.keypoints(), options);
+}
+
 }  // namespace
 
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
@@ -152,15 +164,19 @@ std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& mo
   return best;
 }
 
+void RefitParts(const RigSamples& frames, std::size_t view, const TriangulationOptions& options, RigModel& model) {
+  constexpr double kAnyBetter = 1.05;
+  const TriangulatedTracks points = PointsWithout(frames, model, view, options);
+  std::vector<CameraPart>& parts = model.camera[view];
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const auto refit = RefitCamera(frames.View(model, view, part), points, kAnyBetter);
+    if (refit) parts[part].camera = refit->camera;
+  }
+}
+
 double WhenMoved(const RigSamples& frames, const RigModel& model, std::size_t view,
                  const TriangulationOptions& options) {
-  std::vector<ViewKeypoints> rest;
-  std::vector<std::size_t> view_of;
-  const std::vector<ViewKeypoints> all = frames.Views(model, &view_of);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (view_of[i] != view) rest.push_back(all[i]);
-  }
-  const TriangulatedTracks points = TriangulateViews(rest, frames.count(), frames.keypoints(), options);
+  const TriangulatedTracks points = PointsWithout(frames, model, view, options);
   std::vector<std::vector<double>> cost;
   for (std::size_t part = 0; part < 2; ++part) {
     RigModel alone = model;

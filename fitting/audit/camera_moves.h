@@ -27,6 +27,10 @@ struct CameraMove {
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options);
 
+/// The parts of a moved camera refitted to all `frames`, from where the model has them; a part stays as it is where
+/// that says nothing.
+void RefitParts(const RigSamples& frames, std::size_t view, const TriangulationOptions& options, RigModel& model);
+
 /// The moment from which on the second part of a moved camera holds, to the frame: `frames` are samples between the
 /// moments that FindMove saw.
 double WhenMoved(const RigSamples& frames, const RigModel& model, std::size_t view,

@@ -182,6 +182,7 @@ class Auditor {
   void TellOfMove(std::size_t v, AuditedRig& audited) {
     std::vector<CameraPart>& parts = model_.camera[v];
     if (parts.size() == 2) Locate(v);
+    Settle(v);
     RigModel without = model_;
     without.camera[v] = given_.camera[v];
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -212,6 +213,32 @@ class Auditor {
     }
   }
 
+  /// Where a moved camera stands, by all frames; a part that stands as calibrated stays so.
+  void Settle(std::size_t v) {
+    const CameraPart given = given_.camera[v][0];
+    const auto stands = [&](const CameraPart& part) {
+      return (part.camera.Centre() - given.camera.Centre()).norm() == 0.0;
+    };
+    std::vector<CameraPart>& parts = model_.camera[v];
+    if (std::all_of(parts.begin(), parts.end(), stands)) return;
+    const std::vector<CameraPart> found = parts;
+    RefitParts(RigSamples(rig_, take_, EveryFrame(take_.time_s.front(), take_.time_s.back())), v,
+               options_.triangulation, model_);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (stands(found[p])) parts[p] = found[p];
+    }
+  }
+
+  /// Everybody in all frames from one moment to another.
+  std::vector<RigMoment> EveryFrame(double from_s, double to_s) const {
+    std::vector<RigMoment> moments;
+    for (const double moment : take_.time_s) {
+      if (moment < from_s || moment > to_s) continue;
+      for (int p = 0; p < static_cast<int>(take_.people.size()); ++p) moments.push_back({p, moment});
+    }
+    return moments;
+  }
+
   /// When the camera was moved, to the frame.
   void Locate(std::size_t v) {
     double& from_s = model_.camera[v][1].from_s;
@@ -222,11 +249,7 @@ class Auditor {
       return samples_.moments()[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, samples_.count() - 1))]
           .time_s;
     };
-    std::vector<RigMoment> between;
-    for (const double moment : take_.time_s) {
-      if (moment < time(at - 3) || moment > time(at + 2)) continue;
-      for (int p = 0; p < static_cast<int>(take_.people.size()); ++p) between.push_back({p, moment});
-    }
+    std::vector<RigMoment> between = EveryFrame(time(at - 3), time(at + 2));
     if (between.empty()) return;
     from_s = WhenMoved(RigSamples(rig_, take_, std::move(between)), model_, v, options_.triangulation);
   }
