@@ -95,7 +95,13 @@ nlohmann::json KeypointsJson(const KeypointReport& report) {
                                        {"median_px", rounded(camera.median_px)},
                                        {"disagrees", camera.disagrees}};
   }
+  nlohmann::json residuals = nlohmann::json::object();
+  for (std::size_t v = 0; v < report.residual_px.size(); ++v) {
+    for (const double px : report.residual_px[v]) residuals[report.given_cameras[v]].push_back(rounded(px));
+  }
   return {{"people", report.people},
+          {"residual_px_over_time", residuals},
+          {"faults", nlohmann::json::parse(FaultsText(report.faults))},
           {"seen_share", rounded(report.seen_share)},
           {"triangulated_share", rounded(report.triangulated)},
           {"triangulated_share_of", points},

@@ -28,6 +28,7 @@ struct FitResult {
   double final_cost = 0.0;
   std::string capsule_radii;                   ///< RadiiText of the body that was fitted; empty without one
   std::string track_repairs;                   ///< RepairsText of what was mended in the tracks; empty when nothing was
+  std::string rig_audit;                       ///< FaultsText of what is wrong with the cameras; empty when nothing is
   std::optional<KeypointReport> keypoints;     ///< of a fit to 2-D keypoints
   std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
   std::optional<double> cloud_trust;           ///< weight of depth points against joints; of a fit to both

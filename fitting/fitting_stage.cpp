@@ -4,6 +4,7 @@
 #include "core/base/version.h"
 #include "core/body/flesh_body.h"
 #include "core/store/store.h"
+#include "fitting/audit/rig_audit.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
@@ -105,6 +106,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   if (clip->evidence_sha256.empty()) clip->evidence_sha256 = evidence->sha256;
   clip->provenance["fitting"] = options->method == FitMethod::kNone ? "given motion" : CreatedBy();
   if (!fit->track_repairs.empty()) clip->provenance[kTrackRepairs] = fit->track_repairs;
+  if (!fit->rig_audit.empty()) clip->provenance[kRigAudit] = fit->rig_audit;
   if (!fit->capsule_radii.empty()) clip->provenance[kCapsuleRadii] = fit->capsule_radii;
   dataset.clips.push_back(std::move(*clip));
   if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);

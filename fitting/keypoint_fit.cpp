@@ -51,6 +51,7 @@ Expected<FitResult> FitKeypoints(const Evidence& evidence, const FrameRate& rate
   Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
   fit->motion = WithoutDetectorPoints(fit->motion, skeleton);
+  if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());
   fit->triangulated = WithoutDetectorPoints(found->tracks, skeleton);

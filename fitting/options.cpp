@@ -129,8 +129,26 @@ void TriangulationOptions::Declare(OptionVisitor& v) {
             "views that must agree on a point, and always most of those that see it");
 }
 
+void RigAuditOptions::Declare(OptionVisitor& v) {
+  const auto action = [&](const char* name, AuditAction& value, const char* help) {
+    v.Choice(name, value,
+             {{"off", AuditAction::kOff}, {"tell", AuditAction::kTell}, {"correct", AuditAction::kCorrect}}, help);
+  };
+  action("clocks", clocks, "cameras whose clocks are off");
+  action("moved", moved, "cameras that stand elsewhere, or were moved during the take");
+  action("exchanged", exchanged, "cameras that have each other's files");
+  action("unit", unit, "calibration in another unit than declared; told, it is refused");
+  action("order", order, "keypoints in another detector's order than declared; told, they are refused");
+  action("sides", sides, "views that list left limbs as right ones for a while");
+  v.Number("side_margin", side_margin, Unit::kNone, {0.0, 1e4},
+           "by how much likelier exchanged sides must be, as a difference of log likelihoods");
+  v.Number("longest_clock", longest_s, Unit::kSecond, {0.0, 10.0}, "clocks further off are not believed");
+  v.Number("sure", sure, Unit::kNone, {0.5, 1.0}, "how sure something must be to be corrected");
+}
+
 void KeypointFitOptions::Declare(OptionVisitor& v) {
   v.Group("triangulation", triangulation, "points from the views that agree on them");
+  v.Group("audit", audit, "what is wrong with the rig, before anything is triangulated");
 }
 
 void FittingOptions::Declare(OptionVisitor& v) {
@@ -172,8 +190,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 10, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 11, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 13, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 14, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

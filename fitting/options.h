@@ -135,10 +135,30 @@ struct TriangulationOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// What is done about something that is wrong with a rig.
+enum class AuditAction { kOff, kTell, kCorrect };
+
+/// Audit of cameras, calibration and keypoints before they are triangulated. What is corrected is a finding, and stands
+/// in the clip's provenance.
+struct RigAuditOptions {
+  AuditAction clocks = AuditAction::kCorrect;     ///< a camera whose clock is off
+  AuditAction moved = AuditAction::kCorrect;      ///< a camera that stands elsewhere, or was moved during the take
+  AuditAction exchanged = AuditAction::kCorrect;  ///< cameras that have each other's files
+  AuditAction unit = AuditAction::kTell;          ///< calibration in another unit than declared
+  AuditAction order = AuditAction::kTell;         ///< keypoints in another detector's order than declared
+  AuditAction sides = AuditAction::kCorrect;      ///< a view that lists left limbs as right ones
+  double side_margin = 10.0;                      ///< difference of log likelihoods that takes
+  double longest_s = 0.5;                         ///< clocks further off are not believed
+  double sure = 0.99;                             ///< confidence from which on something is corrected
+
+  void Declare(OptionVisitor& v);
+};
+
 /// Fit of 2-D keypoints of several calibrated views: people are associated across views and followed, one is
 /// triangulated, and the points are fitted as joint tracks are.
 struct KeypointFitOptions {
   TriangulationOptions triangulation;
+  RigAuditOptions audit;
 
   void Declare(OptionVisitor& v);
 };

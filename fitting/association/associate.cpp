@@ -55,9 +55,11 @@ double ShapeDistance(const std::vector<double>& a, const std::vector<double>& b)
 
 class Follower {
  public:
-  Follower(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths) : rig_(rig), lengths_(lengths) {
+  Follower(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths, const std::vector<double>& time_s)
+      : rig_(rig), lengths_(lengths) {
+    take_.time_s = time_s;
     for (const RigView& view : rig) {
-      if (view.time_s.size() > take_.time_s.size()) take_.time_s = view.time_s;
+      if (time_s.empty() && view.time_s.size() > take_.time_s.size()) take_.time_s = view.time_s;
       owned_.emplace_back(view.seen.size(), 0);
     }
     MapFrames();
@@ -296,8 +298,9 @@ class Follower {
 
 }  // namespace
 
-Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths) {
-  return Follower(rig, lengths).Follow();
+Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths,
+                            const std::vector<double>& time_s) {
+  return Follower(rig, lengths, time_s).Follow();
 }
 
 }  // namespace mocurate

@@ -27,6 +27,8 @@ struct Association {
 /// propose bodies, which most further entries and the bone lengths decide. Pairs are neighbours in the list and some
 /// strides away, so that cost grows linearly with the number of views. People are the same after a gap where place
 /// and bone lengths allow it. Views may have clocks and rates of their own: a frame uses each view's nearest in time.
-Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths);
+/// Frames are those of the view with the most, or at `time_s` where that is given.
+Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths,
+                            const std::vector<double>& time_s = {});
 
 }  // namespace mocurate

@@ -18,12 +18,6 @@ struct Bracket {
   double share = 0.0;  ///< of the way from one to the other
 };
 
-double UsualStep(const std::vector<double>& time) {
-  std::vector<double> steps;
-  for (std::size_t f = 1; f < time.size(); ++f) steps.push_back(time[f] - time[f - 1]);
-  return Median(steps);
-}
-
 Bracket FramesAround(const std::vector<double>& time, double step, double moment) {
   Bracket bracket;
   const auto next = std::lower_bound(time.begin(), time.end(), moment);
@@ -45,6 +39,29 @@ Bracket FramesAround(const std::vector<double>& time, double step, double moment
 
 }  // namespace
 
+double UsualStep(const std::vector<double>& time) {
+  std::vector<double> steps;
+  for (std::size_t f = 1; f < time.size(); ++f) steps.push_back(time[f] - time[f - 1]);
+  return Median(steps);
+}
+
+void ReadBetweenFrames(const RigView& view, const std::vector<int>& entry, double step, double moment,
+                       Vector2d* normalised, double* confidence) {
+  const Bracket bracket = FramesAround(view.time_s, step, moment);
+  if (bracket.before < 0) return;
+  const int one = entry[static_cast<std::size_t>(bracket.before)];
+  const int other = entry[static_cast<std::size_t>(bracket.after)];
+  if (one < 0 || other < 0) return;
+  const std::size_t here = view.Point(bracket.before, one, 0);
+  const std::size_t there = view.Point(bracket.after, other, 0);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(view.keypoints); ++k) {
+    const double sure = std::min(view.confidence[here + k], view.confidence[there + k]);
+    if (sure <= 0.0) continue;
+    normalised[k] = (1.0 - bracket.share) * view.normalised[here + k] + bracket.share * view.normalised[there + k];
+    confidence[k] = sure;
+  }
+}
+
 std::vector<ViewKeypoints> ViewsOfPerson(const std::vector<RigView>& rig, const Association& take,
                                          const AssociatedPerson& person) {
   std::vector<ViewKeypoints> views;
@@ -57,20 +74,8 @@ std::vector<ViewKeypoints> ViewsOfPerson(const std::vector<RigView>& rig, const 
     view.confidence.assign(take.time_s.size() * keypoints, 0.0);
     const double step = UsualStep(from.time_s);
     for (std::size_t f = 0; f < take.time_s.size(); ++f) {
-      const Bracket bracket = FramesAround(from.time_s, step, take.time_s[f]);
-      if (bracket.before < 0) continue;
-      const int one = person.entry[v][static_cast<std::size_t>(bracket.before)];
-      const int other = person.entry[v][static_cast<std::size_t>(bracket.after)];
-      if (one < 0 || other < 0) continue;
-      const std::size_t here = from.Point(bracket.before, one, 0);
-      const std::size_t there = from.Point(bracket.after, other, 0);
-      for (std::size_t k = 0; k < keypoints; ++k) {
-        const double confidence = std::min(from.confidence[here + k], from.confidence[there + k]);
-        if (confidence <= 0.0) continue;
-        view.normalised[f * keypoints + k] =
-            (1.0 - bracket.share) * from.normalised[here + k] + bracket.share * from.normalised[there + k];
-        view.confidence[f * keypoints + k] = confidence;
-      }
+      ReadBetweenFrames(from, person.entry[v], step, take.time_s[f], view.normalised.data() + f * keypoints,
+                        view.confidence.data() + f * keypoints);
     }
     views.push_back(std::move(view));
   }

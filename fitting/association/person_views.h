@@ -8,9 +8,16 @@
 
 namespace mocurate {
 
-/// One person's keypoints in every view at the times of the take, without lens distortion: those of the view's frame
-/// at that time (to a thousandth of its step), else on the line between the two frames around it, where both see the
-/// keypoint and lie at most 2.5 usual steps of the view apart.
+/// Median of the steps of a view's clock, seconds; 0 with fewer than two frames.
+double UsualStep(const std::vector<double>& time_s);
+
+/// Keypoints of the entries (F of the view; -1: none) that a view sees at a moment (K each): those of its frame then
+/// (to a thousandth of `step`), else on the line between the two frames around it, where both see the keypoint and lie
+/// at most 2.5 steps apart. Nothing is written for those not seen.
+void ReadBetweenFrames(const RigView& view, const std::vector<int>& entry, double step, double moment,
+                       Vector2d* normalised, double* confidence);
+
+/// One person's keypoints in every view at the times of the take, without lens distortion (ReadBetweenFrames).
 std::vector<ViewKeypoints> ViewsOfPerson(const std::vector<RigView>& rig, const Association& take,
                                          const AssociatedPerson& person);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/base/text.h"
 #include "fitting/evidence/noise.h"
@@ -122,6 +123,24 @@ Error WhyNobody(const std::vector<RigView>& rig) {
                  "is the calibration of this recording, and is each camera's file its own?");
 }
 
+std::optional<UnitMisreading> FindUnit(double scale) {
+  if (scale >= kSmallestPerson && scale <= kLargestPerson) return {};
+  constexpr std::pair<double, const char*> kUnits[] = {
+      {1000.0, "millimetres read as metres"},    {100.0, "centimetres read as metres"},
+      {39.37, "inches read as metres"},          {3.281, "feet read as metres"},
+      {10.0, "millimetres read as centimetres"}, {0.1, "centimetres read as millimetres"},
+      {0.01, "metres read as centimetres"},      {0.001, "metres read as millimetres"}};
+  std::optional<UnitMisreading> unit;
+  double nearest = std::log(1.6);
+  for (const auto& [factor, text] : kUnits) {
+    const double off = std::abs(std::log(scale / factor));
+    if (off >= nearest) continue;
+    nearest = off;
+    unit = {factor, text};
+  }
+  return unit;
+}
+
 Status CheckPersonShape(const std::vector<double>& measured, const std::vector<KnownLength>& lengths) {
   const ShapeMatch shape = CompareShape(measured, lengths);
   if (shape.lengths < kLengthsToTell) return {};
@@ -140,26 +159,13 @@ Status CheckPersonShape(const std::vector<double>& measured, const std::vector<K
         "are the keypoints named in the detector's order (BODY_25, BODY_25B, COCO_17 ...)?"));
   }
   if (shape.scale >= kSmallestPerson && shape.scale <= kLargestPerson) return {};
-  struct Misreading {
-    double factor;
-    const char* text;
-  };
-  constexpr Misreading kUnits[] = {{1000.0, "millimetres read as metres"},    {100.0, "centimetres read as metres"},
-                                   {39.37, "inches read as metres"},          {3.281, "feet read as metres"},
-                                   {10.0, "millimetres read as centimetres"}, {0.1, "centimetres read as millimetres"},
-                                   {0.01, "metres read as centimetres"},      {0.001, "metres read as millimetres"}};
-  std::string unit;
-  double nearest = std::log(1.6);
-  for (const Misreading& candidate : kUnits) {
-    const double off = std::abs(std::log(shape.scale / candidate.factor));
-    if (off >= nearest) continue;
-    nearest = off;
-    unit = candidate.text;
-  }
-  return tl::unexpected<Error>(Because(
-      "the person would be " + RoundedText(shape.scale, 3) + " times a person's size (" + lengths[worst].name + " " +
-          RoundedText(measured[worst], 3) + " m)",
-      unit.empty() ? "is the calibration's unit right?" : "the calibration looks like " + unit + ": declare its unit"));
+  const auto unit = FindUnit(shape.scale);
+  return tl::unexpected<Error>(Because("the person would be " + RoundedText(shape.scale, 3) +
+                                           " times a person's size (" + lengths[worst].name + " " +
+                                           RoundedText(measured[worst], 3) + " m)",
+                                       unit ? "the calibration looks like " + unit->text +
+                                                  ": declare its unit, or set fitting.keypoints.audit.unit to correct"
+                                            : "is the calibration's unit right?"));
 }
 
 }  // namespace mocurate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/error.h"
@@ -12,6 +14,15 @@ namespace mocurate {
 /// error kInconsistent with the numbers: too few entries or none at the same time; rays that are nearly parallel;
 /// rays that meet behind the cameras; rays that miss each other.
 Error WhyNobody(const std::vector<RigView>& rig);
+
+/// A factor by which a calibration's lengths are too long when its unit is misread, and how that reads.
+struct UnitMisreading {
+  double factor = 1.0;
+  std::string text;  ///< "millimetres read as metres"
+};
+
+/// The misreading that explains a person of `scale` times a person's size to within a factor of 1.6; none for people.
+std::optional<UnitMisreading> FindUnit(double scale);
 
 /// Checks measured lengths (metres, 0: not measured) against a person's. Error kInconsistent for a size that no person
 /// has, with the unit that would explain it, and for proportions that no person has, with the worst length.

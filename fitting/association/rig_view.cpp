@@ -79,6 +79,19 @@ RigView::RigView(const KeypointView& view, int keypoint_count, double min_confid
   }
 }
 
+RigView RigView::Frames(int begin, int end) const {
+  const auto cut = [&](const auto& values, std::size_t numbers) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(begin * numbers);
+    return std::decay_t<decltype(values)>(first, first + static_cast<std::ptrdiff_t>((end - begin) * numbers));
+  };
+  RigView part = *this;
+  part.time_s = cut(time_s, 1);
+  part.normalised = cut(normalised, Point(1, 0, 0));
+  part.confidence = cut(confidence, Point(1, 0, 0));
+  part.seen = cut(seen, Entry(1, 0));
+  return part;
+}
+
 int BodyPoints::KnownCount() const { return static_cast<int>(std::count(known.begin(), known.end(), 1)); }
 
 void BodyPoints::MeasureExtent() {

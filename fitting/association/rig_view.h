@@ -23,6 +23,8 @@ struct RigView {
   std::vector<int> seen;             ///< (F,P) keypoints seen of an entry; 0: no entry
 
   int frames() const { return static_cast<int>(time_s.size()); }
+  /// Frames [begin, end) alone.
+  RigView Frames(int begin, int end) const;
   std::size_t Entry(int frame, int person) const { return static_cast<std::size_t>(frame) * people + person; }
   std::size_t Point(int frame, int person, int keypoint) const { return Entry(frame, person) * keypoints + keypoint; }
 };

@@ -13,7 +13,6 @@ namespace {
 constexpr int kIterations = 20;
 constexpr std::size_t kLeastDetections = 100;
 constexpr double kHuber = 10.0;    ///< px
-constexpr double kImproved = 0.5;  ///< of the median before
 constexpr double kNearest = 1e-3;  ///< metres in front of the camera
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -43,7 +42,7 @@ double MedianError(const Camera& camera, const RigidTransform& pose, const std::
 
 }  // namespace
 
-std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points) {
+std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points, double improved) {
   std::vector<Detection> detections;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
     if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
@@ -81,7 +80,7 @@ std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const Triangul
     if (step.norm() < 1e-9) break;
   }
   refit.after_px = MedianError(view.camera, pose, detections);
-  if (!(refit.after_px < kImproved * refit.before_px)) return {};
+  if (!(refit.after_px < improved * refit.before_px)) return {};
   refit.moved_m = (refit.camera.Centre() - view.camera.Centre()).norm();
   refit.turned_rad = refit.camera.camera_from_world.rotation.angularDistance(view.camera.camera_from_world.rotation);
   return refit;

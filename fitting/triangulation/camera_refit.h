@@ -17,7 +17,8 @@ struct CameraRefit {
 
 /// Pose of a view that minimises the distances of its detections from points that the other views gave (Gauss-Newton on
 /// the six numbers, Huber at 10 px, lens and focal length as calibrated). Empty where fewer than 100 detections belong
-/// to a point, or the median distance does not fall below half.
-std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points);
+/// to a point, or the median distance does not fall below `improved` of what it was.
+std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points,
+                                       double improved = 0.5);
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "fitting/audit/rig_audit.h"
 #include "fitting/triangulation/robust_triangulation.h"
 
 namespace mocurate {
@@ -20,6 +21,9 @@ struct KeypointReport {
   std::vector<double> keypoint_share;  ///< (K) of the frames, triangulated
   std::vector<std::string> camera_names;
   std::vector<CameraAgreement> cameras;
+  std::vector<RigFault> faults;                  ///< of the rig, its calibration or its files
+  std::vector<std::string> given_cameras;        ///< as the evidence lists them
+  std::vector<std::vector<double>> residual_px;  ///< (given cameras, spans of the take), before corrections
 };
 
 }  // namespace mocurate

@@ -8,9 +8,12 @@
 #include "fitting/association/associate.h"
 #include "fitting/association/person_views.h"
 #include "fitting/association/rig_diagnosis.h"
+#include "fitting/audit/exchanged_views.h"
+#include "fitting/audit/keypoint_order.h"
+#include "fitting/audit/rig_audit.h"
+#include "fitting/audit/view_sides.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/noise.h"
-#include "fitting/triangulation/camera_refit.h"
 
 namespace mocurate {
 namespace {
@@ -73,8 +76,7 @@ void TellOfPeople(const std::vector<RigView>& rig, const Association& take, std:
                           "people or false finds that no second view confirms: " + where, "left out"));
 }
 
-void TellOfCameras(const KeypointReport& report, const std::optional<CameraRefit>& refit, double outlier,
-                   std::vector<Finding>& findings) {
+void TellOfCameras(const KeypointReport& report, double outlier, std::vector<Finding>& findings) {
   for (std::size_t v = 0; v < report.cameras.size(); ++v) {
     const CameraAgreement& camera = report.cameras[v];
     if (camera.detections == 0) {
@@ -88,10 +90,7 @@ void TellOfCameras(const KeypointReport& report, const std::optional<CameraRefit
              "camera " + report.camera_names[v] + " disagrees with the others: " + std::to_string(Percent(share)) +
                  " % of its keypoints lie more than " + RoundedText(outlier, 3) + " px off, " +
                  RoundedText(camera.median_px, 3) + " px in the median; was it moved, or is its clock off?",
-             refit ? "pose refitted to what the others see: " + RoundedText(1e3 * refit->moved_m, 3) + " mm and " +
-                         RoundedText(57.29577951308232 * refit->turned_rad, 2) + " degrees away, " +
-                         RoundedText(refit->after_px, 3) + " px left"
-                   : "left out where it disagrees"));
+             "left out where it disagrees"));
   }
 }
 
@@ -150,8 +149,8 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
                           "flagged"));
 }
 
-KeypointReport ReportOf(const Evidence& evidence, const Association& take, const AssociatedPerson& person,
-                        const TriangulatedTracks& points) {
+KeypointReport ReportOf(const Evidence& evidence, const std::vector<RigView>& rig, const Association& take,
+                        const AssociatedPerson& person, const TriangulatedTracks& points) {
   KeypointReport report;
   const std::size_t keypoints = evidence.keypoint_names.size();
   const std::size_t frames = take.time_s.size();
@@ -170,7 +169,8 @@ KeypointReport ReportOf(const Evidence& evidence, const Association& take, const
   if (!px.empty()) report.views /= static_cast<double>(px.size());
   report.median_px = Quantile(px, 0.5);
   report.p90_px = Quantile(px, 0.9);
-  for (const KeypointView& view : evidence.keypoint_views) report.camera_names.push_back(view.camera.name);
+  for (const RigView& view : rig) report.camera_names.push_back(view.camera.camera.name);
+  for (const KeypointView& view : evidence.keypoint_views) report.given_cameras.push_back(view.camera.name);
   report.cameras = points.cameras;
   return report;
 }
@@ -190,11 +190,142 @@ std::vector<double> MedianLengths(const TriangulatedTracks& points, const std::v
   return medians;
 }
 
-}  // namespace
+constexpr double kOddProportions = 0.15;  ///< mean |log ratio| of lengths from which on other orders are tried
+constexpr double kMuchBetter = 0.6;       ///< of it, in the other order
 
-Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Skeleton& skeleton,
-                                              const KeypointFitOptions& options) {
-  if (Status checked = CheckViews(evidence); !checked) return tl::unexpected<Error>(checked.error());
+/// Evidence as its cameras should have it, where each has another's files.
+void ExchangeViews(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
+                   std::vector<RigFault>& faults) {
+  if (options.audit.exchanged == AuditAction::kOff) return;
+  const auto keypoints = static_cast<int>(evidence.keypoint_names.size());
+  const auto exchange =
+      FindExchangedViews(evidence.keypoint_views, keypoints, lengths, options.triangulation.min_confidence);
+  if (!exchange) return;
+  RigFault fault;
+  fault.code = "cameras_exchanged";
+  fault.value = exchange->exchanged;
+  fault.confidence = exchange->confidence;
+  fault.corrected = options.audit.exchanged == AuditAction::kCorrect && exchange->confidence >= options.audit.sure;
+  std::string pairs;
+  for (std::size_t v = 0; v < exchange->source.size(); ++v) {
+    if (exchange->source[v] == v) continue;
+    const std::string& camera = evidence.keypoint_views[v].camera.name;
+    fault.camera += (fault.camera.empty() ? "" : ", ") + camera;
+    pairs += (pairs.empty() ? "" : ", ") + camera + " in those of " +
+             evidence.keypoint_views[exchange->source[v]].camera.name;
+  }
+  fault.message =
+      "what cameras see lies in each other's files: " + pairs + "; so " + std::to_string(Percent(exchange->exchanged)) +
+      " % of the entries agree with others, as the files are " + std::to_string(Percent(exchange->agreement)) + " %";
+  if (fault.corrected) evidence.keypoint_views = WithExchangedViews(evidence.keypoint_views, exchange->source);
+  faults.push_back(std::move(fault));
+}
+
+/// Whether keypoints listed in another order make a person where they do not as named.
+std::optional<RigFault> WrongOrder(const Evidence& evidence, const TriangulatedTracks& points, const Skeleton& skeleton,
+                                   double mismatch, std::vector<std::string>& names) {
+  if (mismatch < kOddProportions) return {};
+  const auto order = FindKeypointOrder(points.positions, points.confidence, evidence.keypoint_names, skeleton);
+  if (!order || order->found > kMuchBetter * order->given) return {};
+  names = order->names;
+  RigFault fault;
+  fault.code = "keypoint_order";
+  fault.value = order->given;
+  fault.confidence = order->confidence;
+  fault.message = "limbs depart from a person's proportions by a factor of " + RoundedText(std::exp(order->given), 3) +
+                  " in the mean, in the order of " + order->name + " by " + RoundedText(std::exp(order->found), 3);
+  return fault;
+}
+
+std::optional<RigFault> WrongUnit(double scale) {
+  const auto unit = FindUnit(scale);
+  if (!unit) return {};
+  RigFault fault;
+  fault.code = "calibration_unit";
+  fault.value = unit->factor;
+  // How far the person's size is from the next explanation, a factor of 1.6 at least; sizes of people spread by 12 %.
+  fault.confidence = std::erf(std::log(1.6) / (0.12 * std::sqrt(2.0)) -
+                              std::abs(std::log(scale / unit->factor)) / (0.12 * std::sqrt(2.0)));
+  fault.confidence = std::clamp(fault.confidence, 0.0, 1.0);
+  fault.message = "the calibration looks like " + unit->text + ": the person would be " + RoundedText(scale, 3) +
+                  " times a person's size";
+  return fault;
+}
+
+Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
+                                      const KeypointFitOptions& options, std::vector<RigFault> faults);
+
+/// Looks at the person that came out; corrects unit and order where told to, and triangulates again. Empty: sound.
+std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, const TriangulatedTracks& points,
+                                                    const Skeleton& skeleton, const std::vector<KnownLength>& lengths,
+                                                    const KeypointFitOptions& options,
+                                                    const std::vector<RigFault>& faults) {
+  const std::vector<double> measured = MedianLengths(points, lengths);
+  const ShapeMatch shape = CompareShape(measured, lengths);
+  const auto again = [&](RigFault fault, const Evidence& corrected) {
+    fault.corrected = true;
+    std::vector<RigFault> all = faults;
+    all.push_back(std::move(fault));
+    return Triangulated(corrected, skeleton, options, std::move(all));
+  };
+  const auto known = [&](const char* code) {
+    return std::any_of(faults.begin(), faults.end(), [&](const RigFault& fault) { return fault.code == code; });
+  };
+  std::string hint;
+  std::vector<std::string> names;
+  if (options.audit.order != AuditAction::kOff && !known("keypoint_order")) {
+    auto fault = WrongOrder(evidence, points, skeleton, shape.lengths > 3 ? shape.mismatch : 1.0, names);
+    if (fault && fault->confidence >= options.audit.sure) {
+      if (options.audit.order == AuditAction::kCorrect) {
+        Evidence corrected = evidence;
+        corrected.keypoint_names = names;
+        return again(std::move(*fault), corrected);
+      }
+      return tl::unexpected<Error>(
+          Inconsistent(fault->message + "; sure to " + RoundedText(100.0 * fault->confidence, 4) + " %", "keypoints",
+                       "declare the detector's order of keypoints, or set fitting.keypoints.audit.order to correct"));
+    }
+  }
+  if (options.audit.unit == AuditAction::kCorrect && !known("calibration_unit")) {
+    auto fault = WrongUnit(shape.scale);
+    if (fault && shape.lengths > 3 && fault->confidence >= options.audit.sure) {
+      Evidence corrected = evidence;
+      for (KeypointView& view : corrected.keypoint_views) view.camera.camera_from_world.translation /= fault->value;
+      return again(std::move(*fault), corrected);
+    }
+  }
+  if (Status sound = CheckPersonShape(measured, lengths); !sound) return tl::unexpected<Error>(sound.error());
+  return {};
+}
+
+/// Puts left and right limbs of single views right; true when anything changed.
+bool MendSides(const std::vector<RigView>& rig, const TriangulatedTracks& points, const std::vector<std::string>& names,
+               const KeypointFitOptions& options, std::vector<ViewKeypoints>& views, std::vector<RigFault>& faults) {
+  if (options.audit.sides == AuditAction::kOff) return false;
+  const auto exchanges =
+      FindSideExchanges(views, points, names, options.triangulation.noise, options.audit.side_margin);
+  const bool corrected = options.audit.sides == AuditAction::kCorrect;
+  for (const SideExchange& exchange : exchanges) {
+    RigFault fault;
+    fault.code = "view_swaps_sides";
+    fault.camera = rig[exchange.view].camera.camera.name;
+    fault.limb = exchange.limb;
+    fault.frame_begin = exchange.frame_begin;
+    fault.frame_end = exchange.frame_end;
+    fault.value = exchange.margin;
+    fault.confidence = 1.0 / (1.0 + std::exp(-exchange.margin));
+    fault.corrected = corrected;
+    fault.message = "camera " + fault.camera + " lists left " + exchange.limb + " as right ones in " +
+                    Counted(exchange.frame_end - exchange.frame_begin, "frame");
+    faults.push_back(std::move(fault));
+  }
+  if (!corrected || exchanges.empty()) return false;
+  ExchangeSides(exchanges, names, views);
+  return true;
+}
+
+Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
+                                      const KeypointFitOptions& options, std::vector<RigFault> faults) {
   const auto keypoints = static_cast<int>(evidence.keypoint_names.size());
   std::vector<RigView> rig;
   for (const KeypointView& view : evidence.keypoint_views) {
@@ -203,8 +334,13 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   KeypointTracks found;
   found.tracks.names = DetectorNames(evidence.keypoint_names);
   const std::vector<KnownLength> lengths = KnownLengths(found.tracks.names, skeleton);
-  const Association take = AssociatePeople(rig, lengths);
+  Association take = AssociatePeople(rig, lengths);
   if (take.people.empty()) return tl::unexpected<Error>(WhyNobody(rig));
+  const AuditedRig audited = AuditRig(rig, take, options);
+  if (audited.corrected) {
+    rig = audited.rig;
+    take = AssociatePeople(rig, lengths, take.time_s);
+  }
   if (evidence.subject < 0 || evidence.subject >= static_cast<int>(take.people.size())) {
     return tl::unexpected<Error>(Inconsistent("person " + std::to_string(evidence.subject) +
                                                   " is wanted, counted from 0 by presence, but views agree on " +
@@ -214,16 +350,12 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   const AssociatedPerson& person = take.people[static_cast<std::size_t>(evidence.subject)];
   std::vector<ViewKeypoints> views = ViewsOfPerson(rig, take, person);
   const auto frames = static_cast<int>(take.time_s.size());
-  const std::optional<int> odd = OddView(views, frames, keypoints, options.triangulation);
-  TriangulatedTracks points = TriangulateViews(views, frames, keypoints, options.triangulation, odd.value_or(-1));
-  const std::optional<CameraRefit> refit = odd ? RefitCamera(views[*odd], points) : std::nullopt;
-  if (refit) {
-    const CameraAgreement as_calibrated = points.cameras[*odd];
-    views[*odd].camera = refit->camera;
+  TriangulatedTracks points = TriangulateViews(views, frames, keypoints, options.triangulation);
+  std::vector<RigFault> sides;
+  if (MendSides(rig, points, evidence.keypoint_names, options, views, sides)) {
     points = TriangulateViews(views, frames, keypoints, options.triangulation);
-    points.cameras[*odd] = as_calibrated;
   }
-  found.report = ReportOf(evidence, take, person, points);
+  found.report = ReportOf(evidence, rig, take, person, points);
   if (found.report.triangulated < kFewPoints) {
     return tl::unexpected<Error>(Inconsistent(
         "only " + std::to_string(Percent(found.report.triangulated)) + " % of the keypoints are found in 3-D",
@@ -231,17 +363,34 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
         "views must agree within fitting.keypoints.triangulation.outlier, " +
             RoundedText(options.triangulation.outlier, 3) + " px"));
   }
-  if (Status shape = CheckPersonShape(MedianLengths(points, lengths), lengths); !shape) {
-    return tl::unexpected<Error>(shape.error());
+  if (auto other = CheckPerson(evidence, points, skeleton, lengths, options, faults)) return std::move(*other);
+  faults.insert(faults.end(), audited.faults.begin(), audited.faults.end());
+  faults.insert(faults.end(), sides.begin(), sides.end());
+  for (const RigFault& fault : faults) {
+    found.findings.push_back(FindingOf(fault));
+    found.report.doubtful = found.report.doubtful || !fault.corrected;
   }
+  found.report.faults = std::move(faults);
+  found.report.residual_px = audited.residual_px;
   TellOfPeople(rig, take, evidence.subject, found.findings);
   TellOfContradiction(rig, person, found);
-  TellOfCameras(found.report, refit, options.triangulation.outlier, found.findings);
+  TellOfCameras(found.report, options.triangulation.outlier, found.findings);
   TellOfPoints(points, found);
   found.tracks.time_s = take.time_s;
   found.tracks.positions = std::move(points.positions);
   found.tracks.confidence = std::move(points.confidence);
   return found;
+}
+
+}  // namespace
+
+Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Skeleton& skeleton,
+                                              const KeypointFitOptions& options) {
+  if (Status checked = CheckViews(evidence); !checked) return tl::unexpected<Error>(checked.error());
+  std::vector<RigFault> faults;
+  Evidence as_seen = evidence;
+  ExchangeViews(as_seen, KnownLengths(DetectorNames(evidence.keypoint_names), skeleton), options, faults);
+  return Triangulated(as_seen, skeleton, options, std::move(faults));
 }
 
 }  // namespace mocurate

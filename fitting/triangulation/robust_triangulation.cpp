@@ -18,11 +18,6 @@ constexpr double kTrust = 1.0 / 3.0;  ///< of the outlier limit: up to here a vi
 constexpr double kBehind = 1e6;       ///< px; error of a point that is not in front
 constexpr double kOddShare = 0.5;
 constexpr double kOddRatio = 4.0;
-constexpr int kLeastViewsToJudge = 4;
-constexpr int kMostViewsToJudge = 12;
-constexpr int kFramesToJudge = 20;
-constexpr double kOddError = 0.85;    ///< of the error without any other view
-constexpr double kOddDistance = 3.0;  ///< of that error, at which the odd view's detections lie
 
 using Rays = std::vector<ViewRay>;
 
@@ -240,7 +235,7 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
 }
 
 TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
-                                    const TriangulationOptions& options, int aside) {
+                                    const TriangulationOptions& options) {
   const std::size_t count = static_cast<std::size_t>(frames) * keypoints;
   TriangulatedTracks tracks;
   tracks.positions = JointPositions(frames, keypoints);
@@ -253,19 +248,16 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
   for (const ViewKeypoints& view : views) prepared.emplace_back(view.camera);
   std::vector<std::vector<double>> errors(views.size());
   Rays rays;
-  Rays measured;  // of the view aside
   for (std::size_t i = 0; i < count; ++i) {
     rays.clear();
-    measured.clear();
     for (std::size_t v = 0; v < views.size(); ++v) {
       const double confidence = views[v].confidence[i];
       if (confidence <= 0.0 || confidence < options.min_confidence) continue;
       const auto index = static_cast<int>(v);
-      Rays& side = index == aside ? measured : rays;
       if (views[v].normalised.empty()) {
-        side.emplace_back(prepared[v], index, views[v].pixel[i], confidence);
+        rays.emplace_back(prepared[v], index, views[v].pixel[i], confidence);
       } else {
-        side.push_back(ViewRay::Undistorted(prepared[v], index, views[v].normalised[i], confidence));
+        rays.push_back(ViewRay::Undistorted(prepared[v], index, views[v].normalised[i], confidence));
       }
     }
     const auto point = TriangulateRobust(rays, options);
@@ -276,7 +268,6 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
     tracks.view_count[i] = point->view_count;
     tracks.error_px[i] = point->error_px;
     tracks.covariance[i] = point->covariance;
-    rays.insert(rays.end(), measured.begin(), measured.end());
     for (const ViewRay& ray : rays) {
       const double error = ErrorLength(ray, point->position);
       errors[ray.index].push_back(error);
@@ -287,50 +278,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
   for (std::size_t v = 0; v < views.size(); ++v) tracks.cameras[v].median_px = Median(errors[v]);
   ConfidenceOfPrecision(tracks.confidence);
   NameTheOddOnes(tracks.cameras);
-  if (aside >= 0) tracks.cameras[aside].disagrees = true;
   return tracks;
-}
-
-std::optional<int> OddView(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
-                           const TriangulationOptions& options) {
-  const auto count = static_cast<int>(views.size());
-  if (count < kLeastViewsToJudge || count > kMostViewsToJudge || frames == 0) return {};
-  const int step = std::max(1, frames / kFramesToJudge);
-  std::vector<ViewKeypoints> some(views.size());
-  int kept = 0;
-  for (int f = 0; f < frames; f += step, ++kept) {
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      some[v].camera = views[v].camera;
-      const auto append = [&](const auto& from, auto& to) {
-        const auto first = from.begin() + static_cast<std::ptrdiff_t>(f) * keypoints;
-        if (!from.empty()) to.insert(to.end(), first, first + keypoints);
-      };
-      append(views[v].pixel, some[v].pixel);
-      append(views[v].normalised, some[v].normalised);
-      append(views[v].confidence, some[v].confidence);
-    }
-  }
-  TriangulationOptions plain = options;
-  plain.outlier = kBehind;  // least squares over all other views
-  int best = -1;
-  double least = kBehind;
-  double second = kBehind;
-  double away = 0.0;
-  for (int v = 0; v < count; ++v) {
-    const TriangulatedTracks without = TriangulateViews(some, kept, keypoints, plain, v);
-    double error = 0.0;
-    for (int other = 0; other < count; ++other) {
-      if (other != v) error += without.cameras[other].median_px / (count - 1);
-    }
-    if (without.cameras[v].detections == 0) continue;
-    second = std::min(second, std::max(error, least));
-    if (error >= least) continue;
-    least = error;
-    away = without.cameras[v].median_px;
-    best = v;
-  }
-  if (best < 0 || least > kOddError * second || away < std::max(kOddDistance * least, options.noise)) return {};
-  return best;
 }
 
 }  // namespace mocurate

@@ -77,15 +77,8 @@ struct TriangulatedTracks {
   std::vector<CameraAgreement> cameras;
 };
 
-/// Every keypoint of every frame. All views have F*K entries. A view `aside` (index; -1: none) is only measured against
-/// the points of the others, and disagrees.
+/// Every keypoint of every frame. All views have F*K entries.
 TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
-                                    const TriangulationOptions& options, int aside = -1);
-
-/// The view without which the others agree much better than without any other of them: moved after its calibration, or
-/// with another clock. Judged on at most 20 frames. Empty for fewer than four views, of which three could not be told
-/// from each other, for more than twelve, where the others outvote it, and where no view stands out.
-std::optional<int> OddView(const std::vector<ViewKeypoints>& views, int frames, int keypoints,
-                           const TriangulationOptions& options);
+                                    const TriangulationOptions& options);
 
 }  // namespace mocurate

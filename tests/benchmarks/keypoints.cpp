@@ -2,7 +2,10 @@
 // joints detected with NOISE px (4), 10 % missed, 3 % in another place; from keypoints to a motion, one core. Speed of
 // the whole path and of its parts beside the errors: joints (mm), and rotations where joints decide them (degrees):
 // full rotations of joints with two or more children that do not lie on a line, directions of single bones of 6 cm and
-// more. Options: ceres, uncertainty, walk_refits, rotation_walk, velocity_walk, huber_sigmas.
+// more; and how many of the whitened error components lie within one and two standard deviations (uncertainty=1).
+// Options: frames (of each clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_walk,
+// velocity_walk, huber_sigmas.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +20,7 @@
 #include "fitting/proportions.h"
 #include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/keypoint_detector.h"
+#include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/take_plan.h"
 
@@ -55,7 +59,26 @@ struct Errors {
   double rotation_deg = 0.0;
   double joints = 0.0;
   double rotations = 0.0;
+  double within_one = 0.0;
+  double within_two = 0.0;
+  double whitened = 0.0;
 };
+
+void AddCoverage(const Motion& truth, const Motion& fit, Errors& errors) {
+  if (fit.position_cov.empty()) return;
+  for (int f = 0; f < truth.frame_count(); ++f) {
+    for (int j = 0; j < truth.joint_count(); ++j) {
+      const float* c = fit.position_cov.data() + 6 * (static_cast<std::size_t>(f) * truth.joint_count() + j);
+      Matrix3d covariance;
+      covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+      const Vector3d error = fit.joints.at(f, j) - truth.joints.at(f, j);
+      const Vector3d white = Eigen::LLT<Matrix3d>(covariance).matrixL().solve(error);
+      errors.within_one += static_cast<double>((white.array().abs() < 1.0).count());
+      errors.within_two += static_cast<double>((white.array().abs() < 2.0).count());
+      errors.whitened += 3.0;
+    }
+  }
+}
 
 void AddErrors(const Motion& truth, const Motion& fit, Errors& errors) {
   const Skeleton& skeleton = *truth.skeleton;
@@ -80,11 +103,11 @@ void AddErrors(const Motion& truth, const Motion& fit, Errors& errors) {
   }
 }
 
-std::vector<StudioTake> Perform(int clips, int cameras, double noise, std::int64_t seed) {
+std::vector<StudioTake> Perform(int clips, int cameras, double noise, std::int64_t seed, int frames) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   StudioOptions options;
   options.seed = seed;
-  options.subjects = 5;
+  options.subjects = std::max(5, (clips + 11) / 12);
   options.clips = 1;
   options.rig.kind = cameras > 0 ? RigKind::kRing : RigKind::kHuman36m;
   options.rig.cameras = std::max(cameras, 1);
@@ -110,6 +133,11 @@ std::vector<StudioTake> Perform(int clips, int cameras, double noise, std::int64
     take.person = cast[planned.subject - 1].name;
     take.name = planned.Key();
     take.truth = PerformScript(planned.script, cast[planned.subject - 1], skeleton, FrameRate{30, 1});
+    if (frames > 0 && take.truth.frame_count() > frames) {
+      std::vector<int> first(static_cast<std::size_t>(frames));
+      for (int f = 0; f < frames; ++f) first[static_cast<std::size_t>(f)] = f;
+      take.truth = Seen(take.truth, first, RigidTransform{});
+    }
     for (const Joint& joint : skeleton->joints) take.evidence.keypoint_names.push_back(joint.name);
     for (const Camera& camera : rig) {
       KeypointView view;
@@ -141,12 +169,18 @@ int main(int argc, char** argv) {
   using namespace mocurate;
   const auto argument = [&](int place, double otherwise) { return argc > place ? std::atof(argv[place]) : otherwise; };
   FittingOptions options;
+  int longest = 0;
   options.joint_tracks.solver = TrackSolver::kBanded;
   for (int i = 5; i < argc; ++i) {
     const std::string text = argv[i];
     const auto at = text.find('=');
     const std::string name = text.substr(0, at);
     const double value = std::atof(text.c_str() + at + 1);
+    if (name == "frames") longest = static_cast<int>(value);
+    if (name == "audit" && value == 0.0) {
+      RigAuditOptions& audit = options.keypoints.audit;
+      audit.clocks = audit.moved = audit.exchanged = audit.unit = audit.order = audit.sides = AuditAction::kOff;
+    }
     if (name == "walk_refits") options.joint_tracks.steps = StepsWithRefits(static_cast<int>(value));
     if (name == "rotation_walk") options.joint_tracks.rotation_walk = value;
     if (name == "velocity_walk") options.joint_tracks.velocity_walk = value;
@@ -155,7 +189,7 @@ int main(int argc, char** argv) {
     if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
   }
   const auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), argument(3, 4.0),
-                             static_cast<std::int64_t>(argument(4, 4711)));
+                             static_cast<std::int64_t>(argument(4, 4711)), longest);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   std::map<std::string, std::vector<SkeletonTracks>> of_person;
   double frames = 0.0;
@@ -201,14 +235,22 @@ int main(int argc, char** argv) {
                  take.truth.frame_count(), own.joint_mm / own.joints, own.rotation_deg / own.rotations,
                  fit->iterations);
     AddErrors(take.truth, fit->motion, errors);
+    AddCoverage(take.truth, fit->motion, errors);
+    for (const RigFault& fault : fit->keypoints->faults) {
+      std::fprintf(stderr, "  %s %s %.1f sure %.3f\n", fault.code.c_str(), fault.camera.c_str(), fault.value,
+                   fault.confidence);
+    }
   }
   std::printf(
       "{\"name\": \"keypoints\", \"clips\": %zu, \"cameras\": %zu, \"frames\": %.0f, \"triangulated_mm\": %.2f, "
-      "\"triangulated_share\": %.4f, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, \"sigma_mm\": %.1f, \"iterations\": "
+      "\"triangulated_share\": %.4f, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, \"within_one\": %.4f, \"within_two\": "
+      "%.4f, "
+      "\"sigma_mm\": %.1f, \"iterations\": "
       "%.1f, "
       "\"tracks_frames_per_s\": %.0f, \"frames_per_s\": %.0f, \"threads\": 1}\n",
       takes.size(), takes.empty() ? 0 : takes[0].evidence.keypoint_views.size(), frames, raw.joint_mm / raw.joints,
       raw.joints / (frames * skeleton->joint_count()), errors.joint_mm / errors.joints,
-      errors.rotation_deg / errors.rotations, 1e3 * sigma / static_cast<double>(takes.size()),
+      errors.rotation_deg / errors.rotations, errors.within_one / std::max(errors.whitened, 1.0),
+      errors.within_two / std::max(errors.whitened, 1.0), 1e3 * sigma / static_cast<double>(takes.size()),
       iterations / static_cast<double>(takes.size()), frames / tracks_s, frames / fit_s);
 }

@@ -1,0 +1,203 @@
+#include "fitting/audit/camera_moves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fitting/evidence/noise.h"
+#include "fitting/triangulation/camera_refit.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kLeastViews = 4;
+constexpr std::size_t kMostViews = 12;
+constexpr double kImproved = 0.75;   ///< of the median error before
+constexpr int kLeastMoments = 5;     ///< of a part
+constexpr int kLeastDetections = 6;  ///< of a moment
+constexpr double kPartPenalty = 1.1;
+
+/// Median pixel error of each moment, axis by axis; NaN where too little is seen.
+std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const TriangulatedTracks& points) {
+  const auto keypoints = static_cast<std::size_t>(points.positions.joints);
+  std::vector<Vector2d> medians;
+  std::vector<double> u;
+  std::vector<double> v;
+  for (int m = 0; m < points.positions.frames; ++m) {
+    u.clear();
+    v.clear();
+    for (std::size_t i = m * keypoints; i < (m + 1) * keypoints; ++i) {
+      if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
+      const Vector2d error = PixelError(view, i, Eigen::Map<const Vector3d>(points.positions.xyz.data() + 3 * i));
+      u.push_back(error.x());
+      v.push_back(error.y());
+    }
+    const bool enough = u.size() >= kLeastDetections;
+    medians.emplace_back(enough ? Median(u) : std::nan(""), enough ? Median(v) : std::nan(""));
+  }
+  return medians;
+}
+
+/// Sum of the distances of moments [begin, end) from their median, px.
+double Spread(const std::vector<Vector2d>& errors, std::size_t begin, std::size_t end) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (std::isfinite(errors[i][axis])) values.push_back(errors[i][axis]);
+    }
+    const double median = Median(values);
+    for (const double value : values) sum += std::abs(value - median);
+  }
+  return sum;
+}
+
+/// Where the errors jump: first moment of the second part; 0: nowhere.
+std::size_t Jump(const std::vector<Vector2d>& errors, double noise_px) {
+  const double whole = Spread(errors, 0, errors.size());
+  double least = whole / kPartPenalty - noise_px;
+  std::size_t best = 0;
+  for (std::size_t i = kLeastMoments; i + kLeastMoments <= errors.size(); ++i) {
+    const double parts = Spread(errors, 0, i) + Spread(errors, i, errors.size());
+    if (parts >= least) continue;
+    least = parts;
+    best = i;
+  }
+  return best;
+}
+
+ViewKeypoints Only(const ViewKeypoints& view, std::size_t begin, std::size_t end) {
+  ViewKeypoints part = view;
+  for (std::size_t i = 0; i < part.confidence.size(); ++i) {
+    if (i < begin || i >= end) part.confidence[i] = 0.0;
+  }
+  return part;
+}
+
+double MedianError(const ViewKeypoints& view, const TriangulatedTracks& points) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < points.confidence.size(); ++i) {
+    if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
+    errors.push_back(PixelError(view, i, Eigen::Map<const Vector3d>(points.positions.xyz.data() + 3 * i)).norm());
+  }
+  return Median(errors);
+}
+
+/// The camera refitted in one or two parts to the points of the others.
+std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& model, std::size_t view,
+                                   const ViewKeypoints& seen, const TriangulatedTracks& points, std::size_t jump) {
+  const auto keypoints = static_cast<std::size_t>(samples.keypoints());
+  const std::size_t all = seen.confidence.size();
+  CameraMove move{view, model.camera[view], 0.0, 0.0, 0.0, 0.0, jump > 0, model};
+  if (jump > 0) {
+    CameraPart later = move.camera[0];
+    later.from_s = 0.5 * (samples.moments()[jump - 1].time_s + samples.moments()[jump].time_s);
+    move.camera.push_back(later);
+  }
+  bool any = false;
+  for (std::size_t part = 0; part < move.camera.size(); ++part) {
+    const std::size_t begin = part == 0 ? 0 : jump * keypoints;
+    const std::size_t end = part + 1 < move.camera.size() ? jump * keypoints : all;
+    const auto refit = RefitCamera(Only(seen, begin, end), points, kImproved);
+    if (!refit) continue;
+    any = true;
+    move.camera[part].camera = refit->camera;
+    move.before_px = refit->before_px;
+    move.after_px = refit->after_px;
+    move.moved_m = refit->moved_m;
+    move.turned_rad = refit->turned_rad;
+  }
+  if (!any) return {};
+  move.model.camera[view] = move.camera;
+  return move;
+}
+
+/// Points that the other views give.
+TriangulatedTracks PointsWithout(const RigSamples& frames, const RigModel& model, std::size_t view,
+                                 const TriangulationOptions& options) {
+  std::vector<ViewKeypoints> rest;
+  std::vector<std::size_t> view_of;
+  const std::vector<ViewKeypoints> all = frames.Views(model, &view_of);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (view_of[i] != view) rest.push_back(all[i]);
+  }
+  return TriangulateViews(rest, frames.count(), frames.keypoints(), options);
+}
+
+}  // namespace
+
+std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
+                                   const TriangulationOptions& options) {
+  if (samples.views() < kLeastViews || samples.views() > kMostViews || samples.count() < kLeastMoments) return {};
+  std::vector<std::size_t> view_of;
+  const std::vector<ViewKeypoints> views = samples.Views(model, &view_of);
+  double least = std::numeric_limits<double>::infinity();
+  std::optional<CameraMove> best;
+  for (std::size_t v = 0; v < samples.views(); ++v) {
+    if (model.camera[v].size() > 1) continue;  // found before
+    std::vector<ViewKeypoints> rest;
+    ViewKeypoints seen;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (view_of[i] == v) {
+        seen = views[i];
+      } else {
+        rest.push_back(views[i]);
+      }
+    }
+    const TriangulatedTracks points = TriangulateViews(rest, samples.count(), samples.keypoints(), options);
+    if (MedianError(seen, points) <= 0.0) continue;
+    const std::vector<Vector2d> errors = MedianErrors(seen, points);
+    for (const std::size_t jump : {std::size_t{0}, Jump(errors, options.noise)}) {
+      if (jump == 0 && best && best->view == v) continue;
+      auto move = Refitted(samples, model, v, seen, points, jump);
+      if (!move) continue;
+      const auto again = samples.Views(move->model);
+      const auto agreed = TriangulateViews(again, samples.count(), samples.keypoints(), options);
+      double cost = 0.0;
+      for (const double of_moment : CostOfMoments(again, agreed, options.noise)) cost += of_moment;
+      if (jump > 0) cost *= 1.02;  // a jump must say something that one pose does not
+      if (cost >= least) continue;
+      least = cost;
+      best = std::move(move);
+    }
+  }
+  return best;
+}
+
+void RefitParts(const RigSamples& frames, std::size_t view, const TriangulationOptions& options, RigModel& model) {
+  constexpr double kAnyBetter = 1.05;
+  const TriangulatedTracks points = PointsWithout(frames, model, view, options);
+  std::vector<CameraPart>& parts = model.camera[view];
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const auto refit = RefitCamera(frames.View(model, view, part), points, kAnyBetter);
+    if (refit) parts[part].camera = refit->camera;
+  }
+}
+
+double WhenMoved(const RigSamples& frames, const RigModel& model, std::size_t view,
+                 const TriangulationOptions& options) {
+  const TriangulatedTracks points = PointsWithout(frames, model, view, options);
+  std::vector<std::vector<double>> cost;
+  for (std::size_t part = 0; part < 2; ++part) {
+    RigModel alone = model;
+    alone.camera[view] = {CameraPart{model.camera[view][part].camera}};
+    const std::vector<ViewKeypoints> seen{frames.View(alone, view, 0)};
+    cost.push_back(CostOfMoments(seen, points, options.noise));
+  }
+  double later = 0.0;
+  for (const double of_moment : cost[1]) later += of_moment;
+  double least = later;
+  std::size_t best = 0;
+  double sum = later;
+  for (std::size_t i = 0; i < cost[0].size(); ++i) {
+    sum += cost[0][i] - cost[1][i];
+    if (sum >= least) continue;
+    least = sum;
+    best = i + 1;
+  }
+  if (best == 0) return frames.moments().front().time_s;
+  if (best >= frames.moments().size()) return frames.moments().back().time_s;
+  return frames.moments()[best].time_s;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,177 @@
+#include "fitting/audit/clock_offsets.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr std::array<double, 8> kScales = {6.0, 4.0, 3.0, 2.0,
+                                           1.0, 1.0, 1.0, 1.0};  ///< of a third of the outlier limit
+constexpr double kWeakPrior_s = 1.0;                             ///< holds what nothing determines
+constexpr double kNoIdea_s = 0.2;                                ///< a standard deviation that says nothing
+constexpr double kJump_px = 60.0;  ///< off the line from before to after: one of the three is somewhere else
+constexpr double kSettled_s = 2e-4;
+constexpr double kSameClock_s = 0.004;
+
+/// d pixel error / d point, px per metre.
+Eigen::Matrix<double, 2, 3> SlopeOf(const Camera& camera, const Matrix3d& rotation, const Vector3d& point) {
+  const Vector3d at = camera.camera_from_world * point;
+  Eigen::Matrix<double, 2, 3> slope;
+  slope.row(0) = camera.fx / at.z() * (rotation.row(0) - at.x() / at.z() * rotation.row(2));
+  slope.row(1) = camera.fy / at.z() * (rotation.row(1) - at.y() / at.z() * rotation.row(2));
+  return slope;
+}
+
+/// What a set of moments says of the clocks: information and gradient, moment by moment.
+struct ClockEquations {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+  std::vector<Eigen::VectorXd> of_moment;  ///< gradients
+  Eigen::VectorXd by_noise;                ///< what the noise of the velocities adds to the information's diagonal
+};
+
+/// Pixels per second of each detection, from what the view sees two of its frames earlier and later. (M*K)
+std::vector<Vector2d> Velocities(const RigSamples& samples, const RigModel& model, std::size_t view, std::size_t part) {
+  const double reach = 2.0 * samples.Step(view);
+  const ViewKeypoints before = samples.View(model, view, part, -reach);
+  const ViewKeypoints after = samples.View(model, view, part, reach);
+  const ViewKeypoints now = samples.View(model, view, part);
+  std::vector<Vector2d> velocity(before.confidence.size(), Vector2d::Zero());
+  for (std::size_t i = 0; i < velocity.size() && reach > 0.0; ++i) {
+    if (before.confidence[i] <= 0.0 || after.confidence[i] <= 0.0) continue;
+    const Vector2d off = before.normalised[i] + after.normalised[i] - 2.0 * now.normalised[i];
+    if (now.confidence[i] <= 0.0 || before.camera.fx * off.norm() > kJump_px) continue;
+    const Vector2d moved = (after.normalised[i] - before.normalised[i]) / (2.0 * reach);
+    velocity[i] = {before.camera.fx * moved.x(), before.camera.fy * moved.y()};
+  }
+  return velocity;
+}
+
+ClockEquations Linearise(const RigSamples& samples, const RigModel& model, const TriangulationOptions& options,
+                         double scale) {
+  std::vector<std::size_t> view_of;
+  const std::vector<ViewKeypoints> views = samples.Views(model, &view_of);
+  TriangulationOptions wide = options;
+  wide.outlier = std::max(options.outlier, 3.0 * scale);
+  const TriangulatedTracks points = TriangulateViews(views, samples.count(), samples.keypoints(), wide);
+  std::vector<std::vector<Vector2d>> velocity;
+  std::vector<Matrix3d> rotation;
+  for (std::size_t i = 0, part = 0; i < views.size(); ++i) {
+    part = i > 0 && view_of[i] == view_of[i - 1] ? part + 1 : 0;
+    velocity.push_back(Velocities(samples, model, view_of[i], part));
+    rotation.push_back(views[i].camera.camera_from_world.rotation.toRotationMatrix());
+  }
+  const auto n = static_cast<Eigen::Index>(samples.views());
+  ClockEquations equations{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), {}, Eigen::VectorXd::Zero(n)};
+  const auto keypoints = static_cast<std::size_t>(samples.keypoints());
+  for (int m = 0; m < samples.count(); ++m) {
+    Eigen::VectorXd of_moment = Eigen::VectorXd::Zero(n);
+    for (std::size_t at = m * keypoints; at < (m + 1) * keypoints; ++at) {
+      if (points.confidence[at] <= 0.0) continue;
+      const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * at);
+      Matrix3d own = Matrix3d::Zero();
+      Vector3d pull = Vector3d::Zero();
+      Eigen::Matrix3Xd cross = Eigen::Matrix3Xd::Zero(3, n);
+      Eigen::VectorXd square = Eigen::VectorXd::Zero(n);
+      Eigen::VectorXd slope_of_clock = Eigen::VectorXd::Zero(n);
+      for (std::size_t v = 0; v < views.size(); ++v) {
+        if (views[v].confidence[at] <= 0.0) continue;
+        const Vector2d error = PixelError(views[v], at, point);
+        const double trust = 1.0 / (1.0 + error.squaredNorm() / (scale * scale));
+        const double weight = views[v].confidence[at] * trust * trust / (options.noise * options.noise);
+        const auto slope = SlopeOf(views[v].camera, rotation[v], point);
+        const Vector2d& speed = velocity[v][at];  // a later clock reads an earlier stamp: d error / d clock
+        const auto view = static_cast<Eigen::Index>(view_of[v]);
+        own += weight * slope.transpose() * slope;
+        pull += weight * slope.transpose() * error;
+        cross.col(view) += weight * slope.transpose() * speed;
+        square[view] += weight * speed.squaredNorm();
+        slope_of_clock[view] += weight * speed.dot(error);
+      }
+      const Eigen::LLT<Matrix3d> factor(own);
+      if (factor.info() != Eigen::Success) continue;
+      const Eigen::Matrix3Xd through = factor.solve(cross);
+      for (std::size_t v = 0; v < views.size(); ++v) {
+        if (views[v].confidence[at] <= 0.0) continue;
+        const double trust = 1.0 / (1.0 + PixelError(views[v], at, point).squaredNorm() / (scale * scale));
+        const double weight = views[v].confidence[at] * trust * trust / (options.noise * options.noise);
+        const auto slope = SlopeOf(views[v].camera, rotation[v], point);
+        const double leverage = weight * (slope * factor.solve(slope.transpose())).trace();
+        const double reach = 4.0 * samples.Step(view_of[v]);
+        const double variance = 2.0 * options.noise * options.noise / (views[v].confidence[at] * reach * reach);
+        equations.by_noise[static_cast<Eigen::Index>(view_of[v])] += weight * variance * (2.0 - leverage);
+      }
+      equations.information.diagonal() += square;
+      equations.information.noalias() -= cross.transpose() * through;
+      of_moment += slope_of_clock - through.transpose() * pull;
+    }
+    equations.gradient += of_moment;
+    equations.of_moment.push_back(std::move(of_moment));
+  }
+  return equations;
+}
+
+/// The camera that most others go along with; ties: the first.
+std::size_t CommonClock(const ClockOffsets& offsets) {
+  std::size_t best = 0;
+  int most = -1;
+  for (std::size_t v = 0; v < offsets.clock_s.size(); ++v) {
+    if (!std::isfinite(offsets.sigma_s[v])) continue;
+    int along = 0;
+    for (std::size_t w = 0; w < offsets.clock_s.size(); ++w) {
+      const double near = std::max(kSameClock_s, 3.0 * std::hypot(offsets.sigma_s[v], offsets.sigma_s[w]));
+      along += std::isfinite(near) && std::abs(offsets.clock_s[v] - offsets.clock_s[w]) <= near ? 1 : 0;
+    }
+    if (along <= most) continue;
+    most = along;
+    best = v;
+  }
+  return best;
+}
+
+}  // namespace
+
+ClockOffsets RefineClocks(const RigSamples& samples, const RigModel& model, const TriangulationOptions& options) {
+  const auto n = static_cast<Eigen::Index>(samples.views());
+  RigModel at = model;
+  ClockEquations equations;
+  const Eigen::MatrixXd prior = Eigen::MatrixXd::Identity(n, n) / (kWeakPrior_s * kWeakPrior_s);
+  for (const double scale : kScales) {
+    equations = Linearise(samples, at, options, scale * options.outlier / 3.0);
+    const Eigen::VectorXd step = -(equations.information + prior).ldlt().solve(equations.gradient);
+    if (!step.allFinite()) break;
+    const double longest = step.cwiseAbs().maxCoeff();
+    const double allowed = longest > 0.1 ? 0.1 / longest : 1.0;
+    for (Eigen::Index v = 0; v < n; ++v) at.clock_s[static_cast<std::size_t>(v)] += allowed * step[v];
+    if (scale <= 1.0 && longest < kSettled_s) break;
+  }
+  ClockOffsets offsets{at.clock_s, std::vector<double>(at.clock_s.size(), std::numeric_limits<double>::infinity())};
+  // Of the differences from the mean clock: what all share is not seen by anybody.
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(n, n);
+  for (const Eigen::VectorXd& gradient : equations.of_moment) spread += gradient * gradient.transpose();
+  const Eigen::MatrixXd share = Eigen::MatrixXd::Identity(n, n) - Eigen::MatrixXd::Constant(n, n, 1.0 / n);
+  const Eigen::MatrixXd ridge = Eigen::MatrixXd::Identity(n, n) * 1e-3 * std::max(1.0, equations.information.trace());
+  const Eigen::MatrixXd common = Eigen::MatrixXd::Constant(n, n, equations.information.trace() / (n * n));
+  const Eigen::MatrixXd inverse = (equations.information + common + 1e-6 * ridge).inverse();
+  const Eigen::MatrixXd covariance = share * inverse * spread * inverse * share;
+  for (Eigen::Index v = 0; v < n; ++v) {
+    const double apparent = equations.information(v, v);
+    const double real = std::max(apparent - equations.by_noise[v], 0.02 * apparent);
+    const double sigma = std::sqrt(covariance(v, v)) * apparent / real;
+    if (apparent > 0.0 && sigma < kNoIdea_s) offsets.sigma_s[static_cast<std::size_t>(v)] = sigma;
+  }
+  const std::size_t common_clock = CommonClock(offsets);
+  const double common_s = offsets.clock_s[common_clock];
+  const double common_sigma_s = offsets.sigma_s[common_clock];
+  for (std::size_t v = 0; v < offsets.clock_s.size(); ++v) {
+    offsets.clock_s[v] -= common_s;
+    if (v != common_clock) offsets.sigma_s[v] = std::hypot(offsets.sigma_s[v], common_sigma_s);
+  }
+  return offsets;
+}
+
+}  // namespace mocurate

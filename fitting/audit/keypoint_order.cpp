@@ -1,0 +1,104 @@
+#include "fitting/audit/keypoint_order.h"
+
+#include <algorithm>
+
+#include "fitting/association/body_shape.h"
+#include "fitting/audit/rig_samples.h"
+#include "fitting/evidence/detector_points.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFrames = 40;          ///< looked at
+constexpr int kLengthsToTell = 6;    ///< that an order must have to be judged
+constexpr double kPlausible = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
+
+using Names = std::vector<std::string>;
+
+Names Joined(const std::vector<Names>& parts) {
+  Names all;
+  for (const Names& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Mean departure from the skeleton's proportions in each frame; empty when too few lengths are known.
+std::vector<double> Departures(const JointPositions& points, const std::vector<double>& confidence,
+                               const std::vector<KnownLength>& lengths) {
+  std::vector<double> departures;
+  const int step = std::max(1, points.frames / kFrames);
+  for (int f = 0; f < points.frames; f += step) {
+    std::vector<double> measured;
+    for (const KnownLength& length : lengths) {
+      const std::size_t first = static_cast<std::size_t>(f) * points.joints;
+      const bool known = confidence[first + length.from] > 0.0 && confidence[first + length.to] > 0.0;
+      measured.push_back(known ? (points.at(f, length.from) - points.at(f, length.to)).norm() : 0.0);
+    }
+    const ShapeMatch shape = CompareShape(measured, lengths);
+    departures.push_back(shape.lengths >= kLengthsToTell ? shape.mismatch : 1.0);
+  }
+  return departures;
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 1.0 : sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+const std::vector<KeypointOrder>& KnownOrders() {
+  static const Names coco = {"nose",          "left_eye",       "right_eye",  "left_ear",    "right_ear",
+                             "left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_wrist",
+                             "right_wrist",   "left_hip",       "right_hip",  "left_knee",   "right_knee",
+                             "left_ankle",    "right_ankle"};
+  static const Names arms = {"nose",        "neck",          "right_shoulder", "right_elbow",
+                             "right_wrist", "left_shoulder", "left_elbow",     "left_wrist"};
+  static const Names legs = {"right_hip", "right_knee", "right_ankle", "left_hip", "left_knee", "left_ankle"};
+  static const Names face = {"right_eye", "left_eye", "right_ear", "left_ear"};
+  static const Names feet = {"left_big_toe",  "left_small_toe",  "left_heel",
+                             "right_big_toe", "right_small_toe", "right_heel"};
+  static const std::vector<KeypointOrder> orders = {{"BODY_25", Joined({arms, {"mid_hip"}, legs, face, feet})},
+                                                    {"BODY_25B", Joined({coco, {"upper_neck", "head_top"}, feet})},
+                                                    {"COCO_17", coco},
+                                                    {"COCO_18", Joined({arms, legs, face})}};
+  return orders;
+}
+
+std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const std::vector<double>& confidence,
+                                            const std::vector<std::string>& names, const Skeleton& skeleton) {
+  const auto keypoints = static_cast<std::size_t>(points.joints);
+  std::size_t used = 0;  // keypoints that are ever found
+  for (std::size_t i = 0; i < confidence.size(); ++i) {
+    if (confidence[i] > 0.0) used = std::max(used, i % keypoints + 1);
+  }
+  OrderFound best;
+  best.given = Mean(Departures(points, confidence, KnownLengths(DetectorNames(names), skeleton)));
+  best.found = 1.0;
+  std::vector<std::vector<double>> all;
+  std::size_t chosen = 0;
+  for (const KeypointOrder& order : KnownOrders()) {
+    if (order.points.size() < used) continue;
+    OrderFound candidate{order.name, order.points, best.given, 0.0, 0.0};
+    candidate.names.resize(std::min(order.points.size(), keypoints));
+    for (std::size_t k = candidate.names.size(); k < keypoints; ++k) {
+      candidate.names.push_back("unknown_" + std::to_string(k - order.points.size()));
+    }
+    all.push_back(Departures(points, confidence, KnownLengths(DetectorNames(candidate.names), skeleton)));
+    candidate.found = Mean(all.back());
+    if (candidate.found >= best.found) continue;  // equal orders: the first that has them
+    best = candidate;
+    chosen = all.size() - 1;
+  }
+  if (best.name.empty() || best.found > kPlausible || best.found >= best.given) return {};
+  best.confidence = 1.0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    // Orders of the same joints at the same places are no rivals.
+    if (i != chosen && all[i] != all[chosen]) {
+      best.confidence = std::min(best.confidence, Confidence(all[i], all[chosen]));
+    }
+  }
+  return best;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,129 @@
+#include "fitting/audit/rig_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fitting/association/person_views.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kWorst_px = 120.0;  ///< errors beyond cost no more
+constexpr double kBehind_px = 1e6;
+
+double CostOf(double square_px, double noise_px) {
+  const double worst = kWorst_px * kWorst_px;
+  return 3.0 * std::log1p(std::min(square_px, worst) / (4.0 * noise_px * noise_px));  // Student's t of 4 degrees
+}
+
+bool SeenByTwo(const AssociatedPerson& person, std::size_t view, std::size_t frame, const std::vector<RigView>& rig) {
+  const double time = rig[view].time_s[frame];
+  for (std::size_t other = 0; other < rig.size(); ++other) {
+    if (other == view) continue;
+    const std::vector<double>& times = rig[other].time_s;
+    const auto next = std::lower_bound(times.begin(), times.end(), time - 1e-9);
+    if (next == times.end()) continue;
+    if (person.entry[other][static_cast<std::size_t>(next - times.begin())] >= 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+RigModel::RigModel(const std::vector<RigView>& rig) : clock_s(rig.size(), 0.0) {
+  for (const RigView& view : rig) camera.push_back({CameraPart{view.camera.camera}});
+}
+
+RigSamples::RigSamples(const std::vector<RigView>& rig, const Association& take, std::vector<RigMoment> moments)
+    : rig_(rig), take_(take), moments_(std::move(moments)) {
+  for (const RigView& view : rig) step_.push_back(UsualStep(view.time_s));
+}
+
+std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const Association& take, int most) {
+  std::size_t base = 0;
+  for (std::size_t v = 1; v < rig.size(); ++v) {
+    if (rig[v].time_s.size() > rig[base].time_s.size()) base = v;
+  }
+  std::vector<RigMoment> all;
+  for (std::size_t f = 0; f < rig[base].time_s.size(); ++f) {
+    for (std::size_t p = 0; p < take.people.size(); ++p) {
+      if (take.people[p].entry[base][f] < 0 || !SeenByTwo(take.people[p], base, f, rig)) continue;
+      all.push_back({static_cast<int>(p), rig[base].time_s[f]});
+    }
+  }
+  if (all.size() <= static_cast<std::size_t>(most)) return all;
+  std::vector<RigMoment> some;
+  for (int i = 0; i < most; ++i) some.push_back(all[static_cast<std::size_t>(i) * all.size() / most]);
+  return some;
+}
+
+ViewKeypoints RigSamples::View(const RigModel& model, std::size_t view, std::size_t part, double later_s) const {
+  const RigView& from = rig_[view];
+  const auto keypoints = static_cast<std::size_t>(from.keypoints);
+  const std::vector<CameraPart>& parts = model.camera[view];
+  ViewKeypoints seen;
+  seen.camera = parts[part].camera;
+  seen.normalised.assign(moments_.size() * keypoints, Vector2d::Zero());
+  seen.confidence.assign(moments_.size() * keypoints, 0.0);
+  for (std::size_t i = 0; i < moments_.size(); ++i) {
+    const double time = moments_[i].time_s;
+    if (time < parts[part].from_s || (part + 1 < parts.size() && time >= parts[part + 1].from_s)) continue;
+    const auto& entry = take_.people[static_cast<std::size_t>(moments_[i].person)].entry[view];
+    ReadBetweenFrames(from, entry, step_[view], time - model.clock_s[view] + later_s,
+                      seen.normalised.data() + i * keypoints, seen.confidence.data() + i * keypoints);
+  }
+  return seen;
+}
+
+std::vector<ViewKeypoints> RigSamples::Views(const RigModel& model, std::vector<std::size_t>* view_of) const {
+  std::vector<ViewKeypoints> views;
+  for (std::size_t v = 0; v < rig_.size(); ++v) {
+    for (std::size_t part = 0; part < model.camera[v].size(); ++part) {
+      views.push_back(View(model, v, part));
+      if (view_of != nullptr) view_of->push_back(v);
+    }
+  }
+  return views;
+}
+
+Vector2d PixelError(const ViewKeypoints& view, std::size_t at, const Vector3d& point) {
+  const Vector3d in_camera = view.camera.camera_from_world * point;
+  if (!(in_camera.z() > 0.0)) return Vector2d::Constant(kBehind_px);
+  const Vector2d off = in_camera.head<2>() / in_camera.z() - view.normalised[at];
+  return {view.camera.fx * off.x(), view.camera.fy * off.y()};
+}
+
+std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
+                                  double noise_px) {
+  const auto keypoints = static_cast<std::size_t>(points.positions.joints);
+  std::vector<double> costs(static_cast<std::size_t>(points.positions.frames), 0.0);
+  for (const ViewKeypoints& view : views) {
+    for (std::size_t i = 0; i < points.confidence.size(); ++i) {
+      if (view.confidence[i] <= 0.0) continue;
+      double square = kBehind_px;
+      if (points.confidence[i] > 0.0) {
+        const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * i);
+        square = PixelError(view, i, point).squaredNorm();
+      }
+      costs[i / keypoints] += view.confidence[i] * CostOf(square, noise_px);
+    }
+  }
+  return costs;
+}
+
+double Confidence(const std::vector<double>& worse, const std::vector<double>& better) {
+  const auto n = static_cast<double>(worse.size());
+  if (n < 2.0) return 0.0;
+  double mean = 0.0;
+  for (std::size_t i = 0; i < worse.size(); ++i) mean += (worse[i] - better[i]) / n;
+  double square = 0.0;
+  for (std::size_t i = 0; i < worse.size(); ++i) square += std::pow(worse[i] - better[i] - mean, 2);
+  const double error = std::sqrt(square / (n * (n - 1.0)));
+  if (error <= 0.0) return mean > 0.0 ? 1.0 : 0.0;
+  return NormalShare(mean / error);
+}
+
+double NormalShare(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+}  // namespace mocurate

@@ -1,0 +1,137 @@
+#include "fitting/audit/view_sides.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "fitting/audit/rig_samples.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kChangeCost = 4.0;
+constexpr double kExchangedCost = 0.05;  ///< of a frame
+constexpr double kMostCost = 6.0;        ///< of a detection: beyond, it is somewhere else
+constexpr double kMostOfFrame = 12.0;    ///< detections of a frame err together
+constexpr std::size_t kLeastViews = 3;
+
+using Pair = std::pair<std::size_t, std::size_t>;
+
+const std::vector<std::pair<std::string, std::vector<std::string>>>& Limbs() {
+  static const std::vector<std::pair<std::string, std::vector<std::string>>> limbs = {
+      {"arms", {"collar", "shoulder", "elbow", "wrist", "hand"}},
+      {"legs", {"hip", "knee", "ankle", "foot", "heel", "big_toe", "small_toe"}}};
+  return limbs;
+}
+
+std::vector<Pair> PairsOf(const std::vector<std::string>& names, const std::vector<std::string>& parts) {
+  const auto find = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  std::vector<Pair> pairs;
+  for (const std::string& part : parts) {
+    const Pair pair{find("left_" + part), find("right_" + part)};
+    if (pair.first < names.size() && pair.second < names.size()) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+double CostOf(const ViewKeypoints& view, std::size_t at, std::size_t of_point, const TriangulatedTracks& points,
+              double noise_px) {
+  const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * of_point);
+  const Vector3d in_camera = view.camera.camera_from_world * point;
+  if (!(in_camera.z() > 0.0)) return kMostCost;
+  const Vector2d off = in_camera.head<2>() / in_camera.z() - view.normalised[at];
+  const double square = std::pow(view.camera.fx * off.x(), 2) + std::pow(view.camera.fy * off.y(), 2);
+  return std::min(3.0 * std::log1p(square / (4.0 * noise_px * noise_px)), kMostCost);
+}
+
+/// By how much an exchange is likelier in a frame.
+double GainAt(const ViewKeypoints& view, const TriangulatedTracks& points, const std::vector<Pair>& pairs, int frame,
+              double noise_px) {
+  const std::size_t first = static_cast<std::size_t>(frame) * static_cast<std::size_t>(points.positions.joints);
+  double gain = 0.0;
+  for (const Pair& pair : pairs) {
+    const std::size_t left = first + pair.first;
+    const std::size_t right = first + pair.second;
+    if (points.confidence[left] <= 0.0 || points.confidence[right] <= 0.0) continue;
+    for (const auto& [own, other] : {Pair{left, right}, Pair{right, left}}) {
+      if (view.confidence[own] <= 0.0) continue;
+      gain += view.confidence[own] *
+              (CostOf(view, own, own, points, noise_px) - CostOf(view, own, other, points, noise_px));
+    }
+  }
+  return std::clamp(gain, -kMostOfFrame, kMostOfFrame);
+}
+
+/// Frames in which the exchanged state is on the cheapest path.
+std::vector<bool> CheapestPath(const std::vector<double>& gains) {
+  std::vector<std::array<char, 2>> from(gains.size());
+  std::array<double, 2> cost{0.0, kChangeCost};
+  for (std::size_t f = 0; f < gains.size(); ++f) {
+    std::array<double, 2> next{};
+    for (int state = 0; state < 2; ++state) {
+      const double stay = cost[state];
+      const double change = cost[1 - state] + kChangeCost;
+      from[f][state] = static_cast<char>(stay <= change ? state : 1 - state);
+      next[state] = std::min(stay, change) + (state == 1 ? kExchangedCost - gains[f] : 0.0);
+    }
+    cost = next;
+  }
+  std::vector<bool> exchanged(gains.size(), false);
+  int state = cost[1] < cost[0] ? 1 : 0;
+  for (std::size_t f = gains.size(); f-- > 0;) {
+    exchanged[f] = state == 1;
+    state = from[f][state];
+  }
+  return exchanged;
+}
+
+}  // namespace
+
+std::vector<SideExchange> FindSideExchanges(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
+                                            const std::vector<std::string>& names, double noise_px,
+                                            double least_margin) {
+  std::vector<SideExchange> exchanges;
+  if (views.size() < kLeastViews) return exchanges;
+  const int frames = points.positions.frames;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (const auto& [limb, parts] : Limbs()) {
+      const std::vector<Pair> pairs = PairsOf(names, parts);
+      if (pairs.size() < 2) continue;  // one pair crosses by a wrong detection
+      std::vector<double> gains;
+      for (int f = 0; f < frames; ++f) gains.push_back(GainAt(views[v], points, pairs, f, noise_px));
+      const std::vector<bool> exchanged = CheapestPath(gains);
+      for (int begin = 0; begin < frames; ++begin) {
+        if (!exchanged[begin]) continue;
+        SideExchange exchange{v, limb, begin, begin, 0.0};
+        for (; exchange.frame_end < frames && exchanged[exchange.frame_end]; ++exchange.frame_end) {
+          exchange.margin += gains[exchange.frame_end];
+        }
+        begin = exchange.frame_end;
+        if (exchange.margin >= least_margin) exchanges.push_back(std::move(exchange));
+      }
+    }
+  }
+  return exchanges;
+}
+
+void ExchangeSides(const std::vector<SideExchange>& exchanges, const std::vector<std::string>& names,
+                   std::vector<ViewKeypoints>& views) {
+  for (const SideExchange& exchange : exchanges) {
+    ViewKeypoints& view = views[exchange.view];
+    for (const auto& [limb, parts] : Limbs()) {
+      if (limb != exchange.limb) continue;
+      for (const Pair& pair : PairsOf(names, parts)) {
+        for (int f = exchange.frame_begin; f < exchange.frame_end; ++f) {
+          const std::size_t first = static_cast<std::size_t>(f) * names.size();
+          std::swap(view.normalised[first + pair.first], view.normalised[first + pair.second]);
+          std::swap(view.confidence[first + pair.first], view.confidence[first + pair.second]);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace mocurate
