@@ -11,6 +11,7 @@
 #include "app/verbs.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
+#include "ingest/synthetic/studio_options.h"
 
 namespace {
 
@@ -129,8 +130,9 @@ void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status(
   CLI::App* synthesize = app.add_subcommand(
       "synthesize", "Write a synthetic capture in the files of a real set, with the truth beside it");
   synthesize->add_option("config", arguments->config, "YAML file with the studio's options; without one its defaults");
-  synthesize->add_option("--layout", arguments->layout,
-                         "whose files: humanact12 phspd ntu kard uestc ntu_vibe openpose amass rendered_seq");
+  std::string layouts;
+  for (const std::string& name : StudioLayoutNames()) layouts += " " + name;
+  synthesize->add_option("--layout", arguments->layout, "whose files:" + layouts);
   synthesize->add_option("-o,--output", arguments->output, "folder to write, empty or not there yet");
   synthesize->add_option("--seed", arguments->seed, "of everything random");
   synthesize->add_option("--set", arguments->assignments, "override an option, e.g. --set depth.noise=3mm")

@@ -140,7 +140,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!pattern) return Forward(pattern);
   if (Status fields = CheckFields(source, *pattern); !fields) return Forward(fields);
   std::set<std::string> alone;
-  if (const auto whole = FolderOfFile(options, pattern->depth(), alone)) {
+  if (const auto whole = FolderOfFile(options, pattern->least_depth(), alone)) {
     return Discover(*whole, alone.empty() ? only : alone);
   }
   if (!source.container.empty()) {
@@ -189,8 +189,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (file.name == source.label_table) continue;
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && source.other_files == OtherFiles::kIgnore) continue;
-    if (!matches && DepthOf(file.name) != pattern->depth()) {
-      ++elsewhere[DepthOf(file.name) == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
+    const int file_depth = DepthOf(file.name);
+    if (!matches && (file_depth < pattern->least_depth() || file_depth > pattern->depth())) {
+      ++elsewhere[file_depth == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
       continue;
     }
     const Expected<NamedFile> named = ReadName(source, file.name);

@@ -113,7 +113,7 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     ClipIdentity identity;
     identity.source = "rendered_seq";
     identity.person = person;
-    identity.recording = "seq_" + person;
+    identity.recording = person + ".seq_" + person;
     identity.end_frame = motion.frame_count();
     folder.AddTruth(person, identity.id(), Seen(seen, HalfTurnAboutX()));
     return folder.Write("rendered_seq/" + person + "/seq_" + person + ".json", document.dump(1) + "\n");

@@ -23,6 +23,7 @@ constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subject
                                   {StudioLayout::kNtu, 40, WriteNtuLayout},
                                   {StudioLayout::kKard, 10, WriteKardLayout},
                                   {StudioLayout::kUestc, 118, WriteUestcLayout},
+                                  {StudioLayout::kUestcVibe, 118, WriteUestcVibeLayout},
                                   {StudioLayout::kNtuVibe, 40, WriteNtuVibeLayout},
                                   {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
                                   {StudioLayout::kAmass, 4, WriteAmassLayout},
