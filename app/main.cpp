@@ -100,6 +100,8 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   fit->add_option("-o,--output", arguments->output, "dataset to write (HDF5)")->required();
   fit->add_option("--skeleton", arguments->skeleton, "of the fitted motion (default smpl24; rotations are kept)");
   fit->add_option("--source", arguments->source, "recipe of configs/sources or config that declares the files");
+  fit->add_option("--clip", arguments->clips, "which clip, as `inspect` names it: a file, '[3]' in a file of several")
+      ->allow_extra_args(false);
   fit->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
@@ -109,6 +111,7 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   fit->footer(
       "Examples:\n  mocurate fit walk.bvh --skeleton smpl24 -o walk.h5\n"
       "  mocurate fit a01_s01_e01_realworld.txt --source kard -o clip.h5\n"
+      "  mocurate fit clips.npz --clip '[walk]' --set ingest.source.rate='30 Hz' -o walk.h5\n"
       "  mocurate fit generated.h5 --contacts -o standing.h5");
   fit->callback([&common, &verb, arguments] { verb = [&common, arguments] { return FitVerb(common, *arguments); }; });
 }

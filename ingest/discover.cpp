@@ -13,6 +13,7 @@
 #include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
 #include "ingest/left_out.h"
+#include "ingest/sources/array_clips.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
 
@@ -93,6 +94,41 @@ ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& n
   if (const Expected<NamedFile> named = ReadName(source, name, body)) item.item = named->item();
   item.options["body"] = body;
   return item;
+}
+
+/// Whether a folder lies in one that is named like the recording of a clip: what is there are parts of it.
+bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items) {
+  std::set<std::string> recordings;
+  for (const ItemSpec& item : items) recordings.insert(item.item.substr(item.item.rfind('/') + 1));
+  const std::vector<std::string_view> parts = SplitText(folder, '/');
+  return std::any_of(parts.begin(), parts.end(),
+                     [&](std::string_view part) { return recordings.count(std::string(part)) != 0; });
+}
+
+/// The clips of a file of arrays, an item each; the item itself where the file is the clip, or no such file.
+std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source, const FolderFile& file,
+                               std::vector<ItemResult>& left_out) {
+  if (source.format != SourceFormat::kNpy) return {item};
+  const std::vector<ArrayClip> clips = ArrayClipsOf(file.path, file.name);
+  if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) return {item};
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  const std::size_t own = skeleton && *skeleton ? (*skeleton)->joints.size() : 0;
+  const std::size_t wanted = source.joints.empty() ? own : source.joints.size();
+  std::vector<ItemSpec> items;
+  for (const ArrayClip& clip : clips) {
+    ItemSpec one = item;
+    one.item += RecordingSuffix(clip.id);
+    one.options["array"] = clip.id;
+    if (clip.joints == wanted) {
+      items.push_back(std::move(one));
+      continue;
+    }
+    left_out.push_back(ExcludedFile(
+        one.item, file.name + clip.id, "other_joints",
+        "it has " + std::to_string(clip.joints) + " joints, those of the source have " + std::to_string(wanted),
+        "declare it as a source of its own"));
+  }
+  return items;
 }
 
 /// Items that several files or entries would give under one name. Error kConfig.
@@ -253,12 +289,16 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       const Expected<NamedFile> own = ReadName(source, file.name, body);
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
       discovery.styles.insert(named->style);
-      discovery.items.push_back(body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body));
+      const ItemSpec whole = body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body);
+      for (ItemSpec& clip : OfArrays(whole, source, file, discovery.left_out)) {
+        discovery.items.push_back(std::move(clip));
+      }
     }
   }
   if (!only && source.other_files != OtherFiles::kIgnore) {
     for (const auto& [folder, count] : elsewhere) {
-      if (count > 0) discovery.left_out.push_back(NotLookedAt(folder, count, source));
+      if (count == 0 || BelongsToClip(folder, discovery.items)) continue;
+      discovery.left_out.push_back(NotLookedAt(folder, count, source));
     }
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
