@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
 #include "core/motion/motion.h"
+#include "ingest/format_facts.h"
 
 namespace mocurate {
 
@@ -114,11 +115,6 @@ class ValueCheck {
   ProblemList problems_;
 };
 
-bool GivesMotion(SourceFormat format) {
-  return format == SourceFormat::kBvh || format == SourceFormat::kNpy || format == SourceFormat::kAsfAmc ||
-         format == SourceFormat::kAmass || format == SourceFormat::kMotions;
-}
-
 Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   const SourceOptions& source = options.ingest.source;
   ValueCheck check(node);
@@ -130,7 +126,7 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
     check.Refuse("ingest.source.roles." + person, "there is no role '" + role + "'", HintFor(role, roles));
   }
   if (!options.canon.rate.empty()) check.Needs("canon.rate", FrameRate::Parse(options.canon.rate));
-  const bool own_tree = GivesMotion(source.format) && options.fitting.method == FitMethod::kNone;
+  const bool own_tree = FactsOf(source.format).gives == Gives::kMotion && options.fitting.method == FitMethod::kNone;
   const bool same =
       options.skeleton == source.skeleton || (source.format == SourceFormat::kAmass && options.skeleton == "smpl24");
   if (own_tree && !same) {
@@ -164,7 +160,7 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
   if (config.empty()) {
     const auto text = FindResource("demo.yaml");
     if (!text) return Fail(ErrorCode::kInternal, "the embedded default is missing", "demo.yaml");
-    return LoadJob(ConfigSource{std::string(*text), "demo.yaml (embedded)", std::filesystem::current_path()},
+    return LoadJob(ConfigSource{std::string(*text), "resource:demo.yaml", std::filesystem::current_path()},
                    assignments);
   }
   auto node = LoadConfig(config, assignments);

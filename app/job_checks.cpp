@@ -77,46 +77,37 @@ Status CheckSplitNames(const JobOptions& options, JobStage last) {
 
 /// The method of fitting must be one that the format has evidence for; motion is handed on, or its joints are fitted.
 Status CheckMethod(const JobOptions& options, JobStage last) {
-  const char* wanted = nullptr;
-  const char* gives = nullptr;
-  std::vector<FitMethod> methods;
-  switch (options.ingest.source.format) {
-    case SourceFormat::kJointTable:
-    case SourceFormat::kPanoptic:
-    case SourceFormat::kPhspd:
-      wanted = "joint_tracks", gives = "joint tracks", methods = {FitMethod::kJointTracks};
-      break;
-    case SourceFormat::kNtuSkeleton:
-      wanted = "joint_tracks", gives = "joint tracks, and depth views where its depth files are there",
-      methods = {FitMethod::kJointTracks, FitMethod::kPointClouds, FitMethod::kJointsAndClouds};
-      break;
-    case SourceFormat::kDepthSequence:
-    case SourceFormat::kDepthViews:
-      wanted = "point_clouds", gives = "depth views", methods = {FitMethod::kPointClouds};
-      break;
-    case SourceFormat::kOpenPose:
-      wanted = "keypoints", gives = "keypoints of several cameras", methods = {FitMethod::kKeypoints};
-      break;
-    case SourceFormat::kBvh:
-    case SourceFormat::kNpy:
-    case SourceFormat::kAsfAmc:
-    case SourceFormat::kAmass:
-    case SourceFormat::kMotions:
-      wanted = "none", gives = "motion", methods = {FitMethod::kNone, FitMethod::kJointTracks};
-      break;
-    default:
-      return {};
-  }
+  const Gives gives = FactsOf(options.ingest.source.format).gives;
+  if (gives == Gives::kNothing) return {};
+  std::vector<FitMethod> methods = {MethodFor(gives)};
+  if (gives == Gives::kMotion) methods.push_back(FitMethod::kNone);
+  if (options.ingest.source.format == SourceFormat::kNtuSkeleton)  // where its depth files are there
+    methods.insert(methods.end(), {FitMethod::kPointClouds, FitMethod::kJointsAndClouds});
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
   const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
   if (suits || last < first) return {};
-  return Fail(
-      ErrorCode::kConfig,
-      "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " + gives,
-      "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
+  const char* wanted = gives == Gives::kMotion       ? "none"
+                       : gives == Gives::kDepthViews ? "point_clouds"
+                       : gives == Gives::kKeypoints  ? "keypoints"
+                                                     : "joint_tracks";
+  return Fail(ErrorCode::kConfig,
+              "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
+                  Name(gives),
+              "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
 }
 
 }  // namespace
+
+FitMethod MethodFor(Gives gives) {
+  switch (gives) {
+    case Gives::kDepthViews:
+      return FitMethod::kPointClouds;
+    case Gives::kKeypoints:
+      return FitMethod::kKeypoints;
+    default:
+      return FitMethod::kJointTracks;
+  }
+}
 
 Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;

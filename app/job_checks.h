@@ -2,9 +2,14 @@
 
 #include "app/job_options.h"
 #include "app/job_stage.h"
+#include "ingest/chosen_clips.h"
 #include "ingest/discover.h"
+#include "ingest/format_facts.h"
 
 namespace mocurate {
+
+/// How what a format gives is fitted; of motion its joints.
+FitMethod MethodFor(Gives gives);
 
 /// What a configuration names must exist before any work begins: skeletons, actions of the studio, and the splits that
 /// stages up to `last` ask for. Error kConfig with the option, and the nearest name there is.

@@ -11,6 +11,7 @@
 #include "app/verbs.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
+#include "ingest/synthetic/studio_options.h"
 
 namespace {
 
@@ -99,6 +100,8 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   fit->add_option("-o,--output", arguments->output, "dataset to write (HDF5)")->required();
   fit->add_option("--skeleton", arguments->skeleton, "of the fitted motion (default smpl24; rotations are kept)");
   fit->add_option("--source", arguments->source, "recipe of configs/sources or config that declares the files");
+  fit->add_option("--clip", arguments->clips, "which clip, as `inspect` names it: a file, '[3]' in a file of several")
+      ->allow_extra_args(false);
   fit->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
@@ -108,6 +111,7 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   fit->footer(
       "Examples:\n  mocurate fit walk.bvh --skeleton smpl24 -o walk.h5\n"
       "  mocurate fit a01_s01_e01_realworld.txt --source kard -o clip.h5\n"
+      "  mocurate fit clips.npz --clip '[walk]' --set ingest.source.rate='30 Hz' -o walk.h5\n"
       "  mocurate fit generated.h5 --contacts -o standing.h5");
   fit->callback([&common, &verb, arguments] { verb = [&common, arguments] { return FitVerb(common, *arguments); }; });
 }
@@ -129,8 +133,9 @@ void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status(
   CLI::App* synthesize = app.add_subcommand(
       "synthesize", "Write a synthetic capture in the files of a real set, with the truth beside it");
   synthesize->add_option("config", arguments->config, "YAML file with the studio's options; without one its defaults");
-  synthesize->add_option("--layout", arguments->layout,
-                         "whose files: humanact12 phspd ntu kard uestc ntu_vibe openpose amass rendered_seq");
+  std::string layouts;
+  for (const std::string& name : StudioLayoutNames()) layouts += " " + name;
+  synthesize->add_option("--layout", arguments->layout, "whose files:" + layouts);
   synthesize->add_option("-o,--output", arguments->output, "folder to write, empty or not there yet");
   synthesize->add_option("--seed", arguments->seed, "of everything random");
   synthesize->add_option("--set", arguments->assignments, "override an option, e.g. --set depth.noise=3mm")

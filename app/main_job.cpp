@@ -26,8 +26,8 @@ constexpr const char* kRawBranch = "raw tracks";
 /// One run of the main job: holds what earlier stages gave to later ones.
 class MainJob {
  public:
-  MainJob(const JobOptions& options, JobStage last, Runner& runner)
-      : options_(options), last_(last), runner_(runner), outputs_(runner.options().run_folder) {}
+  MainJob(const JobOptions& options, JobStage last, Runner& runner, const std::vector<std::string>& only)
+      : options_(options), last_(last), runner_(runner), only_(only), outputs_(runner.options().run_folder) {}
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
@@ -89,10 +89,9 @@ class MainJob {
   }
 
   void AddSetFindings(const std::vector<Finding>& findings) {
-    for (const Finding& finding : findings) {
+    for (const Finding& finding : findings)
       Log(finding.severity == Severity::kError ? LogLevel::kError : LogLevel::kWarning, finding.message);
-      result_.set_findings.push_back(finding);
-    }
+    result_.set_findings.insert(result_.set_findings.end(), findings.begin(), findings.end());
   }
 
   static void AddInput(const StageInput& input, std::vector<ItemSpec>& items) {
@@ -126,14 +125,14 @@ class MainJob {
     if (synthetic_ && options_.ingest.path.empty()) return {};
     auto discovery = Discover(options_.ingest, captured_);
     if (!discovery) return Forward(discovery);
+    if (Status taken = TakeOnly(only_, *discovery); !taken) return taken;
     LogLeftOut(discovery->left_out);
     AddSetFindings(discovery->findings);
     if (last_ >= JobStage::kAssemble) {
       if (Status groups = CheckSplitGroups(options_.assemble, *discovery); !groups) return groups;
     }
     const StageInput skeleton = SkeletonInput(options_.ingest.source.skeleton);
-    AddInput(skeleton, discovery->items);
-    AddInput(skeleton, discovery->truth);
+    for (auto* items : {&discovery->items, &discovery->truth}) AddInput(skeleton, *items);
     const std::vector<ItemSpec> specs = discovery->items;
     auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
@@ -411,6 +410,7 @@ class MainJob {
   JobStage last_;
   bool synthetic_ = false;
   Runner& runner_;
+  const std::vector<std::string>& only_;
   RunOutputs outputs_;
   JobResult result_;
   std::vector<ClipRecord> clips_;
@@ -425,8 +425,9 @@ class MainJob {
 
 }  // namespace
 
-Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner) {
-  return MainJob(options, last, runner).Run();
+Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner,
+                               const std::vector<std::string>& only) {
+  return MainJob(options, last, runner, only).Run();
 }
 
 }  // namespace mocurate

@@ -38,7 +38,8 @@ struct JobResult {
 /// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the
 /// runner's workers. Writes dataset.h5, curation_log.jsonl, tables/, metrics.json, report/index.html into the run
 /// folder, and removes from it what an earlier run wrote there and this one does not. A run that ends early says which
-/// files of an earlier one are left.
-Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner);
+/// files of an earlier one are left. `only`: clips that are taken (ingest/chosen_clips.h); empty: all.
+Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner,
+                               const std::vector<std::string>& only = {});
 
 }  // namespace mocurate

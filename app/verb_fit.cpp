@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/store/store.h"
+#include "ingest/format_facts.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
 
@@ -45,6 +46,7 @@ class ScratchFolder {
 struct Declared {
   ConfigSource config;
   std::vector<std::string> unknown;  ///< options of ingest.source
+  fs::path path;                     ///< where they stand, if not where was asked for: the folder above
 };
 
 bool IsStore(const fs::path& path) {
@@ -58,20 +60,28 @@ Declared DeclareStore(const fs::path& path) {
       "ingest:\n  source:\n    name: fit\n    format: motions\n    container: the file that is named\n"
       "    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
       "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
-  return {{text, DisplayPath(path), fs::current_path()}, {}};
+  return {{text, DisplayPath(path), fs::current_path()}, {}, {}};
 }
 
 Expected<Declared> Declare(const FitArguments& arguments) {
   if (!arguments.source.empty()) {
     const Expected<ConfigSource> recipe = RecipeOf(arguments.source);
     if (!recipe) return Forward(recipe);
-    return Declared{*recipe, {}};
+    return Declared{*recipe, {}, {}};
   }
   if (IsStore(arguments.path)) return DeclareStore(arguments.path);
-  const Expected<WrittenDeclaration> written =
-      DeclareSource(InspectPath(arguments.path, std::nullopt), arguments.path, "fit");
+  nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
+  for (const std::string& clip : arguments.clips) {
+    nlohmann::json chosen = inspection;
+    if (Status known = ChooseClip(clip, chosen); !known) return Forward(known);
+    if (arguments.clips.size() == 1) inspection = std::move(chosen);
+  }
+  const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
   if (!written) return Forward(written);
-  return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown};
+  for (const std::string& other : written->others) {
+    LogWarning(DisplayPath(arguments.path) + ": " + other + " stay out, they are another source's; --clip chooses one");
+  }
+  return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown, written->path};
 }
 
 /// What nothing tells has to be told.
@@ -97,38 +107,14 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
               "add " + example + ", or --source with the name of a recipe or a config; `mocurate inspect` shows why");
 }
 
+/// Whether the clips come with rotations. Motions of a store have them or not.
 bool HasRotations(const IngestOptions& ingest) {
-  switch (ingest.source.format) {
-    case SourceFormat::kBvh:
-    case SourceFormat::kAsfAmc:
-    case SourceFormat::kAmass:
-    case SourceFormat::kExpmap:
-    case SourceFormat::kVibeTracks:
-    case SourceFormat::kUestc:
-    case SourceFormat::kHumanAct12Pickle:
-      return true;
-    case SourceFormat::kMotions: {
-      const Expected<nlohmann::json> store = DescribeStore(ingest.path);
-      if (!store || !store->contains("fields")) return false;
-      return std::any_of((*store)["fields"].begin(), (*store)["fields"].end(), [](const nlohmann::json& field) {
-        return field.value("path", std::string()) == "/frames/rotation";
-      });
-    }
-    default:
-      return false;
-  }
-}
-
-FitMethod MethodFor(SourceFormat format) {
-  switch (format) {
-    case SourceFormat::kDepthSequence:
-    case SourceFormat::kDepthViews:
-      return FitMethod::kPointClouds;
-    case SourceFormat::kOpenPose:
-      return FitMethod::kKeypoints;
-    default:
-      return FitMethod::kJointTracks;
-  }
+  if (ingest.source.format != SourceFormat::kMotions) return FactsOf(ingest.source.format).rotations;
+  const Expected<nlohmann::json> store = DescribeStore(ingest.path);
+  if (!store || !store->contains("fields")) return false;
+  return std::any_of((*store)["fields"].begin(), (*store)["fields"].end(), [](const nlohmann::json& field) {
+    return field.value("path", std::string()) == "/frames/rotation";
+  });
 }
 
 /// Evidence and skeleton as the command line and the files have them.
@@ -136,7 +122,7 @@ Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
   const bool told = std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
                                 [](const std::string& text) { return text.rfind("fitting.method=", 0) == 0; });
   if (told) return {};
-  options.fitting.method = MethodFor(options.ingest.source.format);
+  options.fitting.method = MethodFor(FactsOf(options.ingest.source.format).gives);
   if (!HasRotations(options.ingest) || !arguments.skeleton.empty()) return {};
   if (!options.fitting.contacts.remove_sliding) {
     return Fail(ErrorCode::kUsage, "the motion has rotations already: there is nothing to fit",
@@ -160,7 +146,8 @@ Expected<JobOptions> OptionsOf(const FitArguments& arguments) {
   Expected<LoadedJob> job = LoadJob(declared->config, assignments);
   if (!job) return Forward(job);
   JobOptions options = std::move(job->options);
-  options.ingest.path = path;  // not by way of YAML: a path may hold any bytes
+  // Not by way of YAML: a path may hold any bytes.
+  options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
   return options;
@@ -271,7 +258,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   }
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);
-  const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner);
+  const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner, arguments.clips);
   if (!result) return Forward(result);
   const auto fits = std::find_if(result->stages.begin(), result->stages.end(),
                                  [](const StageReport& stage) { return stage.stage == "fitting"; });

@@ -1,11 +1,15 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "app/verbs.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
 #include "ingest/synthetic/studio_layouts.h"
 
 namespace mocurate {
@@ -18,6 +22,83 @@ Expected<ConfigNode> Load(const SynthesizeArguments& arguments) {
   if (!arguments.config.empty()) return LoadConfig(arguments.config, assignments);
   return LoadConfig(ConfigSource{"", "synthesize", std::filesystem::current_path()}, assignments);
 }
+
+constexpr const char* kSmaller =
+    "--set depth.every=10 renders each tenth frame, depth.enabled=false none; subjects, clips and actions choose fewer "
+    "takes";
+constexpr double kWorthTelling = 5.0;   // seconds
+constexpr double kRoomBeside = 1.1;     // of the images, for all else
+constexpr double kEverySeconds = 10.0;  // a line of progress, where it is no terminal
+
+std::string Megabytes(double bytes) {
+  char text[32];
+  if (bytes < 1e9)
+    std::snprintf(text, sizeof(text), "%.0f MB", bytes / 1e6);
+  else
+    std::snprintf(text, sizeof(text), "%.1f GB", bytes / 1e9);
+  return text;
+}
+
+std::string Minutes(double seconds) {
+  char text[32];
+  if (seconds < 90.0)
+    std::snprintf(text, sizeof(text), "%.0f s", seconds);
+  else
+    std::snprintf(text, sizeof(text), "%.0f min", seconds / 60.0);
+  return text;
+}
+
+/// Bytes free where the folder will be; nothing where the system does not say.
+std::optional<double> FreeAt(std::filesystem::path folder) {
+  std::error_code unknown;
+  folder = std::filesystem::absolute(folder, unknown);
+  while (!folder.empty() && !std::filesystem::exists(folder, unknown) && folder != folder.root_path()) {
+    folder = folder.parent_path();
+  }
+  const std::filesystem::space_info space = std::filesystem::space(folder, unknown);
+  if (unknown) return std::nullopt;
+  return static_cast<double>(space.available);
+}
+
+/// Says what will be written, and refuses what has no room.
+Status Announce(const CommonArguments& common, const StudioEstimate& estimate, const std::filesystem::path& folder) {
+  if (estimate.images == 0) return {};
+  const double bytes = kRoomBeside * estimate.bytes;
+  const std::optional<double> free = FreeAt(folder);
+  if (free && bytes > *free) {
+    return Fail(ErrorCode::kCannotWrite,
+                "about " + Megabytes(bytes) + " in " + Counted(static_cast<long long>(estimate.images), "image") +
+                    " would be written, " + Megabytes(*free) + " are free",
+                DisplayPath(folder), kSmaller);
+  }
+  if (common.quiet || estimate.seconds < kWorthTelling) return {};
+  LogInfo("about " + Counted(static_cast<long long>(estimate.images), "depth image") + ", " + Megabytes(bytes) + ", " +
+          Minutes(estimate.seconds) + " (" + kSmaller + ")");
+  return {};
+}
+
+/// Tells now and then how many files are written.
+class Progress {
+ public:
+  Progress(std::size_t images, bool quiet) : images_(images), quiet_(quiet) {}
+  void operator()(const StudioFolder::Counts& counts) {
+    const auto now = std::chrono::steady_clock::now();
+    if (quiet_ || std::chrono::duration<double>(now - told_).count() < kEverySeconds) return;
+    told_ = now;
+    std::string line = Counted(static_cast<long long>(counts.files), "file");
+    if (images_ > 0) line += " of about " + std::to_string(images_);
+    const double seconds = std::chrono::duration<double>(now - begin_).count();
+    const double share = images_ > 0 ? static_cast<double>(counts.files) / static_cast<double>(images_) : 0.0;
+    if (share > 0.0 && share < 1.0) line += ", " + Minutes(seconds * (1.0 - share) / share) + " to go";
+    LogInfo(line + ", " + Megabytes(static_cast<double>(counts.bytes)));
+  }
+
+ private:
+  std::size_t images_;
+  bool quiet_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point told_ = begin_;
+};
 
 }  // namespace
 
@@ -38,7 +119,11 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
   }
   const auto begin = std::chrono::steady_clock::now();
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const auto counts = WriteStudioLayout(*options, arguments.output, arguments.jobs > 0 ? arguments.jobs : cores);
+  const int jobs = arguments.jobs > 0 ? arguments.jobs : cores;
+  const auto estimate = EstimateStudioLayout(*options, jobs);
+  if (!estimate) return Forward(estimate);
+  if (Status room = Announce(common, *estimate, arguments.output); !room) return room;
+  const auto counts = WriteStudioLayout(*options, arguments.output, jobs, Progress(estimate->images, common.quiet));
   if (!counts) return Forward(counts);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::string folder = DisplayPath(arguments.output);

@@ -29,10 +29,11 @@ struct RunArguments {
 };
 
 struct FitArguments {
-  std::filesystem::path path;    ///< captures or motions: a file or a folder
-  std::string source;            ///< recipe or config that declares them; empty: measured from the files
-  std::string skeleton;          ///< of the fitted motion; empty: smpl24, or the motion's own where it has rotations
-  std::filesystem::path output;  ///< dataset of the fitted clips
+  std::filesystem::path path;      ///< captures or motions: a file or a folder
+  std::string source;              ///< recipe or config that declares them; empty: measured from the files
+  std::vector<std::string> clips;  ///< which of them; empty: all
+  std::string skeleton;            ///< of the fitted motion; empty: smpl24, or the motion's own where it has rotations
+  std::filesystem::path output;    ///< dataset of the fitted clips
   std::vector<std::string> assignments;
   int jobs = 0;
   bool contacts = false;  ///< remove foot sliding

@@ -13,6 +13,7 @@
 #include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
 #include "ingest/left_out.h"
+#include "ingest/sources/array_clips.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
 
@@ -95,6 +96,41 @@ ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& n
   return item;
 }
 
+/// Whether a folder lies in one that is named like the recording of a clip: what is there are parts of it.
+bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items) {
+  std::set<std::string> recordings;
+  for (const ItemSpec& item : items) recordings.insert(item.item.substr(item.item.rfind('/') + 1));
+  const std::vector<std::string_view> parts = SplitText(folder, '/');
+  return std::any_of(parts.begin(), parts.end(),
+                     [&](std::string_view part) { return recordings.count(std::string(part)) != 0; });
+}
+
+/// The clips of a file of arrays, an item each; the item itself where the file is the clip, or no such file.
+std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source, const FolderFile& file,
+                               std::vector<ItemResult>& left_out) {
+  if (source.format != SourceFormat::kNpy) return {item};
+  const std::vector<ArrayClip> clips = ArrayClipsOf(file.path, file.name);
+  if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) return {item};
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  const std::size_t own = skeleton && *skeleton ? (*skeleton)->joints.size() : 0;
+  const std::size_t wanted = source.joints.empty() ? own : source.joints.size();
+  std::vector<ItemSpec> items;
+  for (const ArrayClip& clip : clips) {
+    ItemSpec one = item;
+    one.item += RecordingSuffix(clip.id);
+    one.options["array"] = clip.id;
+    if (clip.joints == wanted) {
+      items.push_back(std::move(one));
+      continue;
+    }
+    left_out.push_back(ExcludedFile(
+        one.item, file.name + clip.id, "other_joints",
+        "it has " + std::to_string(clip.joints) + " joints, those of the source have " + std::to_string(wanted),
+        "declare it as a source of its own"));
+  }
+  return items;
+}
+
 /// Items that several files or entries would give under one name. Error kConfig.
 Status SortItems(Discovery& discovery) {
   const auto by_item = [](const ItemSpec& a, const ItemSpec& b) { return a.item < b.item; };
@@ -140,7 +176,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!pattern) return Forward(pattern);
   if (Status fields = CheckFields(source, *pattern); !fields) return Forward(fields);
   std::set<std::string> alone;
-  if (const auto whole = FolderOfFile(options, pattern->depth(), alone)) {
+  if (const auto whole = FolderOfFile(options, pattern->least_depth(), alone)) {
     return Discover(*whole, alone.empty() ? only : alone);
   }
   if (!source.container.empty()) {
@@ -189,8 +225,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (file.name == source.label_table) continue;
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && source.other_files == OtherFiles::kIgnore) continue;
-    if (!matches && DepthOf(file.name) != pattern->depth()) {
-      ++elsewhere[DepthOf(file.name) == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
+    const int file_depth = DepthOf(file.name);
+    if (!matches && (file_depth < pattern->least_depth() || file_depth > pattern->depth())) {
+      ++elsewhere[file_depth == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
       continue;
     }
     const Expected<NamedFile> named = ReadName(source, file.name);
@@ -252,12 +289,16 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       const Expected<NamedFile> own = ReadName(source, file.name, body);
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
       discovery.styles.insert(named->style);
-      discovery.items.push_back(body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body));
+      const ItemSpec whole = body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body);
+      for (ItemSpec& clip : OfArrays(whole, source, file, discovery.left_out)) {
+        discovery.items.push_back(std::move(clip));
+      }
     }
   }
   if (!only && source.other_files != OtherFiles::kIgnore) {
     for (const auto& [folder, count] : elsewhere) {
-      if (count > 0) discovery.left_out.push_back(NotLookedAt(folder, count, source));
+      if (count == 0 || BelongsToClip(folder, discovery.items)) continue;
+      discovery.left_out.push_back(NotLookedAt(folder, count, source));
     }
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));

@@ -7,20 +7,22 @@
 #include "core/formats/header_count.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
+#include "ingest/sources/array_clips.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
 
 namespace mocurate {
 namespace {
 
-Expected<IngestedClip> ReadClip(const SourceFile& file) {
+/// `array`: the clip in a file of arrays.
+Expected<IngestedClip> ReadClip(const SourceFile& file, const std::string& array) {
   switch (file.source.format) {
     case SourceFormat::kJointTable:
       return ReadJointTableClip(file);
     case SourceFormat::kBvh:
       return ReadBvhClip(file);
     case SourceFormat::kNpy:
-      return ReadNpyClip(file);
+      return ReadArraySource(file, array);
     case SourceFormat::kDepthSequence:
       return ReadDepthSequenceClip(file);
     case SourceFormat::kNtuSkeleton:
@@ -107,6 +109,7 @@ struct ItemFacts {
   std::string entry_name;  ///< in a container; empty: the item is a file of its own
   int entry = -1;
   int most_frames = 0;
+  std::string array;                 ///< npy: the clip in its file, sources/array_clips.h
   std::optional<std::string> label;  ///< where the file's name does not tell it
   std::string known_issue;           ///< what a list says of the recording
 };
@@ -119,9 +122,11 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.entry_name = options.value("entry_name", std::string());
   facts.entry = options.value("entry", -1);
   facts.most_frames = options.value("most_frames", 0);
+  facts.array = options.value("array", std::string());
   if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
   facts.known_issue = options.value("known_issue", std::string());
-  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue"}) {
+  for (const char* key :
+       {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue", "array"}) {
     options.erase(key);
   }
   return facts;
@@ -239,8 +244,9 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   Expected<NamedFile> named = ReadName(*source, name, facts.body);
   if (!named) return Forward(named);
   if (facts.label) named->label = *facts.label;
+  named->identity.recording += RecordingSuffix(facts.array);
   if (gathered) named->fields["file"] = named->identity.recording;
-  const bool whole = source->container.empty() && !gathered;
+  const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
   const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
   SourceFile file{*source, *named, name, *bytes, {}};
@@ -266,7 +272,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     file.skeleton_bytes = *std::move(skeleton);
     read += file.skeleton_bytes;
   }
-  Expected<IngestedClip> ingested = ReadClip(file);
+  Expected<IngestedClip> ingested = ReadClip(file, facts.array);
   if (!ingested) return Unusable(ingested.error(), request.item);
   if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
   CheckBody(*source, *ingested);

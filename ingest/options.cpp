@@ -24,7 +24,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"panoptic", SourceFormat::kPanoptic}},
            "what the files are");
   v.Text("files", files,
-         "pattern of the file names with {fields}; {field:4} is four characters wide; openpose, depth_views, panoptic: "
+         "pattern of the file names with {fields}; {field:4} is four characters wide, {field?/} a folder that may be "
+         "missing; openpose, depth_views, panoptic: "
          "files that differ in {camera} and {frame} alone are one clip, {-} is passed over");
   v.Text("container", container,
          "humanact12_pickle, uestc, motions: the one file that holds all clips (uestc without it: a file of VIBE's "

@@ -239,46 +239,6 @@ Status CheckViews(const SourceOptions& s) {
 
 }  // namespace
 
-std::string FormatName(SourceFormat format) {
-  switch (format) {
-    case SourceFormat::kJointTable:
-      return "joint_table";
-    case SourceFormat::kBvh:
-      return "bvh";
-    case SourceFormat::kNpy:
-      return "npy";
-    case SourceFormat::kDepthSequence:
-      return "depth_sequence";
-    case SourceFormat::kNtuSkeleton:
-      return "ntu_skeleton";
-    case SourceFormat::kAsfAmc:
-      return "asf_amc";
-    case SourceFormat::kAmass:
-      return "amass";
-    case SourceFormat::kExpmap:
-      return "expmap";
-    case SourceFormat::kPhspd:
-      return "phspd";
-    case SourceFormat::kVibeTracks:
-      return "vibe_tracks";
-    case SourceFormat::kUestc:
-      return "uestc";
-    case SourceFormat::kHumanAct12Pickle:
-      return "humanact12_pickle";
-    case SourceFormat::kMotions:
-      return "motions";
-    case SourceFormat::kOpenPose:
-      return "openpose";
-    case SourceFormat::kDepthViews:
-      return "depth_views";
-    case SourceFormat::kPanoptic:
-      return "panoptic";
-    case SourceFormat::kNone:
-      break;
-  }
-  return "none";
-}
-
 bool IsGathered(SourceFormat format) {
   return format == SourceFormat::kOpenPose || format == SourceFormat::kDepthViews || format == SourceFormat::kPanoptic;
 }

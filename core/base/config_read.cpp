@@ -160,7 +160,16 @@ class ConfigReader final : public OptionVisitor {
   static std::string Indexed(const std::string& name, std::size_t index) { return name + "." + std::to_string(index); }
 
   static std::string QuoteHint(const ConfigNode& node) {
+    if (node.scalar.rfind(kPlaceholder, 0) == 0) return "replace the placeholder by a number, without quotes";
     return node.kind == Kind::kScalar && node.quoted ? "a value in quotes is text, remove the quotes" : "";
+  }
+
+  /// Begins a text that stands where a value has to be written.
+  static constexpr const char* kPlaceholder = "FILL_IN";
+
+  static std::string ExampleOf(Unit unit) {
+    const std::string text(mocurate::Name(unit));
+    return unit == Unit::kNone ? "1" : (unit == Unit::kHertz ? "30 " : "1 ") + text;
   }
 
   std::string Name(const std::string& option) const {
@@ -212,6 +221,12 @@ class ConfigReader final : public OptionVisitor {
   bool ReadNumber(const ConfigNode& node, const std::string& name, Unit unit, const Range& range, double& value) {
     if (node.kind != Kind::kScalar || node.quoted) {
       const std::string in_unit = unit == Unit::kNone ? "" : " in " + std::string(mocurate::Name(unit));
+      if (node.scalar.rfind(kPlaceholder, 0) == 0) {
+        const std::string key = name.substr(name.rfind('.') + 1);
+        Refuse(node, name, KindText(node) + " is still to be filled in",
+               "write a number" + in_unit + " without quotes, e.g. `" + key + ": " + ExampleOf(unit) + "`");
+        return false;
+      }
       Refuse(node, name, KindText(node) + " must be a number" + in_unit, QuoteHint(node));
       return false;
     }

@@ -148,27 +148,14 @@ void Reorder(const std::vector<std::size_t>& shape, std::vector<T>& elements) {
   elements = std::move(ordered);
 }
 
-}  // namespace
-
-Expected<NpyArray> ParseNpyHeader(std::string_view bytes, const std::string& name) {
-  Expected<Parts> parts = Split(bytes, name);
-  if (!parts) return Forward(parts);
-  NpyArray array;
-  array.shape = std::move(parts->header.shape);
-  array.dtype = std::move(parts->header.dtype);
-  return array;
-}
-
-Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
-  const Expected<Parts> parts = Split(bytes, name);
-  if (!parts) return Forward(parts);
-  const Header& header = parts->header;
+Expected<NpyArray> ParseParts(const Parts& parts, const std::string& name) {
+  const Header& header = parts.header;
   const std::optional<ElementType> type = ParseElementType(header.dtype);
   if (!type || type->kind == ElementKind::kObject) {
     return Fail(ErrorCode::kUnsupported, "arrays of type '" + header.dtype + "' are not read", name,
                 "save it as numbers (bool, int, uint, float16 to float64) or texts");
   }
-  const std::string_view data = parts->data;
+  const std::string_view data = parts.data;
   const std::optional<std::size_t> count = ElementCount(header.shape, type->bytes, data.size());
   if (!count) {
     double announced = 1.0;
@@ -191,6 +178,55 @@ Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
   if (type->bytes == 0) array.texts.resize(*count);
   if (header.fortran) Reorder(array.shape, array.texts);
   return array;
+}
+
+}  // namespace
+
+Expected<NpyArray> ParseNpyHeader(std::string_view bytes, const std::string& name) {
+  Expected<Parts> parts = Split(bytes, name);
+  if (!parts) return Forward(parts);
+  NpyArray array;
+  array.shape = std::move(parts->header.shape);
+  array.dtype = std::move(parts->header.dtype);
+  return array;
+}
+
+Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
+  const Expected<Parts> parts = Split(bytes, name);
+  if (!parts) return Forward(parts);
+  return ParseParts(*parts, name);
+}
+
+Expected<NpyArray> ParseNpyEntry(std::string_view bytes, std::size_t entry, const std::string& name) {
+  Expected<Parts> parts = Split(bytes, name);
+  if (!parts) return Forward(parts);
+  std::vector<std::size_t>& shape = parts->header.shape;
+  if (shape.empty() || entry >= shape[0]) {
+    return Fail(ErrorCode::kInconsistent,
+                "entry " + std::to_string(entry) + " is asked for, the array has shape " + ShapeText(shape), name);
+  }
+  if (parts->header.fortran) {  // an entry lies all over the file
+    Expected<NpyArray> whole = ParseParts(*parts, name);
+    if (!whole) return whole;
+    const auto cut = [&](auto& elements) {
+      const auto each = static_cast<std::ptrdiff_t>(elements.size() / shape[0]);
+      elements.erase(elements.begin() + each * static_cast<std::ptrdiff_t>(entry + 1), elements.end());
+      elements.erase(elements.begin(), elements.begin() + each * static_cast<std::ptrdiff_t>(entry));
+    };
+    cut(whole->values);
+    cut(whole->texts);
+    whole->shape.erase(whole->shape.begin());
+    return whole;
+  }
+  const std::optional<ElementType> type = ParseElementType(parts->header.dtype);
+  // What contradicts itself is told of the whole.
+  if (!type || type->kind == ElementKind::kObject || !ElementCount(shape, type->bytes, parts->data.size())) {
+    return ParseParts(*parts, name);
+  }
+  const std::size_t each = parts->data.size() / shape[0];
+  parts->data = parts->data.substr(entry * each, each);
+  shape.erase(shape.begin());
+  return ParseParts(*parts, name);
 }
 
 Expected<std::string> EncodeNpy(const NpyArray& array, const std::string& name) {

@@ -25,6 +25,10 @@ struct NpyArray {
 /// dates, records); arrays of Python objects are never executed. What is allocated is bounded by the size of `bytes`.
 Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name);
 
+/// One entry along the first axis, without that axis: of an array (clips, frames, joints, 3) the clip (frames, joints,
+/// 3). In C order nothing else is decoded. Errors as of ParseNpy; kInconsistent where there is no such entry.
+Expected<NpyArray> ParseNpyEntry(std::string_view bytes, std::size_t entry, const std::string& name);
+
 /// Type and shape alone; "|O" for an array of Python objects.
 Expected<NpyArray> ParseNpyHeader(std::string_view bytes, const std::string& name);
 

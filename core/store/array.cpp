@@ -48,6 +48,24 @@ bool operator==(const Array& a, const Array& b) { return a.shape == b.shape && a
 
 Array MakeText(std::string text) { return Array{{}, std::vector<std::string>{std::move(text)}}; }
 
+Array EmptyArray(FieldType type, std::vector<std::uint64_t> shape) {
+  switch (type) {
+    case FieldType::kFloat32:
+      return Array{std::move(shape), std::vector<float>()};
+    case FieldType::kFloat64:
+      return Array{std::move(shape), std::vector<double>()};
+    case FieldType::kInt32:
+      return Array{std::move(shape), std::vector<std::int32_t>()};
+    case FieldType::kInt64:
+      return Array{std::move(shape), std::vector<std::int64_t>()};
+    case FieldType::kUint8:
+      return Array{std::move(shape), std::vector<std::uint8_t>()};
+    case FieldType::kText:
+      break;
+  }
+  return Array{std::move(shape), std::vector<std::string>()};
+}
+
 const Array* Content::Find(const std::string& path) const {
   const auto found = fields.find(path);
   return found == fields.end() ? nullptr : &found->second;

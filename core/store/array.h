@@ -47,6 +47,8 @@ Array MakeArray(std::vector<std::uint64_t> shape, std::vector<T> values) {
   return Array{std::move(shape), std::move(values)};
 }
 Array MakeText(std::string text);
+/// Type and shape alone.
+Array EmptyArray(FieldType type, std::vector<std::uint64_t> shape);
 
 /// All fields of a file by path ("/frames/joints"; attributes of the root as "/@schema"), in byte order of the paths.
 struct Content {

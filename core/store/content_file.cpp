@@ -7,22 +7,6 @@ namespace {
 
 using Lines = std::map<std::string, std::string>;
 
-/// The hash of one field, compared with the one stored beside it (foreign writers may leave that out).
-Status CheckHash(const Hdf5Reader& reader, const std::string& path, const std::string& sha256) {
-  if (path.rfind("/@", 0) == 0) return {};
-  const auto stored = reader.AttributeOf(path, "sha256");
-  if (!stored || *stored == sha256) return {};
-  return Fail(ErrorCode::kMalformed, "its values do not have the stored sha256; they were changed after writing",
-              Where(reader.file(), path), "make the file again, or copy it again");
-}
-
-Status CheckContentHash(const Hdf5Reader& reader, const Content& content, const Lines& lines) {
-  const std::string actual = ContentSha256(lines);
-  if (content.Text("/@content_sha256") == actual) return {};
-  return Fail(ErrorCode::kMalformed, "is not the hash of the content, which is " + actual,
-              Where(reader.file(), "/@content_sha256"), "a field or an attribute was changed after writing");
-}
-
 /// The splits' names become paths: no empty ones, no slash.
 Status CheckSplitNames(const Content& content, const std::filesystem::path& path) {
   for (const std::string& name : content.splits) {
@@ -36,6 +20,32 @@ Status CheckSplitNames(const Content& content, const std::filesystem::path& path
 }
 
 }  // namespace
+
+Status CheckHash(const Hdf5Reader& reader, const std::string& path, const std::string& sha256) {
+  if (path.rfind("/@", 0) == 0) return {};
+  const auto stored = reader.AttributeOf(path, "sha256");
+  if (!stored || *stored == sha256) return {};
+  return Fail(ErrorCode::kMalformed, "its values do not have the stored sha256; they were changed after writing",
+              Where(reader.file(), path), "make the file again, or copy it again");
+}
+
+Status CheckContentHash(const Hdf5Reader& reader, const Content& content,
+                        const std::map<std::string, std::string>& lines) {
+  const std::string actual = ContentSha256(lines);
+  if (content.Text("/@content_sha256") == actual) return {};
+  return Fail(ErrorCode::kMalformed, "is not the hash of the content, which is " + actual,
+              Where(reader.file(), "/@content_sha256"), "a field or an attribute was changed after writing");
+}
+
+Status CheckSchemaName(const Schema& schema, const Hdf5Reader& reader) {
+  if (!reader.Has("/@schema")) return {};
+  const auto name = reader.Read("/@schema", FieldType::kText);
+  if (!name) return Forward(name);
+  if (name->as<std::string>()[0] == schema.name) return {};
+  return Fail(ErrorCode::kMalformed,
+              "the file is '" + name->as<std::string>()[0] + "'; '" + schema.name + "' was expected",
+              Where(reader.file(), "/@schema"), "give the file of the right kind");
+}
 
 Status WriteContent(const Schema& schema, Content content, const std::filesystem::path& path) {
   content.PutText("/@schema", schema.name);
@@ -78,15 +88,7 @@ Expected<Content> ReadContent(const Schema& schema, const std::filesystem::path&
 Expected<Content> ReadContent(const Schema& schema, const Hdf5Reader& reader) {
   Content content;
   const auto where = [&reader](const std::string& field) { return Where(reader.file(), field); };
-  if (reader.Has("/@schema")) {
-    auto name = reader.Read("/@schema", FieldType::kText);
-    if (!name) return Forward(name);
-    if (name->as<std::string>()[0] != schema.name) {
-      return Fail(ErrorCode::kMalformed,
-                  "the file is '" + name->as<std::string>()[0] + "'; '" + schema.name + "' was expected",
-                  where("/@schema"), "give the file of the right kind");
-    }
-  }
+  if (Status named = CheckSchemaName(schema, reader); !named) return Forward(named);
   Lines lines;
   for (const std::string& name : reader.GroupsBelow("/splits")) content.splits.insert(name);
   for (const Field& field : ConcreteFields(schema, content)) {

@@ -50,6 +50,11 @@ class Hdf5Reader {
   bool Has(const std::string& path) const;
   /// Error kMalformed when the field is of another type or does not fit its storage.
   Expected<Array> Read(const std::string& path, FieldType type) const;
+  /// Of a dataset of numbers with rows: its shape, rows [first, first + count), and the SHA-256 of its values, read in
+  /// blocks of so many bytes. Errors as of Read.
+  Expected<std::vector<std::uint64_t>> ShapeOfRows(const std::string& path, FieldType type) const;
+  Expected<Array> ReadRows(const std::string& path, FieldType type, std::uint64_t first, std::uint64_t count) const;
+  Expected<std::string> HashOfRows(const std::string& path, FieldType type, std::uint64_t block) const;
   /// The text attribute `name` of a dataset; empty when there is none.
   std::optional<std::string> AttributeOf(const std::string& path, const std::string& name) const;
   /// Names of the groups directly below `group`, sorted; empty when there is no such group.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -73,9 +74,30 @@ class DeclarationWriter {
 /// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
 std::optional<std::string> AxesFrom(const std::string& up, bool right);
 
+/// Names of files directly in a folder below `path`, sorted.
+std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
+                                 const std::set<std::string>& endings);
+
+/// Where the calibration of the cameras lies below `path`, what it means, and the axes of its world.
+void WriteCalibration(const nlohmann::json& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+
 /// Names, cameras and keypoints of a source whose clips are many files: of those in the folders that the inspection
-/// names.
+/// names, which lie in `path`, which lies at `prefix` ("single/") below ingest.path.
 void WriteGathered(const ClipVotes& source, const nlohmann::json& inspection, const std::filesystem::path& path,
-                   const std::string& format, DeclarationWriter& writer);
+                   const std::string& prefix, const std::string& format, DeclarationWriter& writer);
+
+/// The names of images as a pattern with {`field`} for the camera and, where they are numbered, {frame}: what most of
+/// them follow. Empty where none names a camera.
+std::string GuessImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,
+                        const std::string& field);
+
+/// Pattern of the depth images of a sequence whose JSON is `file` below `path`; empty where there are none.
+std::string GuessDepthFiles(const std::filesystem::path& path, const std::string& file);
+
+/// Whether the inspection is of depth images with cameras and nothing else.
+bool IsDepthViews(const nlohmann::json& inspection);
+
+/// The lines of ingest.source after name and format of such a folder.
+void WriteDepthViews(const nlohmann::json& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
 
 }  // namespace mocurate

@@ -12,7 +12,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Names of files directly in a folder, sorted, below `path`.
+}  // namespace
+
 std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
                                  const std::set<std::string>& endings) {
   std::vector<std::string> names;
@@ -35,8 +36,17 @@ void WriteCalibration(const Json& inspection, const std::filesystem::path& path,
   }
   const Json& first = cameras.front();
   const std::string file = first.at("file");
-  if (first.at("format") == "opencv_rig") {
-    writer.List("calibration", FilesIn(path, file, {".yml", ".yaml", ".xml"}), "the files of cameras in the folder");
+  if (first.at("format") == "opencv_views") {
+    std::vector<std::string> ids;
+    for (const Json& camera : cameras) {
+      if (camera.at("file") == file) ids.push_back(camera.at("id"));
+    }
+    const CameraNames names = NamesOfCameras(ids);
+    writer.List("calibration", {Quoted((file == "." ? "" : file + "/") + names.before + "{camera}" + names.after)},
+                "a file per camera");
+  } else if (first.at("format") == "opencv_rig") {
+    writer.List("calibration", FilesIn(path, file == "." ? "" : file, {".yml", ".yaml", ".xml"}),
+                "the files of cameras in the folder");
   } else {
     writer.List("calibration", {file}, "the first file of cameras in the folder");
   }
@@ -58,8 +68,6 @@ void WriteCalibration(const Json& inspection, const std::filesystem::path& path,
   }
 }
 
-}  // namespace
-
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -80,7 +88,7 @@ std::optional<std::string> AxesFrom(const std::string& up, bool right) {
 }
 
 void WriteGathered(const ClipVotes& source, const Json& inspection, const std::filesystem::path& path,
-                   const std::string& format, DeclarationWriter& writer) {
+                   const std::string& prefix, const std::string& format, DeclarationWriter& writer) {
   std::set<std::string> folders;
   for (const Json* clip : source.clips()) folders.insert(clip->at("file").get<std::string>());
   std::vector<std::string> names;
@@ -91,7 +99,7 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
   const bool views = format == "openpose";
   const std::optional<GatheredNames> guessed = GuessGathered(names, views);
   if (guessed) {
-    writer.Value("files", Quoted(guessed->pattern),
+    writer.Value("files", Quoted(prefix + guessed->pattern),
                  "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
                      " folders: files that differ in {camera} and {frame} alone are one clip");
     writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
@@ -108,7 +116,7 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
                    : "measured: most bodies in a file");
   writer.Value("label", Quoted(""), "unknown: the names do not say it");
   if (!views) return;
-  WriteCalibration(inspection, path, writer);
+  WriteCalibration(inspection, prefix.empty() ? path : path.parent_path(), writer);
   const Vote layout = source.Ask("skeleton");
   writer.Value("keypoints", layout.value.is_string() ? layout.value.get<std::string>() : "measured", layout.comment);
 }

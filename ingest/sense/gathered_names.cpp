@@ -59,6 +59,31 @@ std::string PatternOf(const std::string& name, bool cameras) {
 
 }  // namespace
 
+CameraNames NamesOfCameras(const std::vector<std::string>& files) {
+  CameraNames names;
+  if (files.empty()) return names;
+  std::size_t before = files[0].size(), after = files[0].size();
+  for (const std::string& file : files) {
+    std::size_t same = 0;
+    while (same < std::min(before, file.size()) && file[same] == files[0][same]) ++same;
+    before = same;
+    same = 0;
+    while (same < std::min(after, file.size()) &&
+           file[file.size() - 1 - same] == files[0][files[0].size() - 1 - same]) {
+      ++same;
+    }
+    after = same;
+  }
+  // A number or word belongs to the camera as a whole.
+  while (before > 0 && IsAlnum(files[0][before - 1])) --before;
+  while (after > 0 && IsAlnum(files[0][files[0].size() - after])) --after;
+  if (files.size() == 1) before = 0, after = files[0].size() - std::min(files[0].find_last_of('.'), files[0].size());
+  names.before = files[0].substr(0, before);
+  names.after = files[0].substr(files[0].size() - after);
+  for (const std::string& file : files) names.cameras.push_back(file.substr(before, file.size() - before - after));
+  return names;
+}
+
 std::optional<GatheredNames> GuessGathered(const std::vector<std::string>& files, bool cameras) {
   GatheredNames best;
   for (const std::string& file : files) {

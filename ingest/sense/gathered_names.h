@@ -17,4 +17,14 @@ struct GatheredNames {
 /// camera (without `cameras`, the folder is the recording). Empty where less than half of the names are alike.
 std::optional<GatheredNames> GuessGathered(const std::vector<std::string>& files, bool cameras);
 
+/// Files of a camera each: what stands before and after the camera's own part of their names.
+struct CameraNames {
+  std::string before;
+  std::string after;
+  std::vector<std::string> cameras;  ///< the parts in between
+};
+
+/// What all names share at both ends, up to a letter or digit that differs. "0001_camera.xml": "", "_camera.xml".
+CameraNames NamesOfCameras(const std::vector<std::string>& files);
+
 }  // namespace mocurate

@@ -2,6 +2,7 @@
 
 #include "core/formats/npy.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sources/array_clips.h"
 
 namespace mocurate {
 
@@ -17,25 +18,17 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
   std::string shape;
   for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
   shape += ")";
-  std::vector<std::size_t> sizes = array.shape;
-  if (sizes.size() >= 3 && sizes.back() == 3) {
-    sizes.pop_back();
-    sizes.back() *= 3;
-  }
-  const bool batch = sizes.size() == 3;
-  const bool motion =
-      (sizes.size() == 2 || batch) && sizes.back() % 3 == 0 && sizes.back() >= 9 && !array.values.empty();
-  if (!motion) {
+  const std::optional<ArrayShape> held = ShapeOfJoints(array.shape);
+  if (!held || array.values.empty()) {
     return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
-  const std::size_t clips = batch ? sizes[0] : 1;
-  const auto frames = static_cast<int>(sizes[sizes.size() - 2]);
-  const auto joints = static_cast<int>(sizes.back() / 3);
+  const auto frames = static_cast<int>(held->frames);
+  const auto joints = static_cast<int>(held->joints);
   std::vector<ObservedClip> observed;
-  for (std::size_t c = 0; c < clips; ++c) {
+  for (std::size_t c = 0; c < held->clips; ++c) {
     ObservedClip clip;
-    clip.id = batch ? "[" + std::to_string(c) + "]" : "";
+    clip.id = held->batch ? "[" + std::to_string(c) + "]" : "";
     clip.format = "npy";
     clip.frames = frames;
     clip.joints = joints;

@@ -9,10 +9,13 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/motion/skeleton.h"
+#include "ingest/chosen_clips.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_votes.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
+#include "ingest/sense/source_root.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -30,6 +33,7 @@ const std::map<std::string, std::string>& Formats() {
   static const std::map<std::string, std::string> formats = {{"joint_table", "joint_table"},
                                                              {"bvh", "bvh"},
                                                              {"npy", "npy"},
+                                                             {"npz", "npy"},
                                                              {"ntu_skeleton", "ntu_skeleton"},
                                                              {"amc", "asf_amc"},
                                                              {"amass", "amass"},
@@ -120,7 +124,11 @@ void WriteSkeleton(const ClipVotes& source, const std::string& format, Declarati
     if (format != "ntu_skeleton") writer.UnknownJoints();
     return;
   }
-  writer.Value("skeleton", Quoted(skeleton.value), skeleton.comment);
+  if (LoadSkeleton(skeleton.value.get<std::string>())) {
+    writer.Value("skeleton", Quoted(skeleton.value), skeleton.comment);
+  } else {
+    writer.Unknown("skeleton", "the order is " + skeleton.value.get<std::string>() + "'s, of which there is no tree");
+  }
   if (format == "ntu_skeleton") return;
   writer.List("joints", JointsOf(source.Surest("skeleton")), "in the order of the file, as for the skeleton");
 }
@@ -185,7 +193,32 @@ void NamePerson(GuessedNames& guessed, std::string& skeletons) {
   if (was_action && guessed.Has("style")) Rename(guessed, skeletons, "style", "action");
 }
 
-void WriteNames(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
+/// Whether another file would be taken for a clip of the pattern.
+bool TakesOthers(const GuessedNames& guessed, const std::vector<std::string>& names,
+                 const std::filesystem::path& folder) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(guessed.pattern, "files");
+  const std::filesystem::path beside = (folder / names.front()).parent_path();
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(beside, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = DisplayPath(at->path().lexically_relative(folder));
+    if (pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end()) return true;
+  }
+  return false;
+}
+
+/// The images of a depth sequence, with the field that names it where its own name is part of theirs.
+std::string DepthFilesOf(const GuessedNames& guessed, const std::vector<std::string>& names,
+                         const std::filesystem::path& folder, const std::string& prefix) {
+  std::string pattern = GuessDepthFiles(folder, names.front());
+  const std::string stem = DisplayPath(std::filesystem::path(names.front()).stem());
+  if (const std::size_t at = pattern.find(stem); at != std::string::npos && guessed.pattern == "{clip}.json") {
+    pattern.replace(at, stem.size(), "{clip}");
+  }
+  return pattern.empty() ? pattern : prefix + pattern;
+}
+
+void WriteNames(const ClipVotes& source, const std::string& format, const std::filesystem::path& asked,
+                const SourceRoot& root, DeclarationWriter& writer) {
   std::vector<std::string> names;
   for (const Json* clip : source.clips()) {
     const std::string file = clip->at("file");
@@ -202,16 +235,22 @@ void WriteNames(const ClipVotes& source, const std::string& format, DeclarationW
   }
   if (format == "ntu_skeleton") return WriteNtuNames(source, writer);
   GuessedNames guessed = GuessNames(names);
+  std::error_code unknown;
+  const bool folder = std::filesystem::is_directory(asked, unknown);
+  const std::filesystem::path below = folder ? asked : asked.parent_path();
+  const bool narrow = folder && names.size() == 1 && TakesOthers(guessed, names, below);
   std::optional<std::string> skeletons;
   if (format == "asf_amc") {
-    std::vector<std::string> files;
-    for (const Json* clip : source.clips()) files.push_back(clip->at("file"));
-    skeletons = GuessBelonging(guessed, files, source.Facts("skeleton_file"));
+    skeletons = GuessSkeletonFiles(source, root, guessed);
     if (skeletons) NamePerson(guessed, *skeletons);
   }
-  writer.Value("files", Quoted(guessed.pattern),
-               guessed.common ? "guessed from " + std::to_string(names.size()) + " names: look at the fields"
-                              : "the names have no form in common");
+  const std::string depth_files =
+      format == "depth_sequence" ? DepthFilesOf(guessed, names, below, root.prefix) : std::string();
+  if (narrow) guessed = GuessedNames{names.front(), {}, false};
+  writer.Value("files", Quoted(root.prefix + guessed.pattern),
+               narrow           ? "the one file of the folder that holds a clip"
+               : guessed.common ? "guessed from " + std::to_string(names.size()) + " names: look at the fields"
+                                : "the names have no form in common");
   if (skeletons) {
     writer.Value("skeleton_files", Quoted(*skeletons), "as they lie beside the motions");
   } else if (format == "asf_amc") {
@@ -225,7 +264,11 @@ void WriteNames(const ClipVotes& source, const std::string& format, DeclarationW
   const bool action = guessed.Has("action");
   writer.Value("label", Quoted(action ? "{action}" : ""),
                action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not say it");
-  if (format == "depth_sequence") writer.Unknown("depth_files", "the images are not named in the file");
+  if (format != "depth_sequence") return;
+  if (depth_files.empty())
+    writer.Unknown("depth_files", "no 16-bit PNG below the folder is named like a view");
+  else
+    writer.Value("depth_files", Quoted(depth_files), "guessed from the names of the images");
 }
 
 std::string FormatToDeclare(const Json& inspection) {
@@ -240,11 +283,60 @@ std::string FormatToDeclare(const Json& inspection) {
   return best;
 }
 
+void WriteHead(const std::string& what, DeclarationWriter& writer) {
+  writer.Line("# Made by `mocurate config init` from " + what + ".");
+  writer.Line("# Every value says where it comes from. " + std::string(kFillIn) + " has to be replaced before a run.");
+}
+
+void WriteSource(const std::filesystem::path& path, const std::string& name, const std::string& format,
+                 DeclarationWriter& writer) {
+  writer.Line("ingest:");
+  writer.Line("  path: " + Quoted(DisplayPath(path)));
+  writer.Line("  source:");
+  writer.Value("name", Quoted(name), "a choice: the first part of every clip's id");
+  writer.Value("format", format, "declared by the file");
+}
+
+/// Depth images have no clips of their own in an inspection.
+WrittenDeclaration DeclareDepthViews(const Json& inspection, const std::filesystem::path& path,
+                                     const std::string& name) {
+  WrittenDeclaration written;
+  std::error_code unknown;
+  written.path = std::filesystem::absolute(path, unknown);
+  DeclarationWriter writer(written);
+  WriteHead("depth images of " + Counted(static_cast<long long>(inspection.at("cameras").size()), "calibrated camera"),
+            writer);
+  WriteSource(written.path, name, "depth_views", writer);
+  WriteDepthViews(inspection, path, writer);
+  return written;
+}
+
 }  // namespace
 
-Expected<WrittenDeclaration> DeclareSource(const Json& inspection, const std::filesystem::path& path,
+Status ChooseClip(const std::string& clip, Json& inspection) {
+  Json chosen = Json::array();
+  std::string first;
+  std::size_t known = 0;
+  for (const Json& candidate : inspection.at("clips")) {
+    const std::string file = candidate.at("file"), id = candidate.at("id");
+    if (id == clip || NamesClip(clip, file, id.substr(std::min(id.size(), file.size())))) chosen.push_back(candidate);
+    if (known++ < kMostFindings) first += (first.empty() ? "" : ", ") + id;
+  }
+  if (chosen.empty()) {
+    return Fail(ErrorCode::kUsage, "there is no clip '" + clip + "'", "--clip",
+                known == 0 ? "no clips are there" : "it has " + first + (known > kMostFindings ? ", ..." : ""));
+  }
+  inspection["clips"] = std::move(chosen);
+  return {};
+}
+
+Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::filesystem::path& path,
                                            const std::string& name) {
+  Json inspection = inspected;
   const std::string observed = FormatToDeclare(inspection);
+  std::error_code unknown;
+  const bool folder = std::filesystem::is_directory(path, unknown);
+  if (observed.empty() && folder && IsDepthViews(inspection)) return DeclareDepthViews(inspection, path, name);
   if (observed.empty()) {
     std::string why = "no file holds motion in a format that a source can declare";
     for (const Json& finding : inspection.at("findings")) {
@@ -259,24 +351,24 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspection, const std::fi
   const ClipVotes source(inspection, observed);
   WrittenDeclaration written;
   DeclarationWriter writer(written);
-  std::error_code unknown;
-  const bool folder = std::filesystem::is_directory(path, unknown);
-  writer.Line("# Made by `mocurate config init` from " + std::to_string(source.clips().size()) + " clips of format " +
-              observed + ".");
-  writer.Line("# Every value says where it comes from. " + std::string(kFillIn) + " has to be replaced before a run.");
-  for (const auto& [what, count] : source.others()) {
-    writer.Line("# Not of this source: " + std::to_string(count) + " clips of format " + what + ".");
-  }
-  writer.Line("ingest:");
-  writer.Line("  path: " + Quoted(DisplayPath(std::filesystem::absolute(folder ? path : path.parent_path(), unknown))));
-  writer.Line("  source:");
-  writer.Value("name", Quoted(name), "a choice: the first part of every clip's id");
-  writer.Value("format", format, "declared by the file");
+  const std::filesystem::path normal = std::filesystem::absolute(path, unknown).lexically_normal();
+  const std::filesystem::path whole = normal.filename().empty() ? normal.parent_path() : normal;
+  const std::filesystem::path asked = folder ? whole : whole.parent_path();
   const bool gathered = format == "openpose" || format == "panoptic";
+  const SourceRoot root = format == "openpose"  ? RootOfCameras(asked, inspection)
+                          : format == "asf_amc" ? RootOfSkeletons(source, asked)
+                                                : SourceRoot{asked, ""};
+  written.path = folder ? root.folder : whole;
+  WriteHead(Counted(static_cast<long long>(source.clips().size()), "clip") + " of format " + observed, writer);
+  for (const auto& [what, count] : source.others()) {
+    written.others.push_back(Counted(static_cast<long long>(count), "clip") + " of format " + what);
+    writer.Line("# Not of this source: " + written.others.back() + ".");
+  }
+  WriteSource(written.path, name, format, writer);
   if (gathered) {
-    WriteGathered(source, inspection, path, format, writer);
+    WriteGathered(source, inspection, asked, root.prefix, format, writer);
   } else {
-    WriteNames(source, format, writer);
+    WriteNames(source, format, whole, root, writer);
   }
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
   writer.Value("licence", "\"\"", "unknown: no file says it");

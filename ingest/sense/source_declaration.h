@@ -13,13 +13,19 @@ namespace mocurate {
 /// what), or unknown and to be filled in.
 struct WrittenDeclaration {
   std::string yaml;
+  std::filesystem::path path;  ///< ingest.path: what was asked about, or the folder above that holds what belongs to it
+  std::vector<std::string> others;   ///< clips that are none of this source: "3 clips of format npz of 19 joints"
   std::vector<std::string> unknown;  ///< options that CheckSource refuses until they are filled in: "units", "rate"
 };
 
 /// From what InspectPath said of `path` without a source: of the clips, those of the most frequent format and count of
-/// joints; the others are named in a comment. `name`: of the source. Error kUnsupported where no clip is of a format
-/// that a source can be.
+/// joints; the others are named in a comment. Skeletons of motions and cameras are looked for one folder above as well.
+/// Where there are no clips but depth images of calibrated cameras, of these. `name`: of the source. Error kUnsupported
+/// where no clip is of a format that a source can be.
 Expected<WrittenDeclaration> DeclareSource(const nlohmann::json& inspection, const std::filesystem::path& path,
                                            const std::string& name);
+
+/// Of an inspection the clips that `clip` names (ingest/chosen_clips.h). Error kConfig names those there are.
+Status ChooseClip(const std::string& clip, nlohmann::json& inspection);
 
 }  // namespace mocurate

@@ -4,6 +4,8 @@
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/comparison.h"
+#include "ingest/sense/observe.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/source_file.h"
 
@@ -52,6 +54,20 @@ Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const B
   return metres_from_file * place - from_root;
 }
 
+/// A body of metres that are none breaks the rules of a skeleton: what is wrong then is the declared unit.
+Error UnitsOr(const Error& otherwise, const SourceFile& file) {
+  const Expected<std::vector<ObservedClip>> observed = ObserveBvh(file.bytes, file.name);
+  if (!observed || observed->empty()) return otherwise;
+  const ClipMeasures measures = Measure(observed->front());
+  for (const Comparison& comparison : CompareFrame(StatementsOf(observed->front(), file.source), measures)) {
+    if (comparison.code != "units_contradiction" || !comparison.contradicts) continue;
+    return {ErrorCode::kInconsistent, comparison.message, file.name,
+            "mend ingest.source.units" +
+                (comparison.measured.empty() ? std::string() : ": write `units: " + comparison.measured + "`")};
+  }
+  return otherwise;
+}
+
 }  // namespace
 
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
@@ -71,7 +87,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());
   if (Status ok = CheckSliding(offsets, *bvh, source.max_slide, file.name, ingested.findings); !ok) return Forward(ok);
   const Expected<BvhSkeleton> fit = MakeBvhSkeleton(*bvh, offsets, *declared, source.name, file.name);
-  if (!fit) return Forward(fit);
+  if (!fit) return tl::unexpected<Error>(UnitsOr(fit.error(), file));
 
   const int joints = fit->skeleton->joint_count();
   std::vector<Vector3d> root_translation;

@@ -1,51 +1,16 @@
 #include "ingest/sources/container.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 #include <optional>
 
 #include "core/base/file.h"
 #include "core/formats/uestc_info.h"
-#include "core/store/store.h"
+#include "core/store/dataset_clips.h"
+#include "ingest/sources/mapped_file.h"
 
 namespace mocurate {
 namespace {
-
-/// A file in memory as long as somebody looks at it.
-class MappedFile {
- public:
-  static Expected<std::shared_ptr<const MappedFile>> Open(const std::filesystem::path& path) {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat facts {};
-    if (file < 0 || fstat(file, &facts) != 0 || facts.st_size == 0) {
-      if (file >= 0) close(file);
-      return Fail(file < 0 ? ErrorCode::kUnreadable : ErrorCode::kMalformed,
-                  file < 0 ? "the file cannot be opened" : "the file is empty", DisplayPath(path),
-                  "was it copied whole?");
-    }
-    const auto size = static_cast<std::size_t>(facts.st_size);
-    void* bytes = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
-    close(file);
-    if (bytes == MAP_FAILED) {
-      return Fail(ErrorCode::kUnreadable, "the file cannot be mapped", DisplayPath(path), "is there memory left?");
-    }
-    return std::shared_ptr<const MappedFile>(new MappedFile(bytes, size));
-  }
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  ~MappedFile() { munmap(bytes_, size_); }
-  std::string_view bytes() const { return {static_cast<const char*>(bytes_), size_}; }
-
- private:
-  MappedFile(void* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
-  void* bytes_;
-  std::size_t size_;
-};
 
 /// What a container looked like when it was opened: another file under its name is opened again.
 struct Version {
@@ -138,29 +103,30 @@ Expected<std::vector<ContainerEntry>> HumanAct12Entries(const std::filesystem::p
 
 struct OpenMotions {
   Version version;
-  std::vector<Clip> clips;
+  DatasetClips clips;
 };
 
-Expected<std::shared_ptr<const OpenMotions>> MotionsOf(const std::filesystem::path& path) {
+Expected<std::shared_ptr<const OpenMotions>> MotionsOf(const std::filesystem::path& path, DatasetClips::Check check) {
   static std::shared_ptr<const OpenMotions> last;
   const Version version = VersionOf(path);
   if (last && last->version == version) return last;
   last.reset();
-  Expected<Dataset> dataset = ReadDataset(path);
-  if (!dataset) return Forward(dataset);
-  if (!(dataset->axes == AxisConvention())) {
+  Expected<DatasetClips> clips = DatasetClips::Open(path, check);
+  if (!clips) return Forward(clips);
+  if (!(clips->axes() == AxisConvention())) {
     return Fail(ErrorCode::kUnsupported, "its axes are not the canonical ones", DisplayPath(path.filename()),
                 "write it with right-handed axes, y up, facing +z");
   }
-  last = std::make_shared<const OpenMotions>(OpenMotions{version, std::move(dataset->clips)});
+  last = std::make_shared<const OpenMotions>(OpenMotions{version, std::move(*clips)});
   return last;
 }
 
 Expected<std::vector<ContainerEntry>> MotionsEntries(const std::filesystem::path& path) {
-  const auto motions = MotionsOf(path);
+  const auto motions = MotionsOf(path, DatasetClips::Check::kHashes);
   if (!motions) return Forward(motions);
+  const DatasetClips& clips = (*motions)->clips;
   std::vector<ContainerEntry> entries;
-  for (const Clip& clip : (*motions)->clips) entries.push_back({clip.id(), clip.label, 0, ""});
+  for (std::size_t row = 0; row < clips.size(); ++row) entries.push_back({clips.Id(row), clips.Label(row), 0, ""});
   return entries;
 }
 
@@ -195,11 +161,12 @@ Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int e
 }
 
 Expected<Clip> ReadMotionsEntry(const std::filesystem::path& container, int entry, const std::string& name) {
-  const auto motions = MotionsOf(container);
+  // Whoever listed the clips has compared the hashes.
+  const auto motions = MotionsOf(container, DatasetClips::Check::kNone);
   if (!motions) return Forward(motions);
-  const auto& clips = (*motions)->clips;
+  const DatasetClips& clips = (*motions)->clips;
   if (entry < 0 || static_cast<std::size_t>(entry) >= clips.size()) return NoEntry(entry, clips.size(), name);
-  return clips[static_cast<std::size_t>(entry)];
+  return clips.Read(static_cast<std::size_t>(entry));
 }
 
 Expected<HumanAct12Clip> ReadHumanAct12Entry(const std::filesystem::path& container, int entry,

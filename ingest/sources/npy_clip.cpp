@@ -2,6 +2,8 @@
 
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sources/array_clips.h"
+#include "ingest/sources/mapped_file.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -34,7 +36,9 @@ Expected<std::vector<int>> FileOrder(const SourceOptions& source, const Skeleton
 
 }  // namespace
 
-Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
+Expected<IngestedClip> ReadNpyClip(const SourceFile& file) { return ReadArraySource(file, ""); }
+
+Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string& id) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
   if (!frame) return Forward(frame);
@@ -42,7 +46,9 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
   if (!skeleton) return Forward(skeleton);
   const Expected<std::vector<int>> place = FileOrder(source, **skeleton);
   if (!place) return Forward(place);
-  const Expected<NpyArray> array = ParseNpy(file.bytes, file.name);
+  const auto mapped = MappedFile::Open(file.container);
+  if (!mapped) return Forward(mapped);
+  const Expected<NpyArray> array = ReadArrayClip((*mapped)->bytes(), id, file.name);
   if (!array) return Forward(array);
 
   const std::size_t wide = source.joints.empty() ? (*skeleton)->joints.size() : source.joints.size();
@@ -71,6 +77,7 @@ Expected<IngestedClip> ReadNpyClip(const SourceFile& file) {
     }
   }
   IngestedClip ingested;
+  ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(positions));
   return ingested;

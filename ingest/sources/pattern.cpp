@@ -8,6 +8,15 @@ namespace mocurate {
 namespace {
 
 constexpr int kMatchBudget = 100000;  // steps of backtracking; far beyond any sensible pattern
+constexpr std::string_view kFolderMark = "?/";
+
+/// Takes the mark of a folder that may be missing from a field's text.
+bool TakeFolderMark(std::string& field) {
+  const std::size_t mark = kFolderMark.size();
+  if (field.size() < mark || field.compare(field.size() - mark, mark, kFolderMark) != 0) return false;
+  field.resize(field.size() - mark);
+  return true;
+}
 
 }  // namespace
 
@@ -22,13 +31,14 @@ Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::str
     if (literal.find('}') != std::string::npos) {
       return Fail(ErrorCode::kConfig, "pattern '" + text + "' closes a field that was not opened", where);
     }
-    if (!literal.empty()) pattern.parts_.push_back({false, literal, 0});
+    if (!literal.empty()) pattern.parts_.push_back({false, literal, 0, false});
     if (open == std::string::npos) break;
     const std::size_t close = text.find('}', open);
     if (close == std::string::npos) {
       return Fail(ErrorCode::kConfig, "pattern '" + text + "' has a '{' without '}'", where);
     }
-    Part field{true, text.substr(open + 1, close - open - 1), 0};
+    Part field{true, text.substr(open + 1, close - open - 1), 0, false};
+    field.folder = TakeFolderMark(field.text);
     const std::size_t colon = field.text.find(':');
     if (colon != std::string::npos) {
       const std::optional<long long> width = ParseInteger(field.text.substr(colon + 1));
@@ -41,7 +51,7 @@ Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::str
     if (field.text.empty() || field.text.find('{') != std::string::npos) {
       return Fail(ErrorCode::kConfig, "pattern '" + text + "' has a field without a name", where);
     }
-    const bool touches = !pattern.parts_.empty() && pattern.parts_.back().is_field;
+    const bool touches = !pattern.parts_.empty() && pattern.parts_.back().is_field && !pattern.parts_.back().folder;
     if (touches && pattern.parts_.back().width == 0 && field.width == 0) {
       return Fail(ErrorCode::kConfig,
                   "fields '" + pattern.parts_.back().text + "' and '" + field.text + "' cannot be told apart", where,
@@ -50,6 +60,9 @@ Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::str
     pattern.parts_.push_back(field);
     at = close + 1;
   }
+  const auto missing =
+      std::count_if(pattern.parts_.begin(), pattern.parts_.end(), [](const Part& p) { return p.folder; });
+  pattern.least_depth_ = pattern.depth_ - static_cast<int>(missing);
   return pattern;
 }
 
@@ -73,17 +86,19 @@ bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields&
   const auto known = fields.find(p.text);
   const std::optional<std::string> before =
       known == fields.end() ? std::nullopt : std::optional<std::string>(known->second);
-  for (std::size_t length = first; length <= last && length <= slash; ++length) {
+  const bool has_folder = slash < rest.size();
+  for (std::size_t length = first; length <= last && length <= slash && (has_folder || !p.folder); ++length) {
     const std::string value(rest.substr(0, length));
     if (before && *before != value) continue;
+    if (p.folder && length != slash) continue;
     fields[p.text] = value;
-    if (MatchFrom(part + 1, rest.substr(length), fields, budget)) return true;
+    if (MatchFrom(part + 1, rest.substr(p.folder ? length + 1 : length), fields, budget)) return true;
   }
   if (before)
     fields[p.text] = *before;
   else
     fields.erase(p.text);
-  return false;
+  return p.folder && MatchFrom(part + 1, rest, fields, budget);
 }
 
 std::vector<std::string> NamePattern::FieldNames() const {
@@ -100,6 +115,7 @@ std::vector<std::string> FieldsOf(const std::string& text) {
     const std::size_t close = text.find('}', open);
     if (close == std::string::npos) break;
     std::string name = text.substr(open + 1, close - open - 1);
+    TakeFolderMark(name);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
   }
   return names;
@@ -113,8 +129,10 @@ std::string FillFields(const std::string& text, const NameFields& fields) {
     const std::size_t close = open == std::string::npos ? open : text.find('}', open);
     if (close == std::string::npos) return filled + text.substr(at);
     filled += text.substr(at, open - at);
-    const auto field = fields.find(text.substr(open + 1, close - open - 1));
-    if (field != fields.end()) filled += field->second;
+    std::string name = text.substr(open + 1, close - open - 1);
+    const bool folder = TakeFolderMark(name);
+    const auto field = fields.find(name);
+    if (field != fields.end()) filled += folder ? field->second + "/" : field->second;
     at = close + 1;
   }
   return filled;

@@ -13,7 +13,8 @@ namespace mocurate {
 using NameFields = std::map<std::string, std::string>;
 
 /// A path pattern with fields: "a{action}_s{person}.txt". {name} takes one or more characters (as few as possible),
-/// {name:4} exactly four; never a '/'. A field that stands twice must be the same both times.
+/// {name:4} exactly four; never a '/'. {name?/} is a folder that may be missing, "{take?/}seq.json": the field is not
+/// there then. A field that stands twice must be the same both times.
 class NamePattern {
  public:
   /// Error kConfig: braces that do not close, empty or doubled-up fields side by side without a width.
@@ -22,8 +23,9 @@ class NamePattern {
   /// The fields of a name; empty when it does not match.
   std::optional<NameFields> Match(std::string_view name) const;
 
-  /// Number of folders in the pattern.
+  /// Number of folders in the pattern: with those that may be missing, and without.
   int depth() const { return depth_; }
+  int least_depth() const { return least_depth_; }
   std::vector<std::string> FieldNames() const;
   const std::string& text() const { return text_; }
 
@@ -32,17 +34,19 @@ class NamePattern {
     bool is_field = false;
     std::string text;       ///< literal text, or the name of the field
     std::size_t width = 0;  ///< of a field; 0: any
+    bool folder = false;    ///< with its '/', and may be missing
   };
   bool MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget) const;
   std::vector<Part> parts_;
   std::string text_;
   int depth_ = 0;
+  int least_depth_ = 0;
 };
 
 /// The {field}s of a text, each once.
 std::vector<std::string> FieldsOf(const std::string& text);
 
-/// Replaces {field} in `text`; a field that is not there becomes empty.
+/// Replaces {field} and {folder?/} in `text`; a field that is not there becomes empty, a folder with its '/'.
 std::string FillFields(const std::string& text, const NameFields& fields);
 
 }  // namespace mocurate

@@ -11,9 +11,6 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kRateHz = 15;
-constexpr int kActions = 4;
-
 nlohmann::json Json(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Camera from the rig's frame: x right, y down, z forward, where PHSPD's polarisation camera stands.
@@ -88,14 +85,11 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     return Fail(ErrorCode::kConfig, "camera '" + camera.name + "' has a lens that the layout cannot tell", "rig.kind",
                 "choose ring or phspd");
   }
-  const int actions = options.clips > 0 ? static_cast<int>(options.clips) : kActions;
   const std::size_t parts = rig.size() + 1;
   return folder.ForEach(parts * actors.size(), [&](std::size_t i) -> Status {
     const Actor& actor = actors[i / parts];
-    PlannedSequence sequence = PlanSequence(options, static_cast<int>(i / parts) + 1, 1, actions, actions, kRateHz);
-    // Before depth cameras people face the first of them, more or less.
-    sequence.script.heading = 0.1 * sequence.script.heading;
-    const Motion motion = PerformScript(sequence.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const PlannedSequence sequence = PlanDepthSequence(options, static_cast<int>(i / parts) + 1);
+    const Motion motion = PerformScript(sequence.script, actor.subject, actor.skeleton, FrameRate{kDepthSequenceHz, 1});
     const std::string person = sequence.Person();
     if (i % parts > 0) {
       const std::size_t k = i % parts - 1;
@@ -103,7 +97,7 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     }
     const Motion seen = Seen(motion, PhspdPolarFromWorld());
     nlohmann::json document = {{"body", actor.body == nullptr ? "capsules" : "body_cc0"},
-                               {"fps", kRateHz},
+                               {"fps", kDepthSequenceHz},
                                {"frames", motion.frame_count()},
                                {"frame", "PHSPD polarisation camera (x right, y down, z forward), metres"},
                                {"floor", "y = " + FormatDouble(PhspdPolarFromWorld().translation.y()) + " m"},
@@ -113,7 +107,7 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     ClipIdentity identity;
     identity.source = "rendered_seq";
     identity.person = person;
-    identity.recording = "seq_" + person;
+    identity.recording = person + ".seq_" + person;
     identity.end_frame = motion.frame_count();
     folder.AddTruth(person, identity.id(), Seen(seen, HalfTurnAboutX()));
     return folder.Write("rendered_seq/" + person + "/seq_" + person + ".json", document.dump(1) + "\n");

@@ -166,7 +166,7 @@ Status WriteMaskedDepth(const StudioOptions& options, const BodyView& body, cons
 }  // namespace
 
 Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const auto takes = PlanTakes(options, NtuClasses(), {40, 2, static_cast<double>(kRateHz), 0.3, 0.7});
+  const auto takes = PlanNtuTakes(options);
   if (!takes) return Forward(takes);
   std::vector<Camera> calibrated;
   for (int camera = 1; camera <= 3; ++camera) calibrated.push_back(SensorOf(options.seed, camera));

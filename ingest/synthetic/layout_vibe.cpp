@@ -35,34 +35,102 @@ ClipIdentity IdentityOf(const std::string& source, const std::string& person, co
 struct Video {
   UestcVideo name;
   const PlannedTake* take = nullptr;
+
+  std::string Person() const { return "p" + Digits(name.subject, 3); }
+  /// "a12_d4_p007_c2"
+  std::string Recording() const {
+    const std::string whole = name.Name();
+    return whole.substr(0, whole.rfind("_color"));
+  }
 };
 
-}  // namespace
+Expected<std::vector<PlannedTake>> UestcTakes(const StudioOptions& options) {
+  return PlanTakes(options, UestcClasses(), {118, 2, static_cast<double>(kRateHz), 0.3, 0.8});
+}
 
-Status WriteUestcLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const auto takes = PlanTakes(options, UestcClasses(), {118, 2, static_cast<double>(kRateHz), 0.3, 0.8});
-  if (!takes) return Forward(takes);
+std::vector<Video> VideosOf(const std::vector<PlannedTake>& takes) {
   std::vector<Video> videos;
-  for (const PlannedTake& take : *takes) {
+  for (const PlannedTake& take : takes) {
     const int view = (take.subject + take.repetition + take.kind->id) % kViews;
     videos.push_back({{take.kind->id, view, take.subject, 1}, &take});
     videos.push_back({{take.kind->id, view, take.subject, 2}, &take});
   }
+  return videos;
+}
+
+/// World (canonical axes) from the video's camera: the set's own reading turns side 2 back by its view.
+RigidTransform TurnedBack(const Video& video) {
+  const double back = video.name.side == 1 ? 0.0 : 0.25 * kPi * video.name.view;
+  return RigidTransform{Quaterniond(Eigen::AngleAxisd(back, Vector3d::UnitY())), Vector3d::Zero()} * HalfTurnAboutX();
+}
+
+/// What happens in a video, in its camera's axes. The second camera stands higher and nearer.
+Motion SeenIn(const Video& video, const Motion& motion) {
+  if (video.name.side == 1) return Seen(motion, CameraFromWorld(1.1, 3.6, 0.0));
+  return Seen(motion, CameraFromWorld(1.25, 3.3, -0.25 * kPi * video.name.view));
+}
+
+void AddVideoTruth(const Video& video, const char* source, const Motion& seen, StudioFolder& folder) {
+  const ClipIdentity identity = IdentityOf(source, video.Person(), video.Recording(), seen.frame_count());
+  folder.AddTruth(video.Person(), identity.id(), Seen(seen, TurnedBack(video)));
+}
+
+/// Frames [begin, end) of a track under another id.
+VibeTrack Piece(const VibeTrack& whole, std::int64_t id, std::size_t begin, std::size_t end) {
+  VibeTrack piece = whole;
+  piece.id = id;
+  piece.frames = end - begin;
+  const auto cut = [&](auto& values) {
+    const auto width = static_cast<std::ptrdiff_t>(values.size() / whole.frames);
+    values.erase(values.begin() + width * static_cast<std::ptrdiff_t>(end), values.end());
+    values.erase(values.begin(), values.begin() + width * static_cast<std::ptrdiff_t>(begin));
+  };
+  for (auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::betas, &VibeTrack::original_camera,
+                     &VibeTrack::predicted_camera, &VibeTrack::boxes}) {
+    cut(piece.*field);
+  }
+  cut(piece.frame_ids);
+  return piece;
+}
+
+constexpr std::size_t kLost = 3;  // frames between two ids of one person
+
+/// The performer's track; where somebody stood by, of two ids, and that person's.
+std::vector<VibeTrack> TracksOf(const Video& video, const Actor& bystander, const Motion& seen,
+                                const StudioOptions& options) {
+  const Vector2d image_centre(480.0, 270.0);
+  const std::string name = video.name.Name();
+  VibeTrack whole = VibeTrackOf(seen, options.tracker, options.seed, name, image_centre);
+  Random random(static_cast<std::uint64_t>(options.seed), "studio.bystander", name);
+  if (random.Uniform() >= options.ghost_share || whole.frames < 4 * kLost) return {std::move(whole)};
+  Script standing;
+  standing.frames = seen.frame_count();
+  standing.sway_phase = random.Uniform(0.0, 2.0 * kPi);
+  const Motion other = PerformScript(standing, bystander.subject, bystander.skeleton, FrameRate{kRateHz, 1});
+  RigidTransform aside = CameraFromWorld(1.1, 4.4, 0.0);
+  aside.translation.x() += random.Uniform() < 0.5 ? -1.5 : 1.5;
+  VibeTrack theirs = VibeTrackOf(Seen(other, aside), options.tracker, options.seed, name + "/bystander", image_centre);
+  theirs.id = 2;
+  const std::size_t lost = whole.frames / 2;
+  return {Piece(whole, 1, 0, lost), std::move(theirs), Piece(whole, 3, lost + kLost, whole.frames)};
+}
+
+}  // namespace
+
+Status WriteUestcLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  const auto takes = UestcTakes(options);
+  if (!takes) return Forward(takes);
+  const std::vector<Video> videos = VideosOf(*takes);
   std::vector<VibeTrack> tracks(videos.size());
   std::vector<int> frames(videos.size());
   Status done = folder.ForEach(videos.size(), [&](std::size_t i) -> Status {
     const Video& video = videos[i];
     const Actor& actor = actors[static_cast<std::size_t>(video.take->subject - 1)];
     const Motion motion = PerformScript(video.take->script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
-    // The set's own reading turns side 2 back by -view * 45 degrees about the image's y, which points down.
-    const double turned = video.name.side == 1 ? 0.0 : -0.25 * kPi * video.name.view;
-    const Motion seen = Seen(motion, CameraFromWorld(1.1, 3.6, turned));
+    const Motion seen = SeenIn(video, motion);
     tracks[i] = VibeTrackOf(seen, options.tracker, options.seed, video.name.Name());
     frames[i] = motion.frame_count();
-    const std::string person = "p" + Digits(video.name.subject, 3);
-    std::string recording = video.name.Name();
-    recording = recording.substr(0, recording.rfind("_color"));
-    folder.AddTruth(person, IdentityOf("uestc", person, recording, frames[i]).id(), Seen(seen, HalfTurnAboutX()));
+    AddVideoTruth(video, "uestc", seen, folder);
     return {};
   });
   if (!done) return done;
@@ -79,6 +147,25 @@ Status WriteUestcLayout(const StudioOptions& options, const std::vector<Actor>& 
     if (Status written = folder.Write("uestc/" + name, bytes); !written) return written;
   }
   return {};
+}
+
+Status WriteUestcVibeLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  const auto takes = UestcTakes(options);
+  if (!takes) return Forward(takes);
+  const std::vector<Video> videos = VideosOf(*takes);
+  return folder.ForEach(videos.size(), [&](std::size_t i) -> Status {
+    const Video& video = videos[i];
+    const auto performer = static_cast<std::size_t>(video.take->subject - 1);
+    const Actor& actor = actors[performer];
+    const Motion motion = PerformScript(video.take->script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const Motion seen = SeenIn(video, motion);
+    const std::string name = video.Recording() + "_color/vibe_output.pkl";
+    const Expected<std::string> bytes =
+        EncodeVibeTracks(TracksOf(video, actors[(performer + 1) % actors.size()], seen, options), name);
+    if (!bytes) return Forward(bytes);
+    AddVideoTruth(video, "uestc_vibe", seen, folder);
+    return folder.Write("uestc_vibe/" + name, *bytes);
+  });
 }
 
 Status WriteNtuVibeLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {

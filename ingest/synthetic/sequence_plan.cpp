@@ -40,6 +40,14 @@ PlannedSequence PlanSequence(const StudioOptions& options, int subject, int numb
   return sequence;
 }
 
+PlannedSequence PlanDepthSequence(const StudioOptions& options, int subject) {
+  constexpr int kActions = 4;
+  const int actions = options.clips > 0 ? static_cast<int>(options.clips) : kActions;
+  PlannedSequence sequence = PlanSequence(options, subject, 1, actions, actions, kDepthSequenceHz);
+  sequence.script.heading = 0.1 * sequence.script.heading;
+  return sequence;
+}
+
 Status CheckVariants(const std::vector<std::string>& wanted) {
   std::vector<std::string> known;
   for (const HumanAct12Variant& variant : HumanAct12Variants()) {

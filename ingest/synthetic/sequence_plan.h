@@ -23,6 +23,11 @@ struct PlannedSequence {
 PlannedSequence PlanSequence(const StudioOptions& options, int subject, int number, int least, int most,
                              double rate_hz);
 
+/// The sequence of a person in layout rendered_seq: options.clips actions (0: 4) before cameras of kDepthSequenceHz,
+/// whose first the person faces, more or less.
+PlannedSequence PlanDepthSequence(const StudioOptions& options, int subject);
+inline constexpr std::int64_t kDepthSequenceHz = 15;
+
 /// Error kConfig for a wanted name that is no label, action or code of HumanAct12, with the nearest.
 Status CheckVariants(const std::vector<std::string>& wanted);
 

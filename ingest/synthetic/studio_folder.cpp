@@ -21,6 +21,7 @@ Status StudioFolder::Write(const std::string& name, std::string_view bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counts_.files;
   counts_.bytes += bytes.size();
+  if (progress_) progress_(counts_);
   return {};
 }
 

@@ -16,7 +16,17 @@ namespace mocurate {
 /// threads; what is written does not depend on their number.
 class StudioFolder {
  public:
-  StudioFolder(std::filesystem::path folder, int jobs) : folder_(std::move(folder)), jobs_(jobs) {}
+  struct Counts {
+    std::size_t files = 0;
+    std::size_t bytes = 0;
+    std::size_t clips = 0;
+    std::size_t frames = 0;
+  };
+  /// Told of what is written so far after every file, by one thread at a time.
+  using Progress = std::function<void(const Counts&)>;
+
+  StudioFolder(std::filesystem::path folder, int jobs, Progress progress = {})
+      : folder_(std::move(folder)), jobs_(jobs), progress_(std::move(progress)) {}
 
   /// Written last: a folder without it is not whole.
   static constexpr const char* kWhole = "studio.json";
@@ -32,18 +42,13 @@ class StudioFolder {
   /// Calls `work` for 0 .. count-1 on several threads. The first error in the order of the items.
   Status ForEach(std::size_t count, const std::function<Status(std::size_t)>& work);
 
-  struct Counts {
-    std::size_t files = 0;
-    std::size_t bytes = 0;
-    std::size_t clips = 0;
-    std::size_t frames = 0;
-  };
   Counts counts() const;
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
   std::filesystem::path folder_;
   int jobs_ = 1;
+  Progress progress_;
   mutable std::mutex mutex_;
   Counts counts_;
   std::map<std::string, Truth> truth_;

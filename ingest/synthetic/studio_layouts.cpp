@@ -1,13 +1,21 @@
 #include "ingest/synthetic/studio_layouts.h"
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/file.h"
 #include "core/base/version.h"
+#include "core/formats/png.h"
 #include "core/store/body_file.h"
+#include "ingest/synthetic/body_view.h"
+#include "ingest/synthetic/depth_sensor.h"
+#include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/script.h"
 #include "ingest/synthetic/sequence_plan.h"
+#include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {
 namespace {
@@ -23,6 +31,7 @@ constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subject
                                   {StudioLayout::kNtu, 40, WriteNtuLayout},
                                   {StudioLayout::kKard, 10, WriteKardLayout},
                                   {StudioLayout::kUestc, 118, WriteUestcLayout},
+                                  {StudioLayout::kUestcVibe, 118, WriteUestcVibeLayout},
                                   {StudioLayout::kNtuVibe, 40, WriteNtuVibeLayout},
                                   {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
                                   {StudioLayout::kAmass, 4, WriteAmassLayout},
@@ -50,27 +59,93 @@ Status CheckFolder(const std::filesystem::path& folder) {
 
 /// HumanAct12's classes where the layout performs them by clip; others check their own.
 Status CheckActions(const StudioOptions& options) {
-  if (options.layout != StudioLayout::kHumanAct12 && options.layout != StudioLayout::kPhspd) return {};
+  const bool by_variants = options.layout == StudioLayout::kHumanAct12 || options.layout == StudioLayout::kPhspd ||
+                           options.layout == StudioLayout::kDepthSequence;
+  if (!by_variants) return {};
   return CheckVariants(options.actions);
 }
 
-}  // namespace
+std::int64_t PeopleOf(const StudioOptions& options) {
+  return options.subjects > 0 ? options.subjects : RowOf(options.layout).subjects;
+}
 
-Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
-                                                 int jobs) {
-  if (Status free = CheckFolder(folder); !free) return Forward(free);
-  if (Status known = CheckActions(options); !known) return Forward(known);
-  std::optional<BodyTemplate> body;
+/// `body` holds the template, where there is one, as long as the actors live.
+Expected<std::vector<Actor>> ActorsFor(const StudioOptions& options, std::int64_t people,
+                                       std::optional<BodyTemplate>& body) {
   if (!options.body.empty()) {
     Expected<BodyTemplate> read = ReadBodyTemplate(options.body);
     if (!read) return Forward(read);
     body = std::move(*read);
   }
-  const LayoutRow& row = RowOf(options.layout);
-  const std::int64_t people = options.subjects > 0 ? options.subjects : row.subjects;
-  const auto actors = ActorsOf(options, people, body ? &*body : nullptr);
+  return ActorsOf(options, people, body ? &*body : nullptr);
+}
+
+/// Images that the depth cameras of the layout will give.
+std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
+  std::size_t frames = 0, cameras = 3;
+  const auto add = [&](int count, std::int64_t every) {
+    frames += static_cast<std::size_t>((count + every - 1) / every);
+  };
+  if (options.layout == StudioLayout::kDepthSequence) {
+    cameras = RigOf(options.rig, SensorKind::kDepth).size();
+    for (int person = 1; person <= people; ++person) add(PlanDepthSequence(options, person).script.frames, 1);
+  } else if (options.layout == StudioLayout::kPhspd && options.depth.enabled) {
+    for (const PlannedRecording& recording :
+         PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions})) {
+      add(recording.script.frames, options.depth.every);
+    }
+  } else if (options.layout == StudioLayout::kNtu && options.depth.enabled) {
+    const auto takes = PlanNtuTakes(options);
+    if (!takes) return 0;  // writing says why
+    for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
+  }
+  return frames * cameras;
+}
+
+/// Bytes of one image of somebody who stands before the first camera.
+Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& actor) {
+  const bool ring = options.layout == StudioLayout::kDepthSequence;
+  const Camera camera = ring ? RigOf(options.rig, SensorKind::kDepth).front() : PhspdRig(1)[1];
+  Script standing;
+  standing.frames = 2;
+  const Motion motion = PerformScript(standing, actor.subject, actor.skeleton, FrameRate{15, 1});
+  const std::vector<Vector2d> rays = PixelRays(camera);
+  const std::vector<float> body = BodyView(actor).Depth(motion, 0, camera, rays);
+  const bool room = options.layout == StudioLayout::kPhspd && options.depth.room;
+  const DepthImage image =
+      room ? Sensed(body, RoomDepth(camera, rays, 1.6), camera, rays, options.depth, options.seed, "estimate")
+           : SensedMasked(body, camera, rays, options.depth, options.seed, "estimate");
+  const Expected<std::string> png = EncodePng(image);
+  if (!png) return Forward(png);
+  return png->size();
+}
+
+}  // namespace
+
+Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int jobs) {
+  if (Status known = CheckActions(options); !known) return Forward(known);
+  const std::size_t images = DepthImagesOf(options, PeopleOf(options));
+  if (images == 0) return StudioEstimate();
+  std::optional<BodyTemplate> body;
+  const auto actors = ActorsFor(options, 1, body);
   if (!actors) return Forward(actors);
-  StudioFolder files(folder, std::max(1, jobs));
+  const auto begin = std::chrono::steady_clock::now();
+  const Expected<std::size_t> bytes = SampleImage(options, actors->front());
+  if (!bytes) return Forward(bytes);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const auto count = static_cast<double>(images);
+  return StudioEstimate{images, count * static_cast<double>(*bytes), count * seconds / std::max(1, jobs)};
+}
+
+Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
+                                                 int jobs, const StudioFolder::Progress& progress) {
+  if (Status free = CheckFolder(folder); !free) return Forward(free);
+  if (Status known = CheckActions(options); !known) return Forward(known);
+  std::optional<BodyTemplate> body;
+  const auto actors = ActorsFor(options, PeopleOf(options), body);
+  if (!actors) return Forward(actors);
+  const LayoutRow& row = RowOf(options.layout);
+  StudioFolder files(folder, std::max(1, jobs), progress);
   if (Status written = row.write(options, *actors, files); !written) return Forward(written);
   StudioOptions said = options;
   said.body = options.body.filename();  // where it lay does not matter

@@ -12,6 +12,16 @@ namespace mocurate {
 /// The same options give the same bytes for any number of jobs. Errors: kCannotWrite where the folder holds something
 /// already, kConfig for an unknown action, those of ReadBodyTemplate.
 Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
-                                                 int jobs);
+                                                 int jobs, const StudioFolder::Progress& progress = {});
+
+/// What a layout with depth images will take; all 0 for others, which take seconds.
+struct StudioEstimate {
+  std::size_t images = 0;
+  double bytes = 0.0;
+  double seconds = 0.0;  ///< with so many jobs
+};
+
+/// From the plan of the takes and one image that is rendered. Errors of WriteStudioLayout.
+Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int jobs);
 
 }  // namespace mocurate

@@ -10,6 +10,7 @@ const std::vector<std::pair<std::string, StudioLayout>>& Layouts() {
       {"ntu", StudioLayout::kNtu},
       {"kard", StudioLayout::kKard},
       {"uestc", StudioLayout::kUestc},
+      {"uestc_vibe", StudioLayout::kUestcVibe},
       {"ntu_vibe", StudioLayout::kNtuVibe},
       {"openpose", StudioLayout::kOpenPose},
       {"amass", StudioLayout::kAmass},
@@ -81,8 +82,9 @@ void StudioOptions::Declare(OptionVisitor& v) {
   v.Path("body", body, "skinned body (body_cc0.h5) that depth is rendered of; empty: capsules");
   v.Number("missing", missing_share, Unit::kNone, {0.0, 0.9}, "humanact12, phspd: share of frames without annotation");
   v.Number("ghost", ghost_share, Unit::kNone, {0.0, 1.0},
-           "ntu: share of files in which the sensor followed a body that is nobody");
-  v.Group("tracker", tracker, "ntu, kard, uestc, ntu_vibe: errors of the joints");
+           "ntu: share of files in which the sensor followed a body that is nobody; uestc_vibe: of videos with a "
+           "bystander, in which the performer is lost and found again under another id");
+  v.Group("tracker", tracker, "ntu, kard, uestc, uestc_vibe, ntu_vibe: errors of the joints");
   v.Group("rig", rig, "cameras");
   v.Group("depth", depth, "phspd, ntu, rendered_seq: errors of the depth images");
   v.Group("keypoints", keypoints, "openpose: errors of the keypoints");

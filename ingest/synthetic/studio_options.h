@@ -11,7 +11,18 @@
 namespace mocurate {
 
 /// Whose files the studio writes.
-enum class StudioLayout { kHumanAct12, kPhspd, kNtu, kKard, kUestc, kNtuVibe, kOpenPose, kAmass, kDepthSequence };
+enum class StudioLayout {
+  kHumanAct12,
+  kPhspd,
+  kNtu,
+  kKard,
+  kUestc,
+  kUestcVibe,
+  kNtuVibe,
+  kOpenPose,
+  kAmass,
+  kDepthSequence
+};
 
 /// Cameras around the subject.
 enum class RigKind { kOwn, kPhspd, kHuman36m, kRing };
@@ -62,13 +73,13 @@ struct KeypointOptions {
 struct StudioOptions {
   StudioLayout layout = StudioLayout::kHumanAct12;
   std::int64_t seed = 1;
-  std::int64_t subjects = 2;                 ///< 0: as many as the set has
-  std::int64_t clips = 1;                    ///< of each action by each subject; 0: as many as the set has
-  std::vector<std::string> actions;          ///< labels or actions; empty: all of the set's
-  std::filesystem::path body;                ///< body_cc0.h5; empty: a body of capsules
-  double missing_share = 0.0225;             ///< HumanAct12, PHSPD: frames without annotation
-  double ghost_share = 0.0;                  ///< ntu: files with a second body that is nobody
-  TrackerOptions tracker = KinectTracker();  ///< ntu, kard, uestc, ntu_vibe
+  std::int64_t subjects = 2;         ///< 0: as many as the set has
+  std::int64_t clips = 1;            ///< of each action by each subject; 0: as many as the set has
+  std::vector<std::string> actions;  ///< labels or actions; empty: all of the set's
+  std::filesystem::path body;        ///< body_cc0.h5; empty: a body of capsules
+  double missing_share = 0.0225;     ///< HumanAct12, PHSPD: frames without annotation
+  double ghost_share = 0.0;          ///< ntu: files with a second body that is nobody; uestc_vibe: with a bystander
+  TrackerOptions tracker = KinectTracker();  ///< ntu, kard, uestc, uestc_vibe, ntu_vibe
   RigOptions rig;                            ///< openpose, rendered_seq; clocks and the moved camera also phspd, ntu
   DepthSensorOptions depth;                  ///< phspd, ntu, rendered_seq
   KeypointOptions keypoints;                 ///< openpose

@@ -17,7 +17,11 @@ Status CheckWanted(const std::vector<std::string>& wanted, const std::vector<std
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const auto near = Nearest(name, known);
     std::string all;
-    for (const std::string& other : known) all += (all.empty() ? "" : ", ") + other;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      const auto place = known.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(known.begin(), place, known[i]) != place) continue;
+      all += (all.empty() ? "" : ", ") + known[i];
+    }
     return Fail(ErrorCode::kConfig, "the layout has no action '" + name + "'", "actions",
                 near ? "did you mean '" + *near + "'?" : "it has " + all);
   }
@@ -67,6 +71,10 @@ Expected<std::vector<PlannedTake>> PlanTakes(const StudioOptions& options, const
     }
   }
   return takes;
+}
+
+Expected<std::vector<PlannedTake>> PlanNtuTakes(const StudioOptions& options) {
+  return PlanTakes(options, NtuClasses(), {40, 2, 30.0, 0.3, 0.7});
 }
 
 const std::vector<SetClass>& KardClasses() {

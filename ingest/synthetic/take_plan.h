@@ -49,6 +49,9 @@ struct TakeRules {
 Expected<std::vector<PlannedTake>> PlanTakes(const StudioOptions& options, const std::vector<SetClass>& classes,
                                              const TakeRules& rules);
 
+/// The takes of layout ntu, 30 Hz.
+Expected<std::vector<PlannedTake>> PlanNtuTakes(const StudioOptions& options);
+
 /// How an action is performed once, and its seconds.
 Manner NaturalManner(const std::string& action, double seated_share, Random& random);
 

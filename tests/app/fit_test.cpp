@@ -138,6 +138,26 @@ TEST_F(FitVerbs, ClipsOfADatasetKeepTheirIdentity) {
   }
 }
 
+TEST_F(FitVerbs, OneClipOfAFileOfSeveralIsChosenByItsPlace) {
+  const fs::path stack = data_ / "humanact12/a2m_generated/humanact12_tf/motion_joints500000.npy";
+  const Result none = Fit(stack, {"--clip", "[400]", "--set", "ingest.source.rate=30 Hz"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("there is no clip '[400]' (it has motion_joints500000.npy[0], "));
+  const Result result = Fit(stack, {"--clip", "[2]", "--set", "ingest.source.rate=30 Hz", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Dataset dataset = Fitted();
+  ASSERT_EQ(dataset.clips.size(), 1u);
+  EXPECT_THAT(dataset.clips[0].id(), HasSubstr("motion_joints500000.0002#"));
+  EXPECT_FALSE(dataset.clips[0].motion->joints_only());
+}
+
+TEST_F(FitVerbs, AMotionFindsItsSkeletonFileInTheFolderAbove) {
+  const fs::path above = data_ / "hdm05/01/HDM_bd_depositFloorR_001_120.amc";
+  const Result hdm = Fit(above, {"--skeleton", "smpl24"});
+  EXPECT_EQ(hdm.exit_code, 0) << hdm.err;
+  EXPECT_EQ(Fitted().clips.size(), 1u);
+}
+
 TEST_F(FitVerbs, NothingIsWrittenOverAndNothingIsMadeOfNothing) {
   WriteText(output(), "mine");
   EXPECT_EQ(Fit(kard(), {"--source", "kard"}).exit_code, 2);

@@ -101,6 +101,8 @@ TEST_F(Declarations, KardLacksItsRateAloneAndIsRefusedByThatNameUntilItIsFilledI
   EXPECT_EQ(refused.exit_code, 2) << refused.err;
   EXPECT_THAT(refused.err, HasSubstr("rate"));
   EXPECT_THAT(refused.err, HasSubstr("FILL_IN"));
+  EXPECT_THAT(refused.err, HasSubstr("ingest.source.rate"));
+  EXPECT_THAT(refused.err, HasSubstr("write a number in Hz without quotes, e.g. `rate: 30 Hz`"));
   Fill("rate", "30 Hz");
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;
@@ -159,6 +161,69 @@ TEST_F(Declarations, WhatNothingTellsIsRefusedByItsNameOneAfterTheOther) {
     Fill(key, value);
   }
   EXPECT_THAT(Ingest().err, Not(HasSubstr("FILL_IN")));
+}
+
+TEST_F(Declarations, SkeletonsAndCamerasOfTheFolderAboveBelongToTheSource) {
+  const auto declare = [&](const char* folder) {
+    const Result result = RunProgram(
+        folder_, {"config", "init", (data_ / folder).string(), "-o", (folder_ / "made.yaml").string(), "--force"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    text_ = ReadText(folder_ / "made.yaml");
+  };
+  declare("cmu/asf_amc/01_01.amc");
+  EXPECT_THAT(text_, HasSubstr("path: \"" + (data_ / "cmu/asf_amc/01_01.amc").string() + "\""));
+  EXPECT_THAT(text_, HasSubstr("skeleton_files: \"01.asf\""));
+  declare("hdm05/01");
+  EXPECT_THAT(text_, HasSubstr("path: \"" + (data_ / "hdm05").string() + "\""));
+  EXPECT_THAT(text_, HasSubstr("files: \"01/HDM_{person}_depositFloorR_{part}_120.amc\""));
+  EXPECT_THAT(text_, HasSubstr("skeleton_files: \"HDM_{person}.asf\""));
+  Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 3);
+  declare("pose2sim/single");
+  EXPECT_THAT(text_, HasSubstr("files: \"single/{camera}_json/{camera}.{frame}.json\""));
+  EXPECT_THAT(text_, HasSubstr("calibration: [Calib"));
+  Fill("rate", "60 Hz");
+  fs::remove_all(folder_ / "r");
+  run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 1);
+}
+
+TEST_F(Declarations, FoldersOfDepthImagesAreDeclaredWithTheirCamerasAndMasks) {
+  const auto declare = [&](const char* folder) {
+    const Result result = RunProgram(folder_, {"config", "init", (data_ / folder).string(), "-o",
+                                               (folder_ / "made.yaml").string(), "--force", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    text_ = ReadText(folder_ / "made.yaml");
+    EXPECT_THAT(result.Json()["unknown"], IsEmpty()) << text_;
+  };
+  declare("rgbd100");
+  EXPECT_THAT(text_, HasSubstr("format: depth_views"));
+  EXPECT_THAT(text_, HasSubstr("files: \"views/{camera}_depth.png\""));
+  EXPECT_THAT(text_, HasSubstr("mask_files: \"views/{camera}_mask.jpg\""));
+  EXPECT_THAT(text_, HasSubstr("calibration: [\"views/{camera}_camera.xml\"]"));
+  EXPECT_THAT(text_, HasSubstr("camera_pose: camera_to_world"));
+  Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 1);
+  declare("clouds/rendered_seq");
+  EXPECT_THAT(text_, HasSubstr("depth_files: \"depth/{view}_{frame:4}.png\""));
+  fs::remove_all(folder_ / "r");
+  run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 1);
+}
+
+TEST_F(Declarations, AWrongUnitIsToldAsThatWithTheRightOne) {
+  Declare("bvh/bandai2", {"dataset-2_walk_normal_001.bvh", "dataset-2_run_normal_001.bvh"});
+  Fill("units", "m");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  const std::string log = ReadText(folder_ / "r/curation_log.jsonl");
+  EXPECT_THAT(log, HasSubstr("in the declared unit 'm' the person measures 1"));
+  EXPECT_THAT(log, HasSubstr("units: cm"));
+  EXPECT_THAT(log, Not(HasSubstr("rest offset")));
 }
 
 TEST_F(Declarations, AFileThatIsThereIsNotOverwrittenUnlessAsked) {

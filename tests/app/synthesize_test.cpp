@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/app/disk.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -13,6 +14,7 @@ using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
+using program::TightDisk;
 using program::WriteText;
 using ::testing::HasSubstr;
 
@@ -42,6 +44,28 @@ TEST(Synthesize, OptionsComeFromAFileAndAreShown) {
   EXPECT_EQ(shown.Json()["seed"], 7);
   EXPECT_EQ(shown.Json()["clips"], 2);
   EXPECT_DOUBLE_EQ(shown.Json()["depth"]["noise"].get<double>(), 0.003);
+}
+
+TEST(Synthesize, AFolderWithoutRoomIsRefusedBeforeAnythingIsWritten) {
+  const Folder folder;
+  TightDisk disk(folder / "small", 200000, 100000000);
+  if (disk.Limit()) GTEST_SKIP() << "nobody may mount here";
+  const Result refused =
+      RunProgram(folder, {"synthesize", "--layout", "phspd", "-o", (disk.path() / "studio").string()});
+  EXPECT_EQ(refused.exit_code, 74) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr(" GB in "));
+  EXPECT_THAT(refused.err, HasSubstr(" are free"));
+  EXPECT_FALSE(fs::exists(disk.path() / "studio"));
+}
+
+TEST(Synthesize, AnActionThatIsNotThereNamesEachThatIsOnce) {
+  const Folder folder;
+  const Result refused = RunProgram(
+      folder, {"synthesize", "--layout", "humanact12", "-o", (folder / "s").string(), "--set", "actions=[qqqq]"});
+  EXPECT_EQ(refused.exit_code, 2);
+  const std::size_t first = refused.err.find("warm_up,");
+  ASSERT_NE(first, std::string::npos) << refused.err;
+  EXPECT_EQ(refused.err.find(" warm_up,", first + 1), std::string::npos) << refused.err;
 }
 
 TEST(Synthesize, WhatIsWrongIsNamed) {

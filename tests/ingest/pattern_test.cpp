@@ -36,6 +36,21 @@ TEST(NamePattern, WhatDoesNotFitDoesNotMatch) {
   EXPECT_THAT(Match("{s}/a_{s}.txt", "x/a_x.txt"), ElementsAre(Pair("s", "x")));
 }
 
+TEST(NamePattern, AFolderMayBeMissing) {
+  EXPECT_THAT(Match("{take?/}seq_{person}.json", "t1/seq_a.json"),
+              ElementsAre(Pair("person", "a"), Pair("take", "t1")));
+  EXPECT_THAT(Match("{take?/}seq_{person}.json", "seq_a.json"), ElementsAre(Pair("person", "a")));
+  EXPECT_EQ(Match("{take?/}seq_{person}.json", "s/t/seq_a.json"), (NameFields{{"no", "match"}}));
+  EXPECT_EQ(Match("{take?/}seq_{person}.json", "t1seq_a.json"), (NameFields{{"no", "match"}}));
+  EXPECT_THAT(Match("{take?/}{camera}.png", "t1/c.png"), ElementsAre(Pair("camera", "c"), Pair("take", "t1")));
+  const auto pattern = NamePattern::Parse("x/{take?/}{camera}.png", "files");
+  ASSERT_TRUE(pattern);
+  EXPECT_EQ(pattern->depth(), 2);
+  EXPECT_EQ(pattern->least_depth(), 1);
+  EXPECT_EQ(FillFields("{take?/}a.yml", {{"take", "t1"}}), "t1/a.yml");
+  EXPECT_EQ(FillFields("{take?/}a.yml", {}), "a.yml");
+}
+
 TEST(NamePattern, APatternThatCannotBeReadIsRefused) {
   EXPECT_THAT(Match("a{n.txt", "")["error"], HasSubstr("'{' without '}'"));
   EXPECT_THAT(Match("a}n.txt", "")["error"], HasSubstr("was not opened"));

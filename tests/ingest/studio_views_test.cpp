@@ -168,6 +168,26 @@ TEST_F(Layouts, KeypointsOfAllCamerasMeetInTheTruth) {
   }
 }
 
+TEST_F(Layouts, ARenderedSequenceIsAFolderOfTheRealSetsLayoutAndSeveralAreReadTogether) {
+  StudioOptions options = Perfect(StudioLayout::kDepthSequence);
+  options.clips = 1;
+  options.actions = {"throw"};
+  options.depth.enabled = true;
+  options.rig.kind = RigKind::kRing;
+  options.rig.cameras = 1;
+  options.rig.width = 128;
+  options.rig.height_px = 106;
+  options.rig.focal_px = 91;
+  Write(options);
+  const auto both = Ingested("rendered_seq", "rendered_seq");
+  ASSERT_EQ(both.size(), 2u);
+  for (const auto& [id, clip] : both) EXPECT_EQ(truth.count(id), 1u) << id;
+  const auto one = Ingested("rendered_seq", "rendered_seq/p02");
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one.begin()->first.substr(0, 25), "rendered_seq/p02/seq_p02#");
+  EXPECT_EQ(one.begin()->second.evidence.depth_views[0].files[0], "depth/cam01_0000.png");
+}
+
 TEST_F(Layouts, DepthOfASequenceLiesOnTheBodyInItsTruth) {
   StudioOptions options = Perfect(StudioLayout::kDepthSequence);
   options.subjects = 1;
@@ -175,7 +195,7 @@ TEST_F(Layouts, DepthOfASequenceLiesOnTheBodyInItsTruth) {
   options.actions = {"throw"};
   options.depth = DepthSensorOptions{true, false, 0, 0.001, 0, 0, 0, 0, 1};
   Write(options);
-  const auto clips = Ingested("rendered_seq", "rendered_seq/p01");
+  const auto clips = Ingested("rendered_seq", "rendered_seq");
   ASSERT_EQ(clips.size(), 1u);
   const Clip& clip = clips.begin()->second;
   ASSERT_EQ(truth.count(clip.id()), 1u) << clip.id();
@@ -188,7 +208,7 @@ TEST_F(Layouts, DepthOfASequenceLiesOnTheBodyInItsTruth) {
   const int frame = motion.frame_count() / 2;
   const std::vector<PosedCapsule> flesh = body.Capsules(motion, frame);
   for (const DepthView& view : clip.evidence.depth_views) {
-    const std::string name = "rendered_seq/p01/" + view.files[static_cast<std::size_t>(frame)].string();
+    const std::string name = "rendered_seq/" + view.files[static_cast<std::size_t>(frame)].string();
     const auto image = DecodeDepthImage(Bytes(name), name);
     ASSERT_TRUE(image) << image.error().Message();
     const std::vector<Vector3d> cloud = BackProject(*image, view.camera, view.metres_per_unit);

@@ -1,0 +1,194 @@
+#include "core/store/dataset_clips.h"
+
+#include <algorithm>
+
+#include "core/store/content_file.h"
+#include "core/store/fields.h"
+
+namespace mocurate {
+namespace {
+
+using store::Array;
+using store::Content;
+using store::Field;
+using store::Hdf5Reader;
+
+constexpr std::uint64_t kBlockBytes = 4ull << 20;
+
+bool Below(const std::string& path, const char* group) { return path.rfind(group, 0) == 0; }
+
+/// Rows `rows` of an array.
+Array RowsOf(const Array& array, const std::vector<std::size_t>& rows) {
+  std::uint64_t width = 1;
+  for (std::size_t d = 1; d < array.shape.size(); ++d) width *= array.shape[d];
+  Array some;
+  some.shape = array.shape;
+  some.shape[0] = rows.size();
+  std::visit(
+      [&](const auto& values) {
+        std::decay_t<decltype(values)> chosen;
+        for (const std::size_t row : rows) {
+          const auto begin = values.begin() + static_cast<std::ptrdiff_t>(row * width);
+          chosen.insert(chosen.end(), begin, begin + static_cast<std::ptrdiff_t>(width));
+        }
+        some.values = std::move(chosen);
+      },
+      array.values);
+  return some;
+}
+
+/// Bit of an optional field of /frames in /clips/field_mask; -1 for others.
+int MaskBit(const std::string& path) {
+  for (std::size_t bit = 0; bit < store::kOptionalFrameFields.size(); ++bit) {
+    if (path == std::string("/frames/") + store::kOptionalFrameFields[bit]) return static_cast<int>(bit);
+  }
+  return -1;
+}
+
+}  // namespace
+
+struct DatasetClips::File {
+  Hdf5Reader reader;
+  Content content;                                    ///< all but the frames
+  std::map<std::string, std::uint64_t> frame_fields;  ///< path -> rows
+  SkeletonPtr skeleton;
+  AxisConvention axes;
+
+  std::string Where(const std::string& field) const { return store::Where(reader.file(), field); }
+  Expected<Content> OneClip(std::size_t row) const;
+};
+
+Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Check check) {
+  Expected<Hdf5Reader> reader = Hdf5Reader::Open(path);
+  if (!reader) return Forward(reader);
+  auto file = std::make_shared<File>(File{std::move(*reader), {}, {}, {}, {}});
+  if (Status schema = store::CheckSchemaName(store::DatasetSchema(), file->reader); !schema) return Forward(schema);
+  std::map<std::string, std::string> lines;
+  for (const std::string& name : file->reader.GroupsBelow("/splits")) file->content.splits.insert(name);
+  for (const Field& field : store::ConcreteFields(store::DatasetSchema(), file->content)) {
+    if (!file->reader.Has(field.path)) continue;
+    std::string sha256;
+    if (Below(field.path, "/frames/")) {
+      const auto shape = file->reader.ShapeOfRows(field.path, field.type);
+      if (!shape) return Forward(shape);
+      file->frame_fields[field.path] = shape->front();
+      if (check == Check::kNone) continue;
+      Expected<std::string> hash = file->reader.HashOfRows(field.path, field.type, kBlockBytes);
+      if (!hash) return Forward(hash);
+      sha256 = std::move(*hash);
+      lines[field.path] = store::FieldLine(store::EmptyArray(field.type, *shape), sha256);
+    } else {
+      auto array = file->reader.Read(field.path, field.type);
+      if (!array) return Forward(array);
+      if (check == Check::kHashes) {
+        sha256 = array->Sha256();
+        lines[field.path] = store::FieldLine(*array, sha256);
+      }
+      file->content.fields[field.path] = std::move(*array);
+    }
+    if (check == Check::kNone) continue;
+    if (Status same = store::CheckHash(file->reader, field.path, sha256); !same) return Forward(same);
+  }
+  const std::vector<std::string> needed = {"/clips/id",    "/clips/label", "/clips/offset",
+                                           "/clips/count", "/clips/rate",  "/clips/field_mask"};
+  for (const std::string& field : needed) {
+    const Array* array = file->content.Find(field);
+    const Array* ids = file->content.Find("/clips/id");
+    if (array != nullptr && ids != nullptr && array->shape.size() == 1 && array->rows() == ids->rows() &&
+        array->size() == array->rows()) {
+      continue;
+    }
+    return Fail(ErrorCode::kMalformed, array == nullptr ? "is missing" : "has not a row per clip", file->Where(field),
+                "docs/store_format.md says what is needed");
+  }
+  if (check == Check::kHashes) {
+    if (Status whole = store::CheckContentHash(file->reader, file->content, lines); !whole) return Forward(whole);
+  }
+  const auto axes = AxisConvention::Parse(file->content.Text("/@axes"));
+  if (!axes) return Fail(ErrorCode::kMalformed, axes.error().what, file->Where("/@axes"));
+  file->axes = *axes;
+  // The skeleton is that of every clip: the first one's content has it checked.
+  if (file->content.fields.at("/clips/id").rows() > 0) {
+    const Expected<Content> first = file->OneClip(0);
+    if (!first) return Forward(first);
+    auto skeleton = std::make_shared<Skeleton>(store::UnpackSkeleton(*first, ""));
+    if (Status sound = store::CheckSkeleton(*skeleton, ErrorCode::kMalformed, path, ""); !sound) return Forward(sound);
+    file->skeleton = std::move(skeleton);
+  }
+  return DatasetClips(std::move(file));
+}
+
+std::size_t DatasetClips::size() const { return file_->content.fields.at("/clips/id").rows(); }
+
+const std::string& DatasetClips::Id(std::size_t row) const {
+  return file_->content.Values<std::string>("/clips/id").at(row);
+}
+
+const std::string& DatasetClips::Label(std::size_t row) const {
+  return file_->content.Values<std::string>("/clips/label").at(row);
+}
+
+const AxisConvention& DatasetClips::axes() const { return file_->axes; }
+
+/// The file as if it held this clip alone, checked.
+Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
+  const std::int64_t offset = content.Values<std::int64_t>("/clips/offset")[row];
+  const std::int64_t count = content.Values<std::int64_t>("/clips/count")[row];
+  const std::uint8_t mask = content.Values<std::uint8_t>("/clips/field_mask")[row];
+  const std::uint64_t clips = content.fields.at("/clips/id").rows();
+  const Array* of_clips = content.Find("/segments/clip");
+  const std::uint64_t segment_count = of_clips == nullptr ? 0 : of_clips->rows();
+  std::vector<std::size_t> segments;
+  for (std::size_t i = 0; of_clips != nullptr && i < of_clips->size(); ++i) {
+    if (of_clips->as<std::int32_t>()[i] == static_cast<std::int32_t>(row)) segments.push_back(i);
+  }
+  Content one;
+  for (const auto& [path, array] : content.fields) {
+    if (Below(path, "/splits/") || Below(path, "/findings/")) continue;
+    if (!Below(path, "/clips/") && !Below(path, "/segments/")) {
+      one.fields[path] = array;
+      continue;
+    }
+    const bool of_clip = Below(path, "/clips/");
+    const std::uint64_t rows = of_clip ? clips : segment_count;
+    if (array.shape.empty() || array.rows() != rows || array.count() != array.size()) {
+      return Fail(ErrorCode::kMalformed, "has shape " + array.ShapeText() + ", not a row each", Where(path));
+    }
+    one.fields[path] = RowsOf(array, of_clip ? std::vector<std::size_t>{row} : segments);
+  }
+  if (one.Has("/segments/clip")) {
+    one.Put("/segments/clip", {segments.size()}, std::vector<std::int32_t>(segments.size(), 0));
+  }
+  one.Put("/clips/offset", {1}, std::vector<std::int64_t>{0});
+  one.PutText("/@rate", content.Values<std::string>("/clips/rate")[row]);
+  for (const Field& field : store::DatasetSchema().fields) {
+    const auto rows = frame_fields.find(field.path);
+    const int bit = MaskBit(field.path);
+    if (rows == frame_fields.end() || (bit >= 0 && (mask & (1u << bit)) == 0)) continue;
+    if (offset < 0 || count < 1 || static_cast<std::uint64_t>(offset) > rows->second ||
+        static_cast<std::uint64_t>(count) > rows->second - static_cast<std::uint64_t>(offset)) {
+      return Fail(ErrorCode::kMalformed,
+                  "row " + std::to_string(row) + " takes frames " + std::to_string(offset) + " to " +
+                      std::to_string(offset + count) + " of " + std::to_string(rows->second),
+                  Where("/clips/offset"));
+    }
+    auto array =
+        reader.ReadRows(field.path, field.type, static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(count));
+    if (!array) return Forward(array);
+    one.fields[field.path] = std::move(*array);
+  }
+  const auto where = [this](const std::string& field) { return Where(field); };
+  Status sound = store::CheckContent(store::DatasetSchema(), one, ErrorCode::kMalformed, where);
+  if (!sound) return Forward(sound);
+  return one;
+}
+
+Expected<Clip> DatasetClips::Read(std::size_t row) const {
+  const Expected<Content> one = file_->OneClip(row);
+  if (!one) return Forward(one);
+  Clip clip = std::move(store::UnpackClips(*one)[0]);
+  clip.motion = std::move(store::UnpackMotions(*one, "", file_->skeleton)[0]);
+  return clip;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/motion/clip.h"
+
+namespace mocurate {
+
+/// The clips of a dataset or MotionSet one at a time: kept in memory is what /clips, /segments, /labels and /skeleton
+/// say of all, frames are read of one clip.
+class DatasetClips {
+ public:
+  enum class Check {
+    kHashes,  ///< everything against content_sha256 and the hashes of the fields, frames block by block
+    kNone,    ///< each clip by the rules of the table when it is read
+  };
+
+  /// Errors of ReadDataset, as far as `check` looks.
+  static Expected<DatasetClips> Open(const std::filesystem::path& path, Check check);
+
+  std::size_t size() const;
+  const std::string& Id(std::size_t row) const;
+  const std::string& Label(std::size_t row) const;
+  const AxisConvention& axes() const;
+
+  /// What ReadDataset gives at this place, `row` below size(). The rules of the table are checked. Error kMalformed.
+  Expected<Clip> Read(std::size_t row) const;
+
+ private:
+  struct File;
+  explicit DatasetClips(std::shared_ptr<const File> file) : file_(std::move(file)) {}
+  std::shared_ptr<const File> file_;
+};
+
+}  // namespace mocurate

@@ -1,0 +1,106 @@
+#include <algorithm>
+
+#include "core/base/sha256.h"
+#include "core/store/hdf5_file.h"
+
+namespace mocurate::store {
+namespace {
+
+/// Calls `work` with a value of the type; no texts.
+template <class Work>
+auto WithNumber(FieldType type, const Work& work) {
+  switch (type) {
+    case FieldType::kFloat32:
+      return work(float(), H5T_NATIVE_FLOAT);
+    case FieldType::kFloat64:
+      return work(double(), H5T_NATIVE_DOUBLE);
+    case FieldType::kInt32:
+      return work(std::int32_t(), H5T_NATIVE_INT32);
+    case FieldType::kInt64:
+      return work(std::int64_t(), H5T_NATIVE_INT64);
+    default:
+      return work(std::uint8_t(), H5T_NATIVE_UINT8);
+  }
+}
+
+}  // namespace
+
+Expected<std::vector<std::uint64_t>> Hdf5Reader::ShapeOfRows(const std::string& path, FieldType type) const {
+  SilenceHdf5();
+  const std::string where = Where(path_, path);
+  const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.ok()) return Fail(ErrorCode::kMalformed, "cannot be opened as a dataset", where);
+  const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
+  const Hdf5Id stored(H5Dget_type(dataset.get()), H5Tclose);
+  const bool fits = WithNumber(type, [&](auto number, hid_t native) {
+    return H5Tget_class(stored.get()) == H5Tget_class(native) && H5Tget_size(stored.get()) == sizeof(number) &&
+           (H5Tget_class(native) == H5T_FLOAT || H5Tget_sign(stored.get()) == H5Tget_sign(native));
+  });
+  if (type == FieldType::kText || !fits) {
+    return Fail(ErrorCode::kMalformed, "is of another type; the format asks for " + std::string(Name(type)), where);
+  }
+  const int rank = H5Sget_simple_extent_type(space.get()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.get()) : 0;
+  if (rank < 1) return Fail(ErrorCode::kMalformed, "has no rows", where);
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr);
+  std::uint64_t count = 1;
+  for (const hsize_t extent : extents) {
+    if (__builtin_mul_overflow(count, static_cast<std::uint64_t>(extent), &count)) {
+      return Fail(ErrorCode::kMalformed, "has no usable shape", where);
+    }
+  }
+  if (Status whole = CheckStorage(dataset.get(), count, H5Tget_size(stored.get()), path); !whole) return Forward(whole);
+  return std::vector<std::uint64_t>(extents.begin(), extents.end());
+}
+
+Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, std::uint64_t first,
+                                     std::uint64_t count) const {
+  const auto shape = ShapeOfRows(path, type);
+  if (!shape) return Forward(shape);
+  const std::string where = Where(path_, path);
+  if (first > shape->front() || count > shape->front() - first) {
+    return Fail(
+        ErrorCode::kMalformed,
+        "has " + std::to_string(shape->front()) + " rows; those from " + std::to_string(first) + " on were asked for",
+        where);
+  }
+  const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
+  std::vector<hsize_t> start(shape->size(), 0), extent(shape->begin(), shape->end());
+  start[0] = first;
+  extent[0] = count;
+  std::uint64_t values = 1;
+  for (const hsize_t size : extent) values *= size;
+  const Hdf5Id memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+  return WithNumber(type, [&](auto number, hid_t native) -> Expected<Array> {
+    std::vector<decltype(number)> held(values);
+    const bool read =
+        values == 0 ||
+        (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) >= 0 &&
+         H5Dread(dataset.get(), native, memory.get(), space.get(), H5P_DEFAULT, held.data()) >= 0);
+    if (!read) return Fail(ErrorCode::kMalformed, "values cannot be read", where);
+    return MakeArray(std::vector<std::uint64_t>(extent.begin(), extent.end()), std::move(held));
+  });
+}
+
+Expected<std::string> Hdf5Reader::HashOfRows(const std::string& path, FieldType type, std::uint64_t block) const {
+  const auto shape = ShapeOfRows(path, type);
+  if (!shape) return Forward(shape);
+  std::uint64_t width = WithNumber(type, [](auto number, hid_t) { return std::uint64_t{sizeof(number)}; });
+  for (std::size_t d = 1; d < shape->size(); ++d) width *= (*shape)[d];
+  const std::uint64_t rows = std::max<std::uint64_t>(1, block / std::max<std::uint64_t>(1, width));
+  Sha256 hasher;
+  for (std::uint64_t first = 0; first < shape->front(); first += rows) {
+    const auto array = ReadRows(path, type, first, std::min(rows, shape->front() - first));
+    if (!array) return Forward(array);
+    std::visit(
+        [&hasher](const auto& held) {
+          using Value = typename std::decay_t<decltype(held)>::value_type;
+          if constexpr (!std::is_same_v<Value, std::string>) hasher.Add(held.data(), held.size() * sizeof(Value));
+        },
+        array->values);
+  }
+  return hasher.Hex();
+}
+
+}  // namespace mocurate::store

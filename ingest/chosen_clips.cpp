@@ -1,0 +1,70 @@
+#include "ingest/chosen_clips.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kMostNamed = 5;
+
+/// Where the clip stands in a file of several; empty: it is the file.
+std::string PlaceOf(const ItemSpec& item) {
+  if (item.options.contains("array")) return item.options.at("array").get<std::string>();
+  if (item.options.contains("entry")) return "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
+  return "";
+}
+
+}  // namespace
+
+bool NamesClip(const std::string& wanted, const std::string& file, const std::string& place) {
+  if (!place.empty() && (wanted == place || "[" + wanted + "]" == place)) return true;
+  const std::filesystem::path path(file);
+  for (const std::string& name : {file, path.filename().string(), path.stem().string()}) {
+    if (wanted == name || (!place.empty() && wanted == name + place)) return true;
+  }
+  return false;
+}
+
+bool NamesClip(const std::string& wanted, const ItemSpec& item) {
+  if (wanted == item.item || wanted == item.item.substr(item.item.rfind('/') + 1)) return true;
+  if (wanted == item.options.value("entry_name", std::string())) return true;
+  const std::string place = PlaceOf(item);
+  return std::any_of(item.inputs.begin(), item.inputs.end(), [&](const StageInput& input) {
+    return input.role == "source" && NamesClip(wanted, input.name, place);
+  });
+}
+
+Status TakeOnly(const std::vector<std::string>& only, Discovery& discovery) {
+  if (only.empty()) return {};
+  for (const std::string& wanted : only) {
+    const bool known = std::any_of(discovery.items.begin(), discovery.items.end(),
+                                   [&](const ItemSpec& item) { return NamesClip(wanted, item); });
+    if (known) continue;
+    std::vector<std::string> names;
+    std::string first;
+    for (const ItemSpec& item : discovery.items) {
+      names.push_back(item.item);
+      if (names.size() <= kMostNamed) first += (first.empty() ? "" : ", ") + item.item;
+    }
+    const auto near = Nearest(wanted, names);
+    return Fail(ErrorCode::kUsage, "there is no clip '" + wanted + "'", "--clip",
+                near ? "did you mean '" + *near + "'?"
+                     : "it has " + Counted(names.size(), "clip") + ": " + first +
+                           (names.size() > kMostNamed ? ", ..." : "") + "; `mocurate inspect` lists them");
+  }
+  for (auto* items : {&discovery.items, &discovery.truth}) {
+    items->erase(std::remove_if(items->begin(), items->end(),
+                                [&](const ItemSpec& item) {
+                                  return std::none_of(only.begin(), only.end(), [&](const std::string& wanted) {
+                                    return NamesClip(wanted, item);
+                                  });
+                                }),
+                 items->end());
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ingest/discover.h"
+
+namespace mocurate {
+
+/// Whether `wanted` names a clip: its item or recording, its file with or without folders and ending, its place in a
+/// file of several ("[3]", "3", "[walk][3]"), or file and place together ("clips.npy[3]", as `mocurate inspect` tells).
+bool NamesClip(const std::string& wanted, const ItemSpec& item);
+bool NamesClip(const std::string& wanted, const std::string& file, const std::string& place);
+
+/// Leaves the clips that are named; empty: all. Error kUsage: a name that no clip has.
+Status TakeOnly(const std::vector<std::string>& only, Discovery& discovery);
+
+}  // namespace mocurate

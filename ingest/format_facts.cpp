@@ -1,0 +1,51 @@
+#include "ingest/format_facts.h"
+
+namespace mocurate {
+namespace {
+
+constexpr FormatFacts kFormats[] = {{SourceFormat::kNone, "none", Gives::kNothing, false},
+                                    {SourceFormat::kJointTable, "joint_table", Gives::kJointTracks, false},
+                                    {SourceFormat::kBvh, "bvh", Gives::kMotion, true},
+                                    {SourceFormat::kNpy, "npy", Gives::kMotion, false},
+                                    {SourceFormat::kDepthSequence, "depth_sequence", Gives::kDepthViews, false},
+                                    {SourceFormat::kNtuSkeleton, "ntu_skeleton", Gives::kJointTracks, false},
+                                    {SourceFormat::kAsfAmc, "asf_amc", Gives::kMotion, true},
+                                    {SourceFormat::kAmass, "amass", Gives::kMotion, true},
+                                    {SourceFormat::kExpmap, "expmap", Gives::kMotion, true},
+                                    {SourceFormat::kPhspd, "phspd", Gives::kJointTracks, false},
+                                    {SourceFormat::kVibeTracks, "vibe_tracks", Gives::kMotion, true},
+                                    {SourceFormat::kUestc, "uestc", Gives::kMotion, true},
+                                    {SourceFormat::kHumanAct12Pickle, "humanact12_pickle", Gives::kMotion, true},
+                                    {SourceFormat::kMotions, "motions", Gives::kMotion, false},
+                                    {SourceFormat::kOpenPose, "openpose", Gives::kKeypoints, false},
+                                    {SourceFormat::kDepthViews, "depth_views", Gives::kDepthViews, false},
+                                    {SourceFormat::kPanoptic, "panoptic", Gives::kJointTracks, false}};
+
+}  // namespace
+
+const FormatFacts& FactsOf(SourceFormat format) {
+  for (const FormatFacts& facts : kFormats) {
+    if (facts.format == format) return facts;
+  }
+  return kFormats[0];
+}
+
+std::string FormatName(SourceFormat format) { return FactsOf(format).name; }
+
+const char* Name(Gives gives) {
+  switch (gives) {
+    case Gives::kJointTracks:
+      return "joint tracks";
+    case Gives::kDepthViews:
+      return "depth views";
+    case Gives::kKeypoints:
+      return "keypoints of several cameras";
+    case Gives::kMotion:
+      return "motion";
+    case Gives::kNothing:
+      break;
+  }
+  return "nothing";
+}
+
+}  // namespace mocurate

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "ingest/options.h"
+
+namespace mocurate {
+
+/// What the clips of a source hold when they are ingested.
+enum class Gives { kNothing, kJointTracks, kDepthViews, kKeypoints, kMotion };
+
+/// One row per format: what it is called and what it gives. Who has to know asks here.
+struct FormatFacts {
+  SourceFormat format;
+  const char* name;  ///< as a configuration says it
+  Gives gives;
+  bool rotations;  ///< motion comes with rotations; of `motions` the file says it
+};
+
+const FormatFacts& FactsOf(SourceFormat format);
+
+/// "joint tracks", ...
+const char* Name(Gives gives);
+
+}  // namespace mocurate

@@ -1,0 +1,149 @@
+// Folders of depth images: what their names say, and the declaration of those that stand beside calibrations alone.
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/formats/depth_sequence.h"
+#include "ingest/sense/declaration_writer.h"
+#include "ingest/sense/gathered_names.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kBitDepthAt = 24;  // in a PNG's header
+constexpr std::size_t kMostImages = 5000;
+
+bool IsDepthPng(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  char head[kBitDepthAt + 2] = {};
+  if (!file.read(head, sizeof(head))) return false;
+  return head[kBitDepthAt] == 16 && head[kBitDepthAt + 1] == 0;
+}
+
+bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+void ReplaceAll(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+/// One name as a pattern; empty where no camera is in it.
+std::string PatternOf(const std::string& name, const std::vector<std::string>& cameras, const std::string& field) {
+  std::string longest;
+  for (const std::string& camera : cameras) {
+    if (camera.size() > longest.size() && name.find(camera) != std::string::npos) longest = camera;
+  }
+  if (longest.empty()) return "";
+  std::string pattern = name;
+  ReplaceAll(pattern, longest, "{" + field + "}");
+  const std::size_t dot = pattern.rfind('.');
+  std::size_t end = std::min(dot, pattern.size());
+  const std::size_t begin_of_base = pattern.rfind('/') == std::string::npos ? 0 : pattern.rfind('/') + 1;
+  while (end > begin_of_base && !IsDigit(pattern[end - 1])) --end;
+  std::size_t begin = end;
+  while (begin > begin_of_base && IsDigit(pattern[begin - 1])) --begin;
+  if (begin == end) return pattern;
+  return pattern.substr(0, begin) + "{frame:" + std::to_string(end - begin) + "}" + pattern.substr(end);
+}
+
+/// Images below a folder, of depth or not.
+std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const std::string ending = at->path().extension().string();
+    const bool image = ending == ".png" || (!depth && (ending == ".jpg" || ending == ".jpeg"));
+    std::error_code unknown;
+    if (!image || !at->is_regular_file(unknown) || IsDepthPng(at->path()) != depth) continue;
+    names.push_back(DisplayPath(at->path().lexically_relative(folder)));
+    if (names.size() == kMostImages) break;
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> CamerasOf(const Json& inspection) {
+  std::vector<std::string> ids;
+  for (const Json& camera : inspection.at("cameras")) ids.push_back(camera.at("id"));
+  if (!ids.empty() && inspection.at("cameras").front().at("format") == "opencv_views") {
+    return NamesOfCameras(ids).cameras;
+  }
+  return ids;
+}
+
+}  // namespace
+
+std::string GuessImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,
+                        const std::string& field) {
+  std::map<std::string, std::size_t> counts;
+  for (const std::string& name : names) {
+    const std::string pattern = PatternOf(name, cameras, field);
+    if (!pattern.empty()) ++counts[pattern];
+  }
+  if (counts.empty()) return "";
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+std::string GuessDepthFiles(const std::filesystem::path& path, const std::string& file) {
+  const Expected<std::string> bytes = ReadFile(path / file);
+  if (!bytes) return "";
+  const Expected<DepthSequence> sequence = ParseDepthSequence(*bytes, file);
+  if (!sequence) return "";
+  std::vector<std::string> views;
+  for (const DepthSequenceView& view : sequence->views) views.push_back(view.name);
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const std::string pattern = GuessImages(ImagesBelow(path / folder, true), views, "view");
+  return pattern.empty() || folder.empty() ? pattern : DisplayPath(folder) + "/" + pattern;
+}
+
+bool IsDepthViews(const Json& inspection) {
+  if (inspection.at("cameras").empty()) return false;
+  const Json& companions = inspection.at("companions");
+  return std::any_of(companions.begin(), companions.end(), [](const Json& companion) {
+    if (companion.at("format") != "png" || !companion.contains("facts")) return false;
+    const Json& facts = companion.at("facts");
+    return facts.value("bits", 0.0) == 16.0 && facts.value("channels", 0.0) == 1.0;
+  });
+}
+
+void WriteDepthViews(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
+  const std::vector<std::string> cameras = CamerasOf(inspection);
+  const std::vector<std::string> images = ImagesBelow(path, true);
+  const std::string pattern = GuessImages(images, cameras, "camera");
+  if (pattern.empty()) {
+    writer.Unknown("files", "no name of a depth image holds that of a camera");
+  } else {
+    writer.Value("files", Quoted(pattern),
+                 "guessed from the names of " + std::to_string(images.size()) +
+                     " depth images: files that differ in {camera} and {frame} alone are one clip");
+  }
+  std::vector<std::string> masks;
+  for (const std::string& name : ImagesBelow(path, false)) {
+    if (name.find("mask") != std::string::npos || name.find("Mask") != std::string::npos) masks.push_back(name);
+  }
+  if (const std::string mask = GuessImages(masks, cameras, "camera"); !mask.empty()) {
+    writer.Value("mask_files", Quoted(mask), "guessed from the names: images that are called masks");
+  }
+  writer.Value("recording", Quoted("recording"), "a choice: all files are one recording");
+  writer.Value("person", Quoted("unknown"), "unknown: write who performs");
+  writer.Value("label", Quoted(""), "unknown: the names do not say it");
+  writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
+  writer.Value("licence", "\"\"", "unknown: no file says it");
+  WriteCalibration(inspection, path, writer);
+  writer.Value("depth_unit", "1 mm", "a choice: images do not say it; most sensors write millimetres");
+  if (pattern.find("{frame") != std::string::npos)
+    writer.Unknown("rate", "images do not say it");
+  else
+    writer.Value("rate", "1 Hz", "a choice: one moment has no rate");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,100 @@
+#include "ingest/sense/source_root.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/base/file.h"
+#include "ingest/sense/inspect.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::uintmax_t kLargestCalibration = 1 << 20;
+
+std::string FolderOf(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string::npos ? "" : name.substr(0, slash);
+}
+
+/// The skeleton's name below the root: beside the motion, else in the nearest folder above; nothing where it is higher.
+std::optional<std::string> SkeletonBelow(const fs::path& root, const std::string& motion, const std::string& skeleton) {
+  for (std::string folder = FolderOf(motion);; folder = FolderOf(folder)) {
+    std::error_code unknown;
+    if (fs::is_regular_file(root / folder / skeleton, unknown)) {
+      return folder.empty() ? skeleton : folder + "/" + skeleton;
+    }
+    if (folder.empty()) return std::nullopt;
+  }
+}
+
+SourceRoot Above(const fs::path& folder) {
+  std::error_code unknown;
+  const fs::path whole = fs::absolute(folder, unknown).lexically_normal();
+  const fs::path plain = whole.filename().empty() ? whole.parent_path() : whole;
+  return {plain.parent_path(), DisplayPath(plain.filename()) + "/"};
+}
+
+}  // namespace
+
+SourceRoot RootOfSkeletons(const ClipVotes& source, const fs::path& folder) {
+  const std::vector<std::string> skeletons = source.Facts("skeleton_file");
+  const SourceRoot above = Above(folder);
+  bool higher = false;
+  for (std::size_t i = 0; i < skeletons.size(); ++i) {
+    const std::string motion = source.clips()[i]->at("file");
+    if (skeletons[i].empty() || SkeletonBelow(folder, motion, skeletons[i])) continue;
+    higher = higher || SkeletonBelow(above.folder, above.prefix + motion, skeletons[i]).has_value();
+  }
+  return higher ? above : SourceRoot{folder, ""};
+}
+
+SourceRoot RootOfCameras(const fs::path& folder, Json& inspection) {
+  if (!inspection.at("cameras").empty()) return {folder, ""};
+  const SourceRoot above = Above(folder);
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator at(above.folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code unknown;
+    if (at->is_regular_file(unknown) && at->file_size(unknown) <= kLargestCalibration) files.push_back(at->path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    const std::string ending = file.extension().string();
+    const std::set<std::string> known = {".toml", ".json", ".xml", ".yml", ".yaml", ".txt"};
+    if (known.count(ending) == 0) continue;
+    const Json found = InspectPath(file, std::nullopt);
+    for (const Json& camera : found.at("cameras")) inspection["cameras"].push_back(camera);
+  }
+  return inspection.at("cameras").empty() ? SourceRoot{folder, ""} : above;
+}
+
+std::optional<std::string> GuessSkeletonFiles(const ClipVotes& source, const SourceRoot& root,
+                                              const GuessedNames& guessed) {
+  const std::vector<std::string> skeletons = source.Facts("skeleton_file");
+  std::vector<std::string> motions, below;
+  std::set<std::string> places;
+  bool beside = true, top = true;
+  for (std::size_t i = 0; i < skeletons.size(); ++i) {
+    const std::string motion = source.clips()[i]->at("file");
+    motions.push_back(motion);
+    const auto place = skeletons[i].empty() ? std::optional<std::string>()
+                                            : SkeletonBelow(root.folder, root.prefix + motion, skeletons[i]);
+    if (!place) continue;
+    places.insert(*place);
+    beside = beside && FolderOf(*place) == FolderOf(root.prefix + motion);
+    top = top && FolderOf(*place).empty();
+  }
+  if (places.empty()) return std::nullopt;
+  const std::optional<std::string> by_fields = GuessBelonging(guessed, motions, skeletons);
+  if (by_fields && top) return by_fields;
+  const std::string folder = FolderOf(root.prefix + guessed.pattern);
+  if (by_fields && beside) return folder + "/" + *by_fields;
+  if (places.size() == 1) return *places.begin();
+  return std::nullopt;
+}
+
+}  // namespace mocurate

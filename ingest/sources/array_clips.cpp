@@ -1,0 +1,119 @@
+#include "ingest/sources/array_clips.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "core/base/text.h"
+#include "core/formats/npz.h"
+#include "ingest/sense/file_kind.h"
+#include "ingest/sources/mapped_file.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kHead = 1 << 16;
+constexpr std::size_t kFewestJoints = 3;
+constexpr int kDigits = 4;
+
+/// "[walk][3]" as "walk" and "3".
+std::vector<std::string> PartsOf(const std::string& id) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at < id.size() && id[at] == '[';) {
+    const std::size_t close = id.find(']', at);
+    if (close == std::string::npos) break;
+    parts.push_back(id.substr(at + 1, close - at - 1));
+    at = close + 1;
+  }
+  return parts;
+}
+
+void AddClips(const std::vector<std::size_t>& shape, const std::string& member, std::vector<ArrayClip>& clips) {
+  const std::optional<ArrayShape> joints = ShapeOfJoints(shape);
+  if (!joints) return;
+  for (std::size_t i = 0; i < joints->clips; ++i) {
+    clips.push_back({member + (joints->batch ? "[" + std::to_string(i) + "]" : ""), joints->joints});
+  }
+}
+
+/// A clip of a batch stands along the first axis.
+Expected<NpyArray> EntryOf(NpyArray array, std::size_t entry, const std::string& name) {
+  if (array.shape.empty() || entry >= array.shape[0]) {
+    return Fail(ErrorCode::kInconsistent, "clip " + std::to_string(entry) + " is asked for, there is none", name);
+  }
+  const auto each = static_cast<std::ptrdiff_t>(array.values.size() / array.shape[0]);
+  array.values = {array.values.begin() + each * static_cast<std::ptrdiff_t>(entry),
+                  array.values.begin() + each * static_cast<std::ptrdiff_t>(entry + 1)};
+  array.shape.erase(array.shape.begin());
+  return array;
+}
+
+}  // namespace
+
+std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
+  std::vector<std::size_t> sizes = shape;
+  if (sizes.size() >= 3 && sizes.back() == 3) {
+    sizes.pop_back();
+    sizes.back() *= 3;
+  }
+  const bool batch = sizes.size() == 3;
+  if (sizes.size() != 2 && !batch) return std::nullopt;
+  if (sizes.back() % 3 != 0 || sizes.back() / 3 < kFewestJoints) return std::nullopt;
+  if (std::count(sizes.begin(), sizes.end(), std::size_t{0}) != 0) return std::nullopt;
+  return ArrayShape{batch, batch ? sizes[0] : 1, sizes[sizes.size() - 2], sizes.back() / 3};
+}
+
+std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std::string& name) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(kHead, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  std::vector<ArrayClip> clips;
+  if (KindOf(head) == FileKind::kNpy) {
+    const Expected<NpyArray> array = ParseNpyHeader(head, name);
+    if (array) AddClips(array->shape, "", clips);
+  } else if (KindOf(head) == FileKind::kZip) {
+    const auto mapped = MappedFile::Open(path);
+    if (!mapped) return clips;
+    const Expected<Npz> archive = ParseNpz((*mapped)->bytes(), name);
+    if (!archive) return clips;
+    for (const NpzMember& member : archive->members) {
+      if (member.skipped.empty() && !member.array.values.empty())
+        AddClips(member.array.shape, "[" + member.name + "]", clips);
+    }
+  }
+  return clips;
+}
+
+std::string RecordingSuffix(const std::string& id) {
+  std::string suffix;
+  for (const std::string& part : PartsOf(id)) {
+    const bool number = !part.empty() && part.find_first_not_of("0123456789") == std::string::npos;
+    const int missing = number ? kDigits - static_cast<int>(part.size()) : 0;
+    suffix += "." + std::string(static_cast<std::size_t>(std::max(0, missing)), '0') + part;
+  }
+  return suffix;
+}
+
+Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name) {
+  std::vector<std::string> parts = PartsOf(id);
+  const bool archive = KindOf(bytes) == FileKind::kZip;
+  if (archive && parts.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the archive holds no array of joint positions", name,
+                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
+  }
+  if (!archive) {
+    if (parts.empty()) return ParseNpy(bytes, name);
+    const std::optional<long long> entry = ParseInteger(parts[0]);
+    return ParseNpyEntry(bytes, static_cast<std::size_t>(entry.value_or(0)), name);
+  }
+  Expected<Npz> npz = ParseNpz(bytes, name);
+  if (!npz) return Forward(npz);
+  const NpyArray* array = npz->Find(parts[0]);
+  if (array == nullptr) {
+    return Fail(ErrorCode::kInconsistent, "the archive has no array '" + parts[0] + "'", name);
+  }
+  if (parts.size() == 1) return *array;
+  return EntryOf(*array, static_cast<std::size_t>(ParseInteger(parts[1]).value_or(0)), name);
+}
+
+}  // namespace mocurate

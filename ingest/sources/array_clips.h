@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/formats/npy.h"
+#include "ingest/sources/source_file.h"
+
+namespace mocurate {
+
+/// How an array holds joint positions.
+struct ArrayShape {
+  bool batch = false;  ///< several clips of one length
+  std::size_t clips = 1;
+  std::size_t frames = 0;
+  std::size_t joints = 0;
+};
+
+/// (frames, joints, 3), (frames, joints * 3), or a batch of them, of at least three joints; nothing for others.
+std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape);
+
+/// One clip of a file of arrays.
+struct ArrayClip {
+  std::string id;  ///< "[3]" of a batch, "[member]" of an .npz, "[member][3]"; empty: the file is the clip
+  std::size_t joints = 0;
+};
+
+/// The clips of an .npy, of which only the head is read, or .npz. Empty where the file is none of joints, or cannot be
+/// read: its reader says why.
+std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& file, const std::string& name);
+
+/// What the clip's name gets in addition: "[walk][3]" gives ".walk.0003".
+std::string RecordingSuffix(const std::string& id);
+
+/// The array of one clip. Errors of the formats; kInconsistent where there is no such clip.
+Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name);
+
+/// One clip of an .npy or .npz of joint positions (frames, joints, 3) or (frames, joints * 3) -> joints-only motion.
+/// `file.container` is the file.
+Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string& id);
+
+}  // namespace mocurate

@@ -1,0 +1,147 @@
+// Files of arrays that hold several clips, and clips that are chosen by name.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/formats/npz.h"
+#include "ingest/chosen_clips.h"
+#include "ingest/sources/array_clips.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// An array whose numbers count up from `first`, in metres small enough for a person.
+NpyArray Counting(std::vector<std::size_t> shape, double first = 0.0) {
+  NpyArray array;
+  array.dtype = "<f8";
+  std::size_t count = 1;
+  for (const std::size_t extent : shape) count *= extent;
+  array.shape = std::move(shape);
+  for (std::size_t i = 0; i < count; ++i) array.values.push_back(1e-4 * static_cast<double>(i) + first);
+  return array;
+}
+
+class ArrayClips : public ::testing::Test {
+ protected:
+  void SetUp() override { folder = FreshFolder("array_clips"); }
+  void TearDown() override { fs::remove_all(folder); }
+
+  IngestOptions Source(const fs::path& path) {
+    IngestOptions options = Declared("humanact12_npy");
+    options.path = path;
+    options.source.files = "{clip}.np{kind}";
+    options.source.person = "p";
+    options.source.recording = "{clip}";
+    options.source.label = "";
+    options.source.labels.clear();
+    options.source.session.clear();
+    options.source.frames_in_name.clear();
+    options.source.roles.clear();
+    options.source.exclude.clear();
+    options.source.known_issue_lists.clear();
+    return options;
+  }
+  static std::vector<std::string> Items(const Discovery& discovery) {
+    std::vector<std::string> items;
+    for (const ItemSpec& item : discovery.items) items.push_back(item.item.substr(item.item.rfind('/') + 1));
+    return items;
+  }
+
+  fs::path folder;
+};
+
+TEST_F(ArrayClips, AStackIsAClipPerEntryEachWithItsOwnNumbers) {
+  Put(folder / "stack.npy", WriteNpy(Counting({3, 10, 24, 3})));
+  const auto discovery = Discover(Source(folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_THAT(Items(*discovery), ElementsAre("stack.0000", "stack.0001", "stack.0002"));
+  const Ingested second = RunIngest(discovery->items[1], "stack");
+  ASSERT_TRUE(second.outcome) << second.outcome.error().Message();
+  EXPECT_EQ(second.clip.identity.recording, "stack.0001");
+  ASSERT_EQ(second.clip.motion->frame_count(), 10);
+  const Vector3d first = second.clip.motion->joints.at(0, 0);
+  EXPECT_NEAR(first.cwiseAbs().maxCoeff(), 1e-4 * 722, 1e-6) << "the second entry begins with value 720";
+  const Ingested third = RunIngest(discovery->items[2], "stack");
+  EXPECT_NE(third.clip.evidence_sha256, second.clip.evidence_sha256);
+}
+
+TEST_F(ArrayClips, AnArchiveIsAClipPerArrayOfTheSourcesJoints) {
+  Npz archive;
+  archive.members.push_back({"walk", Counting({12, 24, 3}), ""});
+  archive.members.push_back({"runs", Counting({2, 9, 72}), ""});
+  archive.members.push_back({"kinect", Counting({12, 25, 3}), ""});
+  archive.members.push_back({"times", Counting({12}), ""});
+  Put(folder / "clips.npz", *EncodeNpz(archive, "clips.npz"));
+  const auto discovery = Discover(Source(folder / "clips.npz"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_THAT(Items(*discovery), ElementsAre("clips.runs.0000", "clips.runs.0001", "clips.walk"));
+  ASSERT_EQ(discovery->left_out.size(), 1u);
+  EXPECT_THAT(discovery->left_out[0].outcome.error.what, HasSubstr("it has 25 joints, those of the source have 24"));
+  const Ingested run = RunIngest(discovery->items[1], "archive");
+  ASSERT_TRUE(run.outcome) << run.outcome.error().Message();
+  EXPECT_EQ(run.clip.motion->frame_count(), 9);
+}
+
+TEST_F(ArrayClips, AreChosenByPlaceByNameOrByFile) {
+  Put(folder / "a.npy", WriteNpy(Counting({2, 10, 24, 3})));
+  Put(folder / "b.npy", WriteNpy(Counting({10, 24, 3})));
+  const IngestOptions options = Source(folder);
+  for (const auto& [wanted, count] : {std::pair<std::string, std::size_t>{"[1]", 1},
+                                      {"1", 1},
+                                      {"a.npy[0]", 1},
+                                      {"a.0001", 1},
+                                      {"a", 2},
+                                      {"b.npy", 1},
+                                      {"humanact12/p/b", 1}}) {
+    auto discovery = Discover(options);
+    ASSERT_TRUE(discovery) << discovery.error().Message();
+    const Status taken = TakeOnly({wanted}, *discovery);
+    ASSERT_TRUE(taken) << taken.error().Message();
+    EXPECT_EQ(discovery->items.size(), count) << wanted;
+  }
+  auto discovery = Discover(options);
+  ASSERT_TRUE(discovery);
+  const Status none = TakeOnly({"c"}, *discovery);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kUsage);
+  EXPECT_THAT(none.error().Message(), HasSubstr("there is no clip 'c'"));
+}
+
+TEST(ArrayEntries, AreTheSameInBothOrdersAndNeverBeyondTheEnd) {
+  const std::string c = WriteNpy(Counting({3, 2, 4}));
+  const auto entry = ParseNpyEntry(c, 2, "c.npy");
+  ASSERT_TRUE(entry) << entry.error().Message();
+  EXPECT_THAT(entry->shape, ElementsAre(2u, 4u));
+  EXPECT_NEAR(entry->values.front(), 1e-4 * 16, 1e-12);
+  EXPECT_EQ(entry->values.size(), 8u);
+  std::string fortran = c;
+  fortran.replace(fortran.find("False"), 5, "True ");
+  const auto whole = ParseNpy(fortran, "f.npy");
+  const auto last = ParseNpyEntry(fortran, 2, "f.npy");
+  ASSERT_TRUE(whole && last);
+  EXPECT_EQ(last->values, (std::vector<double>(whole->values.begin() + 16, whole->values.end())));
+  EXPECT_THAT(ParseNpyEntry(c, 3, "c.npy").error().Message(), HasSubstr("entry 3 is asked for"));
+  EXPECT_FALSE(ParseNpyEntry(c.substr(0, c.size() - 8), 0, "c.npy"));
+  EXPECT_FALSE(ShapeOfJoints({5, 2, 3}));
+  EXPECT_FALSE(ShapeOfJoints({170, 263}));
+}
+
+TEST(FoldersOfAClip, ArePartsOfItAndNotLeftOut) {
+  const fs::path folder = FreshFolder("parts");
+  Put(folder / "pose/subject01_group1_time1/pose.txt", "0\n");
+  Put(folder / "depth/view1/subject01_group1_time1/depth_0.png", "x");
+  Put(folder / "depth/view1/subject02_group1_time1/depth_0.png", "x");
+  const auto discovery = Discover(Declared("phspd", {"ingest.path=" + folder.string()}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->left_out.size(), 1u) << "only what belongs to no clip";
+  EXPECT_EQ(discovery->left_out[0].item, "depth/view1/subject02_group1_time1");
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mocurate
