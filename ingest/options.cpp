@@ -193,8 +193,8 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 14, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration DuplicatesDeclaration() { return {"duplicates", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 15, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration DuplicatesDeclaration() { return {"duplicates", 3, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
 
