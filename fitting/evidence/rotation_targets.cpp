@@ -13,8 +13,9 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmallestSigma = 0.5 * kPi / 180.0;  ///< rad; nothing is recorded more finely
 constexpr double kLargestSigma = 30.0 * kPi / 180.0;
-constexpr double kNear = 0.02;  ///< rad; departures below count like this in the weights of the mean
-constexpr int kTurns = 10;      ///< of the reweighted mean
+constexpr std::size_t kFewest = 10;  ///< samples; fewer do not tell how recorded frames lie and how they scatter
+constexpr double kNear = 0.02;       ///< rad; departures below count like this in the weights of the mean
+constexpr int kTurns = 10;           ///< of the reweighted mean
 
 /// Rotation with the least sum of weighted squared distances to `rotations` (Markley and others 2007).
 Quaterniond WeightedMean(const std::vector<Quaterniond>& rotations, const std::vector<double>& weights) {
@@ -51,7 +52,19 @@ double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& mid
   }
   const auto half = departures.begin() + static_cast<std::ptrdiff_t>(departures.size() / 2);
   std::nth_element(departures.begin(), half, departures.end());
-  return std::max(1.4826 * *half, kSmallestSigma);
+  const auto count = static_cast<double>(rotations.size());
+  return std::max(1.4826 * *half * std::sqrt(count / (count - 1.0)), kSmallestSigma);  // the middle is of them too
+}
+
+Finding TooFew(int joints) {
+  Finding finding;
+  finding.code = "rotations_too_few";
+  finding.severity = Severity::kInfo;
+  finding.value = joints;
+  finding.message = "rotations of " + Counted(joints, "joint") + " are recorded in fewer than " +
+                    std::to_string(kFewest) + " frames: too few to tell how the recorded frames lie in the joints";
+  finding.action = "not used";
+  return finding;
 }
 
 Finding Disagreement(const std::string& joint, double sigma) {
@@ -73,6 +86,7 @@ RotationTargets AlignRotations(const SkeletonTracks& tracks, const PoseState& st
   targets.world_from_joint.assign(tracks.rotation.size(), Quaterniond::Identity());
   targets.weight.assign(tracks.rotation.size(), 0.0);
   targets.joint_sigma.assign(joints, 0.0);
+  int too_few = 0;
   for (int j = 0; j < tracks.joints(); ++j) {
     if (!state.active(j)) continue;
     std::vector<std::size_t> places;
@@ -86,6 +100,10 @@ RotationTargets AlignRotations(const SkeletonTracks& tracks, const PoseState& st
       confidence.push_back(tracks.rotation_confidence[at]);
     }
     if (places.empty()) continue;
+    if (places.size() < kFewest) {
+      ++too_few;
+      continue;
+    }
     const Quaterniond middle = MiddleRotation(recorded_in_joint, confidence);
     const double sigma = Scatter(recorded_in_joint, middle);
     if (sigma > kLargestSigma) {
@@ -98,6 +116,7 @@ RotationTargets AlignRotations(const SkeletonTracks& tracks, const PoseState& st
       targets.weight[places[i]] = confidence[i] / sigma;
     }
   }
+  if (too_few > 0 && findings != nullptr) findings->push_back(TooFew(too_few));
   return targets;
 }
 

@@ -21,8 +21,9 @@ struct RotationTargets {
 /// time, and read from the pose `state` (its kinematics up to date): the rotation that leaves the least robust distance
 /// between both. Sigma is the median scatter about it, of all frames and axes: what positions do not show (twist) may
 /// be wrong in the pose without making a good recording look bad. Read where the joint's position is seen too. A joint
-/// whose recording does not follow the pose (sigma above 30 degrees) gets no targets, and a finding
-/// "rotations_disagree" in `findings` (may be null).
+/// whose recording does not follow the pose (sigma above 30 degrees), or is of fewer than 10 frames, gets no targets,
+/// and a finding "rotations_disagree" or "rotations_too_few" in `findings` (may be null). Targets thus tell how a joint
+/// turns in the course of the clip; where its turn lies in the mean, the pose has told.
 RotationTargets AlignRotations(const SkeletonTracks& tracks, const PoseState& state, std::vector<Finding>* findings);
 
 }  // namespace mocurate

@@ -204,7 +204,12 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   result.findings = std::move(disagreements);
   result.motion = MotionOf(state, tracks.skeleton, rate);
   result.motion.state = StatesOf(tracks, options.max_gap_s);
-  if (options.uncertainty) {
+  // Of what positions and priors say: how recorded frames lie in their joints is read from the same pose, so that
+  // counting them as known would make a mean twist sure that nothing tells. A pose that no step solved has no
+  // uncertainty.
+  whole.rotations = nullptr;
+  const bool solved = !options.steps.empty() && options.steps.back().free == FreeParts::kPose;
+  if (options.uncertainty && solved) {
     auto uncertainty = UncertaintyOfTracks(whole);
     if (!uncertainty) return Forward(uncertainty);
     result.motion.position_cov = std::move(uncertainty->position_cov);
