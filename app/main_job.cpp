@@ -371,13 +371,13 @@ class MainJob {
       if (!report && !no_encoder) return Forward(report);
       if (no_encoder) LogWarning("no videos: " + report.error().Message());
       for (std::size_t i = 0; i < clips.size(); ++i) {
-        const Error* why = no_encoder ? &report.error() : &report->items[i].outcome.error;
         if (!no_encoder && !report->items[i].artifact.empty()) {
           files[i].video = ClipFileName(i, "mp4");
           Status copied = CopyWhole(report->items[i].artifact, outputs_.Place("report/" + files[i].video));
           if (!copied) return copied;
         } else {
-          files[i].no_video = why->Message();
+          // What every page lacks is told without the clip that met it first.
+          files[i].no_video = no_encoder ? report.error().what : report->items[i].outcome.error.Message();
         }
       }
     }

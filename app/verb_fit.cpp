@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/config_loading.h"
 #include "app/job_checks.h"
@@ -63,6 +64,24 @@ Declared DeclareStore(const fs::path& path) {
   return {{text, DisplayPath(path), fs::current_path()}, {}, {}};
 }
 
+/// Of the clips those that any of the names chooses, in their order; all without names. Error of the first name that
+/// chooses none.
+Status ChooseClips(const std::vector<std::string>& names, nlohmann::json& inspection) {
+  if (names.empty()) return {};
+  std::set<nlohmann::json> taken;
+  for (const std::string& name : names) {
+    nlohmann::json chosen = inspection;
+    if (Status known = ChooseClip(name, chosen); !known) return known;
+    for (const nlohmann::json& clip : chosen.at("clips")) taken.insert(clip);
+  }
+  nlohmann::json kept = nlohmann::json::array();
+  for (const nlohmann::json& clip : inspection.at("clips")) {
+    if (taken.count(clip) != 0) kept.push_back(clip);
+  }
+  inspection["clips"] = std::move(kept);
+  return {};
+}
+
 Expected<Declared> Declare(const FitArguments& arguments) {
   if (!arguments.source.empty()) {
     const Expected<ConfigSource> recipe = RecipeOf(arguments.source);
@@ -71,11 +90,7 @@ Expected<Declared> Declare(const FitArguments& arguments) {
   }
   if (IsStore(arguments.path)) return DeclareStore(arguments.path);
   nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
-  for (const std::string& clip : arguments.clips) {
-    nlohmann::json chosen = inspection;
-    if (Status known = ChooseClip(clip, chosen); !known) return Forward(known);
-    if (arguments.clips.size() == 1) inspection = std::move(chosen);
-  }
+  if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
   if (!written) return Forward(written);
   for (const std::string& other : written->others) {

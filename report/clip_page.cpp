@@ -32,7 +32,7 @@ Points Over(const std::vector<double>& time, const std::vector<double>& values) 
   for (std::size_t i = 0; i < values.size(); i += std::max<std::size_t>(1, step)) {
     std::size_t most = i;
     for (std::size_t k = i; k < std::min(values.size(), i + step); ++k) {
-      if (!(values[k] <= values[most])) most = k;
+      if (std::isfinite(values[k]) && !(values[k] <= values[most])) most = k;
     }
     points.emplace_back(time[most], values[most]);
   }

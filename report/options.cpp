@@ -32,9 +32,9 @@ void PictureOptions::Declare(OptionVisitor& v) {
 
 StageDeclaration ReportDeclaration() { return {"report", 10, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 1, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 2, "mocurate-annotate", ClipLimits()}; }
 
-StageDeclaration ClipVideoDeclaration() { return {"clip_video", 1, "mocurate-video", ClipLimits()}; }
+StageDeclaration ClipVideoDeclaration() { return {"clip_video", 2, "mocurate-video", ClipLimits()}; }
 
 StageDeclaration PictureDeclaration() { return {"picture", 3, "mocurate-annotate", ClipLimits()}; }
 

@@ -138,7 +138,7 @@ std::optional<RateClue> AskLimbs(const BodyPath& body) {
 
 std::optional<double> RateMeasure::rate_hz() const {
   if (!Tells() || clues[0].rate_hz <= 0.0) return std::nullopt;
-  return clues[0].rate_hz;
+  return std::clamp(clues[0].rate_hz, lowest, highest);
 }
 
 std::string RateMeasure::Range() const {

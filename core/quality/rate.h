@@ -26,7 +26,7 @@ struct RateMeasure {
 
   bool Tells() const { return !clues.empty() && lowest <= highest; }
   bool Allows(double rate_hz) const { return !Tells() || (rate_hz >= lowest && rate_hz <= highest); }
-  /// Best guess; nothing where there are limits only.
+  /// Best guess within what all clues allow; nothing where there are limits only.
   std::optional<double> rate_hz() const;
   double confidence() const { return Tells() ? clues[0].confidence : 0.0; }
   std::string Range() const;  ///< "85 to 160 Hz", "at most 160 Hz"

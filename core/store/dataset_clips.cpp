@@ -168,8 +168,8 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
     if (offset < 0 || count < 1 || static_cast<std::uint64_t>(offset) > rows->second ||
         static_cast<std::uint64_t>(count) > rows->second - static_cast<std::uint64_t>(offset)) {
       return Fail(ErrorCode::kMalformed,
-                  "row " + std::to_string(row) + " takes frames " + std::to_string(offset) + " to " +
-                      std::to_string(offset + count) + " of " + std::to_string(rows->second),
+                  "row " + std::to_string(row) + " takes " + std::to_string(count) + " frames from " +
+                      std::to_string(offset) + " of " + std::to_string(rows->second),
                   Where("/clips/offset"));
     }
     auto array =

@@ -33,19 +33,27 @@ std::vector<double> ConfidenceOf(const ObservedClip& clip) {
   return confidence;
 }
 
-/// A root that stays where it is while another joint carries the body through the world is no part of the body.
+/// A root that stays where it is while a joint that hangs on it carries the body through the world is no part of the
+/// body.
 void LeaveOutIdleRoot(const ObservedClip& clip, std::vector<double>& confidence) {
   const int frames = clip.positions.frames, joints = clip.positions.joints;
   if (clip.parents.empty() || frames < 2) return;
-  for (int j = 0; j < joints; ++j) {
-    if (clip.parents[static_cast<std::size_t>(j)] >= 0) continue;
+  const auto moves = [&](int j) {
     const Vector3d first = clip.positions.at(0, j);
     for (int f = 1; f < frames; ++f) {
-      if (clip.positions.at(f, j) != first) return;
+      if (clip.positions.at(f, j) != first) return true;
     }
+    return false;
+  };
+  for (int root = 0; root < joints; ++root) {
+    if (clip.parents[static_cast<std::size_t>(root)] >= 0 || moves(root)) continue;
+    bool carried = false;
+    for (int j = 0; j < joints && !carried; ++j)
+      carried = clip.parents[static_cast<std::size_t>(j)] == root && moves(j);
+    if (!carried) continue;
     if (confidence.empty()) confidence.assign(static_cast<std::size_t>(frames) * static_cast<std::size_t>(joints), 1.0);
     for (int f = 0; f < frames; ++f)
-      confidence[static_cast<std::size_t>(f) * static_cast<std::size_t>(joints) + static_cast<std::size_t>(j)] = 0.0;
+      confidence[static_cast<std::size_t>(f) * static_cast<std::size_t>(joints) + static_cast<std::size_t>(root)] = 0.0;
   }
 }
 

@@ -55,6 +55,7 @@ class DeclarationWriter {
   void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
     Comment(comment);
     std::string line = "    " + key + ": [";
+    if (texts.empty()) line += "]";
     for (std::size_t i = 0; i < texts.size(); ++i) {
       const std::string word = (texts[i] == "-" ? "\"-\"" : texts[i]) + (i + 1 < texts.size() ? "," : "]");
       if (line.size() + word.size() + 1 > kTextWidth) {
@@ -77,6 +78,10 @@ std::optional<std::string> AxesFrom(const std::string& up, bool right);
 /// Names of files directly in a folder below `path`, sorted.
 std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
                                  const std::set<std::string>& endings);
+
+/// The folder below `path` that an inspection's `file` names: one there, that of a file there, and "" for `path`
+/// itself, which an inspection calls by its own name.
+std::string Below(const std::filesystem::path& path, const std::string& file);
 
 /// Where the calibration of the cameras lies below `path`, what it means, and the axes of its world.
 void WriteCalibration(const nlohmann::json& inspection, const std::filesystem::path& path, DeclarationWriter& writer);

@@ -53,19 +53,23 @@ std::string PatternOf(const std::string& name, const std::vector<std::string>& c
   return pattern.substr(0, begin) + "{frame:" + std::to_string(end - begin) + "}" + pattern.substr(end);
 }
 
-/// Images below a folder, of depth or not.
+/// Images below a folder, of depth or not: the first by name.
 std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth) {
-  std::vector<std::string> names;
+  std::vector<std::string> all;
   std::error_code error;
   for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     const std::string ending = at->path().extension().string();
     const bool image = ending == ".png" || (!depth && (ending == ".jpg" || ending == ".jpeg"));
     std::error_code unknown;
-    if (!image || !at->is_regular_file(unknown) || IsDepthPng(at->path()) != depth) continue;
-    names.push_back(DisplayPath(at->path().lexically_relative(folder)));
+    if (image && at->is_regular_file(unknown)) all.push_back(at->path().lexically_relative(folder).native());
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<std::string> names;
+  for (const std::string& name : all) {
+    if (IsDepthPng(folder / name) != depth) continue;
+    names.push_back(DisplayPath(name));
     if (names.size() == kMostImages) break;
   }
-  std::sort(names.begin(), names.end());
   return names;
 }
 

@@ -27,6 +27,15 @@ std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::s
   return names;
 }
 
+std::string Below(const std::filesystem::path& path, const std::string& file) {
+  std::error_code unknown;
+  if (file.empty() || file == ".") return "";
+  if (std::filesystem::is_directory(path / file, unknown)) return file;
+  if (!std::filesystem::exists(path / file, unknown)) return "";
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "" : file.substr(0, slash);
+}
+
 void WriteCalibration(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
   const Json& cameras = inspection.at("cameras");
   if (cameras.empty()) {
@@ -36,17 +45,17 @@ void WriteCalibration(const Json& inspection, const std::filesystem::path& path,
   }
   const Json& first = cameras.front();
   const std::string file = first.at("file");
+  const std::string folder = Below(path, file);
   if (first.at("format") == "opencv_views") {
     std::vector<std::string> ids;
     for (const Json& camera : cameras) {
-      if (camera.at("file") == file) ids.push_back(camera.at("id"));
+      if (Below(path, camera.at("file")) == folder) ids.push_back(camera.at("id"));
     }
     const CameraNames names = NamesOfCameras(ids);
-    writer.List("calibration", {Quoted((file == "." ? "" : file + "/") + names.before + "{camera}" + names.after)},
+    writer.List("calibration", {Quoted((folder.empty() ? "" : folder + "/") + names.before + "{camera}" + names.after)},
                 "a file per camera");
   } else if (first.at("format") == "opencv_rig") {
-    writer.List("calibration", FilesIn(path, file == "." ? "" : file, {".yml", ".yaml", ".xml"}),
-                "the files of cameras in the folder");
+    writer.List("calibration", FilesIn(path, folder, {".yml", ".yaml", ".xml"}), "the files of cameras in the folder");
   } else {
     writer.List("calibration", {file}, "the first file of cameras in the folder");
   }
@@ -90,14 +99,15 @@ std::optional<std::string> AxesFrom(const std::string& up, bool right) {
 void WriteGathered(const ClipVotes& source, const Json& inspection, const std::filesystem::path& path,
                    const std::string& prefix, const std::string& format, DeclarationWriter& writer) {
   std::set<std::string> folders;
-  for (const Json* clip : source.clips()) folders.insert(clip->at("file").get<std::string>());
+  for (const Json* clip : source.clips()) folders.insert(Below(path, clip->at("file")));
   std::vector<std::string> names;
   for (const std::string& folder : folders) {
-    const std::vector<std::string> files = FilesIn(path, folder == "." ? "" : folder, {".json"});
+    const std::vector<std::string> files = FilesIn(path, folder, {".json"});
     if (!files.empty()) names.push_back(files.front());
   }
   const bool views = format == "openpose";
-  const std::optional<GatheredNames> guessed = GuessGathered(names, views);
+  std::optional<GatheredNames> guessed = GuessGathered(names, views);
+  if (guessed && views && guessed->pattern.find("{camera}") == std::string::npos) guessed.reset();
   if (guessed) {
     writer.Value("files", Quoted(prefix + guessed->pattern),
                  "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
@@ -105,7 +115,8 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
     writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
                  guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
   } else {
-    writer.Unknown("files", "the names of the files have no form in common");
+    writer.Unknown("files", views ? "the names of the files have no form in common that tells the camera"
+                                  : "the names of the files have no form in common");
     writer.Unknown("recording", "what the files of a clip have in common");
   }
   const int most = source.Ask("people").value.is_number() ? source.Ask("people").value.get<int>() : 1;

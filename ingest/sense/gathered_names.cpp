@@ -59,11 +59,16 @@ std::string PatternOf(const std::string& name, bool cameras) {
 
 }  // namespace
 
-CameraNames NamesOfCameras(const std::vector<std::string>& files) {
+CameraNames NamesOfCameras(const std::vector<std::string>& all) {
   CameraNames names;
+  std::vector<std::string> files;
+  for (const std::string& file : all) {
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  }
   if (files.empty()) return names;
-  std::size_t before = files[0].size(), after = files[0].size();
+  std::size_t before = files[0].size(), after = files[0].size(), shortest = files[0].size();
   for (const std::string& file : files) {
+    shortest = std::min(shortest, file.size());
     std::size_t same = 0;
     while (same < std::min(before, file.size()) && file[same] == files[0][same]) ++same;
     before = same;
@@ -76,6 +81,7 @@ CameraNames NamesOfCameras(const std::vector<std::string>& files) {
   }
   // A number or word belongs to the camera as a whole.
   while (before > 0 && IsAlnum(files[0][before - 1])) --before;
+  after = std::min(after, shortest - before);
   while (after > 0 && IsAlnum(files[0][files[0].size() - after])) --after;
   if (files.size() == 1) before = 0, after = files[0].size() - std::min(files[0].find_last_of('.'), files[0].size());
   names.before = files[0].substr(0, before);

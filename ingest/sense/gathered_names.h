@@ -25,6 +25,7 @@ struct CameraNames {
 };
 
 /// What all names share at both ends, up to a letter or digit that differs. "0001_camera.xml": "", "_camera.xml".
-CameraNames NamesOfCameras(const std::vector<std::string>& files);
+/// Each name counts once.
+CameraNames NamesOfCameras(const std::vector<std::string>& all);
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "core/base/file.h"
 #include "ingest/sense/inspect.h"
@@ -62,12 +63,16 @@ SourceRoot RootOfCameras(const fs::path& folder, Json& inspection) {
     if (at->is_regular_file(unknown) && at->file_size(unknown) <= kLargestCalibration) files.push_back(at->path());
   }
   std::sort(files.begin(), files.end());
+  std::set<std::pair<std::string, std::string>> known_cameras;
   for (const fs::path& file : files) {
     const std::string ending = file.extension().string();
     const std::set<std::string> known = {".toml", ".json", ".xml", ".yml", ".yaml", ".txt"};
     if (known.count(ending) == 0) continue;
     const Json found = InspectPath(file, std::nullopt);
-    for (const Json& camera : found.at("cameras")) inspection["cameras"].push_back(camera);
+    // A file of a rig shows the cameras of the file beside it too.
+    for (const Json& camera : found.at("cameras")) {
+      if (known_cameras.emplace(camera.at("format"), camera.at("id")).second) inspection["cameras"].push_back(camera);
+    }
   }
   return inspection.at("cameras").empty() ? SourceRoot{folder, ""} : above;
 }

@@ -1,6 +1,7 @@
 #include "ingest/sources/array_clips.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 
 #include "core/base/text.h"
@@ -15,16 +16,19 @@ constexpr std::size_t kHead = 1 << 16;
 constexpr std::size_t kFewestJoints = 3;
 constexpr int kDigits = 4;
 
-/// "[walk][3]" as "walk" and "3".
+bool IsNumber(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// "[walk][3]" as "walk" and "3". A member's name may hold brackets: only a number behind it is the entry.
 std::vector<std::string> PartsOf(const std::string& id) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at < id.size() && id[at] == '[';) {
-    const std::size_t close = id.find(']', at);
-    if (close == std::string::npos) break;
-    parts.push_back(id.substr(at + 1, close - at - 1));
-    at = close + 1;
+  if (id.size() < 2 || id.front() != '[' || id.back() != ']') return {};
+  const std::size_t between = id.rfind("][");
+  if (between != std::string::npos) {
+    const std::string entry = id.substr(between + 2, id.size() - between - 3);
+    if (IsNumber(entry)) return {id.substr(1, between - 1), entry};
   }
-  return parts;
+  return {id.substr(1, id.size() - 2)};
 }
 
 void AddClips(const std::vector<std::size_t>& shape, const std::string& member, std::vector<ArrayClip>& clips) {
@@ -33,6 +37,12 @@ void AddClips(const std::vector<std::size_t>& shape, const std::string& member, 
   for (std::size_t i = 0; i < joints->clips; ++i) {
     clips.push_back({member + (joints->batch ? "[" + std::to_string(i) + "]" : ""), joints->joints});
   }
+}
+
+/// Whether a file of so many bytes can hold arrays of the shape: no number takes less than a byte.
+bool Holds(const std::vector<std::size_t>& shape, std::uintmax_t bytes) {
+  const std::optional<ArrayShape> joints = ShapeOfJoints(shape);
+  return joints && joints->clips <= bytes / joints->frames / (3 * joints->joints);
 }
 
 /// A clip of a batch stands along the first axis.
@@ -53,6 +63,7 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   std::vector<std::size_t> sizes = shape;
   if (sizes.size() >= 3 && sizes.back() == 3) {
     sizes.pop_back();
+    if (sizes.back() > SIZE_MAX / 3) return std::nullopt;
     sizes.back() *= 3;
   }
   const bool batch = sizes.size() == 3;
@@ -70,7 +81,9 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std
   std::vector<ArrayClip> clips;
   if (KindOf(head) == FileKind::kNpy) {
     const Expected<NpyArray> array = ParseNpyHeader(head, name);
-    if (array) AddClips(array->shape, "", clips);
+    std::error_code unknown;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+    if (array && !unknown && Holds(array->shape, bytes)) AddClips(array->shape, "", clips);
   } else if (KindOf(head) == FileKind::kZip) {
     const auto mapped = MappedFile::Open(path);
     if (!mapped) return clips;
@@ -87,27 +100,25 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std
 std::string RecordingSuffix(const std::string& id) {
   std::string suffix;
   for (const std::string& part : PartsOf(id)) {
-    const bool number = !part.empty() && part.find_first_not_of("0123456789") == std::string::npos;
-    const int missing = number ? kDigits - static_cast<int>(part.size()) : 0;
-    suffix += "." + std::string(static_cast<std::size_t>(std::max(0, missing)), '0') + part;
+    const int missing = IsNumber(part) ? kDigits - static_cast<int>(part.size()) : 0;
+    suffix += "." + std::string(static_cast<std::size_t>(std::max(0, missing)), '0') + IdPart(part);
   }
   return suffix;
 }
 
 Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name) {
   std::vector<std::string> parts = PartsOf(id);
-  const bool archive = KindOf(bytes) == FileKind::kZip;
-  if (archive && parts.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the archive holds no array of joint positions", name,
-                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
-  }
-  if (!archive) {
+  if (KindOf(bytes) != FileKind::kZip) {
     if (parts.empty()) return ParseNpy(bytes, name);
     const std::optional<long long> entry = ParseInteger(parts[0]);
     return ParseNpyEntry(bytes, static_cast<std::size_t>(entry.value_or(0)), name);
   }
   Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);
+  if (parts.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the archive holds no array of joint positions", name,
+                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
+  }
   const NpyArray* array = npz->Find(parts[0]);
   if (array == nullptr) {
     return Fail(ErrorCode::kInconsistent, "the archive has no array '" + parts[0] + "'", name);

@@ -28,11 +28,11 @@ struct ArrayClip {
   std::size_t joints = 0;
 };
 
-/// The clips of an .npy, of which only the head is read, or .npz. Empty where the file is none of joints, or cannot be
-/// read: its reader says why.
+/// The clips of an .npy, of which only the head is read, or .npz. Empty where the file is none of joints, is too short
+/// for the shape that its head announces, or cannot be read: its reader says why.
 std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& file, const std::string& name);
 
-/// What the clip's name gets in addition: "[walk][3]" gives ".walk.0003".
+/// What the clip's name gets in addition: "[walk][3]" gives ".walk.0003", "[a/b]" gives ".a.b".
 std::string RecordingSuffix(const std::string& id);
 
 /// The array of one clip. Errors of the formats; kInconsistent where there is no such clip.

@@ -20,14 +20,13 @@ std::string WithoutEnding(std::string name) {
   return name;
 }
 
-/// A part of an id holds no '/' and no '#'.
+}  // namespace
+
 std::string IdPart(std::string text) {
   std::replace(text.begin(), text.end(), '/', '.');
   std::replace(text.begin(), text.end(), '#', '.');
   return text;
 }
-
-}  // namespace
 
 Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name) {
   if (source.labels.empty()) return text;

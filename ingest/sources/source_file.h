@@ -14,6 +14,9 @@
 
 namespace mocurate {
 
+/// A part of a clip's id, which holds no '/' and no '#': each becomes '.'.
+std::string IdPart(std::string text);
+
 /// Who and what a file name tells, by the source's declaration.
 struct NamedFile {
   NameFields fields;      ///< of the pattern, plus "file"

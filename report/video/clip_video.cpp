@@ -1,9 +1,11 @@
 #include "report/video/clip_video.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <utility>
 
 #include "core/base/file.h"
 #include "report/painters.h"
@@ -17,8 +19,43 @@ constexpr const char* kHowToEncode =
     "libavcodec59, "
     "libx264-164)";
 
+constexpr double kMostPerSecond = 60.0;
+constexpr double kRateSlack = 1e-9;
+
 /// The encoder's threads change its bytes.
-void OneEncoderThread() { setenv("OPENCV_FFMPEG_WRITER_OPTIONS", "threads;1", 0); }
+void OneEncoderThread() { setenv("OPENCV_FFMPEG_WRITER_OPTIONS", "threads;1", 1); }
+
+/// Every how many frames one is shown: at most `most` in all, and no more a second than players keep up with.
+int StepOf(const Motion& motion, int most) {
+  const int frames = motion.frame_count();
+  const double slowed = std::ceil(motion.rate.hz() / kMostPerSecond - kRateSlack);
+  return std::max({1, (frames + most - 1) / most, static_cast<int>(std::min<double>(slowed, frames))});
+}
+
+int PicturesIn(const std::filesystem::path& file) {
+  try {
+    const cv::VideoCapture video(file.string(), cv::CAP_FFMPEG);
+    return video.isOpened() ? static_cast<int>(std::lround(video.get(cv::CAP_PROP_FRAME_COUNT))) : 0;
+  } catch (const cv::Exception&) {
+    return 0;
+  }
+}
+
+/// A file under a passing name; removed where it does not become the whole one.
+class PartialFile {
+ public:
+  explicit PartialFile(std::filesystem::path path) : path_(std::move(path)) {}
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
+  ~PartialFile() {
+    std::error_code unknown;
+    std::filesystem::remove(path_, unknown);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 void WriteName(const std::string& name, cv::Mat& image) {
   cv::putText(image, name, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(235, 235, 235), 1, cv::LINE_AA);
@@ -59,7 +96,7 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& opti
   const Motion& motion = *clip.fitted.motion;
   const Evidence& evidence = clip.evidence.evidence;
   const int frames = motion.frame_count();
-  const int step = std::max(1, (frames + static_cast<int>(options.frames) - 1) / static_cast<int>(options.frames));
+  const int step = StepOf(motion, static_cast<int>(options.frames));
   const int height = static_cast<int>(options.height) / 2 * 2;
   std::vector<int> shown;
   for (int f = 0; f < frames; f += step) shown.push_back(f);
@@ -71,16 +108,17 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& opti
     panels.names.push_back(ViewCamera(evidence, view).name);
   }
   OneEncoderThread();
-  const std::filesystem::path partial = file.string() + ".mp4";  // the name tells OpenCV the container
+  const PartialFile partial(file.string() + ".mp4");  // the name tells OpenCV the container
   cv::VideoWriter writer;
   int written = 0;
   for (const int frame : shown) {
     const auto image = panels.Draw(frame, height);
     if (!image) return Forward(image);
     if (written == 0) {
-      const double rate = std::clamp(motion.rate.hz() / step, 1.0, 120.0);
+      const double rate = motion.rate.hz() / step;
       try {
-        writer.open(partial.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), rate, image->size());
+        writer.open(partial.path().string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), rate,
+                    image->size());
       } catch (const cv::Exception&) {
         // Told below.
       }
@@ -92,8 +130,11 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& opti
     ++written;
   }
   writer.release();
+  if (PicturesIn(partial.path()) != written) {
+    return Fail(ErrorCode::kCannotWrite, "the video was not written whole", clip.item, "is the disk full?");
+  }
   std::error_code problem;
-  std::filesystem::rename(partial, file, problem);
+  std::filesystem::rename(partial.path(), file, problem);
   if (problem) return Fail(ErrorCode::kCannotWrite, "the video cannot be written: " + problem.message(), clip.item);
   return written;
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "core/formats/npz.h"
 #include "ingest/chosen_clips.h"
 #include "ingest/sources/array_clips.h"
@@ -85,6 +87,61 @@ TEST_F(ArrayClips, AnArchiveIsAClipPerArrayOfTheSourcesJoints) {
   const Ingested run = RunIngest(discovery->items[1], "archive");
   ASSERT_TRUE(run.outcome) << run.outcome.error().Message();
   EXPECT_EQ(run.clip.motion->frame_count(), 9);
+}
+
+TEST_F(ArrayClips, AHeadThatAnnouncesMoreThanTheFileHoldsIsOneRefusedItem) {
+  std::string bytes = WriteNpy(Counting({1, 60, 24, 3}));
+  const std::string shape = "(1, 60, 24, 3)", announced = "(1000000000000, 60, 24, 3)";
+  const std::size_t at = bytes.find(shape);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t padding = bytes.find(", }", at) + 3;
+  bytes.erase(padding, announced.size() - shape.size());
+  bytes.replace(at, shape.size(), announced);
+  ASSERT_TRUE(ParseNpyHeader(bytes, "long.npy"));
+  Put(folder / "long.npy", bytes);
+  EXPECT_TRUE(ArrayClipsOf(folder / "long.npy", "long.npy").empty());
+  const auto discovery = Discover(Source(folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 1u);
+  const Ingested ingested = RunIngest(discovery->items[0], "long");
+  ASSERT_FALSE(ingested.outcome);
+  EXPECT_THAT(ingested.outcome.error().what, HasSubstr("1000000000000"));
+  EXPECT_FALSE(ShapeOfJoints({2, SIZE_MAX / 3 + 1, 3}));
+}
+
+TEST_F(ArrayClips, ADamagedArchiveNamesItsDamage) {
+  Npz archive;
+  archive.members.push_back({"walk", Counting({12, 24, 3}), ""});
+  const std::string whole = *EncodeNpz(archive, "clips.npz");
+  const std::string cut = whole.substr(0, whole.size() / 2);
+  Put(folder / "clips.npz", cut);
+  const auto discovery = Discover(Source(folder));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 1u);
+  const Ingested ingested = RunIngest(discovery->items[0], "cut");
+  ASSERT_FALSE(ingested.outcome);
+  const auto parsed = ParseNpz(cut, "clips.npz");
+  ASSERT_FALSE(parsed);
+  EXPECT_EQ(ingested.outcome.error().what, parsed.error().what);
+  Npz times;
+  times.members.push_back({"times", Counting({12}), ""});
+  const auto none = ReadArrayClip(*EncodeNpz(times, "times.npz"), "", "times.npz");
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().what, HasSubstr("holds no array of joint positions"));
+}
+
+TEST_F(ArrayClips, NamesOfMembersBreakNoIds) {
+  EXPECT_EQ(RecordingSuffix("[walk][3]"), ".walk.0003");
+  EXPECT_EQ(RecordingSuffix("[3]"), ".0003");
+  EXPECT_EQ(RecordingSuffix("[a/b#1]"), ".a.b.1");
+  EXPECT_EQ(RecordingSuffix("[a]b[c]][12]"), ".a]b[c].0012");
+  EXPECT_EQ(RecordingSuffix(""), "");
+  Npz archive;
+  archive.members.push_back({"a]b", Counting({2, 12, 24, 3}), ""});
+  const std::string bytes = *EncodeNpz(archive, "clips.npz");
+  const auto second = ReadArrayClip(bytes, "[a]b][1]", "clips.npz");
+  ASSERT_TRUE(second) << second.error().Message();
+  EXPECT_THAT(second->shape, ElementsAre(12u, 24u, 3u));
 }
 
 TEST_F(ArrayClips, AreChosenByPlaceByNameOrByFile) {

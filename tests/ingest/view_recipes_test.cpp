@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/base/sha256.h"
+#include "core/formats/png.h"
 #include "core/geometry/triangulation.h"
 #include "ingest/sense/gathered_names.h"
 #include "ingest/sense/inspect.h"
@@ -186,6 +187,41 @@ TEST(GatheredNames, TheCameraIsWhatFolderAndFileShareAndTheLastDigitsAreTheFrame
             "{camera}/video_{frame}_keypoints.json");
   EXPECT_EQ(pattern({"band/body3DScene_00000168.json"}, false), "{recording}/body3DScene_{frame}.json");
   EXPECT_EQ(pattern({"a/cam1/x.json"}, true), "") << "no number of a frame";
+}
+
+TEST(NamesOfCameras, ShareNoLetterAtBothEnds) {
+  const CameraNames names = NamesOfCameras({"cam_1.xml", "cam_1_1.xml", "cam_1.xml"});
+  EXPECT_EQ(names.before, "cam_");
+  EXPECT_EQ(names.after, ".xml");
+  EXPECT_EQ(names.cameras, (std::vector<std::string>{"1", "1_1"}));
+}
+
+std::string Matrix(const std::string& key, int rows, int columns, const std::string& numbers) {
+  return key + ": !!opencv-matrix\n   rows: " + std::to_string(rows) + "\n   cols: " + std::to_string(columns) +
+         "\n   dt: d\n   data: [ " + numbers + " ]\n";
+}
+
+TEST(DeclaredCameras, DirectlyInTheFolderAreFilesOfIt) {
+  const std::filesystem::path folder = FreshFolder("rig_directly") / "data";
+  const std::string head = "%YAML:1.0\n---\nnames:\n   - cam1\n   - cam2\n";
+  std::string intri = head, extri = head;
+  DepthImage image{64, 48, std::vector<std::uint16_t>(64 * 48, 1500)};
+  for (const std::string camera : {"cam1", "cam2"}) {
+    intri += Matrix("K_" + camera, 3, 3, "1000, 0, 500, 0, 1000, 400, 0, 0, 1");
+    intri += Matrix("dist_" + camera, 1, 5, "0, 0, 0, 0, 0");
+    extri += Matrix("R_" + camera, 3, 1, camera == "cam1" ? "0, 0, 0" : "0, 1, 0");
+    extri += Matrix("T_" + camera, 3, 1, "0, 0, 3");
+    Put(folder / (camera + "_0.png"), *EncodePng(image));
+  }
+  Put(folder / "intri.yml", intri);
+  Put(folder / "extri.yml", extri);
+  const auto written = DeclareSource(InspectPath(folder, std::nullopt), folder, "mine");
+  ASSERT_TRUE(written) << written.error().Message();
+  for (const char* line :
+       {"format: depth_views", "files: \"{camera}_{frame:1}.png\"", "calibration: [extri.yml, intri.yml]"}) {
+    EXPECT_THAT(written->yaml, HasSubstr(line));
+  }
+  std::filesystem::remove_all(folder.parent_path());
 }
 
 TEST_F(RecordedViews, ADeclarationOfKeypointsIsWrittenFromWhatTheFolderHolds) {

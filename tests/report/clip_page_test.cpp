@@ -184,5 +184,20 @@ TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSameBytesAgain) {
   EXPECT_EQ(*WriteClipVideo(input.clip, options, folder / "c"), 10);
 }
 
+TEST(ClipVideo, OfAFastCameraPlaysAtTheSpeedOfTheClip) {
+  Folder folder;
+  ClipPageInput input = OneClip();
+  input.clip.fitted.motion->rate = FrameRate{240, 1};
+  ClipVideoOptions options;
+  options.height = 240;
+  const auto pictures = WriteClipVideo(input.clip, options, folder / "fast");
+  ASSERT_TRUE(pictures) << pictures.error().Message();
+  EXPECT_EQ(*pictures, 10);
+  const cv::VideoCapture video((folder / "fast").string(), cv::CAP_FFMPEG);
+  ASSERT_TRUE(video.isOpened());
+  EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 60.0, 1e-3);
+  EXPECT_FALSE(std::filesystem::exists(folder / "fast.mp4"));
+}
+
 }  // namespace
 }  // namespace mocurate::test
