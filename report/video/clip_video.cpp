@@ -22,9 +22,6 @@ constexpr const char* kHowToEncode =
 constexpr double kMostPerSecond = 60.0;
 constexpr double kRateSlack = 1e-9;
 
-/// The encoder's threads change its bytes.
-void OneEncoderThread() { setenv("OPENCV_FFMPEG_WRITER_OPTIONS", "threads;1", 1); }
-
 /// Every how many frames one is shown: at most `most` in all, and no more a second than players keep up with.
 int StepOf(const Motion& motion, int most) {
   const int frames = motion.frame_count();
@@ -107,7 +104,6 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& opti
     panels.views.push_back(std::move(*painter));
     panels.names.push_back(ViewCamera(evidence, view).name);
   }
-  OneEncoderThread();
   const PartialFile partial(file.string() + ".mp4");  // the name tells OpenCV the container
   cv::VideoWriter writer;
   int written = 0;

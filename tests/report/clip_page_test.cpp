@@ -161,7 +161,7 @@ TEST(ClipPage, DrawsTheBodyOverKeypointsOfEveryView) {
   EXPECT_GT(yellow, 9 * 15) << "a dot for each of the person's nine keypoints";
 }
 
-TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSameBytesAgain) {
+TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSamePicturesAgain) {
   Folder folder;
   const ClipPageInput input = OneClip();
   ClipVideoOptions options;
@@ -170,7 +170,14 @@ TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSameBytesAgain) {
   ASSERT_TRUE(pictures) << pictures.error().Message();
   EXPECT_EQ(*pictures, 40);
   ASSERT_TRUE(WriteClipVideo(input.clip, options, folder / "b"));
-  EXPECT_EQ(*ReadFile(folder / "a"), *ReadFile(folder / "b"));
+  cv::VideoCapture first((folder / "a").string(), cv::CAP_FFMPEG);
+  cv::VideoCapture again((folder / "b").string(), cv::CAP_FFMPEG);
+  cv::Mat one;
+  cv::Mat other;
+  for (int f = 0; f < 40; ++f) {
+    ASSERT_TRUE(first.read(one) && again.read(other)) << f;
+    EXPECT_LT(cv::norm(one, other, cv::NORM_L1) / static_cast<double>(one.total() * 3), 2.0) << f;
+  }
   cv::VideoCapture video((folder / "a").string(), cv::CAP_FFMPEG);
   ASSERT_TRUE(video.isOpened());
   EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_COUNT)), 40);
