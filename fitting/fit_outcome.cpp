@@ -97,7 +97,10 @@ nlohmann::json KeypointsJson(const KeypointReport& report) {
   }
   nlohmann::json residuals = nlohmann::json::object();
   for (std::size_t v = 0; v < report.residual_px.size(); ++v) {
-    for (const double px : report.residual_px[v]) residuals[report.given_cameras[v]].push_back(rounded(px));
+    for (const double px : report.residual_px[v]) {
+      const bool seen = px > 0.0;
+      residuals[report.given_cameras[v]].push_back(seen ? nlohmann::json(rounded(px)) : nlohmann::json(nullptr));
+    }
   }
   return {{"people", report.people},
           {"residual_px_over_time", residuals},

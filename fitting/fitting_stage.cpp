@@ -11,6 +11,7 @@
 #include "fitting/contacts/foot_contacts.h"
 #include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/motion_tracks.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
@@ -36,6 +37,14 @@ Expected<FitResult> FitBoth(const Clip& clip, const SkeletonPtr& skeleton, const
                             const FittingOptions& options) {
   const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, options);
   if (!tracks) return Forward(tracks);
+  const Expected<SkeletonTracks> seen = TracksOfClip(clip, skeleton, options.other_joints);
+  if (!seen) return Forward(seen);
+  if (!clip.evidence.depth_views.empty()) {
+    const std::vector<double>& depth_s = clip.evidence.depth_views[0].time_s;
+    if (Status one = CheckOneClock(seen->time_s, depth_s, clip.rate.FrameTime(1), clip.id()); !one) {
+      return Forward(one);
+    }
+  }
   const Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options.point_clouds);
   if (!clouds) return Forward(clouds);
   Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);

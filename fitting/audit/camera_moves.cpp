@@ -88,7 +88,7 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
                                    const ViewKeypoints& seen, const TriangulatedTracks& points, std::size_t jump) {
   const auto keypoints = static_cast<std::size_t>(samples.keypoints());
   const std::size_t all = seen.confidence.size();
-  CameraMove move{view, model.camera[view], 0.0, 0.0, 0.0, 0.0, jump > 0, model};
+  CameraMove move{view, model.camera[view], model};
   if (jump > 0) {
     CameraPart later = move.camera[0];
     later.from_s = 0.5 * (samples.moments()[jump - 1].time_s + samples.moments()[jump].time_s);
@@ -102,10 +102,6 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
     if (!refit) continue;
     any = true;
     move.camera[part].camera = refit->camera;
-    move.before_px = refit->before_px;
-    move.after_px = refit->after_px;
-    move.moved_m = refit->moved_m;
-    move.turned_rad = refit->turned_rad;
   }
   if (!any) return {};
   move.model.camera[view] = move.camera;

@@ -12,12 +12,7 @@ namespace mocurate {
 struct CameraMove {
   std::size_t view = 0;
   std::vector<CameraPart> camera;  ///< as it stands; two where it was moved during the take
-  double before_px = 0.0;          ///< median distance of its detections from the points of the others, where it moved
-  double after_px = 0.0;
-  double moved_m = 0.0;  ///< of its centre, the later part
-  double turned_rad = 0.0;
-  bool during_take = false;
-  RigModel model;  ///< with the camera where it stands
+  RigModel model;                  ///< with the camera where it stands
 };
 
 /// The camera whose detections the others' points best explain by another pose: of all the take, or from a moment on,

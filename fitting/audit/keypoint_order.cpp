@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kFrames = 40;          ///< looked at
 constexpr int kLengthsToTell = 6;    ///< that an order must have to be judged
+constexpr int kPointsToTell = 8;     ///< that a frame must have, or nobody is there
 constexpr double kPlausible = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
 
 using Names = std::vector<std::string>;
@@ -21,12 +22,25 @@ Names Joined(const std::vector<Names>& parts) {
   return all;
 }
 
-/// Mean departure from the skeleton's proportions in each frame; empty when too few lengths are known.
+/// Evenly spread frames in which enough of a person is there to be judged.
+std::vector<int> FramesWithSomebody(const JointPositions& points, const std::vector<double>& confidence) {
+  std::vector<int> all;
+  for (int f = 0; f < points.frames; ++f) {
+    const auto first = confidence.begin() + static_cast<std::ptrdiff_t>(f) * points.joints;
+    const auto seen = std::count_if(first, first + points.joints, [](double known) { return known > 0.0; });
+    if (seen >= kPointsToTell) all.push_back(f);
+  }
+  std::vector<int> frames;
+  const std::size_t step = std::max<std::size_t>(1, all.size() / kFrames);
+  for (std::size_t i = 0; i < all.size(); i += step) frames.push_back(all[i]);
+  return frames;
+}
+
+/// Mean departure from the skeleton's proportions in each of `frames`; 1 where too few lengths are known.
 std::vector<double> Departures(const JointPositions& points, const std::vector<double>& confidence,
-                               const std::vector<KnownLength>& lengths) {
+                               const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
   std::vector<double> departures;
-  const int step = std::max(1, points.frames / kFrames);
-  for (int f = 0; f < points.frames; f += step) {
+  for (const int f : frames) {
     std::vector<double> measured;
     for (const KnownLength& length : lengths) {
       const std::size_t first = static_cast<std::size_t>(f) * points.joints;
@@ -73,7 +87,10 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
     if (confidence[i] > 0.0) used = std::max(used, i % keypoints + 1);
   }
   OrderFound best;
-  best.given = Mean(Departures(points, confidence, KnownLengths(DetectorNames(names), skeleton)));
+  const std::vector<int> frames = FramesWithSomebody(points, confidence);
+  const std::vector<double> given =
+      Departures(points, confidence, KnownLengths(DetectorNames(names), skeleton), frames);
+  best.given = Mean(given);
   best.found = 1.0;
   std::vector<std::vector<double>> all;
   std::size_t chosen = 0;
@@ -84,14 +101,14 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
     for (std::size_t k = candidate.names.size(); k < keypoints; ++k) {
       candidate.names.push_back("unknown_" + std::to_string(k - order.points.size()));
     }
-    all.push_back(Departures(points, confidence, KnownLengths(DetectorNames(candidate.names), skeleton)));
+    all.push_back(Departures(points, confidence, KnownLengths(DetectorNames(candidate.names), skeleton), frames));
     candidate.found = Mean(all.back());
     if (candidate.found >= best.found) continue;  // equal orders: the first that has them
     best = candidate;
     chosen = all.size() - 1;
   }
   if (best.name.empty() || best.found > kPlausible || best.found >= best.given) return {};
-  best.confidence = 1.0;
+  best.confidence = Confidence(given, all[chosen]);
   for (std::size_t i = 0; i < all.size(); ++i) {
     // Orders of the same joints at the same places are no rivals.
     if (i != chosen && all[i] != all[chosen]) {

@@ -24,11 +24,11 @@ struct OrderFound {
   std::vector<std::string> names;  ///< (K) points beyond the order's are named "unknown_0" ...
   double given = 0.0;              ///< mean departure of the lengths by |log ratio|, as named
   double found = 0.0;              ///< and in the order found
-  double confidence = 0.0;         ///< that it is better than any other known order
+  double confidence = 0.0;         ///< that it is better than the given and any other known order
 };
 
-/// The order of `confidence` > 0 points (F,K) that gives `skeleton`'s proportions best, frame by frame; empty when none
-/// gives a person's.
+/// The order of `confidence` > 0 points (F,K) that gives `skeleton`'s proportions best, frame by frame, of frames that
+/// show enough of a person; empty when none gives a person's.
 std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const std::vector<double>& confidence,
                                             const std::vector<std::string>& names, const Skeleton& skeleton);
 

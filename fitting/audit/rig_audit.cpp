@@ -15,6 +15,9 @@ namespace mocurate {
 namespace {
 
 constexpr int kMoments = 32;
+constexpr int kFewestMoments = 8;  ///< to judge clocks and places by
+constexpr std::size_t kSettlingMoments = 2000;
+constexpr std::size_t kMostViews = 12;  ///< that moves and exchanged files are looked for in
 constexpr int kSpans = 12;
 constexpr std::size_t kLeastViews = 3;
 constexpr double kSmallestClock_s = 0.004;
@@ -42,6 +45,7 @@ class Auditor {
   AuditedRig Audit() {
     AuditedRig audited;
     audited.rig = rig_;
+    audited.not_audited = WhyNotAudited();
     if (samples_.count() == 0) return audited;
     audited.residual_px = ResidualMap();
     if (rig_.size() < kLeastViews) return audited;
@@ -51,6 +55,11 @@ class Auditor {
     for (std::size_t round = 0; round < 2 * rig_.size() && Improve(); ++round) {
     }
     DropIdleClocks();
+    for (std::size_t v = 0; v < rig_.size(); ++v) {
+      if (model_.camera[v].size() == 2) Locate(v);
+      Settle(v);
+    }
+    cost_ = CostsOf(model_);
     for (std::size_t v = 0; v < rig_.size(); ++v) {
       TellOfClock(v, audited);
       TellOfMove(v, audited);
@@ -65,6 +74,24 @@ class Auditor {
     const TriangulatedTracks points =
         TriangulateViews(views, samples_.count(), samples_.keypoints(), options_.triangulation);
     return CostOfMoments(views, points, options_.triangulation.noise);
+  }
+
+  /// What of the audit that is wanted cannot be done, and why; empty where all can be, and for rigs of two.
+  std::string WhyNotAudited() const {
+    const RigAuditOptions& audit = options_.audit;
+    const bool moved = audit.moved != AuditAction::kOff;
+    const bool clocks = audit.clocks != AuditAction::kOff;
+    if (rig_.size() < kLeastViews) return {};
+    if (samples_.count() < kFewestMoments && (moved || clocks)) {
+      return "clocks and places of cameras cannot be judged: the view with the most frames sees people that another "
+             "one sees too at " +
+             Counted(samples_.count(), "moment") + ", " + std::to_string(kFewestMoments) + " are needed";
+    }
+    if (rig_.size() > kMostViews && (moved || audit.exchanged != AuditAction::kOff)) {
+      return "moved cameras and exchanged files are looked for among up to " + std::to_string(kMostViews) +
+             " cameras, these are " + std::to_string(rig_.size());
+    }
+    return {};
   }
 
   std::vector<std::vector<double>> ResidualMap() const {
@@ -179,10 +206,8 @@ class Auditor {
     audited.faults.push_back(std::move(fault));
   }
 
-  void TellOfMove(std::size_t v, AuditedRig& audited) {
-    std::vector<CameraPart>& parts = model_.camera[v];
-    if (parts.size() == 2) Locate(v);
-    Settle(v);
+  void TellOfMove(std::size_t v, AuditedRig& audited) const {
+    const std::vector<CameraPart>& parts = model_.camera[v];
     RigModel without = model_;
     without.camera[v] = given_.camera[v];
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -195,7 +220,7 @@ class Auditor {
       fault.code = "camera_moved";
       fault.camera = rig_[v].camera.camera.name;
       fault.value = 1e3 * moved;
-      fault.confidence = Confidence(CostsOf(without), CostsOf(model_));
+      fault.confidence = Confidence(CostsOf(without), cost_);
       fault.corrected = options_.audit.moved == AuditAction::kCorrect;
       const int changed = parts.size() == 2 ? FrameAt(parts[1].from_s) : 0;
       if (parts.size() == 2) {
@@ -213,7 +238,8 @@ class Auditor {
     }
   }
 
-  /// Where a moved camera stands, by all frames; a part that stands as calibrated stays so.
+  /// Where a moved camera stands, by all frames or, of a long take, evenly spread ones; a part that stands as
+  /// calibrated stays so.
   void Settle(std::size_t v) {
     const CameraPart given = given_.camera[v][0];
     const auto stands = [&](const CameraPart& part) {
@@ -222,17 +248,19 @@ class Auditor {
     std::vector<CameraPart>& parts = model_.camera[v];
     if (std::all_of(parts.begin(), parts.end(), stands)) return;
     const std::vector<CameraPart> found = parts;
-    RefitParts(RigSamples(rig_, take_, EveryFrame(take_.time_s.front(), take_.time_s.back())), v,
+    const std::size_t step = take_.time_s.size() * take_.people.size() / kSettlingMoments + 1;
+    RefitParts(RigSamples(rig_, take_, EveryFrame(take_.time_s.front(), take_.time_s.back(), step)), v,
                options_.triangulation, model_);
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (stands(found[p])) parts[p] = found[p];
     }
   }
 
-  /// Everybody in all frames from one moment to another.
-  std::vector<RigMoment> EveryFrame(double from_s, double to_s) const {
+  /// Everybody in every `step`-th frame of those from one moment to another.
+  std::vector<RigMoment> EveryFrame(double from_s, double to_s, std::size_t step = 1) const {
     std::vector<RigMoment> moments;
-    for (const double moment : take_.time_s) {
+    for (std::size_t f = 0; f < take_.time_s.size(); f += step) {
+      const double moment = take_.time_s[f];
       if (moment < from_s || moment > to_s) continue;
       for (int p = 0; p < static_cast<int>(take_.people.size()); ++p) moments.push_back({p, moment});
     }

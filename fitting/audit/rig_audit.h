@@ -36,6 +36,7 @@ struct AuditedRig {
                              ///< the take is two views, the later one named "NAME from frame N"
   std::vector<RigFault> faults;
   bool corrected = false;
+  std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
   /// (views, spans) median pixel error of a camera's detections in equal spans of the take, before anything is
   /// corrected; 0 where it sees nobody.
   std::vector<std::vector<double>> residual_px;

@@ -1,5 +1,6 @@
 #include "fitting/clouds/cloud_proportions.h"
 
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <limits>
@@ -65,7 +66,9 @@ Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& cli
     clouds.insert(clouds.end(), std::make_move_iterator(of_clip->begin()), std::make_move_iterator(of_clip->end()));
   }
   double scale = ScaleFromHeight(skeleton, clouds, options.voxel_size);
-  if (!clouds.empty() && clouds.size() <= kFewClouds) {
+  const bool any_points =
+      std::any_of(clouds.begin(), clouds.end(), [](const FusedCloud& cloud) { return cloud.size() > 0; });
+  if (any_points && clouds.size() <= kFewClouds) {
     const Expected<double> best = BestScale(skeleton, clouds, scale, options);
     if (!best) return Forward(best);
     scale = *best;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace mocurate {
@@ -127,6 +128,7 @@ void StartPose(const FleshBody& body, const FusedCloud& cloud, int frame, double
 }
 
 struct Candidate {
+  bool contradicts = false;  ///< the facing that is told
   double cost = 0.0;
   double heading = 0.0;
   Legs legs = Legs::kStanding;
@@ -152,11 +154,28 @@ Status Refine(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fi
 double Between(double heading, double other) { return std::abs(std::remainder(heading - other, 2.0 * kPi)); }
 
 void SortByCost(std::vector<Candidate>& candidates) {
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::make_pair(a.contradicts, a.cost) < std::make_pair(b.contradicts, b.cost);
+  });
 }
 
-/// The cheapest ones that face in different directions or began with other legs.
+/// The best of sorted candidates from `begin` on that faces another way than the first one of all; none
+/// where that contradicts the facing that is told.
+const Candidate* FacingAnotherWay(const std::vector<Candidate>& candidates, std::size_t begin) {
+  for (std::size_t i = begin; i < candidates.size(); ++i) {
+    if (Between(candidates[i].heading, candidates[0].heading) < kOtherHeading) continue;
+    return candidates[i].contradicts ? nullptr : &candidates[i];
+  }
+  return nullptr;
+}
+
+/// Appends the best that faces another way where none of `chosen` does: front and back are told apart by both.
+void KeepAnotherWay(const std::vector<Candidate>& candidates, std::vector<Candidate>& chosen) {
+  if (FacingAnotherWay(chosen, 1) != nullptr) return;
+  if (const Candidate* other = FacingAnotherWay(candidates, 1)) chosen.push_back(*other);
+}
+
+/// The cheapest ones that face in different directions or began with other legs, one of them another way if any does.
 std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
   std::vector<Candidate> finalists;
   for (const Candidate& candidate : candidates) {
@@ -165,6 +184,7 @@ std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
     });
     if (is_new && finalists.size() < kFinalists) finalists.push_back(candidate);
   }
+  KeepAnotherWay(candidates, finalists);
   return finalists;
 }
 
@@ -186,7 +206,7 @@ std::vector<Candidate> Starts(const FleshBody& body, const FusedCloud& cloud, in
     for (const Stance& stance : kStances) {
       if (!IsWanted(stance, options.posture)) continue;
       StartPose(body, cloud, frame, heading, stance, state);
-      starts.push_back({0.0, heading, stance.legs, state.FrameParameters(frame)});
+      starts.push_back({false, 0.0, heading, stance.legs, state.FrameParameters(frame)});
     }
   }
   return starts;
@@ -219,8 +239,7 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
     for (Candidate& candidate : candidates) {
       state.SetFrameParameters(frame, candidate.parameters);
       if (Status fitted = Refine(body, points, fit, options, state, candidate); !fitted) return fitted;
-      const bool faces_away = options.start.facing && Between(candidate.heading, *options.start.facing) > kFacingError;
-      if (faces_away) candidate.cost = std::numeric_limits<double>::max();
+      candidate.contradicts = options.start.facing && Between(candidate.heading, *options.start.facing) > kFacingError;
     }
     SortByCost(candidates);
     return {};
@@ -228,16 +247,18 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
   for (const Round& round : kRounds) {
     const FrameFit fit{frame, {}, kWidening, round.matchings};
     if (Status refined = refine(Coarse(cloud, round.points), fit); !refined) return Forward(refined);
-    candidates.resize(std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size()))));
+    const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size())));
+    std::vector<Candidate> best(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(kept));
+    KeepAnotherWay(candidates, best);
+    candidates = std::move(best);
   }
   candidates = Finalists(candidates);
   const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
   if (Status refined = refine(cloud, fit); !refined) return Forward(refined);
-  CloudStart start{candidates.size(), candidates[0].cost, std::nullopt};
-  for (const Candidate& other : candidates) {
-    if (Between(other.heading, candidates[0].heading) < kOtherHeading) continue;
-    start.margin = (other.cost - candidates[0].cost) / candidates[0].cost;
-    break;
+  CloudStart start{candidates.size(), candidates[0].cost, std::nullopt, std::nullopt};
+  if (candidates[0].contradicts) start.off_facing = Between(candidates[0].heading, *options.start.facing);
+  if (const Candidate* other = FacingAnotherWay(candidates, 1)) {
+    start.margin = (other->cost - candidates[0].cost) / candidates[0].cost;
   }
   state.SetFrameParameters(frame, candidates[0].parameters);
   state.Update(frame, frame + 1, false);

@@ -21,9 +21,11 @@ HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame);
 struct CloudStart {
   std::size_t finalists = 0;
   double cost = 0.0;
-  /// By how much the cheapest pose that faces another way costs more, as a share of the cost; none: every start that
-  /// was good enough to be fitted to all points came to face about the same way.
+  /// By how much the cheapest pose that faces another way costs more, as a share of the cost; none: every start
+  /// that is fitted to all points came to face about the same way, or against the facing that is told.
   std::optional<double> margin;
+  /// Radians between the pose and the facing that is told, where every start came to contradict it.
+  std::optional<double> off_facing;
 };
 
 /// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances

@@ -138,6 +138,15 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
                     views[0].camera.name + "' has " + std::to_string(views[0].files.size()),
                 clip.id(), "views must be synchronous");
   }
+  for (const DepthView& view : views) {
+    for (std::size_t f = 1; f < view.time_s.size(); ++f) {
+      if (view.time_s[f] > view.time_s[f - 1]) continue;
+      return Fail(ErrorCode::kInconsistent,
+                  "frame " + std::to_string(f) + " of view '" + view.camera.name +
+                      "' is not stamped later than the frame before it",
+                  clip.id(), "order the depth images by time, and leave out what is there twice");
+    }
+  }
   const auto available = static_cast<int>(views[0].files.size());
   const int count = std::min(frames, available);
   std::vector<FusedCloud> clouds;

@@ -19,7 +19,7 @@ struct CloudTrack {
 };
 
 /// Fuses all frames of a clip, or `frames` of them, evenly spread. Errors of FuseViews; kInconsistent without views or
-/// with views of unequal length.
+/// with views of unequal length or of stamps that do not increase.
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options);
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames);
 

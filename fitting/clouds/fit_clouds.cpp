@@ -119,6 +119,17 @@ void ReportDoubt(const CloudTrack& track, FitResult& result) {
   result.findings.push_back(finding);
 }
 
+void ReportContradiction(const CloudTrack& track, FitResult& result) {
+  if (!track.start.off_facing) return;
+  Finding finding;
+  finding.code = "facing_contradicted";
+  finding.value = *track.start.off_facing;
+  finding.message = "every first pose that explains the points faces another way than told: the cheapest by " +
+                    std::to_string(std::lround(57.29577951308232 * *track.start.off_facing)) + " degrees";
+  finding.action = "the cheapest one kept; check fitting.point_clouds.start.facing";
+  result.findings.push_back(finding);
+}
+
 }  // namespace
 
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
@@ -142,6 +153,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
     if (Status added = AddUncertainty(*track, options, result); !added) return Forward(added);
   }
   ReportDoubt(*track, result);
+  ReportContradiction(*track, result);
   ReportFramesWithoutPoints(*track, result);
   ReportPointsOffTheBody(*track, options.max_distance, result);
   int unsettled = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/text.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/flesh_calibration.h"
 #include "fitting/clouds/uncertain_motion.h"
@@ -29,15 +30,18 @@ Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return covariance;
 }
 
+/// The motion's pose; joints that move no capsule keep the rotation that it gives them.
 PoseState StateOf(const Motion& motion, const FleshBody& body) {
-  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, body.MovingJoints());
+  const std::vector<bool> all(static_cast<std::size_t>(motion.joint_count()), true);
+  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, all);
   for (int f = 0; f < motion.frame_count(); ++f) {
     Eigen::Map<Vector3d>(state.translation(f)) = motion.root_translation[static_cast<std::size_t>(f)];
     for (int j = 0; j < motion.joint_count(); ++j) {
-      if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
+      Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
     }
   }
   state.Update(0, motion.frame_count(), false);
+  state.SetActive(body.MovingJoints());
   return state;
 }
 
@@ -104,7 +108,42 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
               motion.skeleton->name, "are tracks and depth views of one person, one clock and one world?");
 }
 
+void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult& result) {
+  const auto frames = static_cast<int>(clouds.size());
+  for (int begin = 0; begin < frames; ++begin) {
+    int end = begin;
+    while (end < frames && clouds[end].size() < kFewestPoints) ++end;
+    if (end == begin) continue;
+    Finding finding;
+    finding.code = "frames_without_points";
+    finding.frame_begin = begin;
+    finding.frame_end = end;
+    finding.value = end - begin;
+    finding.message = "too few depth points in " + Counted(end - begin, "frame");
+    finding.action = "the tracks' pose kept";
+    result.findings.push_back(std::move(finding));
+    begin = end;
+  }
+}
+
 }  // namespace
+
+Status CheckOneClock(const std::vector<double>& track_s, const std::vector<double>& depth_s, double step_s,
+                     const std::string& clip) {
+  double furthest = 0.0;
+  std::size_t frame = 0;
+  for (std::size_t f = 0; f < std::min(track_s.size(), depth_s.size()); ++f) {
+    const double apart = std::abs(track_s[f] - depth_s[f]);
+    if (apart <= furthest) continue;
+    furthest = apart;
+    frame = f;
+  }
+  if (furthest <= 0.5 * step_s) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "depth images and joint tracks are up to " + RoundedText(1e3 * furthest, 3) + " ms apart (frame " +
+                  std::to_string(frame) + "), half a step is " + RoundedText(500.0 * step_s, 3) + " ms",
+              clip, "give both by one clock, or fit one of them alone: fitting.method joint_tracks or point_clouds");
+}
 
 Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
                                        const PointCloudOptions& options) {
@@ -123,14 +162,20 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
       FleshBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
   PoseState state = StateOf(motion, body);
   const std::vector<int> shown = ShownFrames(clouds);
+  if (shown.empty()) {
+    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points of the person",
+                "depth views", "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
+  }
   if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
   CalibrateFlesh(clouds, state, shown, options.max_distance, body);
   const auto trust = TrustInClouds(motion, clouds, shown, body, state, options);
   if (!trust) return Forward(trust);
 
+  const std::vector<bool> turned = body.MovingJoints();
   FitResult result = tracks;
   UncertainMotion uncertain(motion);
   std::vector<double> residuals;
+  int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestPoints) continue;
     const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), JointsOf(motion, f), *trust};
@@ -139,13 +184,19 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);
     for (Matrix3d& covariance : uncertainty->position) covariance *= kSharedErrors;
-    uncertain.Narrow(f, *uncertainty);
+    uncertain.Replace(f, *uncertainty, turned);
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
       residuals.push_back(std::abs(match.distance));
     }
     result.iterations += fitted->iterations;
-    result.converged = result.converged && fitted->converged;
+    if (!fitted->converged) ++unsettled;
   }
+  if (unsettled > 0) {
+    result.converged = false;
+    result.termination =
+        "iteration limit in " + std::to_string(unsettled) + " of " + std::to_string(clouds.size()) + " frames";
+  }
+  ReportFramesWithoutPoints(clouds, result);
   result.motion = MotionOf(state, motion.skeleton, motion.rate);
   result.motion.state = motion.state;
   uncertain.Write(result.motion);

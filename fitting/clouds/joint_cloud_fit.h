@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "fitting/clouds/depth_fusion.h"
@@ -13,10 +14,16 @@ namespace mocurate {
 /// fitted to the clouds (one per frame) in the tracks' poses, so that what the body is not counts once and not in every
 /// frame; how far the clouds are to be trusted is measured by how far poses from the clouds alone lie from the tracks',
 /// beyond what the tracks are uncertain. Frames with few points, or joints that they do not reach, stay with the
-/// tracks. Motion, uncertainty and residuals (of points) are those of the mix; findings and states are those of the
-/// tracks. Error kInconsistent for clouds of another number of frames, for tracks without uncertainty, or a cloud that
-/// lies elsewhere than the tracks.
+/// tracks. Motion, uncertainty and residuals (of points) are those of the mix; states are those of the tracks, and so
+/// are rotations of joints that move no capsule; findings are those of the tracks and "frames_without_points". Error
+/// kInconsistent for clouds of another number of frames, or of which none has enough points, for tracks without
+/// uncertainty, or a cloud that lies elsewhere than the tracks.
 Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
                                        const PointCloudOptions& options);
+
+/// Error kInconsistent where a depth image is taken more than half a step from its frame of the tracks; names the
+/// largest distance. Frames are compared up to the shorter of both.
+Status CheckOneClock(const std::vector<double>& track_s, const std::vector<double>& depth_s, double step_s,
+                     const std::string& clip);
 
 }  // namespace mocurate

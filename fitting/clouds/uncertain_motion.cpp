@@ -34,28 +34,26 @@ void UncertainMotion::SetPosition(std::size_t at, const Matrix3d& c) {
   for (std::size_t i = 0; i < 6; ++i) position_cov_[6 * at + i] = static_cast<float>(values[i]);
 }
 
+void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& observed) {
+  for (int i = 0; i < 3; ++i) {
+    rotation_sigma_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(std::sqrt(variance[i]));
+    rotation_observed_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(observed[i]);
+  }
+}
+
 void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j] + body_error[j] * body_error[j] * Matrix3d::Identity());
-    for (std::size_t i = 0; i < 3; ++i) {
-      rotation_sigma_[3 * at + i] = static_cast<float>(std::sqrt(uncertainty.rotation[j][static_cast<int>(i)]));
-      rotation_observed_[3 * at + i] = static_cast<float>(uncertainty.observed[j][static_cast<int>(i)]);
-    }
+    SetRotation(at, uncertainty.rotation[j], uncertainty.observed[j]);
   }
 }
 
-void UncertainMotion::Narrow(int frame, const CloudUncertainty& uncertainty) {
+void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto sigma = static_cast<float>(std::sqrt(uncertainty.rotation[j][static_cast<int>(i)]));
-      if (sigma >= rotation_sigma_[3 * at + i]) continue;
-      rotation_sigma_[3 * at + i] = sigma;
-      rotation_observed_[3 * at + i] =
-          std::max(rotation_observed_[3 * at + i], static_cast<float>(uncertainty.observed[j][static_cast<int>(i)]));
-    }
+    if (turned[j]) SetRotation(at, uncertainty.rotation[j], uncertainty.observed[j]);
   }
 }
 

@@ -18,12 +18,13 @@ class UncertainMotion {
 
   /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own.
   void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error);
-  /// Positions are those given; of rotations the better known of both stays, axis by axis.
-  void Narrow(int frame, const CloudUncertainty& uncertainty);
+  /// Takes a frame's uncertainty over; of joints that are not `turned` (J) rotations stay as known as they were.
+  void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned);
   void Write(Motion& motion) const;
 
  private:
   void SetPosition(std::size_t at, const Matrix3d& covariance);
+  void SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& observed);
 
   int joints_;
   std::vector<float> position_cov_;

@@ -370,6 +370,10 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
     found.findings.push_back(FindingOf(fault));
     found.report.doubtful = found.report.doubtful || !fault.corrected;
   }
+  if (!audited.not_audited.empty()) {
+    found.findings.push_back(Tell("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
+                                  audited.not_audited, "taken as given"));
+  }
   found.report.faults = std::move(faults);
   found.report.residual_px = audited.residual_px;
   TellOfPeople(rig, take, evidence.subject, found.findings);

@@ -179,6 +179,48 @@ TEST_F(TracksAndClouds, FramesWithoutPointsStayWithTheTracks) {
   ASSERT_TRUE(both) << both.error().Message();
   EXPECT_LT((both->motion.joints.at(3, 20) - tracks->motion.joints.at(3, 20)).norm(), 1e-6);
   EXPECT_GT((both->motion.joints.at(4, 20) - tracks->motion.joints.at(4, 20)).norm(), 1e-6);
+  const auto told = std::find_if(both->findings.begin(), both->findings.end(),
+                                 [](const Finding& finding) { return finding.code == "frames_without_points"; });
+  ASSERT_NE(told, both->findings.end());
+  EXPECT_EQ(told->frame_begin, 3);
+  EXPECT_EQ(told->frame_end, 4);
+  EXPECT_EQ(told->action, "the tracks' pose kept");
+}
+
+TEST_F(TracksAndClouds, CloudsWithoutAnyPointsAreRefused) {
+  const auto tracks = FitTracks((*takes_)[0]);
+  ASSERT_TRUE(tracks);
+  const FusedCloud empty{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
+  const std::vector<FusedCloud> clouds(static_cast<std::size_t>(tracks->motion.frame_count()), empty);
+  const auto both = FitTracksAndClouds(*tracks, clouds, options_);
+  ASSERT_FALSE(both);
+  EXPECT_EQ(both.error().code, ErrorCode::kInconsistent);
+  EXPECT_THAT(both.error().Message(), HasSubstr("no frame has 100 points of the person"));
+}
+
+TEST_F(TracksAndClouds, EndJointsKeepTheRotationsOfTheTracks) {
+  auto tracks = FitTracks((*takes_)[0]);
+  ASSERT_TRUE(tracks);
+  const std::vector<bool> moving = FleshBody::Make(tracks->motion.skeleton, 1.0, 1.0).MovingJoints();
+  const auto end_joint = std::find(moving.begin(), moving.end(), false);
+  ASSERT_NE(end_joint, moving.end());
+  const auto end = static_cast<int>(end_joint - moving.begin());
+  const int joints = tracks->motion.joint_count();
+  const Quaterniond turned(Eigen::AngleAxisd(0.5, Vector3d::UnitX()));
+  for (int f = 0; f < tracks->motion.frame_count(); ++f) tracks->motion.rotation[f * joints + end] = turned;
+  const auto both = FitTracksAndClouds(*tracks, *FuseClip(clips_[0], options_), options_);
+  ASSERT_TRUE(both) << both.error().Message();
+  EXPECT_LT(both->motion.rotation_at(4, end).angularDistance(turned), 1e-6);
+  EXPECT_EQ(both->motion.rotation_sigma[3 * (4 * joints + end)], tracks->motion.rotation_sigma[3 * (4 * joints + end)]);
+}
+
+TEST(TracksAndDepth, StampsHalfAStepApartAreRefused) {
+  const std::vector<double> tracks = {0.0, 0.1, 0.2, 0.3};
+  EXPECT_TRUE(CheckOneClock(tracks, {0.04, 0.14, 0.24, 0.34}, 0.1, "clip"));
+  const Status apart = CheckOneClock(tracks, {0.0, 0.1, 0.262, 0.3}, 0.1, "clip");
+  ASSERT_FALSE(apart);
+  EXPECT_EQ(apart.error().code, ErrorCode::kInconsistent);
+  EXPECT_THAT(apart.error().Message(), HasSubstr("62 ms apart (frame 2)"));
 }
 
 }  // namespace

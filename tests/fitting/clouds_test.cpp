@@ -295,6 +295,19 @@ TEST(CloudFit, AClipWithoutOrWithUnequalViewsIsRefused) {
   EXPECT_THAT(fit.error().Message(), HasSubstr("has 1 depth images"));
 }
 
+TEST(CloudFit, StampsThatDoNotIncreaseAreRefusedWithTheFrame) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  Clip clip;
+  clip.evidence.depth_views.resize(1);
+  clip.evidence.depth_views[0].files = {"a.png", "b.png", "c.png"};
+  clip.evidence.depth_views[0].time_s = {0.0, 0.1, 0.1};
+  const auto fit = FitClouds(clip, skeleton, {}, PointCloudOptions());
+  ASSERT_FALSE(fit);
+  EXPECT_EQ(fit.error().code, ErrorCode::kInconsistent);
+  EXPECT_THAT(fit.error().Message(), HasSubstr("frame 2 of view"));
+}
+
 class RenderedSequenceFit : public ::testing::Test {
  protected:
   void SetUp() override {
