@@ -120,7 +120,7 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
   inspect->add_option("path", arguments->path, "file or folder")->required();
-  inspect->add_option("--source", arguments->source, "config whose ingest.source declares the format");
+  inspect->add_option("--source", arguments->source, "recipe or config whose ingest.source declares the format");
   inspect->footer(
       "Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
       "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");

@@ -3,6 +3,7 @@
 
 #include "app/config_loading.h"
 #include "app/inspect_made.h"
+#include "app/recipes.h"
 #include "app/verbs.h"
 #include "app/video_probe.h"
 #include "core/base/file.h"
@@ -41,6 +42,22 @@ Status Unreadable(CommonArguments& common, const std::filesystem::path& path, co
   return tl::unexpected<Error>(error);
 }
 
+/// A config, or a recipe by its name; a recipe whose folder nothing tells is of the files that are looked at.
+Expected<SourceOptions> LoadSource(const InspectArguments& arguments) {
+  std::error_code ignored;
+  if (std::filesystem::exists(arguments.source, ignored)) {
+    const auto job = LoadJob(arguments.source, {});
+    if (!job) return Forward(job);
+    return job->options.ingest.source;
+  }
+  const Expected<ConfigSource> recipe = RecipeOf(arguments.source.string());
+  if (!recipe) return Forward(recipe);
+  auto job = LoadJob(*recipe, {});
+  if (!job) job = LoadJob(*recipe, {"ingest.path=."});
+  if (!job) return Forward(job);
+  return job->options.ingest.source;
+}
+
 }  // namespace
 
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
@@ -67,9 +84,9 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   }
   std::optional<SourceOptions> source;
   if (!arguments.source.empty()) {
-    const auto job = LoadJob(arguments.source, {});
-    if (!job) return Forward(job);
-    source = job->options.ingest.source;
+    Expected<SourceOptions> declared = LoadSource(arguments);
+    if (!declared) return Forward(declared);
+    source = *std::move(declared);
   }
   const nlohmann::json inspection = InspectPath(arguments.path, source, AskVideoProgram());
   common.answered = common.json;

@@ -42,7 +42,7 @@ struct FitArguments {
 
 struct InspectArguments {
   std::filesystem::path path;
-  std::filesystem::path source;  ///< config with a source declaration, or empty
+  std::filesystem::path source;  ///< recipe or config with a source declaration, or empty
 };
 
 struct SynthesizeArguments {

@@ -120,15 +120,20 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   const ClipPoints points(ingested.clip, skeleton ? *skeleton : nullptr);
   if (points.empty()) return std::nullopt;
-  bool metres = true;
+  bool metres = true, contradicted = false;
   for (const Finding& finding : ingested.findings) {
+    for (const char* code : {"units_contradiction", "up_contradiction", "handedness_contradiction"})
+      contradicted = contradicted || finding.code == code;
     if (finding.code == "units_contradiction" || finding.code == "up_contradiction") metres = false;
   }
   std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres);
   JudgeName(source, named, points.positions->frames, findings);
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {
-    const FindingAction action = ActionFor(options, finding.code, ingested.clip);
+    FindingAction action = ActionFor(options, finding.code, ingested.clip);
+    // A wrong unit makes any clip look lifeless: it is the declaration that is to be mended.
+    if (contradicted && finding.code == "lifeless_clip" && action == FindingAction::kDrop)
+      action = FindingAction::kReport;
     if (action == FindingAction::kIgnore) continue;
     if (action == FindingAction::kMissing && ingested.clip.evidence.tracks) {
       TakeAsMissing(finding, *ingested.clip.evidence.tracks);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "ingest/options.h"
 
 namespace mocurate {
@@ -16,6 +18,9 @@ struct FormatFacts {
 };
 
 const FormatFacts& FactsOf(SourceFormat format);
+
+/// Whether a source of this format reads what an inspection calls `inspected` ("depth_still", "amc"); kNone reads all.
+bool Reads(SourceFormat format, std::string_view inspected);
 
 /// "joint tracks", ...
 const char* Name(Gives gives);

@@ -178,12 +178,17 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
 }
 
 /// A file that cannot be used. A header that contradicts what follows is a finding as well.
-Expected<StageOutcome> Unusable(const Error& error, const std::string& item) {
+Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error, const std::string& item) {
   const std::optional<double> announced = AnnouncedCount(error);
   if (!announced) return tl::unexpected<Error>(error);
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kRefused;
   outcome.error = error;
+  const bool passes = source.format == SourceFormat::kNtuSkeleton || source.format == SourceFormat::kBvh;
+  if (passes && source.damaged_rows == DamagedRows::kRefuse) {
+    outcome.error.hint +=
+        std::string(error.hint.empty() ? "" : ", or ") + "set ingest.source.damaged_rows: report to take what it holds";
+  }
   Finding finding;
   finding.clip = item;
   finding.code = "count_contradiction";
@@ -273,7 +278,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     read += file.skeleton_bytes;
   }
   Expected<IngestedClip> ingested = ReadClip(file, facts.array);
-  if (!ingested) return Unusable(ingested.error(), request.item);
+  if (!ingested) return Unusable(*source, ingested.error(), request.item);
   if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
   CheckBody(*source, *ingested);
   const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested);

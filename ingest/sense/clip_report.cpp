@@ -6,8 +6,10 @@
 #include "core/base/text.h"
 #include "core/quality/rate.h"
 #include "ingest/clip_checks.h"
+#include "ingest/format_facts.h"
 #include "ingest/sense/check_report.h"
 #include "ingest/sense/comparison.h"
+#include "ingest/sources/pattern.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -42,11 +44,10 @@ void CheckUnits(const Statements& said, const std::string& where, Json& findings
 
 /// A file of another format than the source declares.
 void CompareFormat(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
-  const std::string declared = FormatName(source.format);
-  const std::string as_told = source.format == SourceFormat::kAsfAmc ? "amc" : declared;
-  if (source.format == SourceFormat::kNone || clip.format == as_told) return;
-  findings.push_back(InspectionFinding("format_contradiction", Severity::kError, where, 0.0,
-                                       "the format is declared " + declared + ", the file is " + clip.format));
+  if (Reads(source.format, clip.format)) return;
+  findings.push_back(
+      InspectionFinding("format_contradiction", Severity::kError, where, 0.0,
+                        "the format is declared " + FormatName(source.format) + ", the file is " + clip.format));
 }
 
 void CompareRate(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
@@ -109,13 +110,10 @@ Json FirstFrame(const ObservedClip& clip) {
   return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
 
-void AddNameFields(const ObservedClip& clip, const SourceOptions& source, const std::string& file, Json& json,
-                   Json& findings) {
-  const auto named = ReadName(source, file);
-  if (!named) {
-    findings.push_back(InspectionFinding("name_mismatch", Severity::kWarning, file, 0.0, named.error().Message()));
-    return;
-  }
+void AddNameFields(const ObservedClip& clip, const SourceOptions& source, const std::string& file,
+                   const std::string& declared_name, Json& json, Json& findings) {
+  const auto named = ReadName(source, declared_name);
+  if (!named) return TellUnread(source, file, named.error(), findings);
   std::vector<Finding> contradictions;
   JudgeName(source, *named, clip.frames, contradictions);
   for (const Finding& finding : contradictions) {
@@ -160,13 +158,25 @@ Json InspectionFinding(const std::string& code, Severity severity, const std::st
   return {{"code", code}, {"severity", Name(severity)}, {"where", where}, {"value", value}, {"message", message}};
 }
 
+void TellUnread(const SourceOptions& source, const std::string& file, const Error& why, Json& findings) {
+  const auto pattern = NamePattern::Parse(source.files, "ingest.source.files");
+  if (pattern && why.code == ErrorCode::kInconsistent && pattern->Match(why.where)) {
+    const bool by_rule = source.other_labels == OtherLabels::kLeaveOut;
+    findings.push_back(InspectionFinding(by_rule ? "label_left_out" : "label_unknown",
+                                         by_rule ? Severity::kInfo : Severity::kWarning, file, 0.0, why.Message()));
+    return;
+  }
+  if (source.other_files == OtherFiles::kIgnore) return;
+  findings.push_back(InspectionFinding("name_mismatch", Severity::kWarning, file, 0.0, why.Message()));
+}
+
 Json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
-                Json& findings) {
+                const std::string& declared_name, Json& findings) {
   const ClipMeasures m = MeasuresOf(clip);
   const Statements said = StatementsOf(clip, source);
   const std::string where = file + clip.id;
   Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
-  if (source) AddNameFields(clip, *source, file, json, findings);
+  if (source && !declared_name.empty()) AddNameFields(clip, *source, file, declared_name, json, findings);
   json["frames"] = ReportValue(clip.frames, "measured", 1.0, clip.layout_evidence);
   const bool has_joints = clip.joints > 0;
   json["joints"] = ReportValue(
@@ -198,7 +208,8 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
         InspectionFinding("many_missing", Severity::kWarning, where, Rounded(m.missing_share),
                           FormatDouble(Rounded(100.0 * m.missing_share)) + " % of the joints are missing"));
   }
-  if (!said.units.empty() && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
+  const bool pixels = clip.positions.empty() && clip.units == "px" && said.units == "px";
+  if (!said.units.empty() && !pixels && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
   std::string units = said.units.empty() ? m.units.value : said.units;
   std::string up = said.up.empty() ? m.up.value : said.up;
   for (const Comparison& comparison : CompareFrame(said, m)) {

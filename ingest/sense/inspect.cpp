@@ -10,10 +10,13 @@
 #include "core/formats/camera_files.h"
 #include "core/formats/header_count.h"
 #include "core/formats/png.h"
+#include "ingest/format_facts.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_groups.h"
 #include "ingest/sense/scene_report.h"
+#include "ingest/sources/pattern.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -99,11 +102,17 @@ class Inspector {
  private:
   Status Read(const FileToInspect& file, FileKind kind);
   Status AddStoragesBeside(const FileToInspect& file);
-  void Add(const ObservedFile& file, const std::string& name);
+  bool IsDeclared(const FileToInspect& file) const;
+  std::string DeclaredName(const FileToInspect& file) const;
+  void AddClips(const FileToInspect& file, bool declared, const std::vector<ObservedClip>& clips);
+  void AddRest(const ObservedFile& file, const std::string& name);
+  void AddSequence(const ObservedFile& file, const std::string& name);
   void AddVideos();
   Json& findings() { return inspection["findings"]; }
 
   const std::optional<SourceOptions>& source_;
+  const std::optional<SourceOptions> none_;
+  bool any_declared_ = false;
   bool folder_;
   const VideoProbe& probe_;
   std::vector<FileToInspect> videos_;
@@ -129,9 +138,11 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
     if (Status added = sequences_.AddOpenCv(content); !added) return added;
     return folder_ ? Status() : AddStoragesBeside(file);
   }
-  const Expected<ObservedFile> observed = ObserveFile(content, source_);
+  const bool declared = IsDeclared(file);
+  const Expected<ObservedFile> observed = ObserveFile(content, declared ? source_ : none_);
   if (!observed) return Forward(observed);
-  Add(*observed, file.name);
+  AddClips(file, declared, observed->clips);
+  AddRest(*observed, file.name);
   return {};
 }
 
@@ -156,9 +167,61 @@ Status Inspector::AddStoragesBeside(const FileToInspect& file) {
   return {};
 }
 
-void Inspector::Add(const ObservedFile& file, const std::string& name) {
-  for (const ObservedClip& clip : file.clips)
-    inspection["clips"].push_back(ClipReport(clip, name, source_, findings()));
+/// The name below the source's folder. Of a file in a folder of the pattern, that folder may be the one asked for: then
+/// its path says the rest.
+std::string Inspector::DeclaredName(const FileToInspect& file) const {
+  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
+  if (!pattern || pattern->Match(file.name)) return file.name;
+  std::error_code unknown;
+  const std::filesystem::path whole = std::filesystem::absolute(file.path, unknown).lexically_normal();
+  const std::vector<std::filesystem::path> parts(whole.begin(), whole.end());
+  const auto own = static_cast<std::size_t>(std::count(file.name.begin(), file.name.end(), '/')) + 1;
+  const auto most = static_cast<std::size_t>(pattern->depth()) + 1;
+  for (std::size_t count = own + 1; count <= most && count < parts.size(); ++count) {
+    std::filesystem::path tail;
+    for (std::size_t i = parts.size() - count; i < parts.size(); ++i) tail /= parts[i];
+    if (pattern->Match(DisplayPath(tail))) return DisplayPath(tail);
+  }
+  return file.name;
+}
+
+/// Whether the declaration speaks of the file. What is asked for by itself is compared whatever it is called.
+bool Inspector::IsDeclared(const FileToInspect& file) const {
+  if (!source_) return false;
+  if (!folder_ || source_->files.empty()) return true;
+  if (!source_->container.empty()) {
+    const std::filesystem::path container(source_->container);
+    return file.name == source_->container || file.name == DisplayPath(container.filename());
+  }
+  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
+  return !pattern || pattern->Match(DeclaredName(file)).has_value();
+}
+
+void Inspector::AddClips(const FileToInspect& file, bool declared, const std::vector<ObservedClip>& clips) {
+  const bool named = declared && source_->container.empty() && !source_->files.empty();
+  const std::string name = named ? DeclaredName(file) : "";
+  any_declared_ = any_declared_ || declared;
+  for (const ObservedClip& clip : clips)
+    inspection["clips"].push_back(ClipReport(clip, file.name, declared ? source_ : none_, name, findings()));
+  if (!source_ || declared || clips.empty() || !source_->container.empty() || IsGathered(source_->format)) return;
+  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
+  // Of what lies deeper a run says nothing file by file.
+  if (!pattern || std::count(file.name.begin(), file.name.end(), '/') > pattern->depth()) return;
+  const auto read = ReadName(*source_, file.name);
+  if (!read) TellUnread(*source_, file.name, read.error(), findings());
+}
+
+/// Clips of many files: the names of those are no names of clips.
+void Inspector::AddSequence(const ObservedFile& file, const std::string& name) {
+  for (const ObservedClip& clip : file.clips) {
+    const bool declared = source_ && (!folder_ || source_->files.empty() || Reads(source_->format, clip.format));
+    any_declared_ = any_declared_ || declared;
+    inspection["clips"].push_back(ClipReport(clip, name, declared ? source_ : none_, "", findings()));
+  }
+  AddRest(file, name);
+}
+
+void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
   for (const Calibration& calibration : file.calibrations) {
     ReportCameras(calibration, name, inspection["cameras"], findings());
   }
@@ -232,7 +295,7 @@ void Inspector::Look(const FileToInspect& file) {
     others_.push_back(file.name);
     return;
   }
-  AddError(read.error(), file.name, CodeOf(code, kind, source_.has_value()), findings());
+  AddError(read.error(), file.name, CodeOf(code, kind, IsDeclared(file)), findings());
   if (const std::optional<double> announced = AnnouncedCount(read.error())) {
     findings().back()["code"] = "count_contradiction";
     findings().back()["value"] = *announced;
@@ -250,12 +313,19 @@ std::string FormatOf(const Json& inspection) {
 }
 
 void Inspector::Finish(const std::string& path) {
-  for (const auto& [folder, file] : sequences_.Finish(folder_)) Add(file, folder.empty() ? path : folder);
+  for (const auto& [folder, file] : sequences_.Finish(folder_)) AddSequence(file, folder.empty() ? path : folder);
   AddVideos();
   if (!others_.empty()) {
     findings().push_back(InspectionFinding(
         "other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
         std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") + " of no known format"));
+  }
+  if (source_ && folder_ && !any_declared_ && !inspection["clips"].empty()) {
+    const std::string wanted =
+        source_->container.empty() ? "the pattern '" + source_->files + "'" : "'" + source_->container + "'";
+    findings().push_back(InspectionFinding("name_mismatch", Severity::kWarning, path, 0.0,
+                                           "no file with motion is what the source declares, " + wanted +
+                                               ": mend ingest.source.files, or inspect the source's own folder"));
   }
   TellByGroup(inspection["clips"], findings());
   const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&

@@ -2,8 +2,10 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/formats/joint_layout.h"
 #include "core/formats/joint_table.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -52,6 +54,23 @@ void AddLayoutFacts(const JointTable& rows, const Layout& layout, ObservedClip& 
                                         (fourth.empty() ? "" : " " + fourth) + ")");
 }
 
+/// The leading numbers, where they count the frames: whole, rising, mostly by one (by more, they are times).
+std::vector<double> FrameNumbers(const JointTable& rows, const Layout& layout) {
+  const bool leads = layout.rows_per_frame == 1 && (layout.first_column == 1 || !layout.x_columns.empty());
+  if (!leads) return {};
+  std::vector<double> numbers;
+  int by_one = 0;
+  for (int f = 0; f < rows.frames; ++f) {
+    const double number = rows.at(f, 0, 0);
+    if (!std::isfinite(number) || number != std::floor(number)) return {};
+    if (f > 0 && number <= numbers.back()) return {};
+    if (f > 0 && number == numbers.back() + 1.0) ++by_one;
+    numbers.push_back(number);
+  }
+  if (2 * by_one < rows.frames - 1) return {};
+  return numbers;
+}
+
 ObservedClip Read(const JointTable& rows, const Layout& layout) {
   ObservedClip clip;
   clip.format = "joint_table";
@@ -76,6 +95,7 @@ ObservedClip Read(const JointTable& rows, const Layout& layout) {
       clip.confidence[at] = 1.0;
     }
   }
+  clip.frame_numbers = FrameNumbers(rows, layout);
   clip.layout_evidence = layout.words;
   AddLayoutFacts(rows, layout, clip);
   return clip;
@@ -228,9 +248,9 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
         const double value = rows.at(row, 0, (j % per_row) * layout.columns_per_joint + confidence);
         const std::size_t at =
             static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);
-        if (value > 0.0) continue;
+        if (value > 0.0 || source.least_confidence > 0.0) continue;
         clip.confidence[at] = 0.0;
-        if (source.least_confidence <= 0.0) clip.zeros[at] = 0;
+        clip.zeros[at] = 0;
       }
     }
   }
@@ -239,14 +259,56 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
   return clip;
 }
 
+/// By `layout`, as an ingest reads it.
+Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions& source, const std::string& name) {
+  const Expected<JointLayout> layout = TableLayout(source);
+  if (!layout) return Forward(layout);
+  if (layout->Joints() != static_cast<int>(source.joints.size())) {
+    return Fail(ErrorCode::kInconsistent,
+                "ingest.source.layout has " + std::to_string(layout->Joints()) + " joints, " +
+                    std::to_string(source.joints.size()) + " are named under ingest.source.joints",
+                name, "name each joint of the layout, in its order");
+  }
+  JointTableLayout table;
+  table.rows_per_frame = RowsPerFrame(source);
+  table.allow_nan = true;
+  table.damaged_rows = source.damaged_rows;
+  table.end_word = source.end_word;
+  const Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name);
+  if (!rows) return Forward(rows);
+  ObservedClip clip;
+  clip.format = "joint_table";
+  clip.frames = rows->frames;
+  clip.joints = rows->joints;
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  const std::size_t samples = static_cast<std::size_t>(clip.frames) * static_cast<std::size_t>(clip.joints);
+  clip.confidence.assign(samples, 0.0);
+  clip.zeros.assign(samples, 0);
+  for (std::size_t at = 0; at < samples; ++at) {
+    const Vector3d value(rows->position[at * 3], rows->position[at * 3 + 1], rows->position[at * 3 + 2]);
+    const bool doubted = !rows->confidence.empty() && !(rows->confidence[at] > 0.0) && source.least_confidence <= 0.0;
+    clip.zeros[at] = value.isZero(0.0) && !doubted ? 1 : 0;
+    if (!value.allFinite() || value.isZero(0.0)) continue;
+    clip.positions.at(static_cast<int>(at) / clip.joints, static_cast<int>(at) % clip.joints) = value;
+    clip.confidence[at] = doubted ? 0.0 : 1.0;
+  }
+  if (source.missing == MissingValue::kZero) clip.zeros.clear();
+  clip.layout_evidence = "as declared: " + source.layout;
+  clip.facts.emplace_back("layout", source.layout);
+  DeclareOrder(source, clip);
+  return clip;
+}
+
 }  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
                                                  const std::optional<SourceOptions>& source) {
-  if (!source) {
+  if (!source || source->format == SourceFormat::kExpmap) {
     if (std::optional<ObservedClip> rotations = ObserveExpmap(bytes, name))
       return std::vector<ObservedClip>{std::move(*rotations)};
   }
+  const bool by_layout =
+      source && source->format == SourceFormat::kJointTable && !source->joints.empty() && !source->layout.empty();
   JointTableLayout layout;
   layout.allow_nan = true;
   layout.end_word = "END";
@@ -256,7 +318,9 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
                         std::all_of(std::begin(kAxisColumns), std::end(kAxisColumns), [&](const char* column) {
                           return std::count(source->columns.begin(), source->columns.end(), column) == 1;
                         });
-  Expected<ObservedClip> clip = declared ? DeclaredReading(*rows, *source, name) : BestReading(*rows, name);
+  Expected<ObservedClip> clip = by_layout  ? LayoutReading(bytes, *source, name)
+                                : declared ? DeclaredReading(*rows, *source, name)
+                                           : BestReading(*rows, name);
   if (!clip) return Forward(clip);
   if (bytes.find("\nEND") != std::string_view::npos) clip->facts.emplace_back("end_word", "END");
   if (std::none_of(clip->confidence.begin(), clip->confidence.end(), [](double c) { return c > 0.0; })) {

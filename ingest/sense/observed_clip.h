@@ -36,9 +36,10 @@ struct ObservedClip {
   std::vector<std::string> names;  ///< (joints), or empty: unknown
   std::vector<int> parents;        ///< (joints) where the file holds a tree; -1 for the root
   HandednessPoints points;
-  std::optional<double> rate_hz;  ///< where the file says it
-  std::string rate_evidence;      ///< where it says it, or what is known besides the file
-  double set_rate_hz = 0.0;       ///< where only the set that the file is of tells it
+  std::optional<double> rate_hz;      ///< where the file says it
+  std::string rate_evidence;          ///< where it says it, or what is known besides the file
+  std::vector<double> frame_numbers;  ///< (frames) where the file counts its frames, rising; empty: one after another
+  double set_rate_hz = 0.0;           ///< where only the set that the file is of tells it
   std::string set_says;
   std::optional<double> missing_share;  ///< where positions do not show it
   bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "ingest/format_facts.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/sources.h"
 
@@ -72,6 +73,30 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   EXPECT_THAT(Codes(declared, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
   const std::string text = InspectionText(declared);
   EXPECT_THAT(text, HasSubstr("+y  declared\n")) << "what is declared is said of no clip by agreement";
+}
+
+TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) {
+  SourceOptions source;
+  source.name = "made";
+  source.format = SourceFormat::kNpy;
+  source.files = "{take}.npy";
+  source.units = "m";
+  source.axes = "+x +y +z";
+  Written("take.bvh", kBvh);
+  const auto told = InspectPath(folder_, source);
+  EXPECT_THAT(Codes(told, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
+  EXPECT_THAT(Codes(told, "warning"), ::testing::Contains("name_mismatch"));
+  source.other_files = OtherFiles::kIgnore;
+  source.files = "{take}.bvh";
+  EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
+}
+
+TEST(Declaration, AFormatReadsWhatAnInspectionCallsOtherwise) {
+  EXPECT_TRUE(Reads(SourceFormat::kDepthSequence, "depth_still"));
+  EXPECT_TRUE(Reads(SourceFormat::kAsfAmc, "amc"));
+  EXPECT_TRUE(Reads(SourceFormat::kPhspd, "joint_table"));
+  EXPECT_TRUE(Reads(SourceFormat::kNone, "bvh"));
+  EXPECT_FALSE(Reads(SourceFormat::kJointTable, "bvh"));
 }
 
 }  // namespace
