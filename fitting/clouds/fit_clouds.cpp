@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/uncertain_motion.h"
+#include "fitting/frames_without_evidence.h"
 
 namespace mocurate {
 namespace {
@@ -64,21 +64,9 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
 }
 
 void ReportFramesWithoutPoints(const CloudTrack& track, FitResult& result) {
-  const auto frames = static_cast<int>(track.outcomes.size());
-  for (int begin = 0; begin < frames; ++begin) {
-    int end = begin;
-    while (end < frames && track.outcomes[end].iterations == 0) ++end;
-    if (end == begin) continue;
-    Finding finding;
-    finding.code = "frames_without_evidence";
-    finding.frame_begin = begin;
-    finding.frame_end = end;
-    finding.value = end - begin;
-    finding.message = "too few depth points in " + Counted(end - begin, "frame");
-    finding.action = "pose of the frame before, or after, kept";
-    result.findings.push_back(finding);
-    begin = end;
-  }
+  std::vector<bool> without;
+  for (const auto& outcome : track.outcomes) without.push_back(outcome.iterations == 0);
+  ReportFramesWithout(without, "too few depth points", "pose of the frame before, or after, kept", result.findings);
 }
 
 /// Tells of points that were taken for the room, and of points of the person that the body does not reach.

@@ -10,6 +10,7 @@
 #include "fitting/clouds/flesh_calibration.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/frames_without_evidence.h"
 
 namespace mocurate {
 namespace {
@@ -109,21 +110,9 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
 }
 
 void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult& result) {
-  const auto frames = static_cast<int>(clouds.size());
-  for (int begin = 0; begin < frames; ++begin) {
-    int end = begin;
-    while (end < frames && clouds[end].size() < kFewestPoints) ++end;
-    if (end == begin) continue;
-    Finding finding;
-    finding.code = "frames_without_points";
-    finding.frame_begin = begin;
-    finding.frame_end = end;
-    finding.value = end - begin;
-    finding.message = "too few depth points in " + Counted(end - begin, "frame");
-    finding.action = "the tracks' pose kept";
-    result.findings.push_back(std::move(finding));
-    begin = end;
-  }
+  std::vector<bool> without;
+  for (const FusedCloud& cloud : clouds) without.push_back(cloud.size() < kFewestPoints);
+  ReportFramesWithout(without, "too few depth points", "the tracks' pose kept", result.findings);
 }
 
 }  // namespace

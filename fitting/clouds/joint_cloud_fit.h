@@ -15,7 +15,7 @@ namespace mocurate {
 /// frame; how far the clouds are to be trusted is measured by how far poses from the clouds alone lie from the tracks',
 /// beyond what the tracks are uncertain. Frames with few points, or joints that they do not reach, stay with the
 /// tracks. Motion, uncertainty and residuals (of points) are those of the mix; states are those of the tracks, and so
-/// are rotations of joints that move no capsule; findings are those of the tracks and "frames_without_points". Error
+/// are rotations of joints that move no capsule; findings are those of the tracks and "frames_without_evidence". Error
 /// kInconsistent for clouds of another number of frames, or of which none has enough points, for tracks without
 /// uncertainty, or a cloud that lies elsewhere than the tracks.
 Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,

@@ -9,6 +9,7 @@
 #include "core/motion/kinematics.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/evidence/outliers.h"
+#include "fitting/frames_without_evidence.h"
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/track_window.h"
 #include "fitting/uncertainty/track_uncertainty.h"
@@ -111,25 +112,6 @@ void MeasureResiduals(const SkeletonTracks& tracks, FitResult& result) {
   result.residual_p95 = *place;
 }
 
-/// One finding per run of frames in which no joint is seen.
-void ReportFramesWithoutEvidence(const SkeletonTracks& tracks, FitResult& result) {
-  const std::vector<bool> seen = tracks.SeenFrames();
-  for (int begin = 0; begin < tracks.frames(); ++begin) {
-    if (seen[begin]) continue;
-    int end = begin;
-    while (end < tracks.frames() && !seen[end]) ++end;
-    Finding finding;
-    finding.code = "frames_without_evidence";
-    finding.frame_begin = begin;
-    finding.frame_end = end;
-    finding.value = end - begin;
-    finding.message = "no joint is seen in " + Counted(end - begin, "frame");
-    finding.action = "interpolated";
-    result.findings.push_back(finding);
-    begin = end;
-  }
-}
-
 /// One finding per joint that has samples rejected.
 void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejected, FitResult& result) {
   for (int j = 0; j < tracks.joints(); ++j) {
@@ -218,7 +200,9 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     result.variance_factor = uncertainty->variance_factor;
   }
   MeasureResiduals(tracks, result);
-  ReportFramesWithoutEvidence(tracks, result);
+  std::vector<bool> unseen = tracks.SeenFrames();
+  unseen.flip();
+  ReportFramesWithout(unseen, "no joint is seen", "interpolated", result.findings);
   ReportOutliers(tracks, rejected, result);
   return result;
 }

@@ -18,11 +18,10 @@
 #include "fitting/evidence/detector_points.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
-#include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/keypoint_detector.h"
-#include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/take_plan.h"
+#include "tests/fitting/studio_views.h"
 
 namespace mocurate {
 namespace {
@@ -105,26 +104,14 @@ void AddErrors(const Motion& truth, const Motion& fit, Errors& errors) {
 
 std::vector<StudioTake> Perform(int clips, int cameras, double noise, std::int64_t seed, int frames) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  StudioOptions options;
-  options.seed = seed;
+  StudioOptions options = FourViews(seed);
   options.subjects = std::max(5, (clips + 11) / 12);
   options.clips = 1;
   options.rig.kind = cameras > 0 ? RigKind::kRing : RigKind::kHuman36m;
   options.rig.cameras = std::max(cameras, 1);
   options.keypoints.noise = noise;
-  options.keypoints.miss_share = 0.10;
-  options.keypoints.wrong_share = 0.03;
-  options.keypoints.wrong_px = 120.0;
-  std::vector<SetClass> classes;
-  for (const std::string& action : KnownActions()) {
-    for (const HumanAct12Variant& variant : HumanAct12Variants()) {
-      if (action != variant.action) continue;
-      classes.push_back({static_cast<int>(classes.size()) + 1, variant.action, variant.action, variant.seated});
-      break;
-    }
-  }
   const auto cast = Cast(options.seed, options.subjects, *skeleton);
-  const auto plan = PlanTakes(options, classes, {options.subjects, 1, kRateHz, 0.3, 0.6});
+  const auto plan = PlanTakes(options, OneVariantPerAction(), {options.subjects, 1, kRateHz, 0.3, 0.6});
   const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
   std::vector<StudioTake> takes;
   for (const PlannedTake& planned : *plan) {

@@ -7,6 +7,7 @@
 
 #include "core/quality/measures.h"
 #include "fitting/fit_outcome.h"
+#include "fitting/frames_without_evidence.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/real_people.h"
 
@@ -117,7 +118,7 @@ void Add(const RealClip& clip, const std::string& person, const FitResult& fit, 
   std::vector<bool> swapped = mended;
   for (const Finding& finding : fit.findings) {
     if (finding.code == kOutliersRejected) row.outliers += finding.value;
-    if (finding.code == kOutliersRejected || finding.code == "frames_without_evidence") continue;
+    if (finding.code == kOutliersRejected || finding.code == kFramesWithoutEvidence) continue;
     if (std::getenv("REPAIRS") != nullptr) {
       std::printf("%s %s [%d, %d): %s (%.1f)\n", clip.id.c_str(), finding.code.c_str(), finding.frame_begin,
                   finding.frame_end, finding.message.c_str(), finding.value);

@@ -180,7 +180,7 @@ TEST_F(TracksAndClouds, FramesWithoutPointsStayWithTheTracks) {
   EXPECT_LT((both->motion.joints.at(3, 20) - tracks->motion.joints.at(3, 20)).norm(), 1e-6);
   EXPECT_GT((both->motion.joints.at(4, 20) - tracks->motion.joints.at(4, 20)).norm(), 1e-6);
   const auto told = std::find_if(both->findings.begin(), both->findings.end(),
-                                 [](const Finding& finding) { return finding.code == "frames_without_points"; });
+                                 [](const Finding& finding) { return finding.code == "frames_without_evidence"; });
   ASSERT_NE(told, both->findings.end());
   EXPECT_EQ(told->frame_begin, 3);
   EXPECT_EQ(told->frame_end, 4);

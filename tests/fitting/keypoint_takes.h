@@ -137,4 +137,18 @@ inline Evidence ReadPose2Sim(const std::filesystem::path& folder, const std::str
   return evidence;
 }
 
+/// Mean distance of the found points from somebody's joints, metres.
+inline double MeanError(const JointTracks& tracks, const Motion& truth) {
+  double sum = 0.0;
+  int count = 0;
+  for (int f = 0; f < tracks.positions.frames; ++f) {
+    for (int k = 0; k < tracks.positions.joints; ++k) {
+      if (tracks.confidence[static_cast<std::size_t>(f) * tracks.positions.joints + k] <= 0.0) continue;
+      sum += (tracks.positions.at(f, k) - truth.joints.at(f, k)).norm();
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 1e9;
+}
+
 }  // namespace mocurate

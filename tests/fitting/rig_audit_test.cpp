@@ -29,19 +29,6 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const RigAuditOp
   return TriangulateKeypoints(evidence, Smpl(), options);
 }
 
-double MeanError(const JointTracks& tracks, const Motion& truth) {
-  double sum = 0.0;
-  int count = 0;
-  for (int f = 0; f < tracks.positions.frames; ++f) {
-    for (int k = 0; k < tracks.positions.joints; ++k) {
-      if (tracks.confidence[static_cast<std::size_t>(f) * tracks.positions.joints + k] <= 0.0) continue;
-      sum += (tracks.positions.at(f, k) - truth.joints.at(f, k)).norm();
-      ++count;
-    }
-  }
-  return sum / count;
-}
-
 std::vector<RigFault> FaultsNamed(const KeypointTracks& found, const std::string& code) {
   std::vector<RigFault> faults;
   for (const RigFault& fault : found.report.faults) {

@@ -34,19 +34,27 @@ inline StudioOptions FourViews(std::int64_t seed) {
   return options;
 }
 
+/// Every action of the studio in its first variant.
+inline const std::vector<SetClass>& OneVariantPerAction() {
+  static const std::vector<SetClass> classes = [] {
+    std::vector<SetClass> chosen;
+    for (const std::string& action : KnownActions()) {
+      for (const HumanAct12Variant& variant : HumanAct12Variants()) {
+        if (action != variant.action) continue;
+        chosen.push_back({static_cast<int>(chosen.size()) + 1, variant.action, variant.action, variant.seated});
+        break;
+      }
+    }
+    return chosen;
+  }();
+  return classes;
+}
+
 /// The first `count` takes of the studio's actions. From frame `moved_from` on cameras stand as faults.real says.
 inline std::vector<StudioView> StudioViews(const StudioOptions& options, int count, int moved_from = 0) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  std::vector<SetClass> classes;
-  for (const std::string& action : KnownActions()) {
-    for (const HumanAct12Variant& variant : HumanAct12Variants()) {
-      if (action != variant.action) continue;
-      classes.push_back({static_cast<int>(classes.size()) + 1, variant.action, variant.action, variant.seated});
-      break;
-    }
-  }
   const auto cast = Cast(options.seed, options.subjects, *skeleton);
-  const auto plan = PlanTakes(options, classes, {options.subjects, 1, 30.0, 0.3, 0.6});
+  const auto plan = PlanTakes(options, OneVariantPerAction(), {options.subjects, 1, 30.0, 0.3, 0.6});
   const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
   std::vector<StudioView> takes;
   for (const PlannedTake& planned : *plan) {
