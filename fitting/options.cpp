@@ -57,6 +57,8 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0}, "residuals beyond this many sigmas count linearly");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
   v.Number("velocity_walk", velocity_walk, Unit::kNone, {1e-3, 1e3}, "joint position, metres per square root second");
+  v.OptionalNumber("contact_walk", contact_walk, Unit::kNone, {1e-4, 1e3},
+                   "ankles and toes that stand, metres per square root second; none: feet that stand are not held");
   v.Bool("recorded_rotations", recorded_rotations,
          "rotations that the source recorded, or a given motion has, are evidence beside the positions");
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
@@ -192,6 +194,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 11, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 16, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 17, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

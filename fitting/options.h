@@ -47,9 +47,11 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last = {});
 struct JointTrackOptions {
   TrackSolver solver = TrackSolver::kCeres;
   NoiseScale noise = NoiseScale::kPooled;
-  double huber_sigmas = 2.5;       ///< residuals beyond this many sigmas count linearly
-  double rotation_walk = 0.55;     ///< rad per sqrt(s), each joint
-  double velocity_walk = 0.33;     ///< m per sqrt(s), each joint
+  double huber_sigmas = 2.5;    ///< residuals beyond this many sigmas count linearly
+  double rotation_walk = 0.55;  ///< rad per sqrt(s), each joint
+  double velocity_walk = 0.33;  ///< m per sqrt(s), each joint
+  /// m per sqrt(s) of ankles and toes while the steps before have them stand on the floor; none: no such prior.
+  std::optional<double> contact_walk = 0.02;
   bool recorded_rotations = true;  ///< rotations that the source recorded are evidence beside the positions
   double rest_spread = 3.3;        ///< rad from the rest pose; holds what no evidence determines
   double limit_spread = 0.5;       ///< rad beyond a joint limit

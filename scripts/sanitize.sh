@@ -15,4 +15,5 @@ export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktra
 export LSAN_OPTIONS=suppressions=$PWD/cmake/leaks.supp
 cmake --preset "$preset"
 cmake --build --preset "$preset"
+export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1  # tests run side by side
 ctest --test-dir "build/$preset" --output-on-failure -j "$(nproc)" "$@"

@@ -18,6 +18,7 @@ cmake --build --preset test
 
 log=build/test/ctest.log
 status=0
+export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1  # tests run side by side
 ctest --test-dir build/test --output-on-failure -j "$(nproc)" "$@" 2>&1 | tee "$log" || status=$?
 if [ -n "${MOCURATE_TEST_DATA:-}" ] && grep -E '\*\*\*Skipped|\(Skipped\)' "$log"; then
   echo "test.sh: the tests above were skipped although ../shared/data is here: that is a failure" >&2

@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "fitting/contacts/standing_feet.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/evidence/outliers.h"
 #include "fitting/frames_without_evidence.h"
@@ -176,11 +177,18 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     if (Status solved = SolveStep(whole, active, step, last, result); !solved)
       return tl::unexpected<Error>(solved.error());
     whole.bones = Bones::kFixed;
-    if (!step.refit_walks) continue;
-    auto refitted = RefitWalks(whole);
-    if (!refitted) return Forward(refitted);
-    factors = std::move(*refitted);
-    whole.walks = &*factors;
+    if (last) break;
+    if (step.refit_walks) {
+      auto refitted = RefitWalks(whole);
+      if (!refitted) return Forward(refitted);
+      factors = std::move(*refitted);
+    }
+    if (options.contact_walk) {
+      if (!factors) factors = WalkFactors::Ones(tracks.confidence.size());
+      state.Update(0, state.frames(), false);
+      HoldStandingFeet(MotionOf(state, tracks.skeleton, rate), whole, *factors);
+    }
+    if (factors) whole.walks = &*factors;
   }
   state.Update(0, state.frames(), false);
   result.findings = std::move(disagreements);

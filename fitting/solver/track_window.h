@@ -17,6 +17,10 @@ namespace mocurate {
 struct WalkFactors {
   std::vector<double> rotation;
   std::vector<double> position;
+
+  static WalkFactors Ones(std::size_t numbers) {
+    return {std::vector<double>(numbers, 1.0), std::vector<double>(numbers, 1.0)};
+  }
 };
 
 /// Frames [begin, end) of a fit, solved together: what FitJointTracks minimises, over the memory of a PoseState.

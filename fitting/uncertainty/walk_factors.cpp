@@ -133,7 +133,7 @@ Expected<WalkFactors> RefitWalks(const TrackWindow& window) {
   Expectation expectation(window, steps);
   Status visited = VisitCovariances(window, [&](const FrameCovariance& covariance) { expectation.Read(covariance); });
   if (!visited) return tl::unexpected<Error>(visited.error());
-  WalkFactors factors{std::vector<double>(numbers, 1.0), std::vector<double>(numbers, 1.0)};
+  WalkFactors factors = WalkFactors::Ones(numbers);
   if (window.walks != nullptr) factors = *window.walks;
   Average(window, steps.turn, factors.rotation);
   Average(window, steps.move, factors.position);

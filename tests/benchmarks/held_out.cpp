@@ -226,6 +226,7 @@ int main(int argc, char** argv) {
     if (name == "rotation_walk") options.rotation_walk = value;
     if (name == "velocity_walk") options.velocity_walk = value;
     if (name == "rest_spread") options.rest_spread = value;
+    if (name == "contact_walk") options.contact_walk = value > 0.0 ? std::optional<double>(value) : std::nullopt;
     if (name == "huber_sigmas") options.huber_sigmas = value;
     if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   }

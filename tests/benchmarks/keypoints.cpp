@@ -168,6 +168,8 @@ int main(int argc, char** argv) {
       RigAuditOptions& audit = options.keypoints.audit;
       audit.clocks = audit.moved = audit.exchanged = audit.unit = audit.order = audit.sides = AuditAction::kOff;
     }
+    if (name == "contact_walk")
+      options.joint_tracks.contact_walk = value > 0.0 ? std::optional<double>(value) : std::nullopt;
     if (name == "walk_refits") options.joint_tracks.steps = StepsWithRefits(static_cast<int>(value));
     if (name == "rotation_walk") options.joint_tracks.rotation_walk = value;
     if (name == "velocity_walk") options.joint_tracks.velocity_walk = value;

@@ -52,7 +52,12 @@ inline std::map<std::string, std::vector<RealClip>> ReadPeople(const std::string
     const bool given = !clip.evidence.tracks && clip.motion;
     auto tracks = TracksOfClip(clip, given ? clip.motion->skeleton : skeleton, OtherJoints::kLeaveOut);
     if (!tracks) continue;
-    if (given) AddNoise(clip.id(), rms_m, *tracks);
+    if (given) {
+      AddNoise(clip.id(), rms_m, *tracks);
+      // They are what fits are compared with.
+      tracks->rotation.clear();
+      tracks->rotation_confidence.clear();
+    }
     people[clip.identity.person].push_back({clip.id(), clip.label, clip.motion ? clip.motion->rate : clip.rate,
                                             std::move(*tracks), given ? clip.motion : std::nullopt});
   }

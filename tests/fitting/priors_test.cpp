@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fitting/solver/joint_track_fit.h"
+#include "tests/fitting/takes.h"
+#include "tests/fitting/track_problems.h"
+
+namespace mocurate {
+namespace {
+
+/// Four seconds of somebody whose bent legs carry the pelvis sideways by `sway` metres and back; feet stay level with
+/// the floor and go along. Knees of `knee` radians, arms raised by `arms`, far from the rest pose.
+Take Shuffling(double sway, double knee = 0.8, double arms = 0.0) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation;
+  Take take;
+  take.tracks.skeleton = skeleton;
+  for (int f = 0; f < 120; ++f) {
+    take.tracks.time_s.push_back(f / 30.0);
+    translation.emplace_back(sway * std::sin(0.1 * f), 0.9, 0.0);
+    for (const Joint& joint : skeleton->joints) {
+      const auto is = [&](const char* name) { return joint.name.find(name) != std::string::npos; };
+      const double bend = is("hip") ? -0.5 * knee : is("knee") ? knee : is("ankle") ? -0.5 * knee : 0.0;
+      rotation.push_back(ExpQuaternion(Vector3d(bend, 0.0, is("shoulder") ? (is("left") ? arms : -arms) : 0.0)));
+    }
+  }
+  take.truth = MakeMotion(skeleton, FrameRate{30, 1}, translation, rotation, skeleton->RestBoneLengths());
+  take.tracks.positions = take.truth.joints;
+  take.tracks.confidence.assign(take.truth.joints.xyz.size() / 3, 1.0);
+  return take;
+}
+
+Motion Fitted(const Take& take, const JointTrackOptions& options = {}) {
+  const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  EXPECT_TRUE(fit.has_value()) << fit.error().Message();
+  return fit->motion;
+}
+
+double RmsOf(const Motion& fitted, const Motion& truth, const std::string& joint) {
+  const int j = *truth.skeleton->FindJoint(joint);
+  double sum = 0.0;
+  for (int f = 0; f < truth.frame_count(); ++f)
+    sum += (fitted.joints.at(f, j) - truth.joints.at(f, j)).squaredNorm() / truth.frame_count();
+  return std::sqrt(sum);
+}
+
+TEST(Priors, AFootThatStandsIsHeldStill) {
+  Take take = Shuffling(0.0);
+  AddNoise(take.tracks, 0.02, 3);
+  JointTrackOptions none;
+  none.contact_walk.reset();
+  for (const char* joint : {"left_ankle", "right_ankle", "left_foot", "right_foot"}) {
+    const double without = RmsOf(Fitted(take, none), take.truth, joint);
+    EXPECT_LT(RmsOf(Fitted(take), take.truth, joint), 0.8 * without) << joint << " without: " << without;
+  }
+}
+
+/// Knees bent backwards, arms over the head, feet that slide over the floor: all that a prior thinks unlikely.
+class WhatPriorsDoNotExpect : public testing::TestWithParam<double> {};
+
+INSTANTIATE_TEST_SUITE_P(Priors, WhatPriorsDoNotExpect, testing::Values(0.002, 0.005, 0.01));
+
+TEST_P(WhatPriorsDoNotExpect, IsFittedWithinTheNoise) {
+  for (const double knee : {-0.3, 0.8}) {
+    Take take = Shuffling(0.08, knee, 1.4);  // up to 0.24 m/s, which is taken for standing
+    AddNoise(take.tracks, GetParam(), 5);
+    const Motion fitted = Fitted(take);
+    for (const Joint& joint : take.truth.skeleton->joints)
+      EXPECT_LT(RmsOf(fitted, take.truth, joint.name), std::sqrt(3.0) * GetParam()) << joint.name << ", knee " << knee;
+  }
+}
+
+}  // namespace
+}  // namespace mocurate
