@@ -15,7 +15,7 @@ namespace {
 constexpr int kFrames = 9;             ///< of each clip, evenly spread
 constexpr std::size_t kFewClouds = 3;  ///< people may squat or raise an arm in so many
 constexpr std::array<double, 7> kFactors = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};  ///< on the scale from the height
-constexpr std::array<double, 3> kUsual = {0.87, 0.95, 1.03};                           ///< scales of grown people
+constexpr std::array<double, 4> kUsual = {0.87, 0.95, 1.03, 1.11};                     ///< scales of grown people
 
 /// What the best poses of a body of some scale cost in all clouds.
 Expected<double> CostOfScale(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double scale,
