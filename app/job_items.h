@@ -100,30 +100,4 @@ FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& 
 /// All fits and their evidence against the truth; nothing when one of the two is missing.
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth);
 
-/// The clips a report draws: best, worst and evenly between by residual, `count` in all.
-std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count);
-
-/// Adds what is needed to draw a clip: evidence, depth images and, if there is one, the fit.
-void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item);
-
-/// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
-std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips);
-
-/// Files of a clip in the folder of the report; empty names for those that are not there.
-struct ClipPageFiles {
-  std::string page;
-  std::string video;
-  std::string no_video;  ///< why there is none
-};
-/// "clip_001.html" of the first.
-std::string ClipFileName(std::size_t index, const char* extension);
-/// A page and a video for each of these clips.
-std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
-                                    const std::vector<ClipPageFiles>& files, const ReportOptions& options);
-std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips);
-
-/// What the report draws from, without anything that differs between equal runs (times, paths).
-nlohmann::json RunSummary(const JobOptions& options, const std::vector<ClipRecord>& clips,
-                          const std::map<std::string, ItemResult>& persons, const JobResult& result);
-
 }  // namespace mocurate

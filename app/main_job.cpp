@@ -8,7 +8,9 @@
 #include "app/curation_log.h"
 #include "app/job_checks.h"
 #include "app/job_items.h"
+#include "app/report_run.h"
 #include "app/run_outputs.h"
+#include "app/stage_runs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "eval/tables/run_table.h"
@@ -27,7 +29,12 @@ constexpr const char* kRawBranch = "raw tracks";
 class MainJob {
  public:
   MainJob(const JobOptions& options, JobStage last, Runner& runner, const std::vector<std::string>& only)
-      : options_(options), last_(last), runner_(runner), only_(only), outputs_(runner.options().run_folder) {}
+      : options_(options),
+        last_(last),
+        runner_(runner),
+        only_(only),
+        outputs_(runner.options().run_folder),
+        runs_(runner, result_.stages) {}
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
@@ -67,27 +74,6 @@ class MainJob {
     return DryRun() ? Status() : outputs_.RemoveLeftovers(first, last);
   }
 
-  Expected<StageReport> RunStage(const StageDeclaration& stage, std::vector<ItemSpec> items,
-                                 const std::string& branch = {}) {
-    auto report = runner_.Run(stage, std::move(items), branch);
-    if (report) result_.stages.push_back(*report);
-    return report;
-  }
-
-  /// Runs one item whose artifact later stages cannot do without.
-  Expected<ItemResult> RunOne(const StageDeclaration& stage, ItemSpec item, const std::string& branch = {}) {
-    auto report = RunStage(stage, {std::move(item)}, branch);
-    if (!report) return Forward(report);
-    if (report->items.empty()) return ItemResult();
-    const ItemResult& result = report->items.front();
-    if (result.artifact.empty() && !runner_.options().dry_run) {
-      Error error = result.outcome.error;
-      if (error.where.empty()) error.where = stage.name;
-      return tl::unexpected<Error>(error);
-    }
-    return result;
-  }
-
   void AddSetFindings(const std::vector<Finding>& findings) {
     for (const Finding& finding : findings)
       Log(finding.severity == Severity::kError ? LogLevel::kError : LogLevel::kWarning, finding.message);
@@ -103,7 +89,7 @@ class MainJob {
     synthetic_ = options_.ingest.synthetic.enabled && options_.ingest.path.empty();
     if (!synthetic_) return {};
     const nlohmann::json options = OptionsToJson(options_.ingest.synthetic);
-    const auto capture = RunOne(CaptureDeclaration(), {"capture", options, {}});
+    const auto capture = runs_.One(CaptureDeclaration(), {"capture", options, {}});
     if (!capture) return Forward(capture);
     options_.ingest.path = folder() / "capture";
     if (!capture->artifact.empty()) {
@@ -115,7 +101,7 @@ class MainJob {
     }
     if (!std::filesystem::exists(options_.ingest.path)) options_.ingest.path.clear();
     if (options_.ingest.path.empty()) return {};
-    const auto truth = RunOne(TruthDeclaration(), {"truth", {{"synthetic", options}}, {}});
+    const auto truth = runs_.One(TruthDeclaration(), {"truth", {{"synthetic", options}}, {}});
     if (!truth) return Forward(truth);
     truth_.push_back(InputFrom("truth", *truth));
     return {};
@@ -134,12 +120,12 @@ class MainJob {
     const StageInput skeleton = SkeletonInput(options_.ingest.source.skeleton);
     for (auto* items : {&discovery->items, &discovery->truth}) AddInput(skeleton, *items);
     const std::vector<ItemSpec> specs = discovery->items;
-    auto report = RunStage(IngestDeclaration(), std::move(discovery->items));
+    auto report = runs_.Run(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
     AddSetFindings(FindSetContradictions(options_.ingest.source, report->items));
     clips_ = RecordsOf(specs, report->items, std::move(discovery->left_out));
     if (!discovery->truth.empty()) {
-      const auto truth = RunStage(TruthDeclaration(), std::move(discovery->truth));
+      const auto truth = runs_.Run(TruthDeclaration(), std::move(discovery->truth));
       if (!truth) return Forward(truth);
       for (const ItemResult& item : truth->items) {
         if (!item.artifact.empty()) truth_.push_back(InputFrom("truth", item));
@@ -152,7 +138,7 @@ class MainJob {
   Status FindDuplicates() {
     auto item = DuplicatesItem(clips_, OptionsToJson(options_.ingest.source.checks));
     if (!item) return {};
-    const auto found = RunOne(DuplicatesDeclaration(), *std::move(item));
+    const auto found = runs_.One(DuplicatesDeclaration(), *std::move(item));
     if (!found) return Forward(found);
     NoteDuplicates(*found, clips_);
     if (!found->outcome.findings.empty()) duplicates_ = InputFrom("findings", *found);
@@ -165,7 +151,7 @@ class MainJob {
     if (!Fits()) return {};
     std::vector<ItemSpec> items = ProportionItems(clips_, OptionsToJson(ProportionsOf(options_)));
     AddInput(SkeletonInput(options_.proportions.skeleton), items);
-    const auto report = RunStage(ProportionsDeclaration(), std::move(items));
+    const auto report = runs_.Run(ProportionsDeclaration(), std::move(items));
     if (!report) return Forward(report);
     for (const ItemResult& item : report->items) persons_[item.item] = item;
     return {};
@@ -179,7 +165,7 @@ class MainJob {
     const nlohmann::json options = OptionsToJson(options_.fitting);
     FitItems fits = Fits() ? FittingItems(clips_, persons_, options) : GivenMotionItems(clips_, options);
     AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
-    const auto report = RunStage(FittingDeclaration(), std::move(fits.items));
+    const auto report = runs_.Run(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) fits.clips[i]->motion = report->items[i];
     return {};
@@ -188,7 +174,7 @@ class MainJob {
   Status ScoreFits() {
     auto item = Fits() ? FitErrorItem(clips_, truth_) : std::nullopt;
     if (!item) return {};
-    const auto scored = RunOne(FitErrorDeclaration(), *std::move(item));
+    const auto scored = runs_.One(FitErrorDeclaration(), *std::move(item));
     if (!scored) return Forward(scored);
     result_.fit_error = scored->outcome.summary;
     return {};
@@ -225,7 +211,7 @@ class MainJob {
       records.push_back(&clip);
     }
     AddInput(SkeletonInput(options_.canon.skeleton), items);
-    auto report = RunStage(CanonDeclaration(), std::move(items), branch);
+    auto report = runs_.Run(CanonDeclaration(), std::move(items), branch);
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
     if (to == &ClipRecord::canonical) AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
@@ -244,7 +230,7 @@ class MainJob {
                   "curation_log.jsonl in the run folder says why each was dropped");
     }
     if (duplicates_) item.inputs.push_back(*duplicates_);
-    return RunOne(AssembleDeclaration(), std::move(item), branch);
+    return runs_.One(AssembleDeclaration(), std::move(item), branch);
   }
 
   Status Assemble() {
@@ -268,7 +254,7 @@ class MainJob {
   Status Audit() {
     if (dataset_.artifact.empty()) return {};
     const auto audit =
-        RunOne(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
+        runs_.One(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
     if (!audit) return Forward(audit);
     result_.audit = audit->outcome.summary;
     return {};
@@ -283,7 +269,7 @@ class MainJob {
     std::vector<ItemSpec> specs;
     specs.reserve(items.size());
     for (const TrainItem& item : items) specs.push_back(item.spec);
-    const auto report = RunStage(TrainDeclaration(), std::move(specs));
+    const auto report = runs_.Run(TrainDeclaration(), std::move(specs));
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) {
       const ItemResult& item = report->items[i];
@@ -314,7 +300,7 @@ class MainJob {
     ItemSpec item{"metrics", OptionsToJson(options_.evaluate), networks_};
     item.inputs.push_back(InputFrom("dataset", dataset_));
     if (!baseline_.artifact.empty()) item.inputs.push_back(InputFrom("baseline_dataset", baseline_));
-    const auto report = RunStage(EvaluateDeclaration(), {std::move(item)});
+    const auto report = runs_.Run(EvaluateDeclaration(), {std::move(item)});
     if (!report) return Forward(report);
     if (report->items.empty() || DryRun()) return {};
     const ItemResult& evaluated = report->items.front();
@@ -342,68 +328,7 @@ class MainJob {
   Status Report() {
     if (dataset_.artifact.empty() || DryRun()) return {};
     if (Status made = MakeFolder(folder() / "report"); !made) return made;
-    if (Status paged = Fits() ? ClipPages() : Status(); !paged) return paged;
-    const nlohmann::json run = RunSummary(options_, clips_, persons_, result_);
-    const auto input = outputs_.Place("report_input.json");
-    if (Status written = WriteFile(input, run.dump(1) + "\n"); !written) return written;
-    ItemSpec item{"report", OptionsToJson(options_.report), {}};
-    item.inputs.push_back({"run", "run.json", input, ""});
-    item.inputs.push_back(InputFrom("dataset", dataset_));
-    for (const StageInput& network : networks_) item.inputs.push_back(network);
-    for (const ClipRecord* clip : ClipsToDraw(clips_, static_cast<int>(options_.report.filmstrip_clips))) {
-      AddDrawing(*clip, Fits(), item);
-    }
-    const auto page = RunOne(ReportDeclaration(), std::move(item));
-    if (!page) return Forward(page);
-    if (page->artifact.empty()) return {};
-    result_.report = outputs_.Place("report/index.html");
-    if (Status copied = CopyWhole(page->artifact, result_.report); !copied) return copied;
-    return Fits() ? Pictures() : Status();
-  }
-
-  /// Videos first: a page says what lies beside it. Without an encoder there are pages without videos.
-  Status ClipPages() {
-    const auto clips = ClipsToDraw(clips_, static_cast<int>(options_.report.pages));
-    std::vector<ClipPageFiles> files(clips.size());
-    if (options_.report.videos) {
-      const auto report = RunStage(ClipVideoDeclaration(), ClipVideoItems(clips));
-      const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
-      if (!report && !no_encoder) return Forward(report);
-      if (no_encoder) LogWarning("no videos: " + report.error().Message());
-      for (std::size_t i = 0; i < clips.size(); ++i) {
-        if (!no_encoder && !report->items[i].artifact.empty()) {
-          files[i].video = ClipFileName(i, "mp4");
-          Status copied = CopyWhole(report->items[i].artifact, outputs_.Place("report/" + files[i].video));
-          if (!copied) return copied;
-        } else {
-          // What every page lacks is told without the clip that met it first.
-          files[i].no_video = no_encoder ? report.error().what : report->items[i].outcome.error.Message();
-        }
-      }
-    }
-    const auto report = RunStage(ClipPageDeclaration(), ClipPageItems(clips, files, options_.report));
-    if (!report) return Forward(report);
-    for (std::size_t i = 0; i < clips.size(); ++i) {
-      if (report->items[i].artifact.empty()) continue;
-      files[i].page = ClipFileName(i, "html");
-      if (Status copied = CopyWhole(report->items[i].artifact, outputs_.Place("report/" + files[i].page)); !copied) {
-        return copied;
-      }
-      result_.pages[clips[i]->item] = {{"page", files[i].page}, {"video", files[i].video}};
-    }
-    return {};
-  }
-
-  Status Pictures() {
-    const auto report = RunStage(PictureDeclaration(), PictureItems(clips_));
-    if (!report) return Forward(report);
-    for (const ItemResult& item : report->items) {
-      if (item.artifact.empty()) continue;
-      if (Status copied = CopyWhole(item.artifact, outputs_.Place("report/" + item.item + ".png")); !copied) {
-        return copied;
-      }
-    }
-    return {};
+    return WriteReport({options_, clips_, persons_, dataset_, networks_, Fits()}, runs_, outputs_, result_);
   }
 
   JobOptions options_;
@@ -413,6 +338,7 @@ class MainJob {
   const std::vector<std::string>& only_;
   RunOutputs outputs_;
   JobResult result_;
+  StageRuns runs_;
   std::vector<ClipRecord> clips_;
   std::optional<std::set<std::string>> captured_;  ///< files of the synthetic capture: others are not ours
   std::map<std::string, ItemResult> persons_;

@@ -138,6 +138,9 @@ TEST_F(TracksAndClouds, TogetherAreATenthBetterThanTheBetterOneAlone) {
   RecordProperty("both_mm", std::to_string(of_both.joint_mm()));
   EXPECT_LT(of_both.joint_mm(), 0.9 * std::min(of_tracks.joint_mm(), of_clouds.joint_mm()));
   EXPECT_LT(of_both.rotation_deg(), 0.9 * std::min(of_tracks.rotation_deg(), of_clouds.rotation_deg()));
+  EXPECT_GT(of_both.within_one(), 0.55);
+  EXPECT_LT(of_both.within_one(), 0.80);
+  EXPECT_GT(of_both.within_two(), 0.85);
 }
 
 TEST_F(TracksAndClouds, BothSolversComeToTheSamePose) {

@@ -1,0 +1,233 @@
+#include "app/report_run.h"
+
+#include <algorithm>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/version.h"
+
+namespace mocurate {
+namespace {
+
+/// The clips a report draws: best, worst and evenly between by residual, `count` in all.
+std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count) {
+  std::vector<const ClipRecord*> fitted;
+  for (const ClipRecord& clip : clips) {
+    if (!clip.motion.artifact.empty()) fitted.push_back(&clip);
+  }
+  const auto residual = [](const ClipRecord* clip) {
+    return clip->motion.outcome.summary.value("residual_rms_mm", 0.0);
+  };
+  std::sort(fitted.begin(), fitted.end(), [&](const ClipRecord* a, const ClipRecord* b) {
+    return residual(a) != residual(b) ? residual(a) < residual(b) : a->item < b->item;
+  });
+  std::vector<const ClipRecord*> chosen;
+  const std::size_t wanted = std::min(fitted.size(), static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < wanted; ++i) {
+    chosen.push_back(fitted[wanted == 1 ? 0 : i * (fitted.size() - 1) / (wanted - 1)]);
+  }
+  return chosen;
+}
+
+/// Adds what is needed to draw a clip: evidence, depth images and, if there is one, the fit.
+void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item) {
+  item.inputs.push_back(InputFrom("evidence", clip.evidence));
+  if (fitted) item.inputs.push_back(InputFrom("fit", clip.motion));
+  item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
+}
+
+/// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
+std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
+  std::vector<ItemSpec> items;
+  const auto drawn = ClipsToDraw(clips, 3);
+  if (drawn.empty()) return items;
+  const ClipRecord& clip = *drawn[drawn.size() / 2];
+  for (const char* kind : {"clip", "overlay", "cloud"}) {
+    if (clip.depth.empty() && std::string(kind) != "clip") continue;
+    items.push_back({kind, {{"kind", kind}}, {}});
+    AddDrawing(clip, true, items.back());
+  }
+  return items;
+}
+
+/// Files of a clip in the folder of the report; empty names for those that are not there.
+struct ClipPageFiles {
+  std::string page;
+  std::string video;
+  std::string no_video;  ///< why there is none
+};
+
+/// "clip_001.html" of the first.
+std::string ClipFileName(std::size_t index, const char* extension) {
+  std::string number = std::to_string(index + 1);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  return "clip_" + number + "." + extension;
+}
+
+std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
+                                    const std::vector<ClipPageFiles>& files, const ReportOptions& options) {
+  std::vector<ItemSpec> items;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    ClipPageOptions page;
+    page.stills = options.filmstrip_frames;
+    page.views = options.page_views;
+    page.video = files[i].video;
+    page.no_video = files[i].no_video;
+    items.push_back({clips[i]->item, OptionsToJson(page), {}});
+    AddDrawing(*clips[i], true, items.back());
+  }
+  return items;
+}
+
+std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips) {
+  std::vector<ItemSpec> items;
+  for (const ClipRecord* clip : clips) {
+    items.push_back({clip->item, OptionsToJson(ClipVideoOptions()), {}});
+    AddDrawing(*clip, true, items.back());
+  }
+  return items;
+}
+
+nlohmann::json StageSummary(const StageReport& stage) {
+  return {{"stage", stage.stage},     {"branch", stage.branch},     {"items", stage.items.size()},
+          {"done", stage.done},       {"doubtful", stage.doubtful}, {"left_out", stage.left_out},
+          {"refused", stage.refused}, {"crashed", stage.crashed}};
+}
+
+/// What each network was trained with stands beside what came of it.
+nlohmann::json TrainingSummary(const TrainOptions& options, const JobResult& result) {
+  nlohmann::json training = result.training;
+  for (auto& [item, summary] : training.items()) {
+    if (summary.contains("epochs")) summary["batch"] = options.recogniser.batch;
+  }
+  return training;
+}
+
+nlohmann::json ClipSummary(const ClipRecord& clip) {
+  nlohmann::json summary = {{"item", clip.item},
+                            {"kept", clip.kept()},
+                            {"doubtful", clip.doubtful()},
+                            {"ingest", clip.evidence.outcome.summary},
+                            {"fitting", clip.motion.outcome.summary},
+                            {"canon", clip.canonical.outcome.summary},
+                            {"findings", nlohmann::json::array()}};
+  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical}) {
+    if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
+    for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
+  }
+  if (const ItemResult* stage = clip.ended()) {
+    summary[clip.failed() ? "failure" : "left_out"] = {
+        {"stage", clip.ended_at()}, {"code", clip.reason()}, {"message", stage->outcome.error.Message()}};
+  }
+  return summary;
+}
+
+/// What the report draws from, without anything that differs between equal runs (times, paths).
+nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) {
+  const JobOptions& options = reported.options;
+  nlohmann::json run = {{"name", options.name},
+                        {"description", options.description},
+                        {"takes", options.takes},
+                        {"created_by", CreatedBy()},
+                        {"audit", result.audit},
+                        {"metrics", result.metrics},
+                        {"training", TrainingSummary(options.train, result)},
+                        {"untrained", nlohmann::json::object()},
+                        {"unevaluated", nullptr},
+                        {"fit_error", result.fit_error},
+                        {"pages", result.pages},
+                        {"table_markdown", result.table},
+                        {"findings", result.set_findings},
+                        {"stages", nlohmann::json::array()},
+                        {"clips", nlohmann::json::array()},
+                        {"persons", nlohmann::json::object()}};
+  for (const auto& [item, error] : result.untrained) {
+    run["untrained"][item] = {{"code", Name(error.code)}, {"message", error.Message()}};
+  }
+  if (const auto& error = result.unevaluated) {
+    run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
+  }
+  for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
+  for (const ClipRecord& clip : reported.clips) {
+    if (!clip.folder()) run["clips"].push_back(ClipSummary(clip));
+    if (clip.folder()) run["findings"].push_back(clip.evidence.outcome.findings.back());
+  }
+  for (const auto& [person, item] : reported.persons) run["persons"][person] = item.outcome.summary;
+  return run;
+}
+
+Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs, RunOutputs& outputs,
+                   std::vector<ClipPageFiles>& files) {
+  const auto report = runs.Run(ClipVideoDeclaration(), ClipVideoItems(clips));
+  const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
+  if (!report && !no_encoder) return Forward(report);
+  if (no_encoder) LogWarning("no videos: " + report.error().Message());
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!no_encoder && !report->items[i].artifact.empty()) {
+      files[i].video = ClipFileName(i, "mp4");
+      Status copied = CopyWhole(report->items[i].artifact, outputs.Place("report/" + files[i].video));
+      if (!copied) return copied;
+    } else {
+      // What every page lacks is told without the clip that met it first.
+      files[i].no_video = no_encoder ? report.error().what : report->items[i].outcome.error.Message();
+    }
+  }
+  return {};
+}
+
+/// Videos first: a page says what lies beside it. Without an encoder there are pages without videos.
+Status WriteClipPages(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result) {
+  const ReportOptions& options = run.options.report;
+  const auto clips = ClipsToDraw(run.clips, static_cast<int>(options.pages));
+  std::vector<ClipPageFiles> files(clips.size());
+  if (options.videos) {
+    if (Status written = WriteVideos(clips, runs, outputs, files); !written) return written;
+  }
+  const auto report = runs.Run(ClipPageDeclaration(), ClipPageItems(clips, files, options));
+  if (!report) return Forward(report);
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (report->items[i].artifact.empty()) continue;
+    files[i].page = ClipFileName(i, "html");
+    Status copied = CopyWhole(report->items[i].artifact, outputs.Place("report/" + files[i].page));
+    if (!copied) return copied;
+    result.pages[clips[i]->item] = {{"page", files[i].page}, {"video", files[i].video}};
+  }
+  return {};
+}
+
+Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, RunOutputs& outputs) {
+  const auto report = runs.Run(PictureDeclaration(), PictureItems(clips));
+  if (!report) return Forward(report);
+  for (const ItemResult& item : report->items) {
+    if (item.artifact.empty()) continue;
+    if (Status copied = CopyWhole(item.artifact, outputs.Place("report/" + item.item + ".png")); !copied) {
+      return copied;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result) {
+  if (run.fits) {
+    if (Status paged = WriteClipPages(run, runs, outputs, result); !paged) return paged;
+  }
+  const auto input = outputs.Place("report_input.json");
+  if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;
+  ItemSpec item{"report", OptionsToJson(run.options.report), {}};
+  item.inputs.push_back({"run", "run.json", input, ""});
+  item.inputs.push_back(InputFrom("dataset", run.dataset));
+  item.inputs.insert(item.inputs.end(), run.networks.begin(), run.networks.end());
+  for (const ClipRecord* clip : ClipsToDraw(run.clips, static_cast<int>(run.options.report.filmstrip_clips))) {
+    AddDrawing(*clip, run.fits, item);
+  }
+  const auto page = runs.One(ReportDeclaration(), std::move(item));
+  if (!page) return Forward(page);
+  if (page->artifact.empty()) return {};
+  result.report = outputs.Place("report/index.html");
+  if (Status copied = CopyWhole(page->artifact, result.report); !copied) return copied;
+  return run.fits ? WritePictures(run.clips, runs, outputs) : Status();
+}
+
+}  // namespace mocurate
