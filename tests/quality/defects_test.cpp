@@ -264,6 +264,31 @@ TEST(Defects, WhoMovesAsAPuppetDoesNeverTellsThatTheRateIsTooLow) {
   }
 }
 
+TEST(Defects, AHandThatNobodyCouldAccelerateSoTellsThatTheRateIsTooHigh) {
+  TakeOptions who;
+  who.rate_hz = 60.0;
+  who.frames = 180;
+  who.noise = 1e-4;
+  who.walk = 0.0;
+  Take take = Perform(4, who);
+  const int hand = take.Joint("left_wrist");
+  for (int f = 0; f < who.frames; ++f)
+    take.positions.at(f, hand).y() += 0.25 * std::sin(6.0 * M_PI * f / who.rate_hz);  // 89 m/s2
+  EXPECT_TRUE(MeasureRate(take.view()).Allows(60.0));
+  EXPECT_FALSE(MeasureRate(take.view()).Allows(240.0));
+  EXPECT_NEAR(MeasureRate(take.view()).highest, 80.0, 8.0);
+}
+
+TEST(Defects, TheBestGuessLiesWithinWhatAllCluesAllow) {
+  RateMeasure measure;
+  measure.clues = {{40.0, 120.0, 100.0, 0.9, "flights"}, {0.0, 60.0, 0.0, 0.3, "limbs"}};
+  measure.lowest = 40.0;
+  measure.highest = 60.0;
+  EXPECT_EQ(measure.rate_hz(), 60.0);
+  measure.clues[0].rate_hz = 50.0;
+  EXPECT_EQ(measure.rate_hz(), 50.0);
+}
+
 TEST(Defects, WithoutTimesAtOnePaceNoRateIsMeasured) {
   Take take = WalkAsAPendulum(60.0, 4.0);
   for (std::size_t f = 100; f < take.time_s.size(); ++f) take.time_s[f] += 0.5;
