@@ -234,9 +234,10 @@ std::string ListText(const Json& names, const std::string& remark = "") {
 }
 
 std::string RunText(const Json& run) {
+  const std::string name = run.at("name");
   const std::string description = run.at("description");
   std::string text =
-      "a run of " + run.at("name").get<std::string>() + (description.empty() ? "" : ": " + description) + "\n";
+      (name == "run" ? "a run" : "a run of " + name) + (description.empty() ? "" : ": " + description) + "\n";
   text += DescriptionLine("made by", run.at("created_by"));
   text += DescriptionLine("started", run.at("started"));
   text += DescriptionLine("state", StateText(run));

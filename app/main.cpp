@@ -28,7 +28,13 @@ void PrintError(const Error& error, int exit_code) {
                                      {"what", error.what},
                                      {"where", error.where},
                                      {"hint", error.hint},
-                                     {"exit_code", exit_code}}}};
+                                     {"exit_code", exit_code}}},
+                                   {"findings",
+                                    {{{"code", Name(error.code)},
+                                      {"severity", "error"},
+                                      {"where", error.where},
+                                      {"value", nullptr},
+                                      {"message", error.what + (error.hint.empty() ? "" : " (" + error.hint + ")")}}}}};
   std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 

@@ -29,6 +29,27 @@ Expected<IngestOptions> LoadRecipe(const std::string& name, const std::filesyste
   return job->ingest;
 }
 
+nlohmann::json Entry(const WantedFile& file) {
+  nlohmann::json entry = {{"pattern", file.pattern}, {"what", file.what}, {"found", file.found}};
+  if (file.found == 0 && file.found_elsewhere > 0)
+    entry["elsewhere"] = {{"path", DisplayPath(file.elsewhere)}, {"found", file.found_elsewhere}};
+  if (file.others > 0) entry["other_names"] = {{"files", file.others}, {"first", file.other}};
+  return entry;
+}
+
+/// Where files lie that are looked for, and files that could be meant.
+std::string Remark(const WantedFile& file) {
+  std::string remark;
+  if (file.found == 0 && file.found_elsewhere > 0) {
+    remark = "; " + Counted(static_cast<long long>(file.found_elsewhere), "such file") + " below " +
+             DisplayPath(file.elsewhere);
+  } else if (file.others > 0) {
+    remark = "; " + Counted(static_cast<long long>(file.others), "file") + " with this ending and another name, e.g. " +
+             file.other;
+  }
+  return remark;
+}
+
 }  // namespace
 
 Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& arguments) {
@@ -45,9 +66,11 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
                              {"obtain", ingest->obtain},      {"path", folder},
                              {"path_exists", there},          {"files", nlohmann::json::array()}};
   std::size_t missing = 0;
+  std::filesystem::path elsewhere;
   for (const WantedFile& file : *wanted) {
     missing += file.found == 0 ? 1 : 0;
-    document["files"].push_back({{"pattern", file.pattern}, {"what", file.what}, {"found", file.found}});
+    if (file.found == 0 && elsewhere.empty()) elsewhere = file.elsewhere;
+    document["files"].push_back(Entry(file));
   }
   document["ok"] = missing == 0;
   if (common.json) {
@@ -60,16 +83,19 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
                                          : (folder + (there ? "" : " (is not there)")).c_str());
     for (const WantedFile& file : *wanted) {
       std::printf("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
-      std::printf(file.found > 0 ? " (%zu files)\n" : "\n", file.found);
+      std::printf(file.found > 0 ? " (%zu files)" : "", file.found);
+      std::printf("%s\n", Remark(file).c_str());
     }
   }
   common.answered = common.json;
   if (missing == 0) return {};
-  return Fail(
-      ErrorCode::kMissingOnHost,
-      std::to_string(missing) + " of " + std::to_string(wanted->size()) + " kinds of files are missing",
-      arguments.source,
-      placed ? "put them below " + folder + " under these names" : "put them into a folder and name it (--path DIR)");
+  return Fail(ErrorCode::kMissingOnHost,
+              std::to_string(missing) + " of " + std::to_string(wanted->size()) + " kinds of files are missing",
+              arguments.source,
+              !elsewhere.empty()
+                  ? "files of these names lie below " + DisplayPath(elsewhere) + ": name that folder (--path)"
+              : placed ? "put them below " + folder + " under these names"
+                       : "put them into a folder and name it (--path DIR)");
 }
 
 }  // namespace mocurate

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,7 @@
 #include "app/verbs.h"
 #include "app/video_probe.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "ingest/sense/inspect.h"
 
 namespace mocurate {
@@ -14,6 +16,17 @@ namespace {
 
 void PrintJson(const nlohmann::json& document) {
   std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+/// Now and then how far a large folder is read, on stderr.
+InspectProgress Progress() {
+  using Clock = std::chrono::steady_clock;
+  return [told = Clock::now()](std::size_t done, std::size_t all) mutable {
+    constexpr std::chrono::seconds kEvery{3};
+    if (done == all || Clock::now() - told < kEvery) return;
+    told = Clock::now();
+    LogInfo(std::to_string(done) + " of " + std::to_string(all) + " files read");
+  };
 }
 
 /// The first finding of severity error as the error of the verb.
@@ -88,7 +101,8 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     if (!declared) return Forward(declared);
     source = *std::move(declared);
   }
-  const nlohmann::json inspection = InspectPath(arguments.path, source, AskVideoProgram());
+  const InspectProgress progress = common.quiet ? InspectProgress() : Progress();
+  const nlohmann::json inspection = InspectPath(arguments.path, source, AskVideoProgram(), progress);
   common.answered = common.json;
   if (common.json)
     PrintJson(inspection);

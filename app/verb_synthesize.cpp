@@ -137,8 +137,15 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
                                      {"options", OptionsToJson(*options)}};
     std::printf("%s\n", document.dump(1).c_str());
   } else {
+    std::string read;
+    for (const auto& [recipe, below] : RecipesOf(options->layout, options->depth.enabled)) {
+      const std::filesystem::path files = below == "." ? arguments.output : arguments.output / below;
+      read += "read it with: mocurate inspect " + DisplayPath(files) + " --source " + recipe +
+              ", or mocurate run configs/sources/" + recipe + ".yaml --set ingest.path=" + DisplayPath(files) + "\n";
+    }
     std::printf("%s: %zu clips, %zu frames, %zu files, %.1f MB, %.1f s\n", folder.c_str(), counts->clips,
                 counts->frames, counts->files, static_cast<double>(counts->bytes) / 1e6, seconds);
+    std::printf("%s", read.c_str());
   }
   return {};
 }

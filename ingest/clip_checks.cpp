@@ -54,6 +54,14 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
   return findings;
 }
 
+void BlameDeclaration(std::vector<Finding>& findings) {
+  for (Finding& finding : findings) {
+    if (finding.code != "rate_doubtful") continue;
+    finding.severity = Severity::kError;
+    finding.message += "; mend ingest.source.rate";
+  }
+}
+
 void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings) {
   if (source.frames_in_name.empty()) return;
   const std::string text = FillFields(source.frames_in_name, named.fields);
@@ -127,6 +135,7 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
     if (finding.code == "units_contradiction" || finding.code == "up_contradiction") metres = false;
   }
   std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres);
+  if (source.rate_hz) BlameDeclaration(findings);
   JudgeName(source, named, points.positions->frames, findings);
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {

@@ -36,6 +36,9 @@ struct DroppedClip {
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
                                  std::optional<double> rate_hz, bool metres);
 
+/// A rate that the source declares and the motion denies is an error, as any contradiction of a declaration.
+void BlameDeclaration(std::vector<Finding>& findings);
+
 /// "name_contradiction" by `frames_in_name`: "{first}-{last}", both ends included. Annotation may have gaps, so that
 /// fewer frames are right.
 void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings);

@@ -209,7 +209,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
 
   Discovery discovery;
   std::set<std::string> recordings;
-  std::vector<std::string> names;
+  std::vector<std::string> names, passed_over;
   const bool has_truth = source.format == SourceFormat::kDepthSequence;
   const bool has_depth = has_truth || (source.views.together && !source.depth_files.empty());
   std::optional<DepthFiles> depth_files;
@@ -224,7 +224,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
     if (file.name == source.label_table) continue;
     const bool matches = pattern->Match(file.name).has_value();
-    if (!matches && source.other_files == OtherFiles::kIgnore) continue;
+    if (!matches && source.other_files == OtherFiles::kIgnore) {
+      if (EndsAsMotion(source, file.name)) passed_over.push_back(file.name);
+      continue;
+    }
     const int file_depth = DepthOf(file.name);
     if (!matches && (file_depth < pattern->least_depth() || file_depth > pattern->depth())) {
       ++elsewhere[file_depth == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
@@ -303,6 +306,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
   NoteUnmatched(source, recordings, discovery.findings);
+  NotePassedOver(source, passed_over, discovery.findings);
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
   if (source.views.together) {
     if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);

@@ -5,6 +5,7 @@
 #include "core/quality/duplicates.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
+#include "ingest/duplicate_findings.h"
 #include "ingest/stages.h"
 
 namespace mocurate {
@@ -24,31 +25,6 @@ Expected<Compared> Read(const StageInput& input) {
   const ClipPoints points(*clip, nullptr);
   if (!points.empty()) compared.signature = SignatureOf(points.view());
   return compared;
-}
-
-std::string Span(int begin, int end) { return std::to_string(begin) + "-" + std::to_string(end); }
-
-Finding FindingOf(const Duplicate& pair, const Compared& first, const Compared& second) {
-  const int frames = static_cast<int>(second.signature.poses.size());
-  const bool whole =
-      pair.shared > 0 && pair.shared == frames && first.signature.poses.size() == second.signature.poses.size();
-  Finding finding;
-  if (pair.kind == Duplicate::Kind::kOverlap) {
-    finding = FrameFinding("shared_frames", pair.second_begin, pair.second_end, "", pair.shared,
-                           std::to_string(pair.shared) + " of " + std::to_string(frames) + " frames are those of '" +
-                               first.item + "' (" + Span(pair.second_begin, pair.second_end) + " here, " +
-                               Span(pair.frame_begin, pair.frame_end) + " there)");
-  } else if (pair.kind == Duplicate::Kind::kMirrored) {
-    finding = FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
-                           "the mirror image of '" + first.item + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
-  } else if (whole) {
-    finding = FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first.item + "'");
-  } else {
-    finding = FrameFinding("near_duplicate", 0, 0, "", pair.distance,
-                           "the same motion as '" + first.item + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
-  }
-  finding.clip = second.clip;
-  return finding;
 }
 
 /// Clips without joints, by their source's bytes.
@@ -83,7 +59,10 @@ Expected<StageOutcome> DuplicatesStage(const StageRequest& request) {
   for (std::size_t i = 0; i < clips.size(); ++i) clips[i].signature = std::move(signatures[i]);
   std::vector<std::pair<std::size_t, Finding>> found;
   for (const Duplicate& pair : pairs) {
-    found.emplace_back(pair.second, FindingOf(pair, clips[pair.first], clips[pair.second]));
+    const Compared &first = clips[pair.first], &second = clips[pair.second];
+    Finding finding = DuplicateFinding(pair, first.item, first.signature, second.signature);
+    finding.clip = second.clip;
+    found.emplace_back(pair.second, std::move(finding));
   }
   CompareContent(clips, found);
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

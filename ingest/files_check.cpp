@@ -1,6 +1,7 @@
 #include "ingest/files_check.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 
@@ -52,6 +53,26 @@ void NoteUnmatched(const SourceOptions& source, const std::set<std::string>& rec
     if (recordings.count(name) != 0) continue;
     findings.push_back(UnmatchedName("ingest.source.exclude", "recording", name, recordings));
   }
+}
+
+bool EndsAsMotion(const SourceOptions& source, const std::string& name) {
+  const std::string ending = std::filesystem::path(name).extension().string();
+  return (source.format == SourceFormat::kNtuSkeleton && ending == ".skeleton") ||
+         (source.format == SourceFormat::kBvh && ending == ".bvh") ||
+         (source.format == SourceFormat::kAsfAmc && ending == ".amc");
+}
+
+void NotePassedOver(const SourceOptions& source, const std::vector<std::string>& names,
+                    std::vector<Finding>& findings) {
+  if (names.empty()) return;
+  Finding finding;
+  finding.code = "name_mismatch";
+  finding.value = static_cast<double>(names.size());
+  finding.message = Counted(static_cast<long long>(names.size()), "file") + " that could be of this source, e.g. '" +
+                    names.front() + "': the pattern '" + source.files + "' does not match " +
+                    (names.size() == 1 ? "it" : "them");
+  finding.action = "not read";
+  findings.push_back(std::move(finding));
 }
 
 Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& items) {

@@ -19,6 +19,12 @@ Finding UnmatchedName(const std::string& option, const std::string& kind, const 
 void NoteUnmatched(const SourceOptions& source, const std::set<std::string>& recordings,
                    std::vector<Finding>& findings);
 
+/// Whether a name ends as only motions of the source's format do: .skeleton, .bvh, .amc.
+bool EndsAsMotion(const SourceOptions& source, const std::string& name);
+
+/// A finding "name_mismatch" about such files that `other_files: ignore` passes over.
+void NotePassedOver(const SourceOptions& source, const std::vector<std::string>& names, std::vector<Finding>& findings);
+
 /// Looks at the beginnings of up to three files. Error kConfig where all of them are of one other known format than
 /// ingest.source.format, which it names.
 Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& items);

@@ -41,7 +41,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("licence", licence, "under which the captures may be used");
   v.Text("units", units, "unit of length of the files: m, cm, mm, inch, or a length such as '0.0564 m'");
   v.Text("axes", axes, "where +x +y +z of the source point in the canonical world (right-handed, y up, facing +z)");
-  v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5}, "frame rate, where the files do not say it");
+  v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5},
+                   "frames per second; where the files say another rate, this one is used and that is a finding");
   v.Text("skeleton", skeleton, "skeleton that the joints belong to");
   v.Texts("joints", joints, "joint names in the order of the file; '-' is passed over");
   v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4},
@@ -51,10 +52,11 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
          "confidence) 4*(x y z confidence)'");
   v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
-  v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
-           "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or makes "
-           "what it holds missing; bvh, ntu_skeleton: a count of frames that is not that of the rows refuses it, or "
-           "the rows decide");
+  v.Choice(
+      "damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
+      "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or what it "
+      "holds is missing, in its place; bvh, ntu_skeleton: a count of frames that is not that of the rows, or a "
+      "last frame that is cut off, refuses it, or the whole rows decide. Each is a finding, as in `inspect`");
   v.TextMap(
       "bodies", bodies,
       "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
@@ -193,9 +195,9 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 16, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 17, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 3, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration CaptureDeclaration() { return {"capture", 1, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -120,7 +120,7 @@ struct SourceOptions {
   RootTranslation root_translation = RootTranslation::kPublished;  ///< vibe_tracks, uestc
   std::vector<std::string> annotations;                            ///< amass: BABEL files below the folder
   double least_confidence = 0.0;                                   ///< joint_table: of a joint that has a position
-  DamagedRows damaged_rows = DamagedRows::kRefuse;
+  DamagedRows damaged_rows = DamagedRows::kReport;
   MissingValue missing = MissingValue::kNone;
   double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
   std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
@@ -52,6 +53,58 @@ Finding Together(const std::string& code, const Votes& votes, std::size_t clips,
   return finding;
 }
 
+/// Rates that motions deny: `against` is then of all clips, however little each of the others tells.
+std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, bool refuse) {
+  RateDenials denials;
+  std::string first;
+  for (const ItemResult& clip : clips) {
+    if (!clip.outcome.summary.contains("rate_hz")) continue;
+    ++denials.clips;
+    for (const Finding& finding : clip.outcome.findings) {
+      if (finding.code != "rate_doubtful") continue;
+      denials.Add(clip.outcome.summary.at("rate_hz"), finding.value);
+      if (first.empty()) first = finding.message;
+    }
+  }
+  if (!denials.OfTheSet()) return std::nullopt;
+  Finding finding;
+  finding.code = "rate_doubtful";
+  finding.severity = Severity::kError;
+  finding.value = std::round(denials.Share() * 1e4) / 1e4;
+  finding.message =
+      "the motions of the whole source speak against its rate: " + denials.Words() + "; the first: " + first;
+  finding.action = refuse ? "all are refused" : "flagged";
+  return finding;
+}
+
+/// What is wrong with the set is wrong with each of its clips.
+void Blame(const Finding& of_the_set, bool refuse, std::vector<ItemResult>& clips) {
+  for (ItemResult& clip : clips) {
+    if (!HasArtifact(clip.outcome.kind)) continue;
+    Finding own = of_the_set;
+    own.clip = clip.item;
+    if (!refuse) {
+      std::vector<Finding>& told = clip.outcome.findings;
+      bool of_itself = false;
+      for (Finding& finding : told) {
+        if (finding.code != own.code) continue;
+        finding.severity = Severity::kError;
+        of_itself = true;
+      }
+      clip.outcome.kind = OutcomeKind::kDoubtful;
+      if (!of_itself) told.push_back(std::move(own));
+      continue;
+    }
+    own.action = "refused";
+    clip.outcome.kind = OutcomeKind::kRefused;
+    clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
+                               "set ingest.source.on_contradiction: flag to keep such clips"};
+    clip.outcome.findings.push_back(std::move(own));
+    clip.artifact.clear();
+    clip.sha256.clear();
+  }
+}
+
 }  // namespace
 
 std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vector<ItemResult>& clips) {
@@ -60,27 +113,9 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
   for (const auto& [code, votes] : Count(clips)) {
     if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
     findings.push_back(Together(code, votes, clips.size(), refuse));
-    for (ItemResult& clip : clips) {
-      if (!HasArtifact(clip.outcome.kind)) continue;
-      Finding own = findings.back();
-      own.clip = clip.item;
-      if (!refuse) {
-        std::vector<Finding>& told = clip.outcome.findings;
-        const bool of_itself =
-            std::any_of(told.begin(), told.end(), [&](const Finding& finding) { return finding.code == own.code; });
-        clip.outcome.kind = OutcomeKind::kDoubtful;
-        if (!of_itself) told.push_back(std::move(own));
-        continue;
-      }
-      own.action = "refused";
-      clip.outcome.kind = OutcomeKind::kRefused;
-      clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
-                                 "set ingest.source.on_contradiction: flag to keep such clips"};
-      clip.outcome.findings.push_back(std::move(own));
-      clip.artifact.clear();
-      clip.sha256.clear();
-    }
   }
+  if (std::optional<Finding> rate = RateOfAll(clips, refuse)) findings.push_back(std::move(*rate));
+  for (const Finding& finding : findings) Blame(finding, refuse, clips);
   return findings;
 }
 

@@ -1,5 +1,6 @@
 #include "ingest/wanted_files.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -17,8 +18,11 @@ std::vector<WantedFile> Named(const IngestOptions& ingest) {
   const auto want = [&](const std::string& pattern, const std::string& what) {
     if (pattern.empty()) return;
     const auto explained = ingest.expected.find(pattern);
-    if (told.insert(pattern).second)
-      wanted.push_back({pattern, explained != ingest.expected.end() ? explained->second : what, 0});
+    if (!told.insert(pattern).second) return;
+    WantedFile file;
+    file.pattern = pattern;
+    file.what = explained != ingest.expected.end() ? explained->second : what;
+    wanted.push_back(std::move(file));
   };
   if (source.container.empty()) {
     want(source.files, IsGathered(source.format) ? "a clip together, but for {camera} and {frame}" : "a clip each");
@@ -34,6 +38,37 @@ std::vector<WantedFile> Named(const IngestOptions& ingest) {
   return wanted;
 }
 
+/// The part of a path's name that the pattern matches, once folders are taken off its front, or those above put there.
+void CountElsewhere(const NamePattern& pattern, const std::filesystem::path& folder, const std::string& name,
+                    WantedFile& wanted) {
+  const auto take = [&](const std::filesystem::path& root) {
+    if (wanted.elsewhere.empty()) wanted.elsewhere = root;
+    wanted.found_elsewhere += wanted.elsewhere == root ? 1 : 0;
+  };
+  for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+    if (pattern.Match(name.substr(slash + 1))) return take(folder / name.substr(0, slash));
+  }
+  std::string longer = name;
+  for (std::filesystem::path root = folder; root.has_relative_path() && root != root.parent_path();) {
+    longer = DisplayPath(root.filename()) + "/" + longer;
+    root = root.parent_path();
+    if (std::count(longer.begin(), longer.end(), '/') > pattern.depth()) return;
+    if (pattern.Match(longer)) return take(root);
+  }
+}
+
+void Count(const NamePattern& pattern, const std::filesystem::path& folder, const std::string& name,
+           WantedFile& wanted) {
+  if (pattern.Match(name)) {
+    ++wanted.found;
+    return;
+  }
+  CountElsewhere(pattern, folder, name, wanted);
+  const std::string ending = std::filesystem::path(wanted.pattern).extension().string();
+  if (ending.empty() || std::filesystem::path(name).extension() != ending) return;
+  if (wanted.others++ == 0) wanted.other = name;
+}
+
 Status CountFiles(const std::filesystem::path& folder, std::vector<WantedFile>& wanted) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -44,12 +79,14 @@ Status CountFiles(const std::filesystem::path& folder, std::vector<WantedFile>& 
     if (!pattern) return Forward(pattern);
     patterns.push_back(std::move(*pattern));
   }
+  const fs::path whole = fs::absolute(folder, error).lexically_normal();
+  const fs::path root = whole.filename().empty() ? whole.parent_path() : whole;
   fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
   for (const fs::recursive_directory_iterator end; !error && at != end; at.increment(error)) {
     std::error_code unknown;
     if (!at->is_regular_file(unknown)) continue;
     const std::string name = DisplayPath(at->path().lexically_relative(folder));
-    for (std::size_t i = 0; i < patterns.size(); ++i) wanted[i].found += patterns[i].Match(name) ? 1 : 0;
+    for (std::size_t i = 0; i < patterns.size(); ++i) Count(patterns[i], root, name, wanted[i]);
   }
   return {};
 }

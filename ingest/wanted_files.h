@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,11 @@ struct WantedFile {
   std::string pattern;
   std::string what;
   std::size_t found = 0;  ///< files of that name
+  // Where there is none:
+  std::filesystem::path elsewhere;  ///< the folder below which such files would have their names, above or below
+  std::size_t found_elsewhere = 0;
+  std::size_t others = 0;  ///< files of the same ending and another name
+  std::string other;       ///< one of them
 };
 
 /// Everything that a declaration names: clips, or what holds them, skeletons, depth images, annotations, tables, and

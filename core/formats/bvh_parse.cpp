@@ -186,16 +186,21 @@ class Parser {
       const std::size_t begin = bvh_.values.size();
       const Token token = scanner.Numbers(bvh_.values);
       const std::size_t in_row = bvh_.values.size() - begin;
+      const bool cut = reports_ && rows > 0;  // then what is whole speaks for itself
+      if (cut && token == Token::kWord && Trim(scanner.rest()).empty()) {
+        CutOff(in_row, line, rows, " and '" + Shown(scanner.text()) + "'");
+        bvh_.values.resize(begin);
+        break;
+      }
       if (token == Token::kNotFinite || token == Token::kWord) {
         return Bad("'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
                        std::to_string(in_row) + " is no finite number",
                    scanner.line(), "mend or cut the frame, or leave the file out");
       }
       more = token != Token::kEnd;
-      if (reports_ && !more && in_row != 0 && in_row < static_cast<std::size_t>(bvh_.channel_count) && rows > 0) {
-        Report("cut_off", static_cast<double>(in_row), line, rows,
-               "frame " + std::to_string(rows) + " has " + std::to_string(in_row) + " numbers of " +
-                   std::to_string(bvh_.channel_count));
+      const bool ends = !more || Trim(scanner.rest()).empty();
+      if (cut && ends && in_row != 0 && in_row < static_cast<std::size_t>(bvh_.channel_count)) {
+        CutOff(in_row, line, rows, "");
         bvh_.values.resize(begin);
         break;
       }
@@ -220,9 +225,17 @@ class Parser {
     return {};
   }
 
+  void CutOff(std::size_t in_row, int line, long long frame, const std::string& rest) {
+    Report("cut_off", static_cast<double>(in_row), line, frame,
+           "the file is cut off: frame " + std::to_string(frame) + " has " + std::to_string(in_row) + " numbers" +
+               rest + " of " + std::to_string(bvh_.channel_count));
+  }
+
+  /// Of what is not there any more, or of what the header says wrongly: what is left may not be all of the motion.
   void Report(const char* code, double value, int line, long long frame, const std::string& what) {
     Finding finding;
     finding.code = code;
+    finding.severity = Severity::kError;
     finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
     finding.frame_end = frame > 0 ? finding.frame_begin + 1 : 0;
     finding.value = value;

@@ -140,7 +140,9 @@ class Parser {
         return Bad(what, line, "more rows are damaged than whole: this is no table of such rows");
       }
       const long long frame = rows_ / layout_.rows_per_frame;
-      Report(code, frame, row.numbers, name_ + ":" + std::to_string(line) + ": " + what);
+      if (row.numbers < table_.columns) short_line_ = line;
+      Report(code, frame, row.numbers,
+             name_ + ":" + std::to_string(line) + ": " + what + (row.hint.empty() ? "" : "; " + row.hint));
       table_.values.resize(begin + static_cast<std::size_t>(table_.columns), kNan);
       if (damaged_.empty() || damaged_.back() != frame) damaged_.push_back(frame);
     }
@@ -174,6 +176,11 @@ class Parser {
         return Bad(what, scanner_.line(), "check rows_per_frame, or the file is cut off");
       }
       Report("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
+      table_.findings.back().severity = Severity::kError;
+    } else if (short_line_ == last_line_ && !table_.findings.empty()) {
+      // A last row that is too short is where the file was cut.
+      table_.findings.back().code = "cut_off";
+      table_.findings.back().severity = Severity::kError;
     }
     if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name_);
     table_.frames = static_cast<int>(frames);
@@ -194,6 +201,7 @@ class Parser {
   long long rows_ = 0;
   long long damaged_rows_ = 0;
   int last_line_ = 0;
+  int short_line_ = -1;  ///< the last one that had too few numbers
   std::vector<long long> damaged_;
 };
 

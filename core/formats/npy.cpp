@@ -152,6 +152,13 @@ Expected<NpyArray> ParseParts(const Parts& parts, const std::string& name) {
   const Header& header = parts.header;
   const std::optional<ElementType> type = ParseElementType(header.dtype);
   if (!type || type->kind == ElementKind::kObject) {
+    if (type) {
+      return Fail(ErrorCode::kUnsupported,
+                  "arrays of type '" + header.dtype +
+                      "' are not read: it holds Python objects, such as arrays of "
+                      "different lengths",
+                  name, "save each of its arrays on its own, e.g. all of them with numpy.savez");
+    }
     return Fail(ErrorCode::kUnsupported, "arrays of type '" + header.dtype + "' are not read", name,
                 "save it as numbers (bool, int, uint, float16 to float64) or texts");
   }

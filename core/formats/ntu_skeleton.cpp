@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "core/base/text.h"
 #include "core/formats/header_count.h"
@@ -56,16 +57,22 @@ class Parser {
       const Expected<int> bodies = Count("body count", kMostBodies);
       if (!bodies) return Forward(bodies);
       skeleton_.frames.emplace_back();
-      for (body_ = 0; body_ < *bodies; ++body_) {
-        if (Status read = Body(); !read) return Forward(read);
-      }
+      Status read;
+      for (body_ = 0; read && body_ < *bodies; ++body_) read = Body();
+      if (read) continue;
+      if (!reports_ || frame_ == 0 || !AtEnd()) return Forward(read);
+      DropLastFrame(read.error());
+      break;
     }
-    body_ = -1;
+    frame_ = body_ = joint_ = -1;
     if (const int held = static_cast<int>(skeleton_.frames.size()); held != *frames) {
       const auto contradiction =
           CountContradiction("the frame count", *frames, held, name_ + ":" + std::to_string(line));
       if (!reports_) return contradiction;
       Report("count_contradiction", *frames, line, contradiction.value().what);
+      skeleton_.findings.back().severity = Severity::kError;
+      skeleton_.findings.back().frame_end = 0;
+      skeleton_.findings.back().action = "kept";
     }
     return std::move(skeleton_);
   }
@@ -95,6 +102,21 @@ class Parser {
     finding.message = name_ + ":" + std::to_string(line) + ": " + what + Where();
     finding.action = "dropped";
     skeleton_.findings.push_back(std::move(finding));
+  }
+
+  /// The frame in which the file ends; what was said of its lines is said by that.
+  void DropLastFrame(const Error& why) {
+    std::vector<Finding>& told = skeleton_.findings;
+    told.erase(
+        std::remove_if(told.begin(), told.end(), [&](const Finding& finding) { return finding.frame_begin == frame_; }),
+        told.end());
+    skeleton_.frames.pop_back();
+    const int frame = std::exchange(frame_, -1);
+    body_ = joint_ = -1;
+    Report("cut_off", frame, scanner_.line(), "the file is cut off: " + why.what);
+    told.back().severity = Severity::kError;
+    told.back().frame_begin = frame;
+    told.back().frame_end = frame + 1;
   }
 
   std::string Where() const {

@@ -57,15 +57,6 @@ void LeaveOutIdleRoot(const ObservedClip& clip, std::vector<double>& confidence)
   }
 }
 
-std::string PlaceOf(const Finding& finding, const std::string& where) {
-  std::string place = where;
-  if (finding.frame_end > finding.frame_begin) {
-    place += " frames " + std::to_string(finding.frame_begin) + "-" + std::to_string(finding.frame_end);
-  }
-  if (!finding.joint.empty()) place += " joint " + finding.joint;
-  return place;
-}
-
 bool Remarked(const ObservedClip& clip, const std::string& code) {
   return std::any_of(clip.remarks.begin(), clip.remarks.end(),
                      [&](const Remark& remark) { return remark.code == code; });
@@ -102,6 +93,21 @@ ClipInMetres::ClipInMetres(const ObservedClip& clip, const std::string& units, c
 
 }  // namespace
 
+std::string PlaceOf(const Finding& finding, const std::string& where) {
+  std::string place = where;
+  if (finding.frame_end > finding.frame_begin) {
+    place += " frames " + std::to_string(finding.frame_begin) + "-" + std::to_string(finding.frame_end);
+  }
+  if (!finding.joint.empty()) place += " joint " + finding.joint;
+  return place;
+}
+
+MotionSignature SignatureShown(const ObservedClip& clip, const std::string& units, const std::string& up) {
+  if (clip.positions.empty()) return {};
+  const ClipInMetres metres(clip, units, up, kUsualRate);
+  return metres.known ? SignatureOf(metres.view(clip)) : MotionSignature();
+}
+
 RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const std::string& up) {
   if (clip.positions.empty()) return {};
   const ClipInMetres metres(clip, units, up, kUsualRate);
@@ -111,13 +117,15 @@ RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const 
 void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
                   const std::string& up, const std::string& where, nlohmann::json& findings) {
   if (clip.positions.empty() || clip.positions.frames < 2 || units == "px") return;
-  const std::optional<double> rate = clip.rate_hz || !source ? clip.rate_hz : source->rate_hz;
+  const bool declared = source && source->rate_hz;
+  const std::optional<double> rate = declared ? source->rate_hz : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
   metres.confidence = ConfidenceOf(clip);
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options = source ? source->checks : CheckOptions();
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known);
   if (!Remarked(clip, "no_joint_seen")) NoteEmptyFrames(metres.confidence, metres.positions.frames, found);
+  if (declared) BlameDeclaration(found);
   for (const Finding& finding : found) {
     if (options.ActionFor(finding.code) == FindingAction::kIgnore || Remarked(clip, finding.code)) continue;
     if (finding.code == "zero_joint" && !clip.parents.empty()) continue;  // a tree's joint may lie at its origin

@@ -15,10 +15,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kManyMissing = 0.2;     // share of missing samples worth a warning
-constexpr double kRateTolerance = 0.01;  // relative
-constexpr double kRateTold = 0.6;        // least confidence of a measured rate that is told as a value
-constexpr double kSetSure = 0.5;         // files of a set may have been thinned out
+constexpr double kManyMissing = 0.2;  // share of missing samples worth a warning
+constexpr double kRateTold = 0.6;     // least confidence of a measured rate that is told as a value
+constexpr double kSetSure = 0.5;      // files of a set may have been thinned out
 
 using Json = nlohmann::json;
 
@@ -50,12 +49,10 @@ void CompareFormat(const ObservedClip& clip, const SourceOptions& source, const 
                         "the format is declared " + FormatName(source.format) + ", the file is " + clip.format));
 }
 
-void CompareRate(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
-  if (!clip.rate_hz || !source.rate_hz) return;
-  if (std::abs(*clip.rate_hz / *source.rate_hz - 1.0) <= kRateTolerance) return;
-  findings.push_back(InspectionFinding(
-      "rate_contradiction", Severity::kError, where, *clip.rate_hz,
-      "the file says " + FormatDouble(*clip.rate_hz) + " Hz, the source " + FormatDouble(*source.rate_hz) + " Hz"));
+void CompareRates(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
+  const auto differs = clip.rate_hz ? CompareRate(source, *clip.rate_hz) : std::nullopt;
+  if (!differs) return;
+  findings.push_back(InspectionFinding(differs->code, Severity::kError, where, differs->value, differs->message));
 }
 
 std::string Joined(const std::string& first, const std::string& second) {
@@ -74,10 +71,10 @@ Json RateOf(const ObservedClip& clip, const std::optional<SourceOptions>& source
             const RateMeasure& measure) {
   const std::string shown = measure.Tells() ? "the motion fits " + measure.Range() + ": " + measure.Words() : "";
   Json json;
-  if (clip.rate_hz) {
-    json = ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
-  } else if (source && source->rate_hz) {
+  if (source && source->rate_hz) {
     json = Declared(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
+  } else if (clip.rate_hz) {
+    json = ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
   } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
     json = ReportValue(clip.set_rate_hz, "declared", kSetSure, Joined(clip.set_says, "the file holds no times"));
   } else if (measure.rate_hz() && measure.confidence() > kRateTold) {
@@ -221,7 +218,7 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
         InspectionFinding(comparison.code, Severity::kError, where, comparison.value, comparison.message));
   }
   if (source) CompareFormat(clip, *source, where, findings);
-  if (source) CompareRate(clip, *source, where, findings);
+  if (source) CompareRates(clip, *source, where, findings);
   const bool no_body = std::any_of(clip.remarks.begin(), clip.remarks.end(),
                                    [](const Remark& remark) { return remark.code == "not_joint_positions"; });
   json["rate_hz"] = RateOf(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));

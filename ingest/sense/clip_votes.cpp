@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/text.h"
 #include "ingest/sense/file_names.h"
@@ -19,7 +20,19 @@ std::string Rounded(double value) { return FormatDouble(std::round(value * 100.0
 
 ClipVotes::ClipVotes(const Json& inspection, std::string format) : format_(std::move(format)) {
   std::map<std::string, std::vector<const Json*>> by_joints;
+  std::set<std::string> no_bodies;
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("code") == "not_joint_positions") no_bodies.insert(finding.at("where").get<std::string>());
+  }
+  // Features beside joints ("_vecs.npy") may be more, but they are no clips.
+  const auto is_body = [&](const Json& clip) { return no_bodies.count(clip.at("id").get<std::string>()) == 0; };
+  const bool some = std::any_of(inspection.at("clips").begin(), inspection.at("clips").end(),
+                                [&](const Json& clip) { return clip.at("format") == format_ && is_body(clip); });
   for (const Json& clip : inspection.at("clips")) {
+    if (some && clip.at("format") == format_ && !is_body(clip)) {
+      others_[format_ + " without joint positions"] += 1;
+      continue;
+    }
     if (clip.at("format") == format_)
       by_joints[clip.at("joints").at("value").dump()].push_back(&clip);
     else
@@ -40,6 +53,9 @@ ClipVotes::ClipVotes(const Json& inspection, std::string format) : format_(std::
   for (const auto& [joints, clips] : by_joints) {
     if (!clips_.empty() && clips_[0]->at("joints").at("value").dump() != joints)
       others_[format_ + " of " + joints + " joints"] += clips.size();
+  }
+  for (const Json& clip : inspection.at("clips")) {
+    if (std::find(clips_.begin(), clips_.end(), &clip) == clips_.end()) other_files_.push_back(clip.at("file"));
   }
 }
 

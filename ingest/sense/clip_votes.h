@@ -17,8 +17,8 @@ struct Vote {
 };
 
 /// The clips of an inspection that one source could be, asked together: of one format, of the most frequent count of
-/// joints (or of none, where a file does not say it), with names of one form where most have one. The inspection must
-/// outlive it.
+/// joints (or of none, where a file does not say it), with names of one form where most have one. Of arrays those that
+/// are bodies, where some are. The inspection must outlive it.
 class ClipVotes {
  public:
   ClipVotes(const nlohmann::json& inspection, std::string format);
@@ -26,6 +26,8 @@ class ClipVotes {
   const std::vector<const nlohmann::json*>& clips() const { return clips_; }
   /// What is left out, with the number of clips.
   const std::map<std::string, std::size_t>& others() const { return others_; }
+  /// Files of other clips, which a pattern must not take.
+  const std::vector<std::string>& other_files() const { return other_files_; }
   /// The most frequent value of a field, weighted by how sure; the comment says where it comes from.
   Vote Ask(const char* field) const;
   /// The clip that is surest about a field.
@@ -39,6 +41,7 @@ class ClipVotes {
   std::string format_;
   std::vector<const nlohmann::json*> clips_;
   std::map<std::string, std::size_t> others_;
+  std::vector<std::string> other_files_;
 };
 
 }  // namespace mocurate

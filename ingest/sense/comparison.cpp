@@ -1,5 +1,6 @@
 #include "ingest/sense/comparison.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/text.h"
@@ -7,8 +8,12 @@
 namespace mocurate {
 namespace {
 
-constexpr double kContradicts = 0.55;  // least confidence of a measured value that contradicts a declared one
-constexpr double kBodySlack = 0.15;    // of the body's length, before a declared unit is doubted
+constexpr double kContradicts = 0.55;       // least confidence of a measured value that contradicts a declared one
+constexpr double kBodySlack = 0.15;         // of the body's length, before a declared unit is doubted
+constexpr double kPathSlack = 2.0;          // factor by which a path may differ from the steps of a standard body
+constexpr double kRateTolerance = 0.01;     // relative
+constexpr std::size_t kLeastDenials = 100;  // one clip in so many
+constexpr double kUnitSlack = 1.5;          // factor within which a length is a usual unit
 
 double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
@@ -21,10 +26,30 @@ std::string SourceAxis(const AxisConvention& axes, int canonical) {
   return "";
 }
 
+/// The usual unit of `metres`, or that length.
+std::string UnitName(double metres) {
+  for (const char* name : {"m", "cm", "mm", "inch"}) {
+    const double ratio = metres / MetresPerUnit(name).value_or(1.0);
+    if (ratio > 1.0 / kUnitSlack && ratio < kUnitSlack) return name;
+  }
+  return "";
+}
+
+/// A path of the root in another unit than the body that it carries.
+void ComparePath(const Statements& said, const RootScale& root, double declared, std::vector<Comparison>& comparisons) {
+  const std::string unit = UnitName(root.factor * declared);
+  Comparison units{"units_contradiction", said.units, unit, Rounded(root.factor), root.sure, false, ""};
+  units.contradicts = root.factor > kPathSlack || root.factor < 1.0 / kPathSlack;
+  units.message = "the path of the root is declared in " + said.units + ", but does not fit the body's steps" +
+                  (unit.empty() ? "" : ": in " + unit + " it would") + " (" + root.evidence + ")";
+  comparisons.push_back(std::move(units));
+}
+
 void CompareUnits(const Statements& said, const ClipMeasures& m, std::vector<Comparison>& comparisons) {
-  if (said.units.empty() || !(m.body > 0.0)) return;
+  if (said.units.empty() || (!(m.body > 0.0) && !m.root)) return;
   const Expected<double> declared = MetresPerUnit(said.units);
   if (!declared) return;
+  if (m.root) return ComparePath(said, *m.root, *declared, comparisons);
   const double metres = m.body * *declared;
   Comparison units{"units_contradiction", said.units, m.units.value, Rounded(metres), 1.0, false, ""};
   units.contradicts = metres < kShortestBody * (1.0 - kBodySlack) || metres > kTallestBody * (1.0 + kBodySlack);
@@ -57,6 +82,28 @@ Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOpti
   said.facing = SourceAxis(*axes, 2);
   said.handedness = axes->handedness() == Handedness::kLeft ? "left" : "right";
   return said;
+}
+
+std::optional<Comparison> CompareRate(const SourceOptions& source, double file_hz) {
+  if (!source.rate_hz || std::abs(file_hz / *source.rate_hz - 1.0) <= kRateTolerance) return std::nullopt;
+  const std::string file = RoundedText(file_hz, 6), declared = RoundedText(*source.rate_hz, 6);
+  return Comparison{"rate_contradiction",
+                    declared,
+                    file,
+                    file_hz,
+                    1.0,
+                    true,
+                    "the file says " + file + " Hz, the source " + declared + " Hz"};
+}
+
+bool RateDenials::OfTheSet() const {
+  const std::size_t most = std::max(too_fast, too_slow);
+  return most >= kFewestVotes && kLeastDenials * most >= clips && std::min(too_fast, too_slow) == 0;
+}
+
+std::string RateDenials::Words() const {
+  return std::to_string(std::max(too_fast, too_slow)) + " of " + Counted(static_cast<long long>(clips), "clip") +
+         " deny their rate, all as too " + (too_fast > 0 ? "fast" : "slow");
 }
 
 std::vector<Comparison> CompareFrame(const Statements& said, const ClipMeasures& measures) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +31,22 @@ struct Comparison {
 
 /// Units, up and handedness: those that are declared and that the clip shows. Nothing of what it does not show.
 std::vector<Comparison> CompareFrame(const Statements& said, const ClipMeasures& measures);
+
+/// A rate that a file says, where it is not the declared one: "rate_contradiction". Writers of BVH round.
+std::optional<Comparison> CompareRate(const SourceOptions& source, double file_hz);
+
+/// Of all clips together: whether those whose motion denies their rate make that a fact about the set. One that allows
+/// it says little, as people may do anything slowly: 5 that deny it in the same direction, and 1 in 100, are enough.
+struct RateDenials {
+  std::size_t clips = 0;
+  std::size_t too_fast = 0;  ///< marked with more than the motion allows
+  std::size_t too_slow = 0;
+
+  void Add(double marked_hz, double fits_hz) { (fits_hz < marked_hz ? too_fast : too_slow) += 1; }
+  double Share() const { return static_cast<double>(std::max(too_fast, too_slow)) / static_cast<double>(clips); }
+  bool OfTheSet() const;
+  std::string Words() const;  ///< "86 of 205 clips deny their rate, all as too fast"
+};
 
 /// Clips of one source or folder that tell, before the others are told by them, and the least share of their votes.
 inline constexpr std::size_t kFewestVotes = 5;

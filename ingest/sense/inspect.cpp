@@ -13,6 +13,7 @@
 #include "ingest/format_facts.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_groups.h"
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/pattern.h"
@@ -71,6 +72,17 @@ Expected<std::string> ReadHead(const std::filesystem::path& path) {
   return head;
 }
 
+/// Whether the end of an image's data stands in the last bytes, behind which cameras may put a few of their own.
+bool EndsAsJpeg(const std::filesystem::path& path) {
+  constexpr std::streamoff kTail = 4096;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - kTail));
+  std::string tail(static_cast<std::size_t>(std::min(size, kTail)), '\0');
+  file.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+  return tail.find("\xFF\xD9") != std::string::npos;
+}
+
 const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
   if (kind == FileKind::kEmpty) return "empty_file";
   if (kind == FileKind::kUnknown) return "unknown_format";
@@ -117,6 +129,7 @@ class Inspector {
   const VideoProbe& probe_;
   std::vector<FileToInspect> videos_;
   ObservedSequences sequences_;
+  SeenMotions motions_;
   std::vector<std::string> others_;
 };
 
@@ -201,8 +214,10 @@ void Inspector::AddClips(const FileToInspect& file, bool declared, const std::ve
   const bool named = declared && source_->container.empty() && !source_->files.empty();
   const std::string name = named ? DeclaredName(file) : "";
   any_declared_ = any_declared_ || declared;
-  for (const ObservedClip& clip : clips)
+  for (const ObservedClip& clip : clips) {
     inspection["clips"].push_back(ClipReport(clip, file.name, declared ? source_ : none_, name, findings()));
+    if (!source_ || declared) motions_.Add(clip, inspection["clips"].back());
+  }
   if (!source_ || declared || clips.empty() || !source_->container.empty() || IsGathered(source_->format)) return;
   const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
   // Of what lies deeper a run says nothing file by file.
@@ -269,13 +284,20 @@ void Inspector::Look(const FileToInspect& file) {
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
-  const FileKind kind = KindOf(*head);
+  FileKind kind = KindOf(*head);
+  if (kind == FileKind::kUnknown && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
     return;
   }
   if (kind == FileKind::kVideo) return videos_.push_back(file);
-  if (kind == FileKind::kJpeg) return sequences_.AddImage({*head, file.name, file.path}, false);
+  if (kind == FileKind::kJpeg) {
+    if (!EndsAsJpeg(file.path)) {
+      AddError({ErrorCode::kMalformed, "the image is cut off: its end marker is missing", file.name, "copy it again"},
+               file.name, "malformed", findings());
+    }
+    return sequences_.AddImage({*head, file.name, file.path}, false);
+  }
   if (size > kLargestFile) {
     return AddError({ErrorCode::kUnsupported, "the file is larger than 1 GiB", file.name, ""}, file.name, "too_large",
                     findings());
@@ -328,6 +350,7 @@ void Inspector::Finish(const std::string& path) {
                                                ": mend ingest.source.files, or inspect the source's own folder"));
   }
   TellByGroup(inspection["clips"], findings());
+  motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
   const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&
                        inspection["companions"].empty();
   if (folder_ && nothing) {
@@ -341,7 +364,7 @@ void Inspector::Finish(const std::string& path) {
 }  // namespace
 
 Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
-                 const VideoProbe& videos) {
+                 const VideoProbe& videos, const InspectProgress& progress) {
   std::error_code unknown;
   Inspector inspector(source, std::filesystem::is_directory(path, unknown), videos);
   inspector.inspection["path"] = DisplayPath(path);
@@ -355,7 +378,10 @@ Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOp
     AddError(listed.error(), "", "unreadable", inspector.inspection["findings"]);
     return inspector.inspection;
   }
-  for (const FileToInspect& file : files) inspector.Look(file);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    inspector.Look(files[i]);
+    if (progress) progress(i + 1, files.size());
+  }
   inspector.Finish(DisplayPath(path.filename().empty() ? path.parent_path().filename() : path.filename()));
   return inspector.inspection;
 }

@@ -64,10 +64,28 @@ bool OneSkeleton(const std::vector<Json*>& group) {
                      [&](const Json* clip) { return clip->at("skeleton").at("value") == first; });
 }
 
+/// Rates that motions deny, of the clips of a folder together.
+void TellRates(const std::string& folder, const std::vector<Json*>& group, Json& findings) {
+  std::map<std::string, const Json*> by_id;
+  for (const Json* clip : group) by_id[clip->at("id")] = clip;
+  RateDenials denials;
+  denials.clips = group.size();
+  for (const Json& finding : findings) {
+    if (finding.at("code") != "rate_doubtful") continue;
+    const auto clip = by_id.find(finding.at("where"));
+    if (clip != by_id.end()) denials.Add(clip->second->at("rate_hz").at("value"), finding.at("value"));
+  }
+  if (!denials.OfTheSet()) return;
+  findings.push_back(InspectionFinding("rate_doubtful", Severity::kError, folder.empty() ? "." : folder,
+                                       std::round(denials.Share() * 1e4) / 1e4,
+                                       "the motions of the whole folder speak against its rate: " + denials.Words()));
+}
+
 }  // namespace
 
 void TellByGroup(Json& clips, Json& findings) {
   for (auto& [key, group] : Members(clips)) {
+    TellRates(key.substr(0, key.find('\n')), group, findings);
     if (!OneSkeleton(group)) continue;
     std::size_t told = 0;
     std::vector<const Json*> voters;

@@ -273,6 +273,7 @@ ClipMeasures Measure(const ObservedClip& clip) {
   if (clip.positions.empty()) return m;
   const Body body(clip);
   m.body = clip.lengths_assumed ? 0.0 : body.Chain();
+  m.root = clip.root_scale;
   if (clip.lengths_assumed) {
     m.units.evidence = "lengths are those of a standard body";
   } else if (m.body > 0.0) {

@@ -5,6 +5,7 @@
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/tree_points.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
@@ -38,7 +39,7 @@ constexpr int kBodyJoints = 22;  // of SMPL-H and SMPL-X; SMPL's two hands are t
 
 /// The rotations on SMPL's tree, which is the same for every body: joints of standard proportions, that are upright
 /// where the person is, bend as the person does, and say nothing of lengths.
-Status PoseTree(const Amass& amass, ObservedClip& clip) {
+Expected<Motion> PoseTree(const Amass& amass) {
   const Expected<SkeletonPtr> skeleton = KnownSkeleton("smpl24");
   if (!skeleton) return Forward(skeleton);
   const SmplRotations rotations{amass.poses, amass.frames, amass.pose_columns,
@@ -48,16 +49,18 @@ Status PoseTree(const Amass& amass, ObservedClip& clip) {
   std::vector<Vector3d> pelvis;
   for (std::size_t f = 0; f < amass.frames; ++f)
     pelvis.push_back(Eigen::Map<const Vector3d>(&amass.translation_m[3 * f]));
-  const Motion motion = MakeMotion(*skeleton, FrameRate::FromHz(amass.rate_hz > 0.0 ? amass.rate_hz : 1.0),
-                                   std::move(pelvis), std::move(*local), {});
+  return MakeMotion(*skeleton, FrameRate::FromHz(amass.rate_hz > 0.0 ? amass.rate_hz : 1.0), std::move(pelvis),
+                    std::move(*local), {});
+}
+
+void StandOnTree(const Motion& motion, ObservedClip& clip) {
   clip.positions = motion.joints;
   const std::string declared = clip.skeleton, evidence = clip.skeleton_evidence;
   std::vector<std::string> names;
-  for (const Joint& joint : (*skeleton)->joints) names.push_back(joint.name);
+  for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
   FollowFormat("smpl24", names, evidence + "; posed on SMPL's tree with standard proportions", clip);
   clip.skeleton = declared;
   clip.lengths_assumed = true;
-  return {};
 }
 
 ObservedClip AmassClip(const Amass& amass) {
@@ -81,8 +84,13 @@ ObservedClip AmassClip(const Amass& amass) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
+  const Expected<Motion> posed = PoseTree(amass);
+  if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
   if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
-    if (const Status posed = PoseTree(amass, clip); !posed) clip.silence = posed.error().Message();
+    if (posed)
+      StandOnTree(*posed, clip);
+    else
+      clip.silence = posed.error().Message();
     return clip;
   }
   clip.positions = JointPositions(clip.frames, static_cast<int>(amass.markers));

@@ -20,6 +20,8 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
   shape += ")";
   const std::optional<ArrayShape> held = ShapeOfJoints(array.shape);
   if (!held || array.values.empty()) {
+    const std::string other = OtherThanJoints(array.shape);
+    if (!other.empty()) return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " holds " + other, name);
     return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }

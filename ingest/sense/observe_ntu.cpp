@@ -71,6 +71,9 @@ Expected<std::vector<ObservedClip>> ObserveNtu(std::string_view bytes, const std
       if (std::find(ids.begin(), ids.end(), body.id) == ids.end()) ids.push_back(body.id);
     }
   }
+  if (skeleton->frames.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the file holds 0 frames", name, "leave the file out");
+  }
   if (ids.empty()) {
     return Fail(ErrorCode::kInconsistent, "there is no body in any frame: the set's files with missing skeletons", name,
                 "leave the file out");

@@ -8,6 +8,7 @@
 
 #include "ingest/options.h"
 #include "ingest/sense/joint_orders.h"
+#include "ingest/sense/root_scale.h"
 
 namespace mocurate {
 
@@ -43,6 +44,7 @@ struct ObservedClip {
   std::string set_says;
   std::optional<double> missing_share;  ///< where positions do not show it
   bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them
+  std::optional<RootScale> root_scale;  ///< where the path of the root and the bones come from different places
   std::string silence = "no joints";    ///< why nothing can be measured without positions
   /// What else the file says: ("gender", "male").
   std::vector<std::pair<std::string, std::string>> facts;

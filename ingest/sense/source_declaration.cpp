@@ -5,7 +5,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -14,9 +13,8 @@
 #include "ingest/options.h"
 #include "ingest/sense/clip_votes.h"
 #include "ingest/sense/declaration_writer.h"
-#include "ingest/sense/file_names.h"
+#include "ingest/sense/declared_names.h"
 #include "ingest/sense/source_root.h"
-#include "ingest/sources/pattern.h"
 
 namespace mocurate {
 namespace {
@@ -25,6 +23,7 @@ using Json = nlohmann::json;
 
 constexpr double kFacingHabit = 0.6;   // share of votes that face one way, below which facing is no habit of the source
 constexpr double kFewestVoters = 0.1;  // share of clips that must show something, to be believed of all
+constexpr double kNearUsual = 0.02;    // relative, of a measured rate
 constexpr double kOneRate = 0.99;      // share of files that say the same rate
 constexpr std::size_t kMostFindings = 10;
 
@@ -84,9 +83,22 @@ void WriteUnits(const ClipVotes& source, const std::string& format, DeclarationW
   writer.Value("units", Quoted(units.value), units.comment);
 }
 
+/// The usual rate that a measured one is near to.
+std::optional<double> UsualRate(double measured) {
+  for (const double usual : {24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 100.0, 120.0, 200.0, 240.0}) {
+    if (std::abs(measured / usual - 1.0) < kNearUsual) return usual;
+  }
+  return std::nullopt;
+}
+
 void WriteRate(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const Vote rate = source.Ask("rate_hz");
-  if (rate.from == "measured") return writer.Unknown("rate", rate.comment);  // near, but no rate to divide times by
+  if (rate.from == "measured") {
+    const std::optional<double> usual = UsualRate(rate.value);
+    if (!usual) return writer.Unknown("rate", rate.comment);  // near, but no rate to divide times by
+    return writer.Value("rate", FormatDouble(*usual) + " Hz",
+                        "the usual rate that is nearest; " + rate.comment + ", " + FormatDouble(rate.value) + " Hz");
+  }
   if (!rate.value.is_null() && rate.share < kOneRate) {
     return writer.Comment("rate: each file says its own, most " + FormatDouble(rate.value.get<double>()) + " Hz");
   }
@@ -156,119 +168,6 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
     writer.Value("missing", "zero",
                  "measured: up to " + Rounded(100.0 * missing) + " % of a clip's joints are at the origin");
   }
-}
-
-/// NTU's names say everything; how many people a file holds is declared per action.
-void WriteNtuNames(const ClipVotes& source, DeclarationWriter& writer) {
-  writer.Value("files", "\"S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton\"",
-               "declared by the format");
-  writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} tells several people of a file apart");
-  writer.Value("label", "\"A{action}\"", "declared by the format");
-  std::string bodies;
-  std::set<std::string> told;
-  for (const Json* clip : source.clips()) {
-    const std::string file = clip->at("file");
-    const std::size_t at = file.rfind('A');
-    const int people = clip->at("people").at("value");
-    if (people < 2 || at == std::string::npos || !told.insert(file.substr(at, 4)).second) continue;
-    bodies += (bodies.empty() ? "" : ", ") + file.substr(at, 4) + ": " + std::to_string(people);
-  }
-  if (!bodies.empty()) writer.Value("bodies", "{" + bodies + "}", "measured: most people in a frame of such files");
-}
-
-void Rename(GuessedNames& guessed, std::string& text, const std::string& from, const std::string& to) {
-  for (std::string* pattern : {&guessed.pattern, &text}) {
-    const std::size_t at = pattern->find("{" + from + "}");
-    if (at != std::string::npos) pattern->replace(at + 1, from.size(), to);
-  }
-  std::replace(guessed.fields.begin(), guessed.fields.end(), from, to);
-}
-
-/// A skeleton file is a person's: the field that names it is {person}, and words after it are the action.
-void NamePerson(GuessedNames& guessed, std::string& skeletons) {
-  const std::vector<std::string> fields = FieldsOf(skeletons);
-  if (fields.size() != 1 || guessed.Has("person")) return;
-  const bool was_action = fields[0] == "action";
-  Rename(guessed, skeletons, fields[0], "person");
-  if (was_action && guessed.Has("style")) Rename(guessed, skeletons, "style", "action");
-}
-
-/// Whether another file would be taken for a clip of the pattern.
-bool TakesOthers(const GuessedNames& guessed, const std::vector<std::string>& names,
-                 const std::filesystem::path& folder) {
-  const Expected<NamePattern> pattern = NamePattern::Parse(guessed.pattern, "files");
-  const std::filesystem::path beside = (folder / names.front()).parent_path();
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(beside, error), end; !error && at != end; at.increment(error)) {
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
-    if (pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end()) return true;
-  }
-  return false;
-}
-
-/// The images of a depth sequence, with the field that names it where its own name is part of theirs.
-std::string DepthFilesOf(const GuessedNames& guessed, const std::vector<std::string>& names,
-                         const std::filesystem::path& folder, const std::string& prefix) {
-  std::string pattern = GuessDepthFiles(folder, names.front());
-  const std::string stem = DisplayPath(std::filesystem::path(names.front()).stem());
-  if (const std::size_t at = pattern.find(stem); at != std::string::npos && guessed.pattern == "{clip}.json") {
-    pattern.replace(at, stem.size(), "{clip}");
-  }
-  return pattern.empty() ? pattern : prefix + pattern;
-}
-
-void WriteNames(const ClipVotes& source, const std::string& format, const std::filesystem::path& asked,
-                const SourceRoot& root, DeclarationWriter& writer) {
-  std::vector<std::string> names;
-  for (const Json* clip : source.clips()) {
-    const std::string file = clip->at("file");
-    if (std::find(names.begin(), names.end(), file) == names.end()) names.push_back(file);
-  }
-  if (format == "humanact12_pickle" || format == "uestc") {
-    const bool uestc = format == "uestc";
-    writer.Value("container", Quoted(names.front()), "declared by the file: all clips are in it");
-    writer.Value("files", Quoted(uestc ? "a{action}_d{view}_p{person:3}_c{side}_color.avi" : "c{clip:4}_y{action:2}"),
-                 "declared by the format");
-    writer.Value("person", Quoted(uestc ? "p{person}" : "unknown"), uestc ? "" : "unknown: the file does not say it");
-    writer.Value("label", Quoted(uestc ? "" : "{action}"), "declared by the format");
-    return;
-  }
-  if (format == "ntu_skeleton") return WriteNtuNames(source, writer);
-  GuessedNames guessed = GuessNames(names);
-  std::error_code unknown;
-  const bool folder = std::filesystem::is_directory(asked, unknown);
-  const std::filesystem::path below = folder ? asked : asked.parent_path();
-  const bool narrow = folder && names.size() == 1 && TakesOthers(guessed, names, below);
-  std::optional<std::string> skeletons;
-  if (format == "asf_amc") {
-    skeletons = GuessSkeletonFiles(source, root, guessed);
-    if (skeletons) NamePerson(guessed, *skeletons);
-  }
-  const std::string depth_files =
-      format == "depth_sequence" ? DepthFilesOf(guessed, names, below, root.prefix) : std::string();
-  if (narrow) guessed = GuessedNames{names.front(), {}, false};
-  writer.Value("files", Quoted(root.prefix + guessed.pattern),
-               narrow           ? "the one file of the folder that holds a clip"
-               : guessed.common ? "guessed from " + std::to_string(names.size()) + " names: look at the fields"
-                                : "the names have no form in common");
-  if (skeletons) {
-    writer.Value("skeleton_files", Quoted(*skeletons), "as they lie beside the motions");
-  } else if (format == "asf_amc") {
-    writer.Unknown("skeleton_files", "no .asf lies beside a motion whose name begins like it");
-  }
-  const bool person = guessed.Has("person");
-  writer.Value("person", Quoted(person ? "{person}" : "unknown"),
-               !person     ? "unknown: write who performs, from the fields, where the names say it"
-               : skeletons ? "guessed: whose skeleton file it is"
-                           : "guessed from the names");
-  const bool action = guessed.Has("action");
-  writer.Value("label", Quoted(action ? "{action}" : ""),
-               action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not say it");
-  if (format != "depth_sequence") return;
-  if (depth_files.empty())
-    writer.Unknown("depth_files", "no 16-bit PNG below the folder is named like a view");
-  else
-    writer.Value("depth_files", Quoted(depth_files), "guessed from the names of the images");
 }
 
 std::string FormatToDeclare(const Json& inspection) {

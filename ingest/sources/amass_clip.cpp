@@ -69,8 +69,7 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
 
   IngestedClip ingested;
   Clip& clip = ingested.clip;
-  if (amass->rate_hz > 0.0) NoteRate(source, amass->rate_hz, ingested.findings);
-  clip.rate = FrameRate::FromHz(amass->rate_hz);
+  clip.rate = RateOfFile(source, amass->rate_hz, ingested);
   clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;

@@ -73,6 +73,13 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   return ArrayShape{batch, batch ? sizes[0] : 1, sizes[sizes.size() - 2], sizes.back() / 3};
 }
 
+std::string OtherThanJoints(const std::vector<std::size_t>& shape) {
+  if (shape.size() < 2 || (shape.back() != 263 && shape.back() != 251)) return "";
+  return std::string("features of ") + (shape.back() == 263 ? "HumanML3D" : "KIT-ML") +
+         " (root velocities, places, rotations and contacts of a frame), no joint positions: take the joints that they "
+         "were made from (new_joints/), or recover them with the set's recover_from_ric";
+}
+
 std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std::string& name) {
   std::ifstream file(path, std::ios::binary);
   std::string head(kHead, '\0');

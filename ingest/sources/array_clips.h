@@ -22,6 +22,9 @@ struct ArrayShape {
 /// (frames, joints, 3), (frames, joints * 3), or a batch of them, of at least three joints; nothing for others.
 std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape);
 
+/// "", or what an array of this shape is known to hold instead of positions, and the way to them: HumanML3D's features.
+std::string OtherThanJoints(const std::vector<std::size_t>& shape);
+
 /// One clip of a file of arrays.
 struct ArrayClip {
   std::string id;  ///< "[3]" of a batch, "[member]" of an .npz, "[member][3]"; empty: the file is the clip

@@ -95,7 +95,7 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   IngestedClip ingested;
   ingested.findings = asf->findings;
   ingested.findings.insert(ingested.findings.end(), amc->findings.begin(), amc->findings.end());
-  if (amc->hz) NoteRate(source, *amc->hz, ingested.findings);
+  ingested.clip.rate = amc->hz ? RateOfFile(source, *amc->hz, ingested) : FrameRate::FromHz(*source.rate_hz);
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;
   const AsfTree made = TreeOf(*asf, metres_from_file);
@@ -119,7 +119,6 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   for (std::size_t j = 0; j < joints; ++j) {
     MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(amc->frames), joints);
   }
-  ingested.clip.rate = FrameRate::FromHz(amc->hz.value_or(*source.rate_hz));
   ingested.clip.motion =
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   ingested.clip.provenance["skeleton_file"] = file.skeleton_name;

@@ -45,12 +45,18 @@ std::optional<ObservedClip> Observed(const SourceOptions& source, const Clip& cl
   observed.points = clip.evidence.tracks
                         ? PointsOfBody(clip.evidence.tracks->names, skeleton ? skeleton->get() : nullptr)
                         : PointsOfBody(*clip.motion->skeleton);
+  if (source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap) {
+    observed.lengths_assumed = true;  // the skeleton's: only the path of the root is the file's
+    observed.root_scale = MeasureRootScale(observed.positions, observed.points);
+  }
   if (observed.units.empty()) observed.units = "m";
   return observed;
 }
 
 /// What to do about a contradiction, in the words of the declaration.
 std::string Advice(const SourceOptions& source, const Comparison& comparison) {
+  if (comparison.code == "units_contradiction" && source.units.empty())
+    return comparison.message + "; files of this format are in metres: mend the files";
   if (comparison.code == "units_contradiction") return comparison.message + "; mend ingest.source.units";
   if (comparison.code == "up_contradiction") {
     return "with axes '" + source.axes + "' " + comparison.message + "; mend ingest.source.axes";

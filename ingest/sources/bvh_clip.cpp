@@ -81,7 +81,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = bvh->findings;
-  NoteRate(source, bvh->hz(), ingested.findings);
+  ingested.clip.rate = RateOfFile(source, bvh->hz(), ingested);
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;
   const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());
@@ -103,7 +103,6 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   for (int j = 0; j < joints; ++j) {
     MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
   }
-  ingested.clip.rate = FrameRate::FromHz(bvh->hz());
   ingested.clip.motion =
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   if (offsets.carrier > 0) {

@@ -85,7 +85,7 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   IngestedClip ingested;
   Clip& clip = ingested.clip;
   if (sequence->fps > 0.0)
-    clip.rate = FrameRate::FromHz(sequence->fps);
+    clip.rate = RateOfFile(file.source, sequence->fps, ingested);
   else
     clip.rate = {1, 1};  // one moment has none
   const RigidTransform world_from_rig{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};

@@ -19,7 +19,13 @@ Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
     ingested.content += BytesOf({rotation.w(), rotation.x(), rotation.y(), rotation.z()});
   }
   ingested.clip = *std::move(clip);
-  NoteRate(file.source, ingested.clip.rate.hz(), ingested.findings);
+  const FrameRate recorded = ingested.clip.rate;
+  const FrameRate rate = RateOfFile(file.source, recorded.hz(), ingested);
+  for (Segment& segment : ingested.clip.segments) {  // they span the frames that they spanned
+    segment.begin_s *= recorded.hz() / rate.hz();
+    segment.end_s *= recorded.hz() / rate.hz();
+  }
+  ingested.clip.rate = ingested.clip.motion->rate = rate;
   return ingested;
 }
 

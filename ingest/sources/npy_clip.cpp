@@ -57,6 +57,9 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   if (!array->texts.empty()) {
     return Fail(ErrorCode::kInconsistent, "the array holds texts, joint positions are needed", file.name);
   }
+  if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
+    return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeText(*array) + " holds " + other, file.name);
+  }
   if ((!cube && !flat) || array->shape[0] == 0) {
     return Fail(ErrorCode::kInconsistent,
                 "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",

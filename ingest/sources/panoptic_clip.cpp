@@ -92,7 +92,7 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
       }
     }
   }
-  if (const double hz = RateOf(frames); hz > 0.0) NoteRate(file.source, hz, ingested.findings);
+  if (const double hz = RateOf(frames); hz > 0.0) RateOfFile(file.source, hz, ingested);
   NoteEmptyFrames(tracks, ingested.findings);
   clip.evidence.tracks = std::move(tracks);
   clip.provenance["body_id"] = std::to_string(id);

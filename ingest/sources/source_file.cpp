@@ -6,11 +6,10 @@
 
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "ingest/sense/comparison.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kRateTolerance = 1e-3;  // relative: BVH writers round the frame time to six digits
 
 std::string WithoutEnding(std::string name) {
   const std::size_t dot = name.rfind('.');
@@ -132,15 +131,21 @@ Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {
   return {};
 }
 
-void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings) {
-  if (!source.rate_hz || std::abs(file_hz / *source.rate_hz - 1.0) <= kRateTolerance) return;
-  Finding finding;
-  finding.code = "rate_contradiction";
-  finding.value = file_hz;
-  finding.message = "the file says " + FormatDouble(std::round(file_hz * 1e4) / 1e4) + " Hz, the source declares " +
-                    RoundedText(*source.rate_hz, 6) + " Hz";
-  finding.action = "the file's rate is used";
-  findings.push_back(finding);
+FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested) {
+  if (!source.rate_hz) return FrameRate::FromHz(file_hz);
+  const std::optional<Comparison> differs = CompareRate(source, file_hz);
+  ingested.shown["rate_contradiction"] = {differs.has_value(), 1.0};
+  if (differs) {
+    Finding finding;
+    finding.code = differs->code;
+    finding.severity = Severity::kError;
+    finding.value = differs->value;
+    finding.message = differs->message + "; mend ingest.source.rate, or leave it out where the files are right";
+    finding.action =
+        source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged; the declared rate is used";
+    ingested.findings.push_back(std::move(finding));
+  }
+  return FrameRate::FromHz(*source.rate_hz);
 }
 
 void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings) {

@@ -155,8 +155,9 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file);
 /// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, by how long they are there.
 Expected<IngestedClip> ReadPanopticClip(const SourceFile& file);
 
-/// Appends a finding "rate_contradiction" where the file's rate is not the declared one.
-void NoteRate(const SourceOptions& source, double file_hz, std::vector<Finding>& findings);
+/// The rate of a clip whose file says one: the declared rate if there is one. Where they differ that is a finding
+/// (error) "rate_contradiction".
+FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested);
 
 /// Compares what the body shows with the declaration, as `mocurate inspect` does: units, up, handedness and, where the
 /// declaration lists the joints, their order. Appends findings (error) "units_contradiction", "up_contradiction",

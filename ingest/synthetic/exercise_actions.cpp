@@ -122,9 +122,10 @@ void ButtKicks(double at, const Manner& m, Pose& pose) { RunLegs(at, m, 0.0, 2.1
 
 void Jumps(double at, const Manner& m, double arms, Pose& pose) {
   const double x = Repetition(at, m);
-  const double height = 0.16 * m.amplitude;
+  const double wanted = 0.16 * m.amplitude;
   const double period = m.active_s / Repetitions(m);
-  const double flight = std::min(0.45, std::sqrt(8.0 * height / 9.81) / std::max(0.3, period));
+  const double flight = std::min(0.45, std::sqrt(8.0 * wanted / 9.81) / std::max(0.3, period));
+  const double height = std::min(wanted, 9.81 * flight * period * flight * period / 8.0);  // what the time allows
   const double takeoff = 0.42;
   const double landing = takeoff + flight;
   Crouch(pose, 0.5 * m.amplitude * Pulse(x, 0.0, 0.25, 0.27, takeoff));

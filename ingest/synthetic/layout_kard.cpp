@@ -40,15 +40,13 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
         Seen(PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1}), sensor_from_world);
     const std::vector<std::string> names = NamesOf(KardPlaces());
     TrackedTake tracked = Track(PlacesOf(motion, KardPlaces()), names, options.tracker, options.seed, recording);
+    GuessUnseen(options.tracker, options.seed, recording, tracked);  // the set has no word for what was not seen
     JointTable table;
     table.frames = motion.frame_count();
     table.rows_per_frame = static_cast<int>(names.size());
     table.columns = 3;
     for (int f = 0; f < table.frames; ++f) {
       for (int k = 0; k < table.rows_per_frame; ++k) {
-        // The set has no word for a joint that was not seen: its tracker repeats where it saw it last.
-        const bool seen = tracked.seen[static_cast<std::size_t>(f) * names.size() + k] != 0;
-        if (!seen && f > 0) tracked.positions.at(f, k) = tracked.positions.at(f - 1, k);
         const Vector3d at = tracked.positions.at(f, k);
         table.values.insert(table.values.end(), {Written(at.x()), Written(at.y()), Written(-at.z())});
       }

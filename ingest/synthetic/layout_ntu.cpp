@@ -191,14 +191,10 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     const BodyView body(actor);
     const JointPositions places = PlacesOf(motion, Kinect25Places());
     TrackedTake tracked = Track(places, NamesOf(Kinect25Places()), options.tracker, options.seed, recording);
+    GuessUnseen(options.tracker, options.seed, recording, tracked);
     const std::vector<std::uint8_t> hidden = HiddenPlaces(body, motion, places, camera);
     NtuSkeleton skeleton;
     for (int f = 0; f < motion.frame_count(); ++f) {
-      for (int k = 0; k < kNtuJoints; ++k) {
-        // What the sensor does not see it infers: not far from where it was.
-        const bool seen = tracked.seen[static_cast<std::size_t>(f) * kNtuJoints + k] != 0;
-        if (!seen && f > 0) tracked.positions.at(f, k) = tracked.positions.at(f - 1, k);
-      }
       NtuBody at = BodyAt(view, motion, tracked, hidden, camera, f);
       RoundAll(at);
       skeleton.frames.push_back({at});

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
 namespace {
 
+constexpr double kGravity = 9.81;
 constexpr double kSupportSoft = 0.012;  // metres over which the weight goes from one foot to the other
 
 /// Metres from a joint of a standing skeleton down to the floor.
@@ -58,6 +61,46 @@ std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double 
   return weights;
 }
 
+/// A part of the body between two joints, sides apart, with its share of the weight (Winter 2009, table 4.1).
+struct Segment {
+  const char* from;
+  const char* to;
+  double share;
+  double centre;  ///< of its length
+};
+constexpr Segment kLimbs[] = {{"hip", "knee", 0.100, 0.433},
+                              {"knee", "ankle", 0.0465, 0.433},
+                              {"ankle", "foot", 0.0145, 0.5},
+                              {"shoulder", "elbow", 0.028, 0.436},
+                              {"elbow", "wrist", 0.022, 0.682}};
+constexpr double kHead = 0.081, kTrunk = 0.497;
+
+/// How far the centre of mass lies above the root.
+double CentreAboveRoot(const Skeleton& skeleton, const std::vector<Vector3d>& joints) {
+  const auto height = [&](const std::string& name) {
+    const std::optional<int> joint = skeleton.FindJoint(name);
+    return joint ? joints[static_cast<std::size_t>(*joint)].y() - joints[0].y() : 0.0;
+  };
+  double centre = kHead * height("head");
+  for (const std::string side : {"left_", "right_"}) {
+    centre += 0.25 * kTrunk * (height(side + "hip") + height(side + "shoulder"));
+    for (const Segment& limb : kLimbs) {
+      const double from = height(side + limb.from);
+      centre += limb.share * (from + limb.centre * (height(side + limb.to) - from));
+    }
+  }
+  return centre;
+}
+
+/// Nothing pulls a body down faster than it falls: where the legs would, the feet leave the floor for a moment, and the
+/// body flies as its last step threw it. `height`: of the centre of mass while the feet bear it (metres, a frame each).
+std::vector<double> NoFasterThanFall(const std::vector<double>& height, double frame_s) {
+  std::vector<double> path = height;
+  for (std::size_t f = 2; f < path.size(); ++f)
+    path[f] = std::max(height[f], 2.0 * path[f - 1] - path[f - 2] - kGravity * frame_s * frame_s);
+  return path;
+}
+
 }  // namespace
 
 Motion MoveBody(const SkeletonPtr& skeleton, const std::vector<double>& bone_length, FrameRate rate,
@@ -66,6 +109,7 @@ Motion MoveBody(const SkeletonPtr& skeleton, const std::vector<double>& bone_len
   const double scale = bone_length[ankle] / skeleton->joints[ankle].rest_offset.norm();
   const auto joint_count = static_cast<std::size_t>(skeleton->joint_count());
   std::vector<Vector3d> root;
+  std::vector<double> centre;  // of mass, above the root
   std::vector<Quaterniond> rotation;
   std::vector<Vector3d> joints(joint_count);
   std::array<Vector3d, 4> before;
@@ -86,8 +130,13 @@ Motion MoveBody(const SkeletonPtr& skeleton, const std::vector<double>& bone_len
     if (pose.homing > 0.0)
       place += pose.homing * (Vector3d(start.x(), 0.0, start.z()) - Vector3d(place.x(), 0.0, place.z()));
     root.emplace_back(place.x(), height, place.z());
+    centre.push_back(CentreAboveRoot(*skeleton, joints));
     rotation.insert(rotation.end(), local.begin(), local.end());
   }
+  std::vector<double> height;
+  for (std::size_t f = 0; f < root.size(); ++f) height.push_back(root[f].y() + centre[f]);
+  height = NoFasterThanFall(height, rate.FrameTime(1));
+  for (std::size_t f = 0; f < root.size(); ++f) root[f].y() = height[f] - centre[f];
   for (std::size_t j = 0; j < joint_count; ++j) {
     MakeSignContinuous(rotation.data() + j, poses.size(), joint_count);
   }

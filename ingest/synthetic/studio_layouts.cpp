@@ -137,6 +137,33 @@ Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int 
   return StudioEstimate{images, count * static_cast<double>(*bytes), count * seconds / std::max(1, jobs)};
 }
 
+std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth) {
+  switch (layout) {
+    case StudioLayout::kHumanAct12:
+      return {{"humanact12_npy", "HumanAct12"}, {"humanact12_poses", "HumanAct12"}};
+    case StudioLayout::kPhspd:
+      return {{"phspd", "phspd"}};
+    case StudioLayout::kNtu:
+      if (with_depth) return {{"ntu", "nturgb+d_skeletons"}, {"ntu_views", "."}};
+      return {{"ntu", "nturgb+d_skeletons"}};
+    case StudioLayout::kKard:
+      return {{"kard", "kard"}};
+    case StudioLayout::kUestc:
+      return {{"uestc", "uestc"}};
+    case StudioLayout::kUestcVibe:
+      return {{"uestc_vibe", "uestc_vibe"}};
+    case StudioLayout::kNtuVibe:
+      return {{"ntu13_vibe", "ntu13"}};
+    case StudioLayout::kOpenPose:
+      return {{"studio_keypoints", "openpose"}};
+    case StudioLayout::kAmass:
+      return {{"amass", "amass"}};
+    case StudioLayout::kDepthSequence:
+      return {{"rendered_seq", "rendered_seq"}};
+  }
+  return {};
+}
+
 Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
                                                  int jobs, const StudioFolder::Progress& progress) {
   if (Status free = CheckFolder(folder); !free) return Forward(free);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "ingest/synthetic/studio_folder.h"
 #include "ingest/synthetic/studio_options.h"
@@ -13,6 +15,13 @@ namespace mocurate {
 /// already, kConfig for an unknown action, those of ReadBodyTemplate.
 Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
                                                  int jobs, const StudioFolder::Progress& progress = {});
+
+/// How a written folder is read: which of its folders is whose of configs/sources ("kard", "kard").
+struct StudioRecipe {
+  std::string recipe;
+  std::string folder;  ///< below the written one
+};
+std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth);
 
 /// What a layout with depth images will take; all 0 for others, which take seconds.
 struct StudioEstimate {

@@ -165,6 +165,30 @@ TrackedTake Track(const JointPositions& truth, const std::vector<std::string>& n
   return tracked;
 }
 
+void GuessUnseen(const TrackerOptions& options, std::int64_t seed, const std::string& item, TrackedTake& tracked) {
+  Random tremble(static_cast<std::uint64_t>(seed), "studio.guess", item);
+  const double per_axis = options.noise / std::sqrt(3.0);
+  const auto count = static_cast<std::size_t>(tracked.positions.joints);
+  const auto seen = [&](int f, int k) {
+    return tracked.seen[static_cast<std::size_t>(f) * count + static_cast<std::size_t>(k)] != 0;
+  };
+  for (int f = 1; f < tracked.positions.frames; ++f) {
+    Vector3d step = Vector3d::Zero();
+    int steps = 0;
+    for (int k = 0; k < tracked.positions.joints; ++k) {
+      if (!seen(f, k) || !seen(f - 1, k)) continue;
+      step += Vector3d(tracked.positions.at(f, k)) - Vector3d(tracked.positions.at(f - 1, k));
+      ++steps;
+    }
+    if (steps > 0) step /= steps;
+    for (int k = 0; k < tracked.positions.joints; ++k) {
+      if (seen(f, k)) continue;
+      const Vector3d error(tremble.Normal(), tremble.Normal(), tremble.Normal());
+      tracked.positions.at(f, k) = Vector3d(tracked.positions.at(f - 1, k)) + step + per_axis * error;
+    }
+  }
+}
+
 std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item) {
   const std::vector<std::string>& names = TrackedJoints();
   const TrackedTake tracked = Track(PointsOf(truth, names), names, options.tracker, options.seed, item);

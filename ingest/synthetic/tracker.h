@@ -22,6 +22,10 @@ struct TrackedTake {
 TrackedTake Track(const JointPositions& truth, const std::vector<std::string>& names, const TrackerOptions& options,
                   std::int64_t seed, const std::string& item);
 
+/// What a tracker says of the points that it does not see: they go with those that it sees, by the mean of their steps,
+/// and tremble as all do. What is not seen from the first frame on keeps its error.
+void GuessUnseen(const TrackerOptions& options, std::int64_t seed, const std::string& item, TrackedTake& tracked);
+
 /// Positions of named joints or synonyms (K) of a motion's skeleton, (F,K,3).
 JointPositions PointsOf(const Motion& motion, const std::vector<std::string>& names);
 

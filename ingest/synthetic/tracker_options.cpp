@@ -26,6 +26,7 @@ TrackerOptions KinectTracker() {
   options.wander_frames = 8.0;
   options.dropout_share = 0.02;
   options.outlier_share = 0.002;
+  options.swap_share = 0.01;
   return options;
 }
 

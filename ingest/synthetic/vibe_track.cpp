@@ -55,6 +55,7 @@ VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::
   track.joints = names.size();
   const JointPositions truth = PlacesOf(motion, Vibe49Places());
   TrackedTake tracked = Track(truth, names, options, seed, item);
+  GuessUnseen(options, seed, item, tracked);
   const Motion told = Told(motion, ErrorsOf(motion, options, seed, item));
   for (int f = 0; f < motion.frame_count(); ++f) {
     const std::vector<double> pose = RotationVectors(told, f);
@@ -62,10 +63,6 @@ VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::
     const Vector3d root = motion.root_translation[f];
     Vector2d low = Vector2d::Constant(1e9), high = Vector2d::Constant(-1e9);
     for (int k = 0; k < truth.joints; ++k) {
-      const bool seen = tracked.seen[static_cast<std::size_t>(f) * names.size() + k] != 0;
-      if (!seen && f > 0) {
-        tracked.positions.at(f, k) = tracked.positions.at(f - 1, k) + (root - motion.root_translation[f - 1]);
-      }
       const Vector3d at = tracked.positions.at(f, k) - root;
       track.joints3d.insert(track.joints3d.end(), at.data(), at.data() + 3);
       const Vector3d place = truth.at(f, k);

@@ -336,13 +336,13 @@ TEST(BadInput, AHeaderThatContradictsTheRowsIsAFindingOfTheRunWithItsNumber) {
   WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 60\nFrame Time: 0.033\n" + rows);
   WriteText(folder / "data/walk_p2.bvh", std::string(kBvhHead) + "Frames: 40\nFrame Time: 0.033\n" + rows);
   std::size_t clips = 0;
-  RunFolder(folder, kBvh);
+  RunFolder(folder, std::string(kBvh) + "    damaged_rows: refuse\n");
   std::vector<nlohmann::json> flagged = Flagged(folder / "run", "count_contradiction", clips);
   EXPECT_EQ(clips, 2u);
   ASSERT_EQ(flagged.size(), 1u);
   EXPECT_EQ(flagged[0]["value"], 60);
   EXPECT_THAT(flagged[0]["message"].get<std::string>(), HasSubstr("walk_p1.bvh:8: Frames announces 60"));
-  RunFolder(folder, std::string(kBvh) + "    damaged_rows: report\n");
+  RunFolder(folder, kBvh);
   flagged = Flagged(folder / "run", "count_contradiction", clips);
   ASSERT_EQ(flagged.size(), 1u);
   EXPECT_EQ(flagged[0]["value"], 60);

@@ -136,14 +136,37 @@ TEST_F(Declarations, NtusNamesAndPeopleAreKnownByTheFormat) {
 
 TEST_F(Declarations, CmusMotionsFindTheirSkeletons) {
   const std::vector<std::string> unknown = Declare("cmu/asf_amc", {"01.asf", "01_01.amc", "12.asf", "02_01.amc"});
-  EXPECT_THAT(unknown, ElementsAre("rate"));
+  EXPECT_THAT(unknown, IsEmpty());
+  EXPECT_THAT(text_, HasSubstr("rate: 120 Hz")) << "one of the two jumps, and tells it";
+  EXPECT_THAT(text_, HasSubstr("measured: 1 of 2 clips say so"));
   EXPECT_THAT(text_, HasSubstr("skeleton_files: \"{person}.asf\""));
   EXPECT_THAT(text_, HasSubstr("person: \"{person}\""));
   EXPECT_THAT(text_, HasSubstr("units: \"0.0564 m\""));
-  Fill("rate", "120 Hz");
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 1) << "02_01.amc has no skeleton: " << run.err << text_;
   EXPECT_EQ(Kept(), 1);
+}
+
+TEST_F(Declarations, OneMotionAmongOthersHasItsOwnSkeletonByName) {
+  Declare("cmu/acclaim_old", {"skel.amc", "skel.asf", "walk.amc", "walk.asf"});
+  EXPECT_THAT(text_, HasSubstr("files: \"walk.amc\""));
+  EXPECT_THAT(text_, HasSubstr("skeleton_files: \"walk.asf\""));
+  EXPECT_THAT(text_, HasSubstr("the one file that is of this source: others have its form, e.g. skel.amc"));
+  Fill("rate", "30 Hz");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 1);
+}
+
+TEST_F(Declarations, OfMixedArraysThoseThatAreBodiesAreTheSource) {
+  Declare("humanact12/a2m_generated", {"humanact12_lie/motion_joints30000.npy", "humanact12_tf/motion_joints500000.npy",
+                                       "humanact12_tf/motion_class.npy"});
+  EXPECT_THAT(text_, HasSubstr("files: \"humanact12_tf/motion_joints500000.npy\""));
+  EXPECT_THAT(text_, HasSubstr("20 clips of format npy without joint positions"));
+  Fill("rate", "20 Hz");
+  const Result run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 20);
 }
 
 TEST_F(Declarations, WhatNothingTellsIsRefusedByItsNameOneAfterTheOther) {
@@ -270,6 +293,26 @@ TEST(DoctorOfASource, NamesWhatIsMissingWhereAndUnderWhichLicence) {
   const Result text = RunProgram(folder, {"doctor", "--source", "uestc", "--path", (folder / "uestc").string()});
   EXPECT_THAT(text.out, HasSubstr("MISSING  vibe_cache_refined.pkl: VIBE's tracks"));
   EXPECT_THAT(text.err, HasSubstr("3 of 4 kinds of files are missing"));
+}
+
+TEST(DoctorOfASource, SaysWhereFilesLieThatLieOneFolderTooHighOrTooDeep) {
+  const Folder folder;
+  WriteText(folder / "set/kard/a01_s01_e01_realworld.txt", "1 2 3\n");
+  const Result deeper = RunProgram(folder, {"doctor", "--source", "kard", "--path", (folder / "set").string()});
+  EXPECT_EQ(deeper.exit_code, 4);
+  EXPECT_THAT(deeper.out, HasSubstr("1 such file below " + (folder / "set/kard").string()));
+  EXPECT_THAT(deeper.err, HasSubstr("name that folder"));
+  WriteText(folder / "phspd/pose/take/pose.txt", "1\n");
+  const Result higher = RunProgram(folder, {"doctor", "--source", "phspd", "--path", (folder / "phspd/pose").string()});
+  EXPECT_THAT(higher.out, HasSubstr("such file below " + (folder / "phspd").string()));
+}
+
+TEST(DoctorOfASource, TellsOfFilesWithTheEndingAndAnotherName) {
+  const Folder folder;
+  WriteText(folder / "ntu/S001C001P001R001A001.skeleton", "0\n");
+  WriteText(folder / "ntu/mine.skeleton", "0\n");
+  const Result result = RunProgram(folder, {"doctor", "--source", "ntu", "--path", (folder / "ntu").string()});
+  EXPECT_THAT(result.out, HasSubstr("1 file with this ending and another name, e.g. mine.skeleton"));
 }
 
 TEST(DoctorOfASource, KnowsEveryRecipeAndSaysWhereEachComesFrom) {

@@ -34,6 +34,30 @@ TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
   EXPECT_EQ(run.Json()["kept"], 4);
 }
 
+TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
+  const Folder folder;
+  for (const char* layout :
+       {"humanact12", "phspd", "ntu", "kard", "uestc", "uestc_vibe", "ntu_vibe", "openpose", "amass", "rendered_seq"}) {
+    const std::string studio = (folder / layout).string();
+    const Result written = RunProgram(folder, {"synthesize", "--layout", layout, "-o", studio, "--set",
+                                               "depth.every=1000000", "--set", "subjects=1"});
+    ASSERT_EQ(written.exit_code, 0) << layout << written.err;
+    std::size_t recipes = 0;
+    for (std::size_t at = written.out.find("inspect "); at != std::string::npos;
+         at = written.out.find("inspect ", at + 1)) {
+      const std::size_t path = at + 8, option = written.out.find(" --source ", path);
+      const std::size_t end = written.out.find(',', option);
+      const std::string recipe = written.out.substr(option + 10, end - option - 10);
+      const Result doctor = RunProgram(
+          folder, {"doctor", "--source", recipe, "--path", written.out.substr(path, option - path), "--json"});
+      ASSERT_FALSE(doctor.Json()["files"].empty());
+      EXPECT_GT(doctor.Json()["files"][0]["found"], 0) << layout << " " << recipe << doctor.out;
+      ++recipes;
+    }
+    EXPECT_GT(recipes, 0u) << written.out;
+  }
+}
+
 TEST(Synthesize, OptionsComeFromAFileAndAreShown) {
   const Folder folder;
   WriteText(folder / "studio.yaml", "layout: ntu\nseed: 7\ndepth: {noise: 3 mm}\n");

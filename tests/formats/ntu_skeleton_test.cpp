@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "core/base/text.h"
 #include "tests/formats/corruption.h"
 
@@ -10,6 +12,7 @@ namespace mocurate {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr std::uint64_t kFirst = 72057594037931648u;  // no double holds kFirst + 1
 
@@ -145,6 +148,24 @@ TEST(NtuSkeletonText, AFrameCountThatContradictsTheDataIsAFindingWhereThatIsAske
     EXPECT_THAT(skeleton->findings[0].message, HasSubstr("a.skeleton:1: the frame count announces"));
   }
   EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton", DamagedRows::kReport)->findings.empty());
+}
+
+TEST(NtuSkeletonText, AFileThatIsCutOffKeepsItsWholeFramesWhereThatIsAskedFor) {
+  const std::string text = WriteNtuSkeleton(Scene());
+  ASSERT_EQ(Scene().frames.size(), 3u);
+  std::set<std::size_t> kept;
+  for (std::size_t end = 2; end + 1 < text.size(); ++end) {
+    const auto skeleton = ParseNtuSkeleton(text.substr(0, end), "a.skeleton", DamagedRows::kReport);
+    if (!skeleton) continue;  // before the first frame is whole
+    kept.insert(skeleton->frames.size());
+    for (std::size_t f = 0; f + 1 < skeleton->frames.size(); ++f) EXPECT_TRUE(skeleton->frames[f] == Scene().frames[f]);
+    if (skeleton->frames.size() == 3u) continue;  // in the last number of all
+    ASSERT_FALSE(skeleton->findings.empty()) << end;
+    EXPECT_EQ(skeleton->findings.back().code, "count_contradiction");
+    EXPECT_EQ(skeleton->findings.back().severity, Severity::kError);
+    EXPECT_THAT(skeleton->findings.back().message, Not(HasSubstr("frame 3"))) << "it is of no frame";
+  }
+  EXPECT_EQ(kept, (std::set<std::size_t>{0, 1, 2, 3}));
 }
 
 TEST(NtuNames, FilesThatDifferInTheirCameraAreOneCapture) {

@@ -28,14 +28,18 @@ TEST(BadInput, AnEmptyFile) {
 }
 
 TEST(BadInput, RowsThatDoNotDivide) {
+  IngestOptions options = OneFile("rows", "1 2 3\n4 5 6\n7 8 9\n");
+  EXPECT_EQ(RefusalOf(options, "rows"), "done") << "what is whole is kept, with a finding";
+  options.source.damaged_rows = DamagedRows::kRefuse;
   EXPECT_EQ(
-      RefusalOf(OneFile("rows", "1 2 3\n4 5 6\n7 8 9\n"), "rows"),
+      RefusalOf(options, "rows"),
       "a1_s2.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame, or the "
       "file is cut off)");
 }
 
 TEST(BadInput, NanWithoutADeclarationAndWithOne) {
   IngestOptions options = OneFile("nan", "1 2 3\nnan nan nan\n");
+  options.source.damaged_rows = DamagedRows::kRefuse;
   EXPECT_THAT(RefusalOf(options, "nan"), HasSubstr("a1_s2.txt:2: 'nan' is not a finite number"));
   options.source.missing = MissingValue::kNan;
   const Ingested ingested = RunIngest(Discover(options)->items[0], "nan");

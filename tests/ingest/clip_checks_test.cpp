@@ -55,6 +55,7 @@ std::vector<std::string> Inspected(const std::string& source) {
   for (const nlohmann::json& finding : inspection.at("findings")) {
     if (CheckCodes().count(finding.at("code")) == 0) continue;
     const std::string where = finding.at("where");
+    if (finding.at("code") == "shared_frames") continue;  // of two clips: what the stage `duplicates` finds
     const std::size_t frames = where.find(" frames "), joint = where.find(" joint ");
     const auto named = ReadName(options.source, where.substr(0, where.find(' ')));
     if (!named) continue;

@@ -52,6 +52,20 @@ TEST(Declaration, FilesOfAnotherFormatAreAnErrorThatNamesTheirs) {
   EXPECT_TRUE(Discover(options)) << "one file of another format is that file's failure";
 }
 
+TEST(Declaration, FilesThatEndAsItsClipsAndAreNamedOtherwiseAreToldWhereOthersAreIgnored) {
+  IngestOptions options = SmallTable(FreshFolder("passed_over"));
+  options.source.format = SourceFormat::kBvh;
+  options.source.files = "walk_{person}.bvh";
+  options.source.label = "walk";
+  options.source.other_files = OtherFiles::kIgnore;
+  for (const char* name : {"walk_1.bvh", "run_1.bvh", "notes.txt"}) Put(options.path / name, kBvh);
+  const auto discovery = Discover(options);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->findings.size(), 1u);
+  EXPECT_EQ(discovery->findings[0].code, "name_mismatch");
+  EXPECT_THAT(discovery->findings[0].message, HasSubstr("1 file that could be of this source, e.g. 'run_1.bvh'"));
+}
+
 TEST(Declaration, APatternThatNoFileMatchesIsToldWithWhatTheFolderHolds) {
   IngestOptions options = TwoTables("endings");
   options.source.files = "{action}.bvh";

@@ -1,0 +1,34 @@
+#include "ingest/duplicate_findings.h"
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+namespace {
+
+std::string Span(int begin, int end) { return std::to_string(begin) + "-" + std::to_string(end); }
+
+}  // namespace
+
+Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, const MotionSignature& first,
+                         const MotionSignature& second) {
+  const int frames = static_cast<int>(second.poses.size());
+  const bool whole = pair.shared > 0 && pair.shared == frames && first.poses.size() == second.poses.size();
+  Finding finding;
+  if (pair.kind == Duplicate::Kind::kOverlap) {
+    finding = FrameFinding("shared_frames", pair.second_begin, pair.second_end, "", pair.shared,
+                           std::to_string(pair.shared) + " of " + std::to_string(frames) + " frames are those of '" +
+                               first_name + "' (" + Span(pair.second_begin, pair.second_end) + " here, " +
+                               Span(pair.frame_begin, pair.frame_end) + " there)");
+  } else if (pair.kind == Duplicate::Kind::kMirrored) {
+    finding = FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
+                           "the mirror image of '" + first_name + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
+  } else if (whole) {
+    finding = FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first_name + "'");
+  } else {
+    finding = FrameFinding("near_duplicate", 0, 0, "", pair.distance,
+                           "the same motion as '" + first_name + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
+  }
+  return finding;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,287 @@
+// What is wrong with files is told by a run as it is by an inspection.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/formats/npy.h"
+#include "core/formats/npz.h"
+#include "core/formats/phspd_text.h"
+#include "ingest/set_contradictions.h"
+#include "ingest/synthetic/studio_layouts.h"
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+/// Items of a source as the stage `ingest` leaves them.
+std::vector<ItemResult> RunAll(const IngestOptions& options) {
+  std::vector<ItemResult> results;
+  const auto discovery = Discover(options);
+  if (!discovery) ADD_FAILURE() << discovery.error().Message();
+  for (std::size_t i = 0; discovery && i < discovery->items.size(); ++i) {
+    const ItemSpec& item = discovery->items[i];
+    StageRequest request;
+    request.stage = "ingest";
+    request.item = item.item;
+    request.options = item.options;
+    request.inputs = item.inputs;
+    request.output = fs::path(::testing::TempDir()) / ("run_and_inspect_" + std::to_string(getpid()) + ".h5");
+    fs::remove(request.output);
+    ItemResult result;
+    result.item = item.item;
+    auto outcome = IngestStage(request);
+    if (outcome)
+      result.outcome = *std::move(outcome);
+    else
+      ADD_FAILURE() << outcome.error().Message();
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+std::vector<std::string> ErrorCodes(const StageOutcome& outcome) {
+  std::vector<std::string> codes;
+  for (const Finding& finding : outcome.findings) {
+    if (finding.severity == Severity::kError) codes.push_back(finding.code);
+  }
+  return codes;
+}
+
+std::size_t CountCode(const std::vector<ItemResult>& clips, const std::string& code) {
+  return static_cast<std::size_t>(std::count_if(clips.begin(), clips.end(), [&](const ItemResult& clip) {
+    const auto codes = ErrorCodes(clip.outcome);
+    return std::find(codes.begin(), codes.end(), code) != codes.end();
+  }));
+}
+
+/// AMASS files whose path of the root is multiplied.
+fs::path AmassIn(double factor, const std::string& name) {
+  const fs::path folder = FreshFolder(name);
+  StudioOptions studio;
+  studio.layout = StudioLayout::kAmass;
+  studio.seed = 3;
+  EXPECT_TRUE(WriteStudioLayout(studio, folder / "written", 1));
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "written/amass")) {
+    if (entry.path().extension() != ".npz") continue;
+    const std::string bytes = *ReadFile(entry.path());
+    Npz archive = *ParseNpz(bytes, "a");
+    for (NpzMember& member : archive.members) {
+      if (member.name != "trans") continue;
+      for (double& value : member.array.values) value *= factor;
+    }
+    const auto written = EncodeNpz(archive, "a");
+    EXPECT_TRUE(written);
+    Put(entry.path(), written ? *written : "");
+  }
+  return folder / "written/amass";
+}
+
+TEST(RunAndInspect, APathOfTheRootInCentimetresIsToldOfAmassByBoth) {
+  for (const double factor : {1.0, 100.0}) {
+    const fs::path folder = AmassIn(factor, "amass_unit");
+    IngestOptions options = Declared("amass");
+    options.path = folder;
+    const auto clips = RunAll(options);
+    const Json inspection = InspectPath(folder, options.source);
+    ASSERT_EQ(clips.size(), 2u);
+    for (const ItemResult& clip : clips) {
+      if (factor == 1.0)
+        EXPECT_THAT(ErrorCodes(clip.outcome), Not(Contains("units_contradiction")));
+      else
+        EXPECT_THAT(ErrorCodes(clip.outcome), Contains("units_contradiction"));
+    }
+    EXPECT_EQ(Codes(inspection, "error").size(), factor == 1.0 ? 0u : 2u) << inspection.at("findings").dump(1);
+  }
+}
+
+class RecordedRates : public RecordedFormats {
+ protected:
+  /// Bandai's first set with another Frame Time in every file.
+  static IngestOptions Marked(double rate_hz, const std::string& name) {
+    IngestOptions options = Declared("bandai1");
+    const fs::path folder = FreshFolder(name);
+    for (const auto& entry : fs::directory_iterator(options.path)) {
+      if (entry.path().extension() != ".bvh") continue;
+      std::string text = *ReadFile(entry.path());
+      const std::size_t begin = text.find("Frame Time:");
+      text.replace(begin, text.find_first_of("\r\n", begin) - begin, "Frame Time: " + std::to_string(1.0 / rate_hz));
+      Put(folder / entry.path().filename(), text);
+    }
+    options.path = folder;
+    return options;
+  }
+};
+
+TEST_F(RecordedRates, TheDeclaredRateIsUsedAndFilesThatSayAnotherAreErrorsOfBoth) {
+  const IngestOptions options = Marked(60.0, "marked60");
+  std::vector<ItemResult> clips = RunAll(options);
+  ASSERT_GT(clips.size(), 50u);
+  EXPECT_EQ(CountCode(clips, "rate_contradiction"), clips.size());
+  EXPECT_EQ(CountCode(clips, "rate_doubtful"), 0u) << "the declared rate is true";
+  for (const ItemResult& clip : clips) EXPECT_EQ(clip.outcome.summary.at("rate_hz"), 30.0);
+  const auto together = FindSetContradictions(options.source, clips);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].code, "rate_contradiction");
+  const auto inspected = Codes(InspectPath(options.path, options.source), "error");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(inspected.begin(), inspected.end(), "rate_contradiction")),
+            clips.size());
+}
+
+TEST_F(RecordedRates, ASetWhoseMotionsDenyTheirRateIsToldAsAWholeEvenWhereNobodyDeclaresIt) {
+  IngestOptions options = Marked(60.0, "undeclared60");
+  options.source.rate_hz.reset();
+  std::vector<ItemResult> clips = RunAll(options);
+  EXPECT_EQ(CountCode(clips, "rate_doubtful"), 0u) << "of one clip alone the file's word is a warning";
+  const auto together = FindSetContradictions(options.source, clips);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].code, "rate_doubtful");
+  EXPECT_THAT(together[0].message, HasSubstr("deny their rate, all as too fast"));
+  EXPECT_EQ(CountCode(clips, "rate_doubtful"), clips.size());
+  EXPECT_THAT(Codes(InspectPath(options.path, std::nullopt), "error"), Contains("rate_doubtful"));
+}
+
+TEST_F(RecordedRates, ARateThatTheSourceDeclaresAgainstItsMotionsIsAnErrorAndCanBeRefused) {
+  IngestOptions options = Declared("msr_action3d");
+  options.source.rate_hz = 60.0;  // it is 15
+  options.source.on_contradiction = OnContradiction::kRefuse;
+  std::vector<ItemResult> clips = RunAll(options);
+  const std::size_t denied = CountCode(clips, "rate_doubtful");
+  EXPECT_GT(denied, 50u);
+  EXPECT_LT(denied, clips.size() / 2);
+  ASSERT_EQ(FindSetContradictions(options.source, clips).size(), 1u);
+  for (const ItemResult& clip : clips) EXPECT_FALSE(HasArtifact(clip.outcome.kind)) << clip.item;
+}
+
+TEST_F(RecordedRates, TrueRatesAreDeniedByNoSet) {
+  for (const char* source : {"bandai1", "bandai2", "hdm05", "cad60", "ntu", "florence3d", "utkinect"}) {
+    const IngestOptions options = Declared(source);
+    std::vector<ItemResult> clips = RunAll(options);
+    EXPECT_EQ(CountCode(clips, "rate_doubtful") + CountCode(clips, "rate_contradiction"), 0u) << source;
+    for (const Finding& finding : FindSetContradictions(options.source, clips)) ADD_FAILURE() << finding.message;
+  }
+}
+
+const char* const kBvh =
+    "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
+    "MOTION\n";
+
+class CutFiles : public WrittenFormats {
+ protected:
+  /// The findings of severity error of a run and of an inspection, and the frames that both keep.
+  void ExpectBoth(const std::string& motion, const std::vector<std::string>& codes, int frames) {
+    const fs::path file = Written("walk_p1.bvh", kBvh + motion);
+    const Json inspection = InspectPath(file, std::nullopt);
+    EXPECT_EQ(Codes(inspection, "error"), codes) << motion;
+    ASSERT_EQ(inspection.at("clips").size(), 1u) << inspection.dump(1);
+    EXPECT_EQ(Value(inspection.at("clips")[0], "frames"), frames);
+    IngestOptions options;
+    options.path = folder_;
+    options.source.name = "cut";
+    options.source.format = SourceFormat::kBvh;
+    options.source.files = "{action}_{person}.bvh";
+    options.source.units = "cm";
+    options.source.axes = "+x +y +z";
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    EXPECT_EQ(ErrorCodes(clips[0].outcome), codes) << motion;
+    EXPECT_EQ(clips[0].outcome.summary.at("frames"), frames);
+    EXPECT_EQ(clips[0].outcome.kind, codes.empty() ? OutcomeKind::kDone : OutcomeKind::kDoubtful);
+  }
+};
+
+TEST_F(CutFiles, WholeRowsOfABvhAreKeptByBothAndWhatIsMissingIsAnError) {
+  const std::string rows = "1 90 0\n2 90 0\n3 90 0\n";
+  ExpectBoth("Frames: 3\nFrame Time: 0.033\n" + rows, {}, 3);
+  ExpectBoth("Frames: 5\nFrame Time: 0.033\n" + rows, {"count_contradiction"}, 3);
+  ExpectBoth("Frames: 4\nFrame Time: 0.033\n" + rows + "4 9", {"cut_off", "count_contradiction"}, 3);
+  ExpectBoth("Frames: 4\nFrame Time: 0.033\n" + rows + "4 90\n", {"cut_off", "count_contradiction"}, 3);
+  ExpectBoth("Frames: 4\nFrame Time: 0.033\n" + rows + "4 -", {"cut_off", "count_contradiction"}, 3);
+  ExpectBoth("Frames: 4\nFrame Time: 0.033\n" + rows + "4 90 1.5e", {"cut_off", "count_contradiction"}, 3);
+}
+
+TEST_F(CutFiles, ASkeletonFileWithoutFramesIsNamedAsThat) {
+  const Json inspection = InspectPath(Written("S001C001P001R001A001.skeleton", "0\n"), std::nullopt);
+  ASSERT_EQ(inspection.at("findings").size(), 1u) << inspection.dump(1);
+  EXPECT_THAT(inspection.at("findings")[0].at("message"), HasSubstr("0 frames"));
+  EXPECT_THAT(inspection.at("findings")[0].at("code"), Not("unknown_format"));
+}
+
+TEST(RunAndInspect, ARootThatIsAKilometreAwayForFiveFramesIsATeleportOfPhspdInBoth) {
+  const fs::path folder = FreshFolder("phspd_far");
+  StudioOptions studio;
+  studio.layout = StudioLayout::kPhspd;
+  studio.seed = 4;
+  studio.subjects = 1;
+  studio.depth.enabled = false;
+  ASSERT_TRUE(WriteStudioLayout(studio, folder / "written", 1));
+  IngestOptions options = Declared("phspd");
+  options.path = folder / "written/phspd";
+  int far = -1;
+  for (const auto& entry : fs::recursive_directory_iterator(options.path)) {
+    if (entry.path().filename() != "pose.txt" || far >= 0) continue;
+    PhspdPose pose = *ParsePhspdPose(*ReadFile(entry.path()), "pose.txt");
+    ASSERT_GT(pose.frame.size(), 40u);
+    far = pose.frame[20] - pose.frame[0];
+    for (std::size_t row = 20; row < 25; ++row) {
+      for (std::size_t i = 0; i < 3 * kPhspdJoints; i += 3) pose.position_m[row * 3 * kPhspdJoints + i] += 1000.0;
+    }
+    Put(entry.path(), WritePhspdPose(pose));
+  }
+  const std::string at = " frames " + std::to_string(far) + "-";
+  std::size_t told = 0;
+  for (const ItemResult& clip : RunAll(options)) {
+    for (const Finding& finding : clip.outcome.findings)
+      told += finding.code == "teleport" && finding.frame_begin == far ? 1 : 0;
+  }
+  EXPECT_EQ(told, 1u);
+  const Json inspection = InspectPath(options.path, options.source);
+  told = 0;
+  for (const Json& finding : inspection.at("findings")) {
+    const std::string where = finding.at("where");
+    told += finding.at("code") == "teleport" && where.find(at) != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(told, 1u) << inspection.at("findings").dump(1);
+}
+
+class SameMotions : public RecordedFormats {};
+
+TEST_F(SameMotions, CopiesInAFolderAreToldByInspectionAsByARun) {
+  const fs::path folder = FreshFolder("copies");
+  const fs::path data = fs::path(TestData()) / "bvh/bandai1";
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(data)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::string first;
+  for (const fs::path& file : files) {
+    if (file.extension() != ".bvh" || !first.empty()) continue;
+    first = *ReadFile(file);
+  }
+  Put(folder / "a.bvh", first);
+  Put(folder / "b.bvh", first);
+  const auto codes = Codes(InspectPath(folder, std::nullopt), "warning");
+  EXPECT_THAT(codes, Contains("duplicate"));
+}
+
+TEST(Features, OfHumanMl3dAreNamedWithTheWayToJoints) {
+  NpyArray array;
+  array.shape = {20, 263};
+  array.dtype = "<f4";
+  array.values.assign(20 * 263, 0.5);
+  const auto bytes = EncodeNpy(array, "a");
+  ASSERT_TRUE(bytes);
+  const fs::path folder = FreshFolder("features");
+  Put(folder / "012314.npy", *bytes);
+  const Json inspection = InspectPath(folder / "012314.npy", std::nullopt);
+  EXPECT_THAT(inspection.at("findings")[0].at("message"), HasSubstr("features of HumanML3D"));
+  EXPECT_THAT(inspection.at("findings")[0].at("message"), HasSubstr("recover_from_ric"));
+}
+
+}  // namespace
+}  // namespace mocurate
