@@ -30,6 +30,22 @@ JointTracks KnownTracks(const JointTracks& tracks, const Skeleton& body) {
   return known;
 }
 
+/// Of each joint's samples, (F*J).
+std::vector<Matrix3d> PrecisionOnBody(const KeypointTracks& found, const Skeleton& body) {
+  const std::size_t keypoints = found.tracks.names.size();
+  const auto frames = static_cast<std::size_t>(found.tracks.positions.frames);
+  const std::size_t joints = body.joints.size();
+  std::vector<Matrix3d> precision(frames * joints, Matrix3d::Identity());
+  for (std::size_t k = 0; k < keypoints; ++k) {
+    const auto joint = body.FindJoint(found.tracks.names[k]);
+    if (!joint) continue;
+    for (std::size_t f = 0; f < frames; ++f) {
+      precision[f * joints + static_cast<std::size_t>(*joint)] = found.precision[f * keypoints + k];
+    }
+  }
+  return precision;
+}
+
 }  // namespace
 
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
@@ -38,6 +54,7 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
   if (!found) return Forward(found);
   Expected<SkeletonTracks> mapped = MapTracks(KnownTracks(found->tracks, *body), body);
   if (!mapped) return Forward(mapped);
+  mapped->precision = PrecisionOnBody(*found, *body);
   return BodyTracks{std::move(*mapped), std::move(found->report), std::move(found->findings)};
 }
 

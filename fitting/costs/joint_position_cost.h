@@ -9,18 +9,18 @@
 namespace mocurate {
 
 /// A joint lies where its track says.
-/// Residual: r = weight * (joint_in_world - seen_in_world), 3 rows; weight = confidence / sigma, so r is unitless and
-/// white; the robust loss is the caller's.
+/// Residual: r = W (joint_in_world - seen_in_world), 3 rows; W (3 x 3) with W'W the sample's information in 1 / m^2, so
+/// that r is unitless and white; the robust loss is the caller's.
 /// Blocks: root_translation[3]; rotation vector[3] of each active joint strictly above, root first; with free bones
 /// bone_length[1] of each bone from the root down to the joint.
-/// Jacobian: weight * I; -weight * Hat(p_j - p_a) A_a; weight * G_parent(k) u_k (see PoseState).
+/// Jacobian: W; -W Hat(p_j - p_a) A_a; W G_parent(k) u_k (see PoseState).
 /// Degenerate: twist about a straight chain moves no joint: zero columns, held by RestPriorCost.
 /// Source: chain rule along the path to the root, as in inverse kinematics.
 class JointPositionCost final : public ceres::CostFunction {
  public:
-  JointPositionCost(const PoseState& state, int frame, int joint, const Vector3d& seen_in_world, double weight,
-                    bool free_bones)
-      : state_(state), frame_(frame), joint_(joint), seen_in_world_(seen_in_world), weight_(weight) {
+  JointPositionCost(const PoseState& state, int frame, int joint, const Vector3d& seen_in_world,
+                    const Matrix3d& whitening, bool free_bones)
+      : state_(state), frame_(frame), joint_(joint), seen_in_world_(seen_in_world), whitening_(whitening) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->assign(1 + state.path(joint).size(), 3);
     if (free_bones)
@@ -38,19 +38,19 @@ class JointPositionCost final : public ceres::CostFunction {
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
     const Vector3d& position = state_.position(frame_, joint_);
-    Eigen::Map<Vector3d>(residuals).noalias() = weight_ * (position - seen_in_world_);
+    Eigen::Map<Vector3d>(residuals).noalias() = whitening_ * (position - seen_in_world_);
     if (jacobians == nullptr) return true;
     std::size_t block = 0;
-    if (jacobians[block] != nullptr) Block(jacobians[block]).noalias() = weight_ * Matrix3d::Identity();
+    if (jacobians[block] != nullptr) Block{jacobians[block]} = whitening_;
     for (const int a : state_.path(joint_)) {
       if (jacobians[++block] == nullptr) continue;
       Block(jacobians[block]).noalias() =
-          Hat(weight_ * (state_.position(frame_, a) - position)) * state_.lever(frame_, a);
+          whitening_ * (Hat(state_.position(frame_, a) - position) * state_.lever(frame_, a));
     }
     if (block + 1 == parameter_block_sizes().size()) return true;
     for (const int k : state_.bones(joint_)) {
       if (jacobians[++block] == nullptr) continue;
-      Eigen::Map<Vector3d>(jacobians[block]).noalias() = weight_ * state_.BoneDirection(frame_, k);
+      Eigen::Map<Vector3d>(jacobians[block]).noalias() = whitening_ * state_.BoneDirection(frame_, k);
     }
     return true;
   }
@@ -60,7 +60,7 @@ class JointPositionCost final : public ceres::CostFunction {
   int frame_;
   int joint_;
   Vector3d seen_in_world_;
-  double weight_;
+  Matrix3d whitening_;
 };
 
 }  // namespace mocurate

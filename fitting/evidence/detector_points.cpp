@@ -115,6 +115,7 @@ SkeletonTracks WithoutDetectorPoints(const SkeletonTracks& tracks, const Skeleto
   cut.positions = JointPositions(tracks.frames(), kept);
   cut.positions.xyz = FirstJoints(tracks.positions.xyz, tracks.frames(), tracks.joints(), kept, 3);
   cut.confidence = FirstJoints(tracks.confidence, tracks.frames(), tracks.joints(), kept, 1);
+  cut.precision = FirstJoints(tracks.precision, tracks.frames(), tracks.joints(), kept, 1);
   return cut;
 }
 

@@ -1,5 +1,7 @@
 #include "fitting/evidence/noise.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -25,38 +27,49 @@ double SigmaOf(std::vector<double> departures) {
   return sigma;
 }
 
-/// Departures of frame f from the line between f-1 and f+1, scaled to the variance of one sample. Appends three.
+/// Departures of frame f from the line between f-1 and f+1, whitened to the variance of a typical sample. Appends
+/// three.
 void AppendDepartures(const SkeletonTracks& tracks, int joint, std::vector<double>& departures) {
   for (int f = 1; f + 1 < tracks.frames(); ++f) {
     if (!tracks.seen(f - 1, joint) || !tracks.seen(f, joint) || !tracks.seen(f + 1, joint)) continue;
     const double a = (tracks.time_s[f] - tracks.time_s[f - 1]) / (tracks.time_s[f + 1] - tracks.time_s[f - 1]);
     const Vector3d line = (1.0 - a) * tracks.positions.at(f - 1, joint) + a * tracks.positions.at(f + 1, joint);
-    const double scale = 1.0 / std::sqrt(1.0 + (1.0 - a) * (1.0 - a) + a * a);
-    for (int i = 0; i < 3; ++i) departures.push_back(std::abs(scale * (tracks.positions.at(f, joint)[i] - line[i])));
+    const Matrix3d unit = UnitCovariance(tracks, f, joint) +
+                          (1.0 - a) * (1.0 - a) * UnitCovariance(tracks, f - 1, joint) +
+                          a * a * UnitCovariance(tracks, f + 1, joint);
+    const Vector3d white = Eigen::LLT<Matrix3d>(unit).matrixL().solve(tracks.positions.at(f, joint) - line);
+    for (int i = 0; i < 3; ++i) departures.push_back(std::abs(white[i]));
   }
 }
 
-std::vector<double> ObservedLengths(const SkeletonTracks& tracks, int joint) {
-  std::vector<double> lengths;
-  const int parent = tracks.skeleton->joints[joint].parent;
-  if (parent < 0) return lengths;
-  for (int f = 0; f < tracks.frames(); ++f) {
-    if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) continue;
-    lengths.push_back((tracks.positions.at(f, joint) - tracks.positions.at(f, parent)).norm());
-  }
-  return lengths;
-}
-
-/// Sigma per axis of the two ends of a bone: its length varies with sqrt(2) sigma. 0 when it is not observed enough.
+/// Sigma per axis of the two ends of a bone, read from its length. 0 when it is not observed enough.
 double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<double>& bone_length) {
-  std::vector<double> lengths = ObservedLengths(tracks, joint);
+  const int parent = tracks.skeleton->joints[joint].parent;
+  std::vector<double> lengths;
+  std::vector<double> variances;  // of each length, in units of sigma^2
+  for (int f = 0; parent >= 0 && f < tracks.frames(); ++f) {
+    if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) continue;
+    const Vector3d bone = tracks.positions.at(f, joint) - tracks.positions.at(f, parent);
+    const Vector3d along = bone.stableNormalized();
+    lengths.push_back(bone.norm());
+    variances.push_back(along.dot((UnitCovariance(tracks, f, joint) + UnitCovariance(tracks, f, parent)) * along));
+  }
   if (lengths.size() < kEnoughSamples) return 0.0;
-  const double centre = bone_length.empty() ? Median(lengths) : bone_length[joint];
-  for (double& length : lengths) length = std::abs(length - centre);
-  return SigmaOf(std::move(lengths)) / std::sqrt(2.0);
+  std::vector<double> departures = lengths;
+  const double centre = bone_length.empty() ? Median(departures) : bone_length[joint];
+  departures.clear();
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (variances[i] > 0.0) departures.push_back(std::abs(lengths[i] - centre) / std::sqrt(variances[i]));
+  }
+  return SigmaOf(std::move(departures));
 }
 
 }  // namespace
+
+Matrix3d UnitCovariance(const SkeletonTracks& tracks, int frame, int joint) {
+  if (tracks.precision.empty()) return Matrix3d::Identity();
+  return tracks.precision_at(frame, joint).inverse();
+}
 
 double Median(std::vector<double>& values) {
   if (values.empty()) return 0.0;

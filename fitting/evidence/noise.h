@@ -19,6 +19,9 @@ struct NoiseEstimate {
 /// Never below 1 mm, which is also what a capture without any noise gets.
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length);
 
+/// Covariance of a seen sample in units of sigma^2: its precision's inverse; the identity where tracks have none.
+Matrix3d UnitCovariance(const SkeletonTracks& tracks, int frame, int joint);
+
 /// Median of numbers; 0 of none. Reorders them.
 double Median(std::vector<double>& values);
 

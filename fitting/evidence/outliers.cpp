@@ -56,7 +56,9 @@ std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<doubl
       const std::vector<int> nearby = SeenNearby(tracks, f, j);
       if (nearby.size() < 3) continue;
       const Vector3d median = MedianOver(tracks, nearby, j);
-      if ((tracks.positions.at(f, j) - median).norm() <= allowed) continue;
+      const Vector3d away = tracks.positions.at(f, j) - median;
+      const double square = tracks.precision.empty() ? away.squaredNorm() : away.dot(tracks.precision_at(f, j) * away);
+      if (square <= allowed * allowed) continue;
       rejected[static_cast<std::size_t>(f) * tracks.joints() + j] = true;
     }
   }

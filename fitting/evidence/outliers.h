@@ -11,7 +11,7 @@ namespace mocurate {
 Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint);
 
 /// Samples that jump away and back: further from the running median (of at least three samples) than 10 sigma and 0.15
-/// m. Their confidence is set to 0; returns which they are. (F*J)
+/// m, by their precision where they have one. Their confidence is set to 0; returns which they are. (F*J)
 std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<double>& joint_sigma);
 
 }  // namespace mocurate

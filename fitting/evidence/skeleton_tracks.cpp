@@ -160,6 +160,8 @@ SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
   const auto last = static_cast<std::ptrdiff_t>(end) * tracks.joints();
   cut.positions.xyz.assign(tracks.positions.xyz.begin() + 3 * first, tracks.positions.xyz.begin() + 3 * last);
   cut.confidence.assign(tracks.confidence.begin() + first, tracks.confidence.begin() + last);
+  if (!tracks.precision.empty())
+    cut.precision.assign(tracks.precision.begin() + first, tracks.precision.begin() + last);
   if (!tracks.rotation.empty()) {
     cut.rotation.assign(tracks.rotation.begin() + first, tracks.rotation.begin() + last);
     cut.rotation_confidence.assign(tracks.rotation_confidence.begin() + first,

@@ -14,6 +14,10 @@ struct SkeletonTracks {
   std::vector<double> time_s;      ///< (F) increasing
   JointPositions positions;        ///< (F,J,3)
   std::vector<double> confidence;  ///< (F*J) in [0, 1]
+  /// (F*J) or none: how sure a sample is along each direction, symmetric, against a typical one, which has the
+  /// identity: its information is precision / sigma^2 with the sigma of the tracks. Counts instead of the confidence's
+  /// square.
+  std::vector<Matrix3d> precision;
   /// (F*J) or none: recorded world rotations, up to a constant turn within each joint; see JointTracks.
   std::vector<Quaterniond> rotation;
   std::vector<double> rotation_confidence;  ///< (F*J) or none
@@ -24,6 +28,11 @@ struct SkeletonTracks {
     return confidence[static_cast<std::size_t>(frame) * positions.joints + joint];
   }
   bool seen(int frame, int joint) const { return confidence_at(frame, joint) > 0.0; }
+  Matrix3d precision_at(int frame, int joint) const {
+    const double c = confidence_at(frame, joint);
+    return precision.empty() ? Matrix3d(c * c * Matrix3d::Identity())
+                             : precision[static_cast<std::size_t>(frame) * positions.joints + joint];
+  }
   /// Whether the joint is seen in any frame. (J)
   std::vector<bool> SeenJoints() const;
   /// Whether any joint is seen in the frame. (F)

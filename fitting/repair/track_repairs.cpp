@@ -57,6 +57,7 @@ class Repairs {
         tracks.positions.at(f, left) = Vector3d(tracks.positions.at(f, right));
         tracks.positions.at(f, right) = place;
         std::swap(tracks.confidence[At(f, left)], tracks.confidence[At(f, right)]);
+        if (!tracks.precision.empty()) std::swap(tracks.precision[At(f, left)], tracks.precision[At(f, right)]);
         result_.exchanged[At(f, left)] = result_.exchanged[At(f, right)] = true;
       }
     }

@@ -53,9 +53,8 @@ double TrackEquations::Cost() const {
   for (int f = window_.begin; f < window_.end; ++f) {
     for (int j = 0; j < state.joints(); ++j) {
       if (window_.tracks.seen(f, j)) {
-        const double weight = window_.tracks.confidence_at(f, j) / window_.joint_sigma[j];
         const Vector3d away = state.position(f, j) - window_.tracks.positions.at(f, j);
-        twice += HuberValue(Square(weight) * away.squaredNorm(), options.huber_sigmas);
+        twice += HuberValue(away.dot(window_.Information(f, j) * away), options.huber_sigmas);
       }
       if (const std::size_t at = window_.Index(f, j); window_.rotations != nullptr && window_.rotations->has(at)) {
         twice +=
@@ -100,10 +99,10 @@ void TrackEquations::AddRecordedTurn(int frame, int joint, BodyInformation& move
   moved.AddTurn(weight * turn.transpose() * turn, weight * turn.transpose() * away);
 }
 
-double TrackEquations::DataWeight(int frame, int joint) const {
+Matrix3d TrackEquations::DataInformation(int frame, int joint) const {
   const Vector3d away = window_.state.position(frame, joint) - window_.tracks.positions.at(frame, joint);
-  const double weight = Square(window_.tracks.confidence_at(frame, joint) / window_.joint_sigma[joint]);
-  return weight * HuberSlope(weight * away.squaredNorm(), window_.options.huber_sigmas);
+  const Matrix3d information = window_.Information(frame, joint);
+  return HuberSlope(away.dot(information * away), window_.options.huber_sigmas) * information;
 }
 
 void TrackEquations::UpdateTwists(int frame, std::vector<Twist>& twists) const {
@@ -123,20 +122,20 @@ void TrackEquations::SumFrame(int frame) {
   for (Subtree& sum : subtree_) sum = {};
   for (int j = state.joints() - 1; j >= 0; --j) {
     const Vector3d& position = state.position(frame, j);
-    double weight = 0.0;
+    Matrix3d weight = Matrix3d::Zero();
     Vector3d pull = Vector3d::Zero();
     if (window_.tracks.seen(frame, j)) {
-      weight = DataWeight(frame, j);
+      weight = DataInformation(frame, j);
       pull = weight * (position - window_.tracks.positions.at(frame, j));
     }
     if (before) {
       const double step = velocity_weight_[window_.Index(frame - 1, j)];
-      weight += step;
+      weight.diagonal().array() += step;
       pull += step * (position - state.position(frame - 1, j));
     }
     if (after) {
       const double step = velocity_weight_[window_.Index(frame, j)];
-      weight += step;
+      weight.diagonal().array() += step;
       pull += step * (position - state.position(frame + 1, j));
     }
     AddRecordedTurn(frame, j, subtree_[j].below);

@@ -25,8 +25,8 @@ class TrackEquations {
 
   /// First unknown of a joint's rotation in its frame; -1: it has none.
   int column(int joint) const { return column_[joint]; }
-  /// Weight of a seen joint's observation (1 / m^2), the robust loss included, at the present parameters.
-  double DataWeight(int frame, int joint) const;
+  /// Information of a seen joint's sample (1 / m^2), the robust loss included, at the present parameters.
+  Matrix3d DataInformation(int frame, int joint) const;
 
   /// Unknowns of the window, frames then border ((end - begin) * size + border).
   Eigen::VectorXd Parameters() const;

@@ -2,6 +2,7 @@
 
 #include <ceres/solver.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <string>
 
@@ -15,6 +16,12 @@
 #include "fitting/solver/one_thread.h"
 
 namespace mocurate {
+namespace {
+
+/// W with W'W = information.
+Matrix3d Whitening(const Matrix3d& information) { return Eigen::LLT<Matrix3d>(information).matrixU(); }
+
+}  // namespace
 
 TrackProblem::TrackProblem(const TrackWindow& window)
     : window_(window),
@@ -39,8 +46,9 @@ TrackProblem::TrackProblem(const TrackWindow& window)
 void TrackProblem::AddFrame(int frame) {
   for (int j = 0; j < state_.joints(); ++j) {
     if (window_.tracks.seen(frame, j)) {
-      const double weight = window_.tracks.confidence_at(frame, j) / window_.joint_sigma[j];
-      auto* cost = new JointPositionCost(state_, frame, j, window_.tracks.positions.at(frame, j), weight, free_bones_);
+      const Matrix3d whitening = Whitening(window_.Information(frame, j));
+      auto* cost =
+          new JointPositionCost(state_, frame, j, window_.tracks.positions.at(frame, j), whitening, free_bones_);
       problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
     }
     const std::size_t at = window_.Index(frame, j);

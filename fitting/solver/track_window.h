@@ -52,6 +52,10 @@ struct TrackWindow {
     const double walk = options.velocity_walk * (walks != nullptr ? walks->position[Index(frame, joint)] : 1.0);
     return walk * walk * Step(frame);
   }
+  /// Of a seen joint's sample (1 / m^2), before the robust loss.
+  Matrix3d Information(int frame, int joint) const {
+    return tracks.precision_at(frame, joint) / (joint_sigma[joint] * joint_sigma[joint]);
+  }
   std::size_t Index(int frame, int joint) const {
     return static_cast<std::size_t>(frame) * static_cast<std::size_t>(tracks.joints()) +
            static_cast<std::size_t>(joint);

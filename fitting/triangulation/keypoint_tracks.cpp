@@ -136,7 +136,7 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
   std::vector<double> uneven;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
     if (points.confidence[i] <= 0.0) continue;
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(points.covariance[i], Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(points.precision[i], Eigen::EigenvaluesOnly);
     uneven.push_back(std::sqrt(axes.eigenvalues()[2] / std::max(axes.eigenvalues()[0], 1e-300)));
   }
   const double ratio = Median(uneven);
@@ -352,9 +352,8 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   const auto frames = static_cast<int>(take.time_s.size());
   TriangulatedTracks points = TriangulateViews(views, frames, keypoints, options.triangulation);
   std::vector<RigFault> sides;
-  if (MendSides(rig, points, evidence.keypoint_names, options, views, sides)) {
+  if (MendSides(rig, points, evidence.keypoint_names, options, views, sides))
     points = TriangulateViews(views, frames, keypoints, options.triangulation);
-  }
   found.report = ReportOf(evidence, rig, take, person, points);
   if (found.report.triangulated < kFewPoints) {
     return tl::unexpected<Error>(Inconsistent(
@@ -382,6 +381,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   TellOfPoints(points, found);
   found.tracks.time_s = take.time_s;
   found.tracks.positions = std::move(points.positions);
+  found.precision = std::move(points.precision);
   found.tracks.confidence = std::move(points.confidence);
   return found;
 }

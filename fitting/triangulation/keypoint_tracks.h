@@ -14,6 +14,7 @@ namespace mocurate {
 /// 1 for the median of the take.
 struct KeypointTracks {
   JointTracks tracks;
+  std::vector<Matrix3d> precision;  ///< (F*K) of the tracks, see SkeletonTracks
   KeypointReport report;
   std::vector<Finding> findings;  ///< clip id left empty
 };

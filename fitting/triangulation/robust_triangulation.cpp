@@ -180,6 +180,21 @@ void ConfidenceOfPrecision(std::vector<double>& sigma) {
   for (double& value : sigma) value = value > 0.0 ? std::min(median / value, 1.0) : 0.0;
 }
 
+/// Of each point against the median variance per axis; the identity where none is found (confidence 0).
+std::vector<Matrix3d> RelativePrecision(const std::vector<Matrix3d>& covariance,
+                                        const std::vector<double>& confidence) {
+  std::vector<double> variance;
+  for (std::size_t i = 0; i < covariance.size(); ++i) {
+    if (confidence[i] > 0.0) variance.push_back(covariance[i].trace() / 3.0);
+  }
+  const double typical = Median(variance);
+  std::vector<Matrix3d> precision(covariance.size(), Matrix3d::Identity());
+  for (std::size_t i = 0; i < covariance.size(); ++i) {
+    if (confidence[i] > 0.0) precision[i] = typical * covariance[i].inverse();
+  }
+  return precision;
+}
+
 void NameTheOddOnes(std::vector<CameraAgreement>& cameras) {
   const auto share = [](const CameraAgreement& camera) {
     return camera.detections > 0 ? static_cast<double>(camera.left_out) / camera.detections : 0.0;
@@ -242,7 +257,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
   tracks.confidence.assign(count, 0.0);
   tracks.view_count.assign(count, 0);
   tracks.error_px.assign(count, 0.0);
-  tracks.covariance.assign(count, Matrix3d::Zero());
+  std::vector<Matrix3d> covariance(count, Matrix3d::Zero());
   tracks.cameras.resize(views.size());
   std::vector<TriangulationView> prepared;
   for (const ViewKeypoints& view : views) prepared.emplace_back(view.camera);
@@ -267,7 +282,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
     tracks.confidence[i] = std::sqrt(point->covariance.trace());
     tracks.view_count[i] = point->view_count;
     tracks.error_px[i] = point->error_px;
-    tracks.covariance[i] = point->covariance;
+    covariance[i] = point->covariance;
     for (const ViewRay& ray : rays) {
       const double error = ErrorLength(ray, point->position);
       errors[ray.index].push_back(error);
@@ -276,6 +291,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
     }
   }
   for (std::size_t v = 0; v < views.size(); ++v) tracks.cameras[v].median_px = Median(errors[v]);
+  tracks.precision = RelativePrecision(covariance, tracks.confidence);
   ConfidenceOfPrecision(tracks.confidence);
   NameTheOddOnes(tracks.cameras);
   return tracks;

@@ -69,11 +69,11 @@ struct CameraAgreement {
 };
 
 struct TriangulatedTracks {
-  JointPositions positions;        ///< (F,K,3) world; 0 where not found
-  std::vector<double> confidence;  ///< (F*K) 0 where not found; 1 for the median precision of the take, less for worse
-  std::vector<int> view_count;     ///< (F*K)
-  std::vector<double> error_px;    ///< (F*K) mean over the agreeing views
-  std::vector<Matrix3d> covariance;  ///< (F*K) m^2, of detections with the stated noise
+  JointPositions positions;         ///< (F,K,3) world; 0 where not found
+  std::vector<double> confidence;   ///< (F*K) 0 where not found; 1 for the median precision of the take, less for worse
+  std::vector<int> view_count;      ///< (F*K)
+  std::vector<double> error_px;     ///< (F*K) mean over the agreeing views
+  std::vector<Matrix3d> precision;  ///< (F*K) inverse of the covariance, over the take's median precision per axis
   std::vector<CameraAgreement> cameras;
 };
 

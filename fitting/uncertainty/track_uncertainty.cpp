@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
 namespace mocurate {
@@ -48,46 +49,23 @@ class Reader {
     const TrackEquations& track = of_frame.track;
     const Eigen::MatrixXd& covariance = of_frame.own;
     const int frame = of_frame.frame;
+    const CarriedTwists twists(state, track, frame);
+    const std::vector<Matrix6d> carrier = twists.CovarianceWith(twists, covariance);
     for (int j = 0; j < state.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(frame) * state.joints() + j;
-      const Matrix3d position = PositionCovariance(track, frame, j, covariance);
+      const auto derivative = twists.PositionDerivative(j);
+      const Matrix3d position = derivative * carrier[j] * derivative.transpose();
       WritePosition(at, position);
       WriteRotation(track, at, frame, j, covariance);
       if (!window_.tracks.seen(frame, j)) continue;
-      const double weight = track.DataWeight(frame, j);
+      const Matrix3d information = track.DataInformation(frame, j);
       const Vector3d away = state.position(frame, j) - window_.tracks.positions.at(frame, j);
-      freedom_.squares += weight * away.squaredNorm();
-      freedom_.numbers += std::max(3.0 - weight * position.trace(), 3.0 * kSmallestShare);
+      freedom_.squares += away.dot(information * away);
+      freedom_.numbers += std::max(3.0 - information.cwiseProduct(position).sum(), 3.0 * kSmallestShare);
     }
   }
 
  private:
-  /// dp = sum over the joint's path of P_a dw_a, and the translation.
-  Matrix3d PositionCovariance(const TrackEquations& track, int frame, int joint, const Eigen::MatrixXd& covariance) {
-    const PoseState& state = window_.state;
-    const auto& path = state.path(joint);
-    const auto unknowns = static_cast<Eigen::Index>(3 + 3 * path.size());
-    derivative_.resize(3, unknowns);
-    derivative_.leftCols<3>().setIdentity();
-    columns_.assign(1, 0);
-    for (std::size_t i = 0; i < path.size(); ++i) {
-      const Vector3d arm = state.position(frame, path[i]) - state.position(frame, joint);
-      derivative_.middleCols<3>(static_cast<Eigen::Index>(3 + 3 * i)).noalias() =
-          Hat(arm) * state.lever(frame, path[i]);
-      columns_.push_back(track.column(path[i]));
-    }
-    Matrix3d sum = Matrix3d::Zero();
-    for (std::size_t b = 0; b < columns_.size(); ++b) {
-      Matrix3d left = Matrix3d::Zero();
-      for (std::size_t a = 0; a < columns_.size(); ++a) {
-        left.noalias() += derivative_.middleCols<3>(static_cast<Eigen::Index>(3 * a)) *
-                          covariance.block<3, 3>(columns_[a], columns_[b]);
-      }
-      sum.noalias() += left * derivative_.middleCols<3>(static_cast<Eigen::Index>(3 * b)).transpose();
-    }
-    return sum;
-  }
-
   void WritePosition(std::size_t at, const Matrix3d& c) {
     const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
     for (int i = 0; i < 6; ++i) out_.position_cov[6 * at + i] = static_cast<float>(values[i]);
@@ -111,8 +89,6 @@ class Reader {
   const std::vector<double>& prior_;
   PoseUncertainty& out_;
   Freedom& freedom_;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> derivative_;
-  std::vector<int> columns_;
 };
 
 /// Residuals decide how far the noise was right: what the evidence says counts `factor` less. A position that is not

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
 namespace mocurate {
@@ -18,20 +19,6 @@ struct Steps {
   std::vector<double> turn;
   std::vector<double> move;
 };
-
-/// dp = M dx of all joints of a frame, (3J x n).
-Eigen::MatrixXd PositionDerivative(const TrackWindow& window, const TrackEquations& track, int frame) {
-  const PoseState& state = window.state;
-  Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(3 * state.joints(), track.size());
-  for (int j = 0; j < state.joints(); ++j) {
-    derivative.block<3, 3>(3 * j, 0).setIdentity();
-    for (const int a : state.path(j)) {
-      const Vector3d arm = state.position(frame, a) - state.position(frame, j);
-      derivative.block<3, 3>(3 * j, track.column(a)).noalias() = Hat(arm) * state.lever(frame, a);
-    }
-  }
-  return derivative;
-}
 
 class Expectation {
  public:
@@ -49,15 +36,20 @@ class Expectation {
   void AddMoves(const FrameCovariance& covariance) {
     const int f = covariance.frame;
     const PoseState& state = window_.state;
-    const Eigen::MatrixXd here = PositionDerivative(window_, covariance.track, f);
-    const Eigen::MatrixXd there = PositionDerivative(window_, covariance.track, f + 1);
-    const Eigen::MatrixXd cross = 2.0 * (here * covariance.with_next);
-    const Eigen::VectorXd variance = (here * covariance.own).cwiseProduct(here).rowwise().sum() +
-                                     (there * covariance.next - cross).cwiseProduct(there).rowwise().sum();
+    const CarriedTwists here(state, covariance.track, f);
+    const CarriedTwists there(state, covariance.track, f + 1);
+    const std::vector<Matrix6d> own = here.CovarianceWith(here, covariance.own);
+    const std::vector<Matrix6d> next = there.CovarianceWith(there, covariance.next);
+    const std::vector<Matrix6d> cross = here.CovarianceWith(there, covariance.with_next);
     const double unit = window_.options.velocity_walk * window_.options.velocity_walk * window_.Step(f);
     for (int j = 0; j < state.joints(); ++j) {
       const double square = (state.position(f + 1, j) - state.position(f, j)).squaredNorm();
-      steps_.move[window_.Index(f, j)] = (square + variance.segment<3>(3 * j).sum()) / (3.0 * unit);
+      const auto before = here.PositionDerivative(j);
+      const auto after = there.PositionDerivative(j);
+      const double variance = (before * own[j]).cwiseProduct(before).sum() +
+                              (after * next[j]).cwiseProduct(after).sum() -
+                              2.0 * (before * cross[j]).cwiseProduct(after).sum();
+      steps_.move[window_.Index(f, j)] = (square + variance) / (3.0 * unit);
     }
   }
 

@@ -4,7 +4,7 @@
 // full rotations of joints with two or more children that do not lie on a line, directions of single bones of 6 cm and
 // more; and how many of the whitened error components lie within one and two standard deviations (uncertainty=1).
 // Options: frames (of each clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_walk,
-// velocity_walk, huber_sigmas.
+// velocity_walk, huber_sigmas, true_bones, wrong (share of detections elsewhere), missed (share).
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -102,14 +102,15 @@ void AddErrors(const Motion& truth, const Motion& fit, Errors& errors) {
   }
 }
 
-std::vector<StudioTake> Perform(int clips, int cameras, double noise, std::int64_t seed, int frames) {
+std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& detector, std::int64_t seed,
+                                int frames) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   StudioOptions options = FourViews(seed);
   options.subjects = std::max(5, (clips + 11) / 12);
   options.clips = 1;
   options.rig.kind = cameras > 0 ? RigKind::kRing : RigKind::kHuman36m;
   options.rig.cameras = std::max(cameras, 1);
-  options.keypoints.noise = noise;
+  options.keypoints = detector;
   const auto cast = Cast(options.seed, options.subjects, *skeleton);
   const auto plan = PlanTakes(options, OneVariantPerAction(), {options.subjects, 1, kRateHz, 0.3, 0.6});
   const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
@@ -157,6 +158,9 @@ int main(int argc, char** argv) {
   const auto argument = [&](int place, double otherwise) { return argc > place ? std::atof(argv[place]) : otherwise; };
   FittingOptions options;
   int longest = 0;
+  bool true_bones = false;
+  KeypointOptions detector = FourViews(0).keypoints;
+  detector.noise = argument(3, 4.0);
   options.joint_tracks.solver = TrackSolver::kBanded;
   for (int i = 5; i < argc; ++i) {
     const std::string text = argv[i];
@@ -175,9 +179,12 @@ int main(int argc, char** argv) {
     if (name == "velocity_walk") options.joint_tracks.velocity_walk = value;
     if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;
     if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
+    if (name == "true_bones") true_bones = value != 0.0;
+    if (name == "wrong") detector.wrong_share = value;
+    if (name == "missed") detector.miss_share = value;
     if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
   }
-  const auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), argument(3, 4.0),
+  const auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), detector,
                              static_cast<std::int64_t>(argument(4, 4711)), longest);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   std::map<std::string, std::vector<SkeletonTracks>> of_person;
@@ -213,7 +220,8 @@ int main(int argc, char** argv) {
   double sigma = 0.0;
   for (const StudioTake& take : takes) {
     const double begin = CpuSeconds();
-    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, skeleton, bones[take.person], options);
+    const std::vector<double>& lengths = true_bones ? take.truth.bone_length : bones[take.person];
+    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, skeleton, lengths, options);
     fit_s += CpuSeconds() - begin;
     if (!fit) continue;
     Errors own;

@@ -108,6 +108,13 @@ TEST_F(Window, HasTheCostGradientAndInformationOfItsCeresProblem) { ExpectSameAs
 
 TEST_F(Window, HasThemWithFreeBones) { ExpectSameAsCeres(Of(0, 6, Bones::kFree)); }
 
+TEST_F(Window, HasThemWithASamplesOwnPrecision) {
+  AddUnevenNoise(take_.tracks, 0.02, 6);
+  ExpectSameAsCeres(Of(0, 6, Bones::kFixed));
+  ExpectSameAsCeres(Of(2, 5, Bones::kFixed));
+  ExpectSameAsCeres(Of(0, 6, Bones::kFree));
+}
+
 TEST_F(Window, HasThemBesideAHeldFrame) { ExpectSameAsCeres(Of(2, 5, Bones::kFixed)); }
 
 TEST_F(Window, HasThemWithRecordedRotations) {
@@ -146,7 +153,11 @@ JointTrackOptions With(TrackSolver solver) {
 TEST(BandedSolver, FindsTheOptimumThatCeresFinds) {
   for (const bool damaged : {false, true}) {
     Take take = SmoothTake(80);
-    AddNoise(take.tracks, 0.02, 9);
+    if (damaged) {
+      AddUnevenNoise(take.tracks, 0.02, 9);
+    } else {
+      AddNoise(take.tracks, 0.02, 9);
+    }
     for (int f = 20; damaged && f < 35; ++f) {
       for (const int j : {4, 5, 12}) Hide(take.tracks, f, j);
     }

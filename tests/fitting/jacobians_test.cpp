@@ -17,6 +17,8 @@ namespace {
 
 constexpr int kJoints = 5;
 constexpr double kWeight = 3.0;
+/// Three times as sure along one direction as along another, and correlated.
+const Matrix3d kWhitening = (Matrix3d() << 3.0, 0.7, -0.4, 0.0, 1.2, 0.5, 0.0, 0.0, 0.9).finished();
 
 /// A chain of five joints bent at rest.
 Skeleton Chain() {
@@ -108,7 +110,10 @@ struct PositionResidual {
   bool operator()(T const* const* blocks, T* residuals) const {
     T position[3];
     ChainPosition(skeleton, joint, blocks[0], blocks + 1, free_bones ? blocks + 1 + above : nullptr, position);
-    for (int i = 0; i < 3; ++i) residuals[i] = kWeight * (position[i] - seen[i]);
+    for (int i = 0; i < 3; ++i) {
+      residuals[i] = T(0.0);
+      for (int k = 0; k < 3; ++k) residuals[i] += kWhitening(i, k) * (position[k] - seen[k]);
+    }
     return true;
   }
 };
@@ -143,7 +148,7 @@ TEST_P(CostJacobian, OfJointPosition) {
     for (int joint = 0; joint < kJoints; ++joint) {
       for (const bool zero_residual : {false, true}) {
         const Vector3d seen = zero_residual ? state_.position(0, joint) : Vector3d(0.3, -0.2, 0.5);
-        const JointPositionCost cost(state_, 0, joint, seen, kWeight, free_bones);
+        const JointPositionCost cost(state_, 0, joint, seen, kWhitening, free_bones);
         const int above = static_cast<int>(state_.path(joint).size());
         const auto automatic = Automatic(PositionResidual{skeleton_, joint, above, seen, free_bones}, cost);
         EXPECT_JACOBIAN(At(cost, cost.Blocks(state_)), automatic, 1e-9);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fitting/evidence/outliers.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 
@@ -126,6 +127,32 @@ TEST(JointTrackFit, ResistsGrossOutliers) {
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2.0 * undisturbed);
   ASSERT_FALSE(fit.findings.empty());
   EXPECT_EQ(fit.findings[0].code, "outliers_rejected");
+}
+
+TEST(JointTrackFit, TrustsEachDirectionAsFarAsItsPrecisionSays) {
+  Take take = SmoothTake(60);
+  AddUnevenNoise(take.tracks, 0.02, 12);
+  const FitResult told = Fit(take);
+  EXPECT_NEAR(told.noise_sigma, 0.02, 0.002);  // that of a sample whose precision is the identity
+  EXPECT_NEAR(told.variance_factor, 1.0, 0.15);
+  take.tracks.precision.clear();
+  const FitResult untold = Fit(take);
+  EXPECT_LT(RmsError(told.motion.joints, take.truth.joints), 0.8 * RmsError(untold.motion.joints, take.truth.joints));
+}
+
+TEST(JointTrackFit, DoesNotTakeWhatIsFarOffInAnUnsureDirectionForAnOutlier) {
+  Take take = SmoothTake(40);
+  AddNoise(take.tracks, 0.01, 3);
+  take.tracks.precision.assign(take.tracks.confidence.size(), Matrix3d::Identity());
+  take.tracks.positions.at(20, 5).z() += 0.4;
+  const auto rejected = [&] {
+    SkeletonTracks tracks = take.tracks;
+    return RejectOutliers(tracks, std::vector<double>(static_cast<std::size_t>(tracks.joints()), 0.01));
+  };
+  const std::size_t at = std::size_t{20} * take.tracks.joints() + 5;
+  EXPECT_TRUE(rejected()[at]);
+  take.tracks.precision[at] = Vector3d(1.0, 1.0, 0.01).asDiagonal();
+  EXPECT_FALSE(rejected()[at]);
 }
 
 TEST(JointTrackFit, TrustsConfidence) {

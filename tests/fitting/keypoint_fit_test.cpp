@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Eigenvalues>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -76,6 +77,27 @@ TEST(KeypointFit, IsNearThePersonWithFourNoisyViews) {
   EXPECT_EQ(fit->motion.position_cov.size(), 60u * 24 * 6);
   const Status sound = fit->motion.Check();
   EXPECT_TRUE(sound) << sound.error().Message();
+}
+
+TEST(KeypointFit, KnowsThatTwoNeighbouringViewsSeeDepthBadly) {
+  const Motion person = Swinging(20);
+  const std::vector<Camera> ring = Ring(8);
+  const Evidence evidence = Detections({ring[0], ring[1]}, {person}, 2.0);
+  const auto found = TracksOnBody(evidence, *Smpl(), Smpl(), {});
+  ASSERT_TRUE(found) << found.error().Message();
+  const SkeletonTracks& tracks = found->tracks;
+  ASSERT_EQ(tracks.precision.size(), tracks.confidence.size());
+  const Vector3d cameras = 0.5 * (ring[0].Centre() + ring[1].Centre());
+  for (const char* name : {"head", "left_knee", "right_wrist"}) {
+    const int j = *Smpl()->FindJoint(name);
+    ASSERT_TRUE(tracks.seen(10, j));
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(tracks.precision_at(10, j));
+    const Vector3d towards = (cameras - tracks.positions.at(10, j)).normalized();
+    EXPECT_GT(std::abs(axes.eigenvectors().col(0).dot(towards)), 0.97) << name;
+    EXPECT_LT(axes.eigenvalues()[0], 0.3 * axes.eigenvalues()[1]) << name;
+    // A typical sample has a variance of one per axis in the mean.
+    EXPECT_NEAR(axes.eigenvalues().cwiseInverse().sum() / 3.0, 1.0, 0.3) << name;
+  }
 }
 
 /// Detections of some joints and of points that move with a joint, as detectors list them.

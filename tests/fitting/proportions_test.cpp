@@ -38,6 +38,24 @@ TEST(Proportions, AreNotInflatedByNoise) {
   }
 }
 
+/// Noise that is five times as large towards a camera makes short bones longer by a tenth, and most samples less.
+TEST(Proportions, AreNotInflatedByNoiseInDepth) {
+  Take take = LargerPerson(3000);
+  Random random(5, "depth");
+  const Vector3d spread(0.01, 0.01, 0.05);
+  for (int f = 0; f < take.tracks.frames(); ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      take.tracks.positions.at(f, j) +=
+          spread.cwiseProduct(Vector3d(random.Normal(), random.Normal(), random.Normal()));
+      take.tracks.precision.emplace_back(Vector3d(1.0, 1.0, 1.0 / 25.0).asDiagonal());
+    }
+  }
+  const BoneEstimate bones = EstimateBoneLengths({take.tracks}, *take.tracks.skeleton, true);
+  for (const int j : {1, 2, 4, 5, 10, 13}) {
+    EXPECT_NEAR(bones.length[j], take.truth.bone_length[j], 0.003) << take.tracks.skeleton->joints[j].name;
+  }
+}
+
 TEST(Proportions, OfUnseenJointsFollowTheRest) {
   Take take = LargerPerson(50);
   for (int f = 0; f < 50; ++f) {

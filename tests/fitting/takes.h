@@ -90,6 +90,22 @@ inline void AddNoise(SkeletonTracks& tracks, double sigma, std::uint64_t seed) {
   for (double& value : tracks.positions.xyz) value += sigma * random.Normal();
 }
 
+/// Noise of `sigma` times a standard deviation of its own along each axis of each sample, between a third and three
+/// times, the axes turned at random; the tracks know it.
+inline void AddUnevenNoise(SkeletonTracks& tracks, double sigma, std::uint64_t seed) {
+  Random random(seed, "uneven");
+  const auto normal = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()); };
+  for (int f = 0; f < tracks.frames(); ++f) {
+    for (int j = 0; j < tracks.joints(); ++j) {
+      const Matrix3d axes = ExpQuaternion(2.0 * normal()).toRotationMatrix();
+      Vector3d spread;
+      for (double& value : spread) value = std::pow(3.0, random.Uniform(-1.0, 1.0));
+      tracks.positions.at(f, j) += sigma * (axes * spread.cwiseProduct(normal()));
+      tracks.precision.emplace_back(axes * spread.cwiseAbs2().cwiseInverse().asDiagonal() * axes.transpose());
+    }
+  }
+}
+
 /// Tracks as a source gives them, under the skeleton's own names.
 inline JointTracks AsSource(const SkeletonTracks& tracks) {
   JointTracks source;

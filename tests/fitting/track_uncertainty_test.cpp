@@ -56,7 +56,7 @@ float At(const std::vector<float>& values, const Motion& motion, int frame, int 
 
 TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
   Take take = SmoothTake(5);
-  AddNoise(take.tracks, 0.01, 8);
+  AddUnevenNoise(take.tracks, 0.01, 8);
   const std::vector<double> sigma(take.tracks.joints(), 0.01);
   const JointTrackOptions options;
   PoseState state(*take.tracks.skeleton, 5, take.truth.bone_length,
