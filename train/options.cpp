@@ -27,11 +27,11 @@ void RecogniserOptions::Declare(OptionVisitor& v) {
   v.Bool("standardise", standardise,
          "train on numbers of zero mean and unit spread; the stored weights take plain joints again");
   v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no bound");
-  v.Bool("anneal", anneal, "let the learning rate fall to zero along half a cosine");
+  v.Bool("anneal", anneal, "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
   v.Choice("initial_hidden", initial_hidden, {{"zero", InitialHidden::kZero}, {"normal", InitialHidden::kNormal}},
            "initial recurrent state while training (released: normal)");
   v.Integer("check_every", check_every, {1.0, 100000.0}, "epochs between checks on the validation fold");
-  v.Bool("refit", refit, "train once more, on all training clips, for the number of epochs that validation chose");
+  v.Bool("refit", refit, "train once more, on all training clips, for as many epochs as were chosen");
   v.Number("smallest_validation", smallest_validation, Unit::kNone, {0.01, 0.5},
            "part of the training clips held out when the split has no validation part and persons are too few");
   v.Group("augmentation", augmentation, "random changes of the training clips");
@@ -79,6 +79,6 @@ void GeneratorOptions::Declare(OptionVisitor& v) {
   v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 1, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration TrainDeclaration() { return {"train", 2, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

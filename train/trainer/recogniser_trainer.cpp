@@ -141,7 +141,8 @@ void RecogniserTraining::Check() {
   state_.history["check_epoch"].push_back(static_cast<double>(epoch_));
   state_.history["validation_accuracy"].push_back(score.accuracy);
   state_.history["validation_loss"].push_back(score.loss);
-  const bool better = best_epoch_ == 0 || score.accuracy > best_.accuracy ||
+  // A rate that is annealed is meant to end: what stands in the middle was still on its way.
+  const bool better = options_.anneal || best_epoch_ == 0 || score.accuracy > best_.accuracy ||
                       (score.accuracy == best_.accuracy && score.loss < best_.loss);
   if (!better) return;
   best_ = score;

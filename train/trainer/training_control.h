@@ -18,9 +18,9 @@ struct TrainingControl {
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
 };
 
-/// Trains a recogniser: epochs on the training clips less a validation fold, the epoch with the best validation
-/// accuracy chosen (ties: lower loss), then, with `refit`, once more on all training clips for that many epochs. One
-/// thread; goes on from scratch bit for bit. Errors: kInterrupted (state is saved), those of SelectTrainingClips.
+/// Trains a recogniser: epochs on the training clips less a validation fold, then, with `refit`, once more on all
+/// training clips for as many epochs as were chosen: with `anneal` all of them, since a rate that is annealed is meant to
+/// end; otherwise those of the best validation accuracy (ties: lower loss). One thread; goes on from scratch bit for bit. Errors: kInterrupted (state is saved), those of SelectTrainingClips.
 Expected<Checkpoint> TrainRecogniser(const Dataset& dataset, const RecogniserOptions& options,
                                      const TrainingControl& control);
 
