@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "core/formats/joint_layout.h"
 #include "core/formats/joint_table.h"
+#include "core/formats/number_scanner.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sources/source_file.h"
 
@@ -259,6 +260,11 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
   return clip;
 }
 
+void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip) {
+  for (const Finding& finding : findings)
+    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+}
+
 /// By `layout`, as an ingest reads it.
 Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions& source, const std::string& name) {
   const Expected<JointLayout> layout = TableLayout(source);
@@ -296,7 +302,36 @@ Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions
   clip.layout_evidence = "as declared: " + source.layout;
   clip.facts.emplace_back("layout", source.layout);
   DeclareOrder(source, clip);
+  AddRemarks(rows->findings, clip);
   return clip;
+}
+
+/// Rows that damage or a cut does not shift: each stands in its place, a damaged one without numbers.
+Expected<JointTable> WholeRows(std::string_view bytes, JointTableLayout layout, const std::string& name) {
+  std::vector<double> first;
+  NumberScanner scanner(bytes, true);
+  while (first.empty() && scanner.Numbers(first) == NumberScanner::Token::kLineEnd) continue;
+  layout.damaged_rows = DamagedRows::kReport;
+  layout.columns = static_cast<int>(first.size());
+  return ParseJointTable(bytes, layout, name);
+}
+
+/// A table whose last frame is not whole, by the orders that are known.
+Expected<ObservedClip> CutReading(const JointTable& rows, const std::string& name, Expected<ObservedClip> otherwise) {
+  for (const int joints : {15, 20, 25}) {
+    const int left_over = rows.frames % joints;
+    if (left_over == 0 || rows.frames < 2 * joints) continue;
+    JointTable whole = rows;
+    whole.frames -= left_over;
+    whole.values.resize(static_cast<std::size_t>(whole.frames) * static_cast<std::size_t>(whole.columns));
+    Expected<ObservedClip> clip = BestReading(whole, name);
+    if (!clip || clip->skeleton.empty()) continue;
+    clip->remarks.push_back({"cut_off", Severity::kError, static_cast<double>(left_over),
+                             "the file is cut off: " + std::to_string(left_over) + " of the " + std::to_string(joints) +
+                                 " rows of a last frame stand at its end"});
+    return clip;
+  }
+  return otherwise;
 }
 
 }  // namespace
@@ -312,16 +347,26 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
   JointTableLayout layout;
   layout.allow_nan = true;
   layout.end_word = "END";
-  const Expected<JointTable> rows = ParseJointTable(bytes, layout, name);
-  if (!rows) return Forward(rows);
+  Expected<JointTable> rows = ParseJointTable(bytes, layout, name);
+  const bool damaged = !rows.has_value();
+  if (damaged) {
+    Expected<JointTable> kept = WholeRows(bytes, layout, name);
+    if (!kept) return Forward(rows);
+    rows = std::move(kept);
+  }
   const bool declared = source && source->format == SourceFormat::kJointTable && !source->joints.empty() &&
                         std::all_of(std::begin(kAxisColumns), std::end(kAxisColumns), [&](const char* column) {
                           return std::count(source->columns.begin(), source->columns.end(), column) == 1;
                         });
-  Expected<ObservedClip> clip = by_layout  ? LayoutReading(bytes, *source, name)
-                                : declared ? DeclaredReading(*rows, *source, name)
-                                           : BestReading(*rows, name);
+  const bool reports = declared && source->damaged_rows == DamagedRows::kReport && source->least_confidence == 0.0;
+  const bool cut = reports && rows->frames > RowsPerFrame(*source) && rows->frames % RowsPerFrame(*source) != 0;
+  const bool as_ingested = by_layout || cut || (reports && damaged);
+  Expected<ObservedClip> clip = as_ingested ? LayoutReading(bytes, *source, name)
+                                : declared  ? DeclaredReading(*rows, *source, name)
+                                            : BestReading(*rows, name);
+  if (!clip && !source) clip = CutReading(*rows, name, std::move(clip));
   if (!clip) return Forward(clip);
+  if (damaged && !as_ingested) AddRemarks(rows->findings, *clip);
   if (bytes.find("\nEND") != std::string_view::npos) clip->facts.emplace_back("end_word", "END");
   if (std::none_of(clip->confidence.begin(), clip->confidence.end(), [](double c) { return c > 0.0; })) {
     clip->remarks.push_back({"no_joint_seen", Severity::kError, 1.0, "every joint of every frame is missing"});

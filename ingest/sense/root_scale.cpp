@@ -15,6 +15,8 @@ constexpr double kLeastStep = 0.005;    // of the body against the standing foot
 constexpr double kAgainst = 0.8;        // least cosine between the step of the root and that of the body
 constexpr std::size_t kFewestSteps = 20;
 constexpr double kLeastShare = 0.5;
+constexpr double kHighestFloor = 10.0;  // lengths of a leg
+constexpr double kHeightSure = 0.6;
 
 double MedianOf(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -36,6 +38,21 @@ Vector3d FeetToHead(const JointPositions& places, const int (&feet)[2], int head
   for (int f = 0; f < places.frames; ++f)
     sum += Vector3d(places.at(f, head)) - 0.5 * (Vector3d(places.at(f, feet[0])) + Vector3d(places.at(f, feet[1])));
   return sum.normalized();
+}
+
+/// Who stands still shows how far from the floor: recordings put it near zero, by a few metres at most.
+std::optional<RootScale> ByHeight(const JointPositions& places, const int (&feet)[2], const Vector3d& up,
+                                  double reach) {
+  std::vector<double> feet_height, root_height;
+  for (int f = 0; f < places.frames; ++f) {
+    feet_height.push_back(std::min(up.dot(places.at(f, feet[0])), up.dot(places.at(f, feet[1]))));
+    root_height.push_back(up.dot(places.at(f, 0)));
+  }
+  const double over_floor = MedianOf(feet_height);
+  if (!(over_floor > kHighestFloor * reach)) return std::nullopt;
+  const double factor = reach / MedianOf(root_height);
+  return RootScale{factor, kHeightSure,
+                   "the feet are " + Digits(over_floor / reach) + " lengths of a leg above the zero of the frame"};
 }
 
 }  // namespace
@@ -77,7 +94,7 @@ std::optional<RootScale> MeasureRootScale(const JointPositions& places, const Ha
                      Digits(100.0 * share) + " % of the way in " + Counted(steps, "moment") +
                          " on a standing foot agree: where the root moves by 1, the body moves by " + Digits(factor)};
   }
-  return best;
+  return best ? best : ByHeight(places, feet, up, MedianOf(reach));
 }
 
 }  // namespace mocurate

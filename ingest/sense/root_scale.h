@@ -17,7 +17,7 @@ struct RootScale {
 
 /// Of a motion whose bones and path come from different places: a standing foot stays where it is, so that the root
 /// moves against it as the body says. Joint 0 is the root; any unit, any axes, upright from feet to head on the whole.
-/// Nothing where fewer than 20 moments show a foot that stands while the root moves, or where they disagree.
+/// Where fewer than 20 moments show one, or they disagree, only feet that are 10 legs above zero tell; else nothing.
 std::optional<RootScale> MeasureRootScale(const JointPositions& places, const HandednessPoints& body);
 
 }  // namespace mocurate

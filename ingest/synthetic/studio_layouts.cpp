@@ -140,7 +140,7 @@ Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int 
 std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth) {
   switch (layout) {
     case StudioLayout::kHumanAct12:
-      return {{"humanact12_npy", "HumanAct12"}, {"humanact12_poses", "HumanAct12"}};
+      return {{"humanact12_npy", "HumanAct12"}, {"humanact12_poses", "."}};
     case StudioLayout::kPhspd:
       return {{"phspd", "phspd"}};
     case StudioLayout::kNtu:

@@ -96,7 +96,7 @@ TEST(BadInput, AnEmptyFileIsNamed) {
 TEST(BadInput, ARowCountThatDoesNotDivideNamesFileLineAndCounts) {
   const Folder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(7));
-  ExpectError(RunFolder(folder, TableConfig()), 3,
+  ExpectError(RunFolder(folder, TableConfig("units: mm\n    damaged_rows: refuse")), 3,
               {"a01_s01.txt:8", "7 rows are not a whole number of frames of 3 rows (1 left over)",
                "check rows_per_frame, or the file is cut off"});
 }
@@ -128,7 +128,7 @@ TEST(BadInput, ATruncatedBvhNamesLineAndCountsInARunAndInInspect) {
   const Folder folder;
   const std::string cut = std::string(kBvhHead) + "Frames: 3\nFrame Time: 0.033\n0 0 0\n";
   WriteText(folder / "data/walk_p1.bvh", cut);
-  ExpectError(RunFolder(folder, kBvh), 3,
+  ExpectError(RunFolder(folder, std::string(kBvh) + "    damaged_rows: refuse\n"), 3,
               {"walk_p1.bvh:8", "Frames announces 3, the file holds 1",
                "the file is cut off, or its header is wrong: copy it again"});
   const Result inspected = RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"});

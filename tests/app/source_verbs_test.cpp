@@ -302,7 +302,7 @@ TEST(DoctorOfASource, SaysWhereFilesLieThatLieOneFolderTooHighOrTooDeep) {
   EXPECT_EQ(deeper.exit_code, 4);
   EXPECT_THAT(deeper.out, HasSubstr("1 such file below " + (folder / "set/kard").string()));
   EXPECT_THAT(deeper.err, HasSubstr("name that folder"));
-  WriteText(folder / "phspd/pose/take/pose.txt", "1\n");
+  WriteText(folder / "phspd/pose/subject03_group2_time4/pose.txt", "1\n");
   const Result higher = RunProgram(folder, {"doctor", "--source", "phspd", "--path", (folder / "phspd/pose").string()});
   EXPECT_THAT(higher.out, HasSubstr("such file below " + (folder / "phspd").string()));
 }

@@ -250,6 +250,43 @@ TEST(RunAndInspect, ARootThatIsAKilometreAwayForFiveFramesIsATeleportOfPhspdInBo
   EXPECT_EQ(told, 1u) << inspection.at("findings").dump(1);
 }
 
+class CutTables : public RecordedFormats {};
+
+TEST_F(CutTables, ATableThatEndsWithinAFrameKeepsItsWholeFramesInBothDeclaredOrNot) {
+  IngestOptions options = Declared("kard");
+  const std::string text = *ReadFile(options.path / "a01_s01_e01_realworld.txt");
+  std::size_t row = 0;
+  for (int line = 0; line < 200; ++line) row = text.find('\n', row) + 1;  // 13 frames of 15 rows, and 5 rows
+  options.path = FreshFolder("cut_table");
+  for (const std::string& bytes : {text.substr(0, row), text.substr(0, row + 3)}) {
+    Put(options.path / "a01_s01_e01_realworld.txt", bytes);
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    EXPECT_EQ(clips[0].outcome.summary.at("frames"), 13);
+    EXPECT_THAT(ErrorCodes(clips[0].outcome), Contains("cut_off"));
+    for (const std::optional<SourceOptions>& source : {std::optional(options.source), std::optional<SourceOptions>()}) {
+      const Json inspection = InspectPath(options.path, source);
+      ASSERT_EQ(inspection.at("clips").size(), 1u) << inspection.at("findings").dump(1);
+      EXPECT_EQ(Value(inspection.at("clips")[0], "frames"), 13);
+      EXPECT_THAT(Codes(inspection, "error"), Contains("cut_off")) << source.has_value();
+    }
+  }
+}
+
+TEST_F(CutTables, APersonOfAmassWhoStandsStillTellsAPathInCentimetresByTheHeight) {
+  const fs::path folder = FreshFolder("amass_stands");
+  Npz archive = *ParseNpz(*ReadFile(fs::path(TestData()) / "amass_babel/amass_sample.npz"), "a");
+  for (const double factor : {1.0, 100.0}) {
+    Npz scaled = archive;
+    for (NpzMember& member : scaled.members) {
+      for (double& value : member.array.values) value *= member.name == "trans" ? factor : 1.0;
+    }
+    Put(folder / "walk_poses.npz", *EncodeNpz(scaled, "a"));
+    const auto codes = Codes(InspectPath(folder / "walk_poses.npz", std::nullopt), "error");
+    EXPECT_EQ(codes, factor == 1.0 ? std::vector<std::string>{} : std::vector<std::string>{"units_contradiction"});
+  }
+}
+
 class SameMotions : public RecordedFormats {};
 
 TEST_F(SameMotions, CopiesInAFolderAreToldByInspectionAsByARun) {
