@@ -114,6 +114,22 @@ nlohmann::json KeypointsJson(const KeypointReport& report) {
           {"cameras", cameras}};
 }
 
+nlohmann::json DepthRigJson(const DepthRigReport& report) {
+  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+  nlohmann::json cameras = nlohmann::json::object();
+  for (std::size_t v = 0; v < report.loss.size(); ++v) {
+    nlohmann::json residuals = nlohmann::json::array();
+    for (const double mm : report.residual_mm[v]) {
+      residuals.push_back(mm > 0.0 ? nlohmann::json(rounded(mm)) : nlohmann::json(nullptr));
+    }
+    cameras[report.cameras[v]] = {{"residual_mm_over_time", residuals},
+                                  {"contradicts", rounded(report.loss[v])},
+                                  {"contradicts_after", rounded(report.loss_after[v])}};
+  }
+  return {
+      {"frames", report.frames}, {"cameras", cameras}, {"faults", nlohmann::json::parse(FaultsText(report.faults))}};
+}
+
 }  // namespace
 
 Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& rate,
@@ -184,6 +200,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
     outcome.kind = OutcomeKind::kDoubtful;
   }
   if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
+  if (fit.depth_rig && fit.depth_rig->IsDoubtful()) outcome.kind = OutcomeKind::kDoubtful;
   for (Finding& finding : outcome.findings) finding.clip = clip.id();
 
   const Skeleton& skeleton = *fit.motion.skeleton;
@@ -200,6 +217,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                      {"repairs", RepairCounts(fit)},
                      {"after", MeasuresJson(MeasureMotion(fit.motion), skeleton)}};
   if (fit.keypoints) outcome.summary["keypoints"] = KeypointsJson(*fit.keypoints);
+  if (fit.depth_rig) outcome.summary["depth_rig"] = DepthRigJson(*fit.depth_rig);
   const auto measure_before = [&](const SkeletonTracks& tracks) {
     outcome.summary["before"] =
         MeasuresJson(MeasureJoints(skeleton, tracks.positions, tracks.confidence, tracks.time_s), skeleton);

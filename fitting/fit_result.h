@@ -6,6 +6,7 @@
 
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
+#include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/triangulation/keypoint_report.h"
 
@@ -31,6 +32,7 @@ struct FitResult {
   std::string rig_audit;                       ///< FaultsText of what is wrong with the cameras; empty when nothing is
   std::optional<KeypointReport> keypoints;     ///< of a fit to 2-D keypoints
   std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
+  std::optional<DepthRigReport> depth_rig;     ///< of a fit to depth views
   std::optional<double> cloud_trust;           ///< weight of depth points against joints; of a fit to both
   std::vector<Finding> findings;               ///< clip id left empty
 };

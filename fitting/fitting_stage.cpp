@@ -4,7 +4,7 @@
 #include "core/base/version.h"
 #include "core/body/flesh_body.h"
 #include "core/store/store.h"
-#include "fitting/audit/rig_audit.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
@@ -45,10 +45,16 @@ Expected<FitResult> FitBoth(const Clip& clip, const SkeletonPtr& skeleton, const
       return Forward(one);
     }
   }
-  const Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options.point_clouds);
+  DepthRigReport report;
+  const Expected<Clip> audited = WithAuditedRig(clip, options.point_clouds.audit, report);
+  if (!audited) return Forward(audited);
+  const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
   if (!clouds) return Forward(clouds);
   Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);
-  if (both) return both;
+  if (both) {
+    TellOfRig(std::move(report), *both);
+    return both;
+  }
   Error error = both.error();
   error.where = clip.id() + ": " + error.where;
   return tl::unexpected<Error>(error);

@@ -22,6 +22,11 @@ void DeclareOtherJoints(OptionVisitor& v, OtherJoints& other) {
            "what becomes of tracked joints that the skeleton does not have");
 }
 
+void DeclareAction(OptionVisitor& v, const char* name, AuditAction& action, const char* help) {
+  v.Choice(name, action, {{"off", AuditAction::kOff}, {"tell", AuditAction::kTell}, {"correct", AuditAction::kCorrect}},
+           help);
+}
+
 }  // namespace
 
 void TrackStep::Declare(OptionVisitor& v) {
@@ -105,6 +110,7 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
   v.Group("outliers", outliers, "statistical outlier removal");
   v.Group("start", start, "what is known of the first pose");
+  v.Group("audit", audit, "what is wrong with the rig of depth cameras, before anything is fused");
   v.Number("capsule_radius_scale", capsule_radius_scale, Unit::kNone, {0.1, 10.0}, "factor on the skeleton's radii");
   v.Integer("iterations", iterations, {1, 1000}, "of matching points to capsules, at most, per frame");
   v.Number("rotation_walk", rotation_walk, Unit::kNone, {1e-3, 1e3}, "joint rotation, radians per square root second");
@@ -132,20 +138,20 @@ void TriangulationOptions::Declare(OptionVisitor& v) {
 }
 
 void RigAuditOptions::Declare(OptionVisitor& v) {
-  const auto action = [&](const char* name, AuditAction& value, const char* help) {
-    v.Choice(name, value,
-             {{"off", AuditAction::kOff}, {"tell", AuditAction::kTell}, {"correct", AuditAction::kCorrect}}, help);
-  };
-  action("clocks", clocks, "cameras whose clocks are off");
-  action("moved", moved, "cameras that stand elsewhere, or were moved during the take");
-  action("exchanged", exchanged, "cameras that have each other's files");
-  action("unit", unit, "calibration in another unit than declared; told, it is refused");
-  action("order", order, "keypoints in another detector's order than declared; told, they are refused");
-  action("sides", sides, "views that list left limbs as right ones for a while");
-  v.Number("side_margin", side_margin, Unit::kNone, {0.0, 1e4},
-           "by how much likelier exchanged sides must be, as a difference of log likelihoods");
+  DeclareAction(v, "clocks", clocks, "cameras whose clocks are off");
+  DeclareAction(v, "moved", moved, "cameras that stand elsewhere, or were moved during the take");
+  DeclareAction(v, "exchanged", exchanged, "cameras that have each other's files");
+  DeclareAction(v, "unit", unit, "calibration in another unit than declared; told, it is refused");
   v.Number("longest_clock", longest_s, Unit::kSecond, {0.0, 10.0}, "clocks further off are not believed");
   v.Number("sure", sure, Unit::kNone, {0.5, 1.0}, "how sure something must be to be corrected");
+}
+
+void KeypointAuditOptions::Declare(OptionVisitor& v) {
+  RigAuditOptions::Declare(v);
+  DeclareAction(v, "order", order, "keypoints in another detector's order than declared; told, they are refused");
+  DeclareAction(v, "sides", sides, "views that list left limbs as right ones for a while");
+  v.Number("side_margin", side_margin, Unit::kNone, {0.0, 1e4},
+           "by how much likelier exchanged sides must be, as a difference of log likelihoods");
 }
 
 void KeypointFitOptions::Declare(OptionVisitor& v) {
@@ -192,8 +198,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 13, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 14, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 18, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 19, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -98,6 +98,31 @@ struct CloudStartOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// What is done about something that is wrong with a rig.
+enum class AuditAction { kOff, kTell, kCorrect };
+
+/// Audit of cameras and calibration before views are put together. What is corrected is a finding, and stands in the
+/// clip's provenance.
+struct RigAuditOptions {
+  AuditAction clocks = AuditAction::kCorrect;     ///< a camera whose clock is off
+  AuditAction moved = AuditAction::kCorrect;      ///< a camera that stands elsewhere, or was moved during the take
+  AuditAction exchanged = AuditAction::kCorrect;  ///< cameras that have each other's files
+  AuditAction unit = AuditAction::kTell;          ///< calibration in another unit than declared
+  double longest_s = 0.5;                         ///< clocks further off are not believed
+  double sure = 0.99;                             ///< confidence from which on something is corrected
+
+  void Declare(OptionVisitor& v);
+};
+
+/// And of the keypoints that the views list.
+struct KeypointAuditOptions : RigAuditOptions {
+  AuditAction order = AuditAction::kTell;     ///< keypoints in another detector's order than declared
+  AuditAction sides = AuditAction::kCorrect;  ///< a view that lists left limbs as right ones
+  double side_margin = 10.0;                  ///< difference of log likelihoods that takes
+
+  void Declare(OptionVisitor& v);
+};
+
 /// Fit of a capsule body to fused depth views.
 struct PointCloudOptions {
   TrackSolver solver = TrackSolver::kCeres;
@@ -105,6 +130,7 @@ struct PointCloudOptions {
   double max_distance = 0.1;  ///< m from the body; farther points do not pull
   CloudOutlierOptions outliers;
   CloudStartOptions start;
+  RigAuditOptions audit;
   double capsule_radius_scale = 1.0;
   std::int64_t iterations = 40;  ///< of matching points to capsules, at most, per frame
   double rotation_walk = 0.55;   ///< rad per sqrt(s), each joint
@@ -137,30 +163,11 @@ struct TriangulationOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// What is done about something that is wrong with a rig.
-enum class AuditAction { kOff, kTell, kCorrect };
-
-/// Audit of cameras, calibration and keypoints before they are triangulated. What is corrected is a finding, and stands
-/// in the clip's provenance.
-struct RigAuditOptions {
-  AuditAction clocks = AuditAction::kCorrect;     ///< a camera whose clock is off
-  AuditAction moved = AuditAction::kCorrect;      ///< a camera that stands elsewhere, or was moved during the take
-  AuditAction exchanged = AuditAction::kCorrect;  ///< cameras that have each other's files
-  AuditAction unit = AuditAction::kTell;          ///< calibration in another unit than declared
-  AuditAction order = AuditAction::kTell;         ///< keypoints in another detector's order than declared
-  AuditAction sides = AuditAction::kCorrect;      ///< a view that lists left limbs as right ones
-  double side_margin = 10.0;                      ///< difference of log likelihoods that takes
-  double longest_s = 0.5;                         ///< clocks further off are not believed
-  double sure = 0.99;                             ///< confidence from which on something is corrected
-
-  void Declare(OptionVisitor& v);
-};
-
 /// Fit of 2-D keypoints of several calibrated views: people are associated across views and followed, one is
 /// triangulated, and the points are fitted as joint tracks are.
 struct KeypointFitOptions {
   TriangulationOptions triangulation;
-  RigAuditOptions audit;
+  KeypointAuditOptions audit;
 
   void Declare(OptionVisitor& v);
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/base/text.h"
@@ -319,33 +318,6 @@ class Auditor {
 };
 
 }  // namespace
-
-Finding FindingOf(const RigFault& fault) {
-  Finding finding;
-  finding.code = fault.code;
-  finding.severity = Severity::kWarning;
-  finding.frame_begin = fault.frame_begin;
-  finding.frame_end = fault.frame_end;
-  finding.value = fault.value;
-  finding.message = fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %";
-  finding.action = fault.corrected ? "corrected" : "flagged";
-  return finding;
-}
-
-std::string FaultsText(const std::vector<RigFault>& faults) {
-  nlohmann::json list = nlohmann::json::array();
-  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
-  for (const RigFault& fault : faults) {
-    list.push_back({{"code", fault.code},
-                    {"camera", fault.camera},
-                    {"frames", {fault.frame_begin, fault.frame_end}},
-                    {"value", rounded(fault.value)},
-                    {"confidence", rounded(fault.confidence)},
-                    {"corrected", fault.corrected}});
-    if (!fault.limb.empty()) list.back()["limb"] = fault.limb;
-  }
-  return list.dump();
-}
 
 AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const KeypointFitOptions& options) {
   return Auditor(rig, take, options).Audit();

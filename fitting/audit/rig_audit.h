@@ -3,32 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "core/base/finding.h"
 #include "fitting/association/associate.h"
 #include "fitting/association/rig_view.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/options.h"
 
 namespace mocurate {
-
-/// Something wrong with a rig, its calibration or its files.
-struct RigFault {
-  std::string code;  ///< "camera_clock_off", "camera_moved", "cameras_exchanged", "calibration_unit", "keypoint_order",
-                     ///< "view_swaps_sides"
-  std::string camera;   ///< which; empty: the rig
-  std::string limb;     ///< that is meant; empty: none
-  int frame_begin = 0;  ///< [begin, end) of the take; both 0: all of it
-  int frame_end = 0;
-  double value = 0.0;       ///< of the code: ms, mm, share of entries that agree, factor, mean departure, margin
-  double confidence = 0.0;  ///< [0, 1]
-  bool corrected = false;
-  std::string message;
-};
-
-Finding FindingOf(const RigFault& fault);
-
-/// [{"code", "camera", "frames", "value", "confidence", "corrected"}], one line: what a clip's provenance keeps.
-inline constexpr const char* kRigAudit = "rig_audit";
-std::string FaultsText(const std::vector<RigFault>& faults);
 
 /// A rig, and how it had to be taken to agree with itself.
 struct AuditedRig {

@@ -5,6 +5,7 @@
 
 #include "fitting/association/associate.h"
 #include "fitting/association/rig_view.h"
+#include "fitting/audit/confidence.h"
 #include "fitting/triangulation/robust_triangulation.h"
 
 namespace mocurate {
@@ -66,12 +67,5 @@ Vector2d PixelError(const ViewKeypoints& view, std::size_t at, const Vector3d& p
 /// moment's detections (M); what belongs to no point costs as much as the worst.
 std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
                                   double noise_px);
-
-/// How sure it is that `better` is better than `worse`, in [0, 1]: that the mean of the moments' differences is above
-/// 0, by their standard error.
-double Confidence(const std::vector<double>& worse, const std::vector<double>& better);
-
-/// Share of a normal distribution below z.
-double NormalShare(double z);
 
 }  // namespace mocurate

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/cloud_tracking.h"
 
@@ -61,7 +62,10 @@ Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& cli
                                                     const PointCloudOptions& options) {
   std::vector<FusedCloud> clouds;
   for (const Clip& clip : clips) {
-    Expected<std::vector<FusedCloud>> of_clip = FuseClip(clip, options, kFrames);
+    DepthRigReport report;
+    const Expected<Clip> audited = WithAuditedRig(clip, options.audit, report);
+    if (!audited) return Forward(audited);
+    Expected<std::vector<FusedCloud>> of_clip = FuseClip(*audited, options, kFrames);
     if (!of_clip) return Forward(of_clip);
     clouds.insert(clouds.end(), std::make_move_iterator(of_clip->begin()), std::make_move_iterator(of_clip->end()));
   }

@@ -3,7 +3,6 @@
 #include <open3d/geometry/PointCloud.h>
 #include <open3d/utility/Logging.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -98,28 +97,33 @@ struct LocalPlane {
   double down = 0.0;
 };
 
-/// Empty where too few neighbours are of the pixel's surface.
+/// Empty where too few neighbours are of the pixel's surface. Least squares over the window.
 std::optional<LocalPlane> PlaneAt(const DepthImage& image, double metres_per_unit, int x, int y) {
-  const auto value = [&](int px, int py) { return image.values[static_cast<std::size_t>(py) * image.width + px]; };
-  const double depth = value(x, y) * metres_per_unit;
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
-  int count = 0;
-  for (int dy = -kHalfWindow; dy <= kHalfWindow; ++dy) {
-    for (int dx = -kHalfWindow; dx <= kHalfWindow; ++dx) {
-      if (x + dx < 0 || y + dy < 0 || x + dx >= image.width || y + dy >= image.height) continue;
-      const double other = value(x + dx, y + dy) * metres_per_unit;
-      if (other == 0.0 || std::abs(other - depth) > kSurface) continue;
-      const Vector3d row(1.0, dx, dy);
-      normal += row * row.transpose();
-      right += row / other;
-      ++count;
+  const std::uint16_t* const middle = image.values.data() + static_cast<std::size_t>(y) * image.width + x;
+  const int near = static_cast<int>(std::min(kSurface / metres_per_unit + 1e-6, 65535.0));
+  const int left = std::max(-kHalfWindow, -x), right = std::min(kHalfWindow, image.width - 1 - x);
+  const int up = std::max(-kHalfWindow, -y), down = std::min(kHalfWindow, image.height - 1 - y);
+  // Moments of the offsets are whole numbers; sums of inverse depths, in 1 / unit.
+  int n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  double r = 0.0, rx = 0.0, ry = 0.0;
+  for (int dy = up; dy <= down; ++dy) {
+    const std::uint16_t* const row = middle + static_cast<std::ptrdiff_t>(dy) * image.width;
+    for (int dx = left; dx <= right; ++dx) {
+      const int value = row[dx];
+      if (value == 0 || std::abs(value - *middle) > near) continue;
+      const double inverse = 1.0 / value;
+      ++n, sx += dx, sy += dy, sxx += dx * dx, sxy += dx * dy, syy += dy * dy;
+      r += inverse, rx += dx * inverse, ry += dy * inverse;
     }
   }
   constexpr int kWindow = (2 * kHalfWindow + 1) * (2 * kHalfWindow + 1);
-  if (count < kFewestOfWindow * kWindow) return std::nullopt;
-  const Vector3d plane = normal.llt().solve(right);
-  return LocalPlane{plane[0], plane[1], plane[2]};
+  if (n < kFewestOfWindow * kWindow) return std::nullopt;
+  // About the mean of the offsets.
+  const double xx = n * sxx - sx * sx, xy = n * sxy - sx * sy, yy = n * syy - sy * sy;
+  const double bx = n * rx - sx * r, by = n * ry - sy * r;
+  const double scale = 1.0 / (metres_per_unit * (xx * yy - xy * xy));
+  const double across = (yy * bx - xy * by) * scale, down_slope = (xx * by - xy * bx) * scale;
+  return LocalPlane{(r / metres_per_unit - across * sx - down_slope * sy) / n, across, down_slope};
 }
 
 /// Every so-many-th pixel is enough for a cloud of one point per voxel.
@@ -133,6 +137,13 @@ int Stride(const DepthView& view, const DepthImage& image, double voxel_size) {
   std::nth_element(measured.begin(), middle, measured.end());
   const double pixel = *middle * view.metres_per_unit / std::abs(view.camera.fx);
   return std::clamp(static_cast<int>(voxel_size / (kPixelsPerVoxel * pixel)), 1, 16);
+}
+
+/// Of a plane before the camera: n . p = 1; n looks away from the camera.
+Vector3d NormalOf(const LocalPlane& plane, const Camera& camera, const Vector3d& point) {
+  const double ray_x = point.x() / point.z(), ray_y = point.y() / point.z();
+  return {plane.across * camera.fx, plane.down * camera.fy,
+          plane.at - plane.across * camera.fx * ray_x - plane.down * camera.fy * ray_y};
 }
 
 /// The surface that one view sees.
@@ -149,17 +160,17 @@ void AddSurface(const DepthView& view, const DepthImage& image, double voxel_siz
       const std::optional<LocalPlane> plane = PlaneAt(image, view.metres_per_unit, x, y);
       if (!plane) continue;
       const Vector3d point = camera.Unproject(Vector2d(x, y), value * view.metres_per_unit);
-      const double ray_x = point.x() / point.z(), ray_y = point.y() / point.z();
-      // n . p = 1 on the plane; it looks away from the camera.
-      const Vector3d normal(plane->across * camera.fx, plane->down * camera.fy,
-                            plane->at - plane->across * camera.fx * ray_x - plane->down * camera.fy * ray_y);
       cloud.points_.emplace_back(turn * point + world_from_camera.translation);
-      cloud.normals_.emplace_back(turn * -normal.normalized());
+      cloud.normals_.emplace_back(turn * -NormalOf(*plane, camera, point).normalized());
     }
   }
 }
 
 Expected<DepthImage> ReadView(const DepthView& view, int frame) {
+  if (view.files[frame].empty()) {
+    const auto pixels = static_cast<std::size_t>(view.camera.width) * static_cast<std::size_t>(view.camera.height);
+    return DepthImage{view.camera.width, view.camera.height, std::vector<std::uint16_t>(pixels, 0)};
+  }
   Expected<DepthImage> image = ReadDepthImage(view.files[frame]);
   if (!image) return Forward(image);
   if (Status fits = CheckImage(view, frame, *image); !fits) return Forward(fits);
@@ -168,6 +179,13 @@ Expected<DepthImage> ReadView(const DepthView& view, int frame) {
 }
 
 }  // namespace
+
+std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& image, int x, int y) {
+  const std::optional<LocalPlane> plane = PlaneAt(image, view.metres_per_unit, x, y);
+  if (!plane || plane->at <= 0.0) return std::nullopt;
+  const Vector3d point = view.camera.Unproject(Vector2d(x, y), 1.0 / plane->at);
+  return PixelPlane{point, -NormalOf(*plane, view.camera, point).normalized()};
+}
 
 Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame) {
   const Expected<DepthImage> image = ReadView(view, frame);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "core/base/error.h"
@@ -25,13 +26,24 @@ struct FusionOptions {
   CloudOutlierOptions outliers;
 };
 
-/// The images of a frame, one per view: decoded, and without what lies outside the masks. Errors of ReadDepthImage;
+/// The images of a frame, one per view: decoded, and without what lies outside the masks; a view whose file has no name
+/// measured nothing. Errors of ReadDepthImage;
 /// kInconsistent for an image of another size than its camera, or another content than when it was ingested (where a
 /// hash is given).
 Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views, int frame);
 
 /// Every measured pixel of one view in the world, in the order of the pixels. Errors of ReadFrame.
 Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame);
+
+/// The surface about a measured pixel, in the camera's frame.
+struct PixelPlane {
+  Vector3d point;   ///< metres, on the pixel's ray
+  Vector3d normal;  ///< unit, towards the camera
+};
+
+/// The plane through a pixel of an image and its neighbours; empty where few of those lie near it. The pixel must be in
+/// the image and measured.
+std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& image, int x, int y);
 
 /// Back-projects images of all views (as ReadFrame gives them), keeps one point per voxel and drops statistical
 /// outliers. A pixel that few of its neighbours lie near (flying pixels, stray ones) is none; normals are those of the

@@ -122,10 +122,22 @@ void ReportContradiction(const CloudTrack& track, FitResult& result) {
 
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
                               const PointCloudOptions& options) {
-  Expected<std::vector<FusedCloud>> clouds = FuseClip(clip, options);
+  DepthRigReport report;
+  const Expected<Clip> audited = WithAuditedRig(clip, options.audit, report);
+  if (!audited) return Forward(audited);
+  Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options);
   if (!clouds) return Forward(clouds);
-  return FitFusedClouds(std::move(*clouds), {clip.rate, clip.evidence.depth_views[0].time_s}, skeleton, bone_length,
-                        options);
+  Expected<FitResult> fit = FitFusedClouds(std::move(*clouds), {clip.rate, clip.evidence.depth_views[0].time_s},
+                                           skeleton, bone_length, options);
+  if (fit) TellOfRig(std::move(report), *fit);
+  return fit;
+}
+
+void TellOfRig(DepthRigReport report, FitResult& fit) {
+  const std::vector<Finding> findings = FindingsOf(report);
+  fit.findings.insert(fit.findings.begin(), findings.begin(), findings.end());
+  if (!report.faults.empty()) fit.rig_audit = FaultsText(report.faults);
+  fit.depth_rig = std::move(report);
 }
 
 Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock, const SkeletonPtr& skeleton,

@@ -169,7 +169,7 @@ int main(int argc, char** argv) {
     const double value = std::atof(text.c_str() + at + 1);
     if (name == "frames") longest = static_cast<int>(value);
     if (name == "audit" && value == 0.0) {
-      RigAuditOptions& audit = options.keypoints.audit;
+      KeypointAuditOptions& audit = options.keypoints.audit;
       audit.clocks = audit.moved = audit.exchanged = audit.unit = audit.order = audit.sides = AuditAction::kOff;
     }
     if (name == "contact_walk")

@@ -3,57 +3,27 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <iterator>
-#include <sstream>
+#include <utility>
 
-#include "core/base/file.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/depth_agreement.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/evidence/noise.h"
+#include "tests/fitting/depth_rig_faults.h"
 
 namespace mocurate {
 namespace {
 
-/// The numbers of a matrix in an OpenCV XML file.
-std::vector<double> MatrixOf(const std::string& bytes, const std::string& name) {
-  const std::size_t begin = bytes.find("<data>", bytes.find("<" + name)) + 6;
-  std::istringstream text(bytes.substr(begin, bytes.find("</data>", begin) - begin));
-  return {std::istream_iterator<double>(text), {}};
-}
-
-/// Head and upper body of one person from 80 sides, as configs/sources/rgbd100.yaml reads them: the person turned
-/// before a fixed sensor, the world is y down.
 class Turntable : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* data = std::getenv("MOCURATE_TEST_DATA");
     if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
     const std::filesystem::path folder = std::filesystem::path(data) / "rgbd100" / "views";
-    const RigidTransform canonical{Quaterniond(Matrix3d(Vector3d(1, -1, -1).asDiagonal())), Vector3d::Zero()};
+    auto views = TurntableViews(folder);
+    ASSERT_TRUE(views) << views.error().Message();
     clip_.rate = FrameRate{1, 1};
-    for (int i = 0; i < 100; ++i) {
-      if (i % 5 == 2) continue;
-      char number[16];
-      std::snprintf(number, sizeof number, "%010d", i);
-      const std::string stem = number;
-      const auto bytes = ReadFile(folder / (stem + "_camera.xml"));
-      ASSERT_TRUE(bytes) << bytes.error().Message();
-      const std::vector<double> r = MatrixOf(*bytes, "R"), t = MatrixOf(*bytes, "t");
-      ASSERT_EQ(r.size(), 9u);
-      ASSERT_EQ(t.size(), 3u);
-      Matrix3d rotation;
-      rotation << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
-      const RigidTransform world_from_camera{Quaterniond(rotation).normalized(), Vector3d(t[0], t[1], t[2])};
-      DepthView view;
-      view.camera = {stem, 640, 480, 525.0, 525.0, 320.0, 240.0, {}, {}};
-      view.camera.camera_from_world = Inverse(canonical * world_from_camera);
-      view.files = {folder / (stem + "_depth.png")};
-      view.masks = {folder / (stem + "_mask.jpg")};
-      view.mask_sha256 = {""};
-      view.time_s = {0.0};
-      clip_.evidence.depth_views.push_back(view);
-    }
+    clip_.evidence.depth_views = std::move(*views);
   }
 
   Clip clip_;

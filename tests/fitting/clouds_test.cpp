@@ -144,10 +144,11 @@ TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
   }
   const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
   ASSERT_TRUE(fit) << fit.error().Message();
-  ASSERT_EQ(fit->findings.size(), 1u);
-  EXPECT_EQ(fit->findings[0].code, "frames_without_evidence");
-  EXPECT_EQ(fit->findings[0].frame_begin, 2);
-  EXPECT_EQ(fit->findings[0].frame_end, 3);
+  ASSERT_EQ(fit->findings.size(), 2u);
+  EXPECT_EQ(fit->findings[0].code, "rig_not_audited");
+  EXPECT_EQ(fit->findings[1].code, "frames_without_evidence");
+  EXPECT_EQ(fit->findings[1].frame_begin, 2);
+  EXPECT_EQ(fit->findings[1].frame_end, 3);
   EXPECT_EQ(fit->motion.joints.at(2, 5), fit->motion.joints.at(1, 5));
   EXPECT_EQ(fit->motion.state.back(), JointState::kInferred);
 }

@@ -23,7 +23,7 @@ const Skeleton& Smpl() {
   return *skeleton;
 }
 
-Expected<KeypointTracks> Triangulated(const Evidence& evidence, const RigAuditOptions& audit = {}) {
+Expected<KeypointTracks> Triangulated(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
   KeypointFitOptions options;
   options.audit = audit;
   return TriangulateKeypoints(evidence, Smpl(), options);
@@ -43,8 +43,8 @@ std::string Told(const KeypointTracks& found) {
   return text;
 }
 
-RigAuditOptions Nothing() {
-  RigAuditOptions audit;
+KeypointAuditOptions Nothing() {
+  KeypointAuditOptions audit;
   audit.clocks = audit.moved = audit.exchanged = audit.unit = audit.order = audit.sides = AuditAction::kOff;
   return audit;
 }
@@ -194,7 +194,7 @@ TEST(RigAudit, ACalibrationInMillimetresIsReadInMetresWhereThatIsWanted) {
   const auto refused = Triangulated(evidence);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().Message(), HasSubstr("millimetres read as metres"));
-  RigAuditOptions audit;
+  KeypointAuditOptions audit;
   audit.unit = AuditAction::kCorrect;
   const auto found = Triangulated(evidence, audit);
   ASSERT_TRUE(found) << found.error().Message();
@@ -307,7 +307,7 @@ TEST_F(AlteredTrial, ReadInTheOrderOfAnotherDetector) {
   const auto refused = Triangulated(wrong);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().Message(), HasSubstr("in the order of BODY_25B"));
-  RigAuditOptions audit;
+  KeypointAuditOptions audit;
   audit.order = AuditAction::kCorrect;
   const auto found = Triangulated(wrong, audit);
   ASSERT_TRUE(found) << found.error().Message();
@@ -317,7 +317,7 @@ TEST_F(AlteredTrial, ReadInTheOrderOfAnotherDetector) {
 
 TEST_F(AlteredTrial, WithACalibrationInMillimetres) {
   for (KeypointView& view : evidence_.keypoint_views) view.camera.camera_from_world.translation *= 1000.0;
-  RigAuditOptions audit;
+  KeypointAuditOptions audit;
   audit.unit = AuditAction::kCorrect;
   const auto found = Triangulated(evidence_, audit);
   ASSERT_TRUE(found) << found.error().Message();

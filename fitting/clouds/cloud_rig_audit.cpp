@@ -1,0 +1,375 @@
+#include "fitting/clouds/cloud_rig_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/base/text.h"
+#include "fitting/audit/confidence.h"
+#include "fitting/clouds/rig_clocks.h"
+#include "fitting/clouds/rig_exchange.h"
+#include "fitting/clouds/rig_units.h"
+#include "fitting/clouds/seen_rig.h"
+#include "fitting/clouds/view_registration.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kFewestSamples = 6;  ///< comparisons that a judgement takes
+constexpr std::size_t kMostViews = 12;     ///< that clocks are looked for in
+constexpr std::size_t kFewViews = 8;       ///< all of which may have been moved
+constexpr std::size_t kMostMoved = 4;      ///< of more views
+constexpr double kOddLoss = 1.3;           ///< of the median, from which on one of many views may have been moved
+constexpr double kLeastGain = 0.08;        ///< of the loss, by a move of kLeastMove; farther ones gain more
+constexpr double kSureGain = 0.3;          ///< what any move that is real gains
+constexpr double kFewerMoves = 0.15;       ///< of the gain, for which one camera less is said to have been moved
+constexpr double kStrangersLoss = 0.2;     ///< views that then still agree no better may be of something else
+constexpr double kLeastMove = 0.008;       ///< m at the person
+constexpr double kPersonRadius = 0.45;     ///< m; what a turn moves
+constexpr double kDegrees = 57.29577951308232;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Auditor {
+ public:
+  Auditor(const std::vector<DepthView>& views, const RigAuditOptions& options)
+      : options_(options), witness_(views), late_(views.size(), 0), cameras_(CamerasOf(views)) {
+    for (const DepthView& view : views) report_.cameras.push_back(view.camera.name);
+  }
+
+  Expected<AuditedDepthRig> Audit() {
+    if (Status mended = MendLengths(); !mended) return Forward(mended);
+    if (Status seen = See(); !seen) return Forward(seen);
+    report_.frames = witness_.frames();
+    report_.loss = LossOfViews();
+    SetResiduals();
+    if (const bool judged = CanJudge(); judged && MendFiles()) {
+      if (Status seen = See(); !seen) return Forward(seen);
+    }
+    if (report_.not_audited.empty() && !files_wrong_) {
+      // What explains most first, then the rest again.
+      for (std::size_t round = 0; round < 2 * late_.size(); ++round) {
+        const Expected<bool> improved = Improve();
+        if (!improved) return Forward(improved);
+        if (!*improved) break;
+      }
+    }
+    report_.loss_after = LossOfViews();
+    for (std::size_t v = 0; v < late_.size(); ++v) TellOfClock(v), TellOfMove(v);
+    return AuditedDepthRig{Corrected(), std::move(report_)};
+  }
+
+ private:
+  Status See() {
+    Expected<SeenRig> rig = witness_.Seen(late_);
+    if (!rig) return Forward(rig);
+    rig_ = std::move(*rig);
+    losses_ = LossOfSamples(rig_, cameras_);
+    return {};
+  }
+
+  Status MendLengths() {
+    if (options_.unit == AuditAction::kOff) return {};
+    const Expected<std::optional<MisreadLengths>> misread = FindMisreadLengths(witness_);
+    if (!misread) return Forward(misread);
+    if (!*misread) return {};
+    if (options_.unit == AuditAction::kTell) {
+      return Fail(
+          ErrorCode::kInconsistent, WordsOf(**misread), "depth views",
+          "declare the unit of depths and of the calibration, or set fitting.point_clouds.audit.unit to correct");
+    }
+    RigFault fault;
+    fault.code = "calibration_unit";
+    fault.value = (*misread)->depth != 1.0 ? (*misread)->depth : (*misread)->places;
+    fault.confidence = 1.0;
+    fault.corrected = true;
+    fault.message = WordsOf(**misread);
+    report_.faults.push_back(std::move(fault));
+    witness_ = RigWitness(WithLengths(witness_.views(), **misread));
+    cameras_ = CamerasOf(witness_.views());
+    return {};
+  }
+
+  bool CanJudge() {
+    if (late_.size() < 2) return false;
+    const auto samples = static_cast<std::size_t>(
+        std::count_if(losses_.begin(), losses_.end(), [](double loss) { return loss >= 0.0; }));
+    if (samples >= kFewestSamples) return true;
+    report_.not_audited = "places, clocks and files of depth cameras cannot be judged by " +
+                          Counted(static_cast<long long>(samples), "comparison") +
+                          " of two views that see the person at one moment, " + std::to_string(kFewestSamples) +
+                          " are needed";
+    return false;
+  }
+
+  /// True where files were exchanged back.
+  bool MendFiles() {
+    if (options_.exchanged == AuditAction::kOff) return false;
+    const auto exchange = FindFileExchange(rig_, losses_);
+    if (!exchange) return false;
+    RigFault fault;
+    fault.code = "cameras_exchanged";
+    fault.value = exchange->exchanged;
+    fault.confidence = exchange->confidence;
+    fault.corrected = options_.exchanged == AuditAction::kCorrect && exchange->confidence >= options_.sure;
+    std::string pairs;
+    for (std::size_t v = 0; v < exchange->source.size(); ++v) {
+      if (exchange->source[v] == v) continue;
+      fault.camera += (fault.camera.empty() ? "" : ", ") + report_.cameras[v];
+      pairs +=
+          (pairs.empty() ? "" : ", ") + report_.cameras[v] + " in those of " + report_.cameras[exchange->source[v]];
+    }
+    fault.message = "what depth cameras see lies in each other's files: " + pairs + "; so " +
+                    RoundedText(100.0 * exchange->exchanged, 2) +
+                    " % of what they see contradicts the others, as the "
+                    "files are " +
+                    RoundedText(100.0 * exchange->loss, 2) + " %";
+    files_wrong_ = !fault.corrected;
+    if (fault.corrected) witness_ = RigWitness(WithExchangedFiles(witness_.views(), exchange->source));
+    report_.faults.push_back(std::move(fault));
+    return !files_wrong_;
+  }
+
+  std::vector<double> LossOfViews() const {
+    std::vector<double> of_views;
+    for (std::size_t v = 0; v < late_.size(); ++v) of_views.push_back(MeanLoss(Of(v, losses_, losses_).first));
+    return of_views;
+  }
+
+  std::pair<std::vector<double>, std::vector<double>> Of(std::size_t view, const std::vector<double>& losses,
+                                                         const std::vector<double>& others) const {
+    return OfView(rig_, view, losses, others);
+  }
+
+  void SetResiduals() {
+    const auto together = static_cast<std::size_t>(rig_.together);
+    report_.residual_mm.assign(late_.size(), std::vector<double>(report_.frames.size(), 0.0));
+    for (std::size_t g = 0; g < report_.frames.size(); ++g) {
+      const SeenMoment& moment = rig_.moments[g * together];
+      std::vector<double> square(late_.size(), 0.0), matched(late_.size(), 0.0);
+      for (const auto& [a, b] : rig_.pairs) {
+        for (const auto& [of, in] : {std::pair(a, b), std::pair(b, a)}) {
+          if (moment[of] == nullptr || moment[in] == nullptr) continue;
+          const Agreement agreement = Compare({*moment[of], rig_.views[of], cameras_[of]},
+                                              {*moment[in], rig_.views[in], cameras_[in]}, rig_.centre, 0.02);
+          square[of] += agreement.square;
+          matched[of] += agreement.matched;
+        }
+      }
+      for (std::size_t v = 0; v < late_.size(); ++v) {
+        if (matched[v] > 0.0) report_.residual_mm[v][g] = 1e3 * std::sqrt(square[v] / matched[v]);
+      }
+    }
+  }
+
+  /// Takes over what explains most of what is left, clocks or places; false when nothing does.
+  Expected<bool> Improve() {
+    std::optional<LateView> clock;
+    if (options_.clocks != AuditAction::kOff && late_.size() <= kMostViews && witness_.step_s() > 0.0) {
+      const auto longest = static_cast<int>(std::min(options_.longest_s / witness_.step_s(), 1e4));
+      auto found = FindLateView(witness_, late_, cameras_, longest, options_.sure);
+      if (!found) return Forward(found);
+      clock = *found;
+      if (clock && std::abs(late_[clock->view] + clock->frames) > longest) clock.reset();
+    }
+    std::optional<std::vector<Camera>> moved;
+    if (options_.moved != AuditAction::kOff) {
+      auto found = FindMoves();
+      if (!found) return Forward(found);
+      moved = std::move(*found);
+    }
+    if (!clock && !moved) return false;
+    const double loss = MeanLoss(losses_);
+    std::vector<int> late = late_;
+    double with_clock = loss, with_moves = loss;
+    if (clock) {
+      late[clock->view] += clock->frames;
+      const Expected<SeenRig> rig = witness_.Seen(late);
+      if (!rig) return Forward(rig);
+      with_clock = MeanLoss(LossOfSamples(*rig, cameras_));
+    }
+    if (moved) with_moves = MeanLoss(LossOfSamples(rig_, *moved));
+    if (std::min(with_clock, with_moves) >= loss) return false;
+    if (with_clock <= with_moves) {
+      late_ = std::move(late);
+      clocks_[clock->view] = *clock;
+    } else {
+      cameras_ = std::move(*moved);
+    }
+    if (Status seen = See(); !seen) return Forward(seen);
+    return true;
+  }
+
+  /// Views that may have been moved: all but the one that agrees best, of many those that stick out.
+  std::vector<bool> MayHaveMoved() const {
+    const std::vector<double> loss = LossOfViews();
+    std::vector<bool> may(loss.size(), loss.size() <= kFewViews);
+    if (loss.size() <= kFewViews) {
+      may[static_cast<std::size_t>(std::min_element(loss.begin(), loss.end()) - loss.begin())] = false;
+      return may;
+    }
+    std::vector<std::pair<double, std::size_t>> odd;
+    for (std::size_t v = 0; v < loss.size(); ++v) {
+      if (loss[v] > kOddLoss * Median(loss)) odd.emplace_back(-loss[v], v);
+    }
+    std::sort(odd.begin(), odd.end());
+    for (std::size_t i = 0; i < std::min(odd.size(), kMostMoved); ++i) may[odd[i].second] = true;
+    return may;
+  }
+
+  /// Cameras of views that surely stand elsewhere than `cameras_` has them, registered; others put back one by one.
+  Expected<std::optional<std::vector<Camera>>> FindMoves() {
+    std::vector<bool> free = MayHaveMoved();
+    std::vector<double> by_clock(free.size(), -1.0);
+    while (std::find(free.begin(), free.end(), true) != free.end()) {
+      Expected<std::vector<Camera>> found = Register(rig_, free, cameras_);
+      if (!found) return Forward(found);
+      const std::vector<double> better = LossOfSamples(rig_, *found);
+      std::optional<std::size_t> weakest;
+      double least = 0.0;
+      bool any = false;
+      for (std::size_t v = 0; v < free.size(); ++v) {
+        if (!free[v]) continue;
+        const double move = MoveOf(cameras_[v], (*found)[v]);
+        const Expected<bool> real = IsReal(v, move, *found, better, by_clock[v]);
+        if (!real) return Forward(real);
+        any = any || *real;
+        if (*real || (weakest && move >= least)) continue;
+        weakest = v;
+        least = move;
+      }
+      if (!weakest && std::count(free.begin(), free.end(), true) > 1) {
+        auto one = FindOneMove(MeanLoss(better));
+        if (!one || *one) return one;
+      }
+      if (!weakest) return std::optional<std::vector<Camera>>(std::move(*found));
+      if (!any) break;
+      free[*weakest] = false;
+    }
+    return std::optional<std::vector<Camera>>();
+  }
+
+  /// The one camera that explains nearly as much as several do: these moved together, it alone the other way.
+  Expected<std::optional<std::vector<Camera>>> FindOneMove(double loss_of_several) {
+    std::optional<std::vector<Camera>> best;
+    double least = loss_of_several + kFewerMoves * (MeanLoss(losses_) - loss_of_several);
+    for (std::size_t v = 0; v < late_.size() && late_.size() <= kFewViews; ++v) {
+      std::vector<bool> free(late_.size(), false);
+      free[v] = true;
+      Expected<std::vector<Camera>> found = Register(rig_, free, cameras_);
+      if (!found) return Forward(found);
+      const std::vector<double> better = LossOfSamples(rig_, *found);
+      if (MeanLoss(better) >= least) continue;
+      double by_clock = -1.0;
+      const Expected<bool> real = IsReal(v, MoveOf(cameras_[v], (*found)[v]), *found, better, by_clock);
+      if (!real) return Forward(real);
+      if (!*real) continue;
+      least = MeanLoss(better);
+      best = std::move(*found);
+    }
+    return best;
+  }
+
+  /// Whether a camera's new place explains more than noise does, and more than its clock may between two frames.
+  Expected<bool> IsReal(std::size_t v, double move, const std::vector<Camera>& found, const std::vector<double>& better,
+                        double& by_clock) {
+    if (move < kLeastMove) return false;
+    std::vector<Camera> without = found;
+    without[v] = cameras_[v];
+    const auto both = Of(v, LossOfSamples(rig_, without), better);
+    if (Confidence(both.first, both.second) < options_.sure) return false;
+    const double loss = MeanLoss(both.second);
+    const double left = 1.0 - std::min(kLeastGain * move / kLeastMove, kSureGain);
+    if (loss > kStrangersLoss || loss > left * MeanLoss(both.first)) return false;
+    if (late_.size() > kMostViews || witness_.together() < 2) return true;
+    if (by_clock < 0.0) {
+      const Expected<double> least = LeastLossBetweenFrames(witness_, late_, without, v);
+      if (!least) return Forward(least);
+      by_clock = *least;
+    }
+    return loss < left * by_clock;
+  }
+
+  double MoveOf(const Camera& was, const Camera& is) const {
+    const CameraMoveAt move = MoveBetween(was, is, rig_.centre);
+    return move.shift + kPersonRadius * move.turn;
+  }
+
+  void TellOfClock(std::size_t v) {
+    if (late_[v] == 0) return;
+    const LateView& found = clocks_.at(v);
+    RigFault fault;
+    fault.code = "camera_clock_off";
+    fault.camera = report_.cameras[v];
+    fault.value = -1e3 * witness_.step_s() * (late_[v] - found.frames + found.offset);
+    fault.confidence = found.confidence;
+    fault.corrected = options_.clocks == AuditAction::kCorrect;
+    fault.message = "what depth camera " + fault.camera + " stamps happens " + RoundedText(std::abs(fault.value), 3) +
+                    " ms " + (fault.value > 0.0 ? "later" : "earlier") +
+                    " by the clock of the others; its nearest image is " + Counted(std::abs(late_[v]), "frame") +
+                    (late_[v] > 0 ? " later" : " earlier");
+    report_.faults.push_back(std::move(fault));
+  }
+
+  void TellOfMove(std::size_t v) {
+    const Camera& was = rig_.views[v].camera;
+    const CameraMoveAt move = MoveBetween(was, cameras_[v], rig_.centre);
+    if (move.shift == 0.0 && move.turn == 0.0) return;
+    std::vector<Camera> without = cameras_;
+    without[v] = was;
+    const auto both = Of(v, LossOfSamples(rig_, without), losses_);
+    RigFault fault;
+    fault.code = "camera_moved";
+    fault.camera = was.name;
+    fault.value = 1e3 * (cameras_[v].Centre() - was.Centre()).norm();
+    fault.confidence = Confidence(both.first, both.second);
+    fault.corrected = options_.moved == AuditAction::kCorrect;
+    fault.message = "depth camera " + fault.camera + " stands " + RoundedText(fault.value, 3) + " mm and " +
+                    RoundedText(kDegrees * move.turn, 2) +
+                    " degrees from where its calibration has it, which puts the person " +
+                    RoundedText(1e3 * move.shift, 3) + " mm off";
+    report_.faults.push_back(std::move(fault));
+  }
+
+  std::vector<DepthView> Corrected() const {
+    std::vector<DepthView> views = witness_.views();
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (late_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = Later(views[v], late_[v]);
+      if (options_.moved == AuditAction::kCorrect) views[v].camera = cameras_[v];
+    }
+    return views;
+  }
+
+  const RigAuditOptions& options_;
+  RigWitness witness_;
+  std::vector<int> late_;  ///< (V) frames
+  std::vector<Camera> cameras_;
+  std::map<std::size_t, LateView> clocks_;
+  SeenRig rig_;
+  std::vector<double> losses_;
+  bool files_wrong_ = false;
+  DepthRigReport report_;
+};
+
+}  // namespace
+
+Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, const RigAuditOptions& options) {
+  const bool off = options.clocks == AuditAction::kOff && options.moved == AuditAction::kOff &&
+                   options.exchanged == AuditAction::kOff && options.unit == AuditAction::kOff;
+  const bool usable = !views.empty() && std::all_of(views.begin(), views.end(), [&](const DepthView& view) {
+    const bool increases =
+        std::adjacent_find(view.time_s.begin(), view.time_s.end(), std::greater_equal<double>()) == view.time_s.end();
+    return view.files.size() == views[0].files.size() && !view.files.empty() && increases;
+  });
+  if (off || !usable) return AuditedDepthRig{views, {}};
+  return Auditor(views, options).Audit();
+}
+
+}  // namespace mocurate

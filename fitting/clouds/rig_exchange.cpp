@@ -1,0 +1,136 @@
+#include "fitting/clouds/rig_exchange.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <numeric>
+
+#include "fitting/audit/confidence.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kWrongLoss = 0.2;   ///< views that agree better have their own files
+constexpr double kMuchBetter = 0.6;  ///< of the loss
+constexpr std::size_t kAllExchanges = 5;
+constexpr std::size_t kMostViews = 12;
+
+using Source = std::vector<std::size_t>;
+
+std::vector<Source> ExchangesOf(std::size_t views) {
+  Source source(views);
+  std::iota(source.begin(), source.end(), std::size_t{0});
+  std::vector<Source> exchanges;
+  if (views <= kAllExchanges) {
+    while (std::next_permutation(source.begin(), source.end())) exchanges.push_back(source);
+    return exchanges;
+  }
+  if (views > kMostViews) return exchanges;
+  for (std::size_t a = 0; a < views; ++a) {
+    for (std::size_t b = a + 1; b < views; ++b) {
+      exchanges.push_back(source);
+      std::swap(exchanges.back()[a], exchanges.back()[b]);
+    }
+  }
+  return exchanges;
+}
+
+bool MayBe(const Source& source, const SeenRig& rig) {
+  for (std::size_t v = 0; v < source.size(); ++v) {
+    const Camera &camera = rig.views[v].camera, &other = rig.views[source[v]].camera;
+    if (camera.width != other.width || camera.height != other.height) return false;
+  }
+  return true;
+}
+
+/// What a camera would have seen whose images are those of another one's file.
+ViewSurface SeenBy(const Camera& camera, const Camera& other, const ViewSurface& surface) {
+  ViewSurface seen = surface;
+  for (Eigen::Index i = 0; i < seen.points.cols(); ++i) {
+    if (const auto pixel = other.Project(seen.points.col(i))) {
+      seen.points.col(i) = camera.Unproject(*pixel, seen.points(2, i));
+    }
+  }
+  return seen;
+}
+
+/// The rig with each camera's images taken from another one's. Surfaces are made once and kept.
+class ExchangedRigs {
+ public:
+  explicit ExchangedRigs(const SeenRig& rig) : rig_(rig) {}
+
+  SeenRig With(const Source& source) {
+    SeenRig exchanged = rig_;
+    for (std::size_t m = 0; m < rig_.moments.size(); ++m) {
+      for (std::size_t v = 0; v < source.size(); ++v) exchanged.moments[m][v] = At(m, v, source[v]);
+    }
+    return exchanged;
+  }
+
+ private:
+  const ViewSurface* At(std::size_t moment, std::size_t view, std::size_t source) {
+    const ViewSurface* given = rig_.moments[moment][source];
+    if (given == nullptr || view == source) return given;
+    std::unique_ptr<ViewSurface>& made = made_[{moment, view, source}];
+    if (made == nullptr) {
+      made = std::make_unique<ViewSurface>(SeenBy(rig_.views[view].camera, rig_.views[source].camera, *given));
+    }
+    return made.get();
+  }
+
+  const SeenRig& rig_;
+  std::map<std::array<std::size_t, 3>, std::unique_ptr<ViewSurface>> made_;
+};
+
+/// Of samples that both have.
+double ConfidenceOf(const std::vector<double>& worse, const std::vector<double>& better) {
+  std::pair<std::vector<double>, std::vector<double>> both;
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    if (worse[i] < 0.0 || better[i] < 0.0) continue;
+    both.first.push_back(worse[i]);
+    both.second.push_back(better[i]);
+  }
+  return Confidence(both.first, both.second);
+}
+
+}  // namespace
+
+std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vector<double>& losses) {
+  const double given = MeanLoss(losses);
+  if (given < kWrongLoss) return {};
+  std::optional<FileExchange> best;
+  std::vector<std::vector<double>> all;
+  std::size_t chosen = 0;
+  const std::vector<Camera> cameras = CamerasOf(rig.views);
+  ExchangedRigs exchanged(rig);
+  for (const Source& source : ExchangesOf(rig.views.size())) {
+    if (!MayBe(source, rig)) continue;
+    all.push_back(LossOfSamples(exchanged.With(source), cameras));
+    const double loss = MeanLoss(all.back());
+    if (loss > kMuchBetter * given || (best && loss >= best->exchanged)) continue;
+    best = FileExchange{source, given, loss, ConfidenceOf(losses, all.back())};
+    chosen = all.size() - 1;
+  }
+  if (!best) return {};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOf(all[i], all[chosen]));
+  }
+  return best;
+}
+
+std::vector<DepthView> WithExchangedFiles(const std::vector<DepthView>& views, const std::vector<std::size_t>& source) {
+  std::vector<DepthView> exchanged = views;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const DepthView& from = views[source[v]];
+    exchanged[v].files = from.files;
+    exchanged[v].sha256 = from.sha256;
+    exchanged[v].masks = from.masks;
+    exchanged[v].mask_sha256 = from.mask_sha256;
+    exchanged[v].time_s = from.time_s;
+    exchanged[v].metres_per_unit = from.metres_per_unit;
+  }
+  return exchanged;
+}
+
+}  // namespace mocurate

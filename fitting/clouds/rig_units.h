@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "fitting/clouds/seen_rig.h"
+
+namespace mocurate {
+
+/// Lengths of depth views that are misread.
+struct MisreadLengths {
+  double depth = 1.0;   ///< depths are so many times too long
+  double places = 1.0;  ///< and so are the places of cameras
+};
+
+/// Whether depth makes a person of no person's size, or cameras stand so that none sees what others see, and the power
+/// of ten that mends it. Empty where all is well, and where nothing mends it. Errors of ReadFrame.
+Expected<std::optional<MisreadLengths>> FindMisreadLengths(RigWitness& witness);
+
+std::vector<DepthView> WithLengths(std::vector<DepthView> views, const MisreadLengths& misread);
+
+/// "depths are 1000 times too long (millimetres read as metres)".
+std::string WordsOf(const MisreadLengths& misread);
+
+}  // namespace mocurate

@@ -1,0 +1,137 @@
+#include "fitting/clouds/seen_rig.h"
+
+#include <algorithm>
+
+#include "fitting/clouds/depth_fusion.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFramesPerGroup = 10;
+constexpr int kFewestGroups = 4;  ///< of two views as many as there may be: each is one comparison
+constexpr int kMostGroups = 6;
+constexpr std::size_t kMostSurfaces = 120;  ///< views and moments together
+constexpr std::size_t kAllPairs = 6;        ///< of more views only those that look from nearby sides are compared
+constexpr std::size_t kPartners = 4;
+constexpr double kVoxel = 0.025;
+
+}  // namespace
+
+RigWitness::RigWitness(std::vector<DepthView> views) : views_(std::move(views)) {
+  for (const DepthView& view : views_) {
+    single_.push_back({view});
+    bare_.emplace_back();
+    bare_.back().camera = view.camera;
+    bare_.back().metres_per_unit = view.metres_per_unit;
+  }
+  together_ = std::min(count(), 2);
+  const int fewest = views_.size() > 2 ? kFewestGroups : kMostGroups;
+  int groups = std::clamp(count() / kFramesPerGroup, fewest, kMostGroups);
+  const auto most = static_cast<int>(kMostSurfaces / views_.size()) / together_;
+  groups = std::max(1, std::min({groups, count() / together_, most}));
+  for (int g = 0; g < groups; ++g) {
+    const int middle = (2 * g + 1) * count() / (2 * groups);
+    frames_.push_back(std::clamp(middle, 0, count() - together_));
+  }
+}
+
+double RigWitness::step_s() const {
+  const std::vector<double>& time = views_[0].time_s;
+  if (time.size() < 2) return 0.0;
+  return (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+}
+
+Expected<const ViewSurface*> RigWitness::At(std::size_t view, int frame) {
+  if (frame < 0 || frame >= count()) return nullptr;
+  std::unique_ptr<ViewSurface>& kept = surfaces_[{view, frame}];
+  if (kept == nullptr) {
+    Expected<std::vector<DepthImage>> images = ReadFrame(single_[view], frame);
+    if (!images) return Forward(images);
+    Expected<ViewSurface> surface = SurfaceOf(bare_[view], std::move(images->front()), kVoxel);
+    if (!surface) return Forward(surface);
+    kept = std::make_unique<ViewSurface>(std::move(*surface));
+  }
+  return kept->empty() ? nullptr : kept.get();
+}
+
+/// The person's middle, and which views are compared: all with all, or of many each with those that look from nearby
+/// sides.
+Status RigWitness::SetPlace() {
+  placed_ = true;
+  Vector3d sum = Vector3d::Zero();
+  double count = 0.0;
+  for (const int frame : frames_) {
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      const Expected<const ViewSurface*> surface = At(v, frame);
+      if (!surface) return Forward(surface);
+      if (*surface == nullptr) continue;
+      sum += Inverse(bare_[v].camera.camera_from_world) * Vector3d((*surface)->points.rowwise().mean());
+      count += 1.0;
+    }
+  }
+  if (count > 0.0) centre_ = sum / count;
+  std::vector<Vector3d> side;
+  for (const DepthView& view : bare_) side.push_back((view.camera.Centre() - centre_).normalized());
+  for (std::size_t a = 0; a < bare_.size(); ++a) {
+    std::vector<std::pair<double, std::size_t>> others;
+    for (std::size_t b = 0; b < bare_.size(); ++b) {
+      if (a != b) others.emplace_back(-side[a].dot(side[b]), b);
+    }
+    std::sort(others.begin(), others.end());
+    if (bare_.size() > kAllPairs) others.resize(kPartners);
+    for (const auto& [apart, b] : others) pairs_.emplace_back(std::min(a, b), std::max(a, b));
+  }
+  std::sort(pairs_.begin(), pairs_.end());
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  return {};
+}
+
+Expected<SeenRig> RigWitness::Seen(const std::vector<int>& late) {
+  if (!placed_) {
+    if (Status set = SetPlace(); !set) return Forward(set);
+  }
+  SeenRig rig{bare_, {}, together_, centre_, pairs_};
+  for (const int first : frames_) {
+    for (int frame = first; frame < first + together_; ++frame) {
+      rig.moments.emplace_back();
+      for (std::size_t v = 0; v < views_.size(); ++v) {
+        const Expected<const ViewSurface*> surface = At(v, frame + late[v]);
+        if (!surface) return Forward(surface);
+        rig.moments.back().push_back(*surface);
+      }
+    }
+  }
+  return rig;
+}
+
+Expected<SeenRig> RigWitness::SeenLater(const std::vector<int>& late, std::size_t view, int more) {
+  Expected<SeenRig> seen = Seen(late);
+  if (!seen || more == 0) return seen;
+  SeenRig rig = *seen;
+  rig.moments.clear();
+  rig.together = 1;
+  for (std::size_t g = 0; g < frames_.size(); ++g) {
+    // One frame earlier than the first of the group is the first against the second, whose images are known.
+    const int against = more < 0 && together_ > 1 ? 1 : 0;
+    rig.moments.push_back(seen->moments[g * static_cast<std::size_t>(together_) + static_cast<std::size_t>(against)]);
+    const Expected<const ViewSurface*> surface = At(view, frames_[g] + against + late[view] + more);
+    if (!surface) return Forward(surface);
+    rig.moments.back()[view] = *surface;
+  }
+  return rig;
+}
+
+std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, std::size_t view,
+                                                           const std::vector<double>& losses,
+                                                           const std::vector<double>& others) {
+  std::pair<std::vector<double>, std::vector<double>> of_view;
+  for (std::size_t i = 0; i < losses.size(); ++i) {
+    const auto& [a, b] = rig.pairs[i % rig.pairs.size()];
+    if ((a != view && b != view) || losses[i] < 0.0 || others[i] < 0.0) continue;
+    of_view.first.push_back(losses[i]);
+    of_view.second.push_back(others[i]);
+  }
+  return of_view;
+}
+
+}  // namespace mocurate

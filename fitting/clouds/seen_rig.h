@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "fitting/clouds/view_registration.h"
+
+namespace mocurate {
+
+/// Depth views of a clip at the moments that a rig is judged by: groups of two consecutive frames (one, where the clip
+/// has no more), evenly spread. Images are read when they are asked for, each once. V views.
+class RigWitness {
+ public:
+  /// `views` must have files, all as many.
+  explicit RigWitness(std::vector<DepthView> views);
+
+  /// The moments with each view `late[v]` frames later than the others; a frame that a view does not have is one in
+  /// which it saw nobody. Errors of ReadFrame.
+  Expected<SeenRig> Seen(const std::vector<int>& late);
+
+  /// Groups in which view v is `more` frames later than in Seen(late), and the others are as they are there.
+  Expected<SeenRig> SeenLater(const std::vector<int>& late, std::size_t view, int more);
+
+  const std::vector<DepthView>& views() const { return views_; }
+  const std::vector<int>& frames() const { return frames_; }  ///< first of each group
+  int together() const { return together_; }
+  int count() const { return static_cast<int>(views_[0].files.size()); }
+  double step_s() const;  ///< between frames; 0 where stamps do not say
+
+ private:
+  Expected<const ViewSurface*> At(std::size_t view, int frame);
+  Status SetPlace();
+
+  std::vector<DepthView> views_;                ///< as given
+  std::vector<std::vector<DepthView>> single_;  ///< each on its own
+  std::vector<DepthView> bare_;                 ///< without files
+  std::vector<int> frames_;
+  int together_ = 1;
+  std::map<std::pair<std::size_t, int>, std::unique_ptr<ViewSurface>> surfaces_;
+  Vector3d centre_ = Vector3d::Zero();
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
+  bool placed_ = false;
+};
+
+/// Those losses of LossOfSamples that are of pairs with `view`, where both of two rigs have them.
+std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, std::size_t view,
+                                                           const std::vector<double>& losses,
+                                                           const std::vector<double>& others);
+
+}  // namespace mocurate

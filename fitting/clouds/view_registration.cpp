@@ -1,0 +1,182 @@
+#include "fitting/clouds/view_registration.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "fitting/clouds/depth_pose_graph.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kScale = 0.02;  ///< m, of the loss that is compared
+/// Scales from wide to narrow, each for so many steps at most.
+constexpr std::array<std::pair<double, int>, 4> kSchedule = {{{0.08, 4}, {0.05, 4}, {0.03, 4}, {0.02, 8}}};
+constexpr double kNearLoss = 0.15;     ///< views that agree so well need no search from afar
+constexpr double kNearScale = 0.03;    ///< m
+constexpr double kRest = 5e-4;         ///< m and rad: a step this small ends a scale
+constexpr double kLongestStep = 0.15;  ///< m and rad
+constexpr double kPlaceSpread = 0.5;   ///< m and rad, within which cameras are believed to stand; hardly counts
+constexpr double kLevel = 1e-6;        ///< of the mean of an edge's information: what no pixel tells
+
+/// A move about a centre as the vector of rotation and translation there.
+Vector6d VectorOf(const RigidTransform& move, const Vector3d& centre) {
+  Vector6d vector;
+  vector << LogQuaternion(move.rotation), move * centre - centre;
+  return vector;
+}
+
+/// In coordinates with the centre as origin.
+RigidTransform MoveOf(const Vector6d& vector) { return {ExpQuaternion(vector.head<3>()), vector.tail<3>()}; }
+
+RigidTransform AboutCentre(const RigidTransform& move, const Vector3d& centre) {
+  return {move.rotation, move.translation + centre - move.rotation * centre};
+}
+
+/// World of `other` from world of `given` for what the camera sees.
+RigidTransform TotalMove(const Camera& given, const Camera& other) {
+  return Inverse(other.camera_from_world) * given.camera_from_world;
+}
+
+/// Normal equations for moves of the first against the second node.
+struct Tie {
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+};
+
+class Registration {
+ public:
+  Registration(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from)
+      : rig_(rig), given_(CamerasOf(rig.views)), cameras_(std::move(from)) {
+    for (std::size_t v = 0; v < free.size(); ++v) node_.push_back(free[v] ? ++nodes_ : 0);
+    ++nodes_;
+  }
+
+  Expected<std::vector<Camera>> Run() {
+    const bool near = MeanLoss(LossOfSamples(rig_, cameras_)) < kNearLoss;
+    for (const auto& [scale, steps] : kSchedule) {
+      if (near && scale > kNearScale) continue;
+      for (int step = 0; step < steps; ++step) {
+        const Expected<double> moved = Step(scale);
+        if (!moved) return Forward(moved);
+        if (*moved < kRest) break;
+      }
+    }
+    return cameras_;
+  }
+
+ private:
+  /// Largest move of a camera.
+  Expected<double> Step(double scale) {
+    const std::vector<PoseEdge> edges = Edges(scale);
+    const Expected<std::vector<RigidTransform>> moves = SolvePoseGraph(nodes_, edges);
+    if (!moves) return Forward(moves);
+    double most = 0.0;
+    for (std::size_t v = 0; v < node_.size(); ++v) {
+      if (node_[v] == 0) continue;
+      const RigidTransform& move = (*moves)[node_[v]];
+      most = std::max(most, VectorOf(move, Vector3d::Zero()).lpNorm<Eigen::Infinity>());
+      RigidTransform& pose = cameras_[v].camera_from_world;
+      pose = pose * Inverse(AboutCentre(move, rig_.centre));
+      pose.rotation.normalize();
+    }
+    return most;
+  }
+
+  std::vector<PoseEdge> Edges(double scale) const {
+    std::vector<Tie> ties(nodes_ * nodes_);  // of free nodes a > b
+    for (const auto& [a, b] : rig_.pairs) {
+      if (node_[a] == node_[b]) continue;
+      const bool exchanged = node_[a] < node_[b];
+      const std::size_t moved = exchanged ? b : a, still = exchanged ? a : b;
+      Tie& tie = ties[node_[moved] * nodes_ + node_[still]];
+      for (const SeenMoment& moment : rig_.moments) {
+        if (moment[a] == nullptr || moment[b] == nullptr) continue;
+        const PlacedSurface of_moved{*moment[moved], rig_.views[moved], cameras_[moved]};
+        const PlacedSurface of_still{*moment[still], rig_.views[still], cameras_[still]};
+        const Agreement there = Compare(of_moved, of_still, rig_.centre, scale);
+        const Agreement back = Compare(of_still, of_moved, rig_.centre, scale);
+        tie.information += there.information + back.information;
+        tie.gradient += there.gradient - back.gradient;
+      }
+    }
+    for (std::size_t v = 0; v < node_.size(); ++v) {
+      if (node_[v] == 0) continue;
+      Tie& tie = ties[node_[v] * nodes_];
+      const double weight = scale * scale / (kPlaceSpread * kPlaceSpread);
+      tie.information.diagonal().array() += weight;
+      tie.gradient += weight * VectorOf(TotalMove(given_[v], cameras_[v]), rig_.centre);
+    }
+    std::vector<PoseEdge> edges;
+    for (std::size_t moved = 1; moved < nodes_; ++moved) {
+      for (std::size_t still = 0; still < moved; ++still) {
+        const Tie& tie = ties[moved * nodes_ + still];
+        const double level = kLevel * tie.information.trace() / 6.0;
+        if (level <= 0.0) continue;
+        Matrix6d information = tie.information;
+        information.diagonal().array() += level;
+        Vector6d step = -information.ldlt().solve(tie.gradient);
+        step *= std::min(1.0, kLongestStep / std::max(step.lpNorm<Eigen::Infinity>(), 1e-12));
+        edges.push_back({moved, still, MoveOf(step), information});
+      }
+    }
+    return edges;
+  }
+
+  const SeenRig& rig_;
+  std::vector<Camera> given_, cameras_;
+  std::vector<std::size_t> node_;
+  std::size_t nodes_ = 0;
+};
+
+}  // namespace
+
+std::vector<Camera> CamerasOf(const std::vector<DepthView>& views) {
+  std::vector<Camera> cameras;
+  for (const DepthView& view : views) cameras.push_back(view.camera);
+  return cameras;
+}
+
+std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>& cameras) {
+  const auto together = static_cast<std::size_t>(rig.together);
+  std::vector<double> losses;
+  for (std::size_t begin = 0; begin < rig.moments.size(); begin += together) {
+    for (const auto& [a, b] : rig.pairs) {
+      double loss = 0.0, points = 0.0;
+      for (std::size_t m = begin; m < begin + together; ++m) {
+        const SeenMoment& moment = rig.moments[m];
+        if (moment[a] == nullptr || moment[b] == nullptr) continue;
+        const PlacedSurface first{*moment[a], rig.views[a], cameras[a]};
+        const PlacedSurface second{*moment[b], rig.views[b], cameras[b]};
+        const Agreement there = Compare(first, second, rig.centre, kScale);
+        const Agreement back = Compare(second, first, rig.centre, kScale);
+        loss += there.loss + back.loss;
+        points += there.points + back.points;
+      }
+      losses.push_back(points > 0.0 ? loss / points : kNotSeen);
+    }
+  }
+  return losses;
+}
+
+double MeanLoss(const std::vector<double>& losses) {
+  double sum = 0.0, count = 0.0;
+  for (const double loss : losses) {
+    if (loss < 0.0) continue;
+    sum += loss;
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+Expected<std::vector<Camera>> Register(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from) {
+  return Registration(rig, free, std::move(from)).Run();
+}
+
+CameraMoveAt MoveBetween(const Camera& given, const Camera& other, const Vector3d& centre) {
+  const Vector6d move = VectorOf(TotalMove(given, other), centre);
+  return {move.tail<3>().norm(), move.head<3>().norm()};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/motion/clip.h"
+#include "fitting/clouds/view_comparison.h"
+
+namespace mocurate {
+
+/// What each view saw of a moment; null where it saw nobody.
+using SeenMoment = std::vector<const ViewSurface*>;
+
+/// Views of a rig at some moments, and where its cameras may stand.
+struct SeenRig {
+  std::vector<DepthView> views;                            ///< as given
+  std::vector<SeenMoment> moments;                         ///< those of one group on end
+  int together = 1;                                        ///< moments of a group, consecutive frames: one judgement
+  Vector3d centre = Vector3d::Zero();                      ///< of the person over all moments, as given
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< views that are compared, first < second
+};
+
+/// Cameras of the views, as given.
+std::vector<Camera> CamerasOf(const std::vector<DepthView>& views);
+
+/// Loss per point of each pair at each group of moments, in [0, 1]; kNotSeen where one of both saw nobody.
+/// (groups * pairs)
+inline constexpr double kNotSeen = -1.0;
+std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>& cameras);
+
+/// Mean of the losses that were seen; 0 without any.
+double MeanLoss(const std::vector<double>& losses);
+
+/// What places of cameras come to for views of one rig that may be moved, as it is tied to the others by what both see:
+/// point-to-plane distances of all moments together, matched again after every step, each step a pose graph over the
+/// free cameras (node 0: all others) whose edges are the normal equations of the pairs. Where nothing ties a camera it
+/// stays. `from`: where the search begins. Errors of SolvePoseGraph.
+Expected<std::vector<Camera>> Register(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from);
+
+/// How far a camera's pose takes the person from where another one does: a turn about the centre and a shift there.
+struct CameraMoveAt {
+  double shift = 0.0;  ///< m
+  double turn = 0.0;   ///< rad
+};
+CameraMoveAt MoveBetween(const Camera& given, const Camera& other, const Vector3d& centre);
+
+}  // namespace mocurate

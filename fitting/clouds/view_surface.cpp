@@ -1,0 +1,141 @@
+#include "fitting/clouds/view_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "fitting/clouds/depth_fusion.h"
+#include "fitting/clouds/person_points.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFewestPoints = 60;
+constexpr int kMostPoints = 400;
+constexpr double kNearInDepth = 0.05;   ///< m between a pixel and the person's points about it
+constexpr double kMargin = 0.25;        ///< m around the person that the outline knows
+constexpr double kMaskedShare = 0.5;    ///< of the pixels without a value: nobody measures so little of a room
+constexpr double kNearestDepth = 0.05;  ///< m
+
+/// Depths of the person's points in coarse cells, each spread to the cells beside it.
+struct DepthRange {
+  int cell = 4;  ///< pixels
+  int columns = 0, rows = 0;
+  std::vector<float> low, high;
+
+  bool Holds(int x, int y, double depth) const {
+    const auto at = static_cast<std::size_t>((y / cell) * columns + x / cell);
+    return depth > low[at] - kNearInDepth && depth < high[at] + kNearInDepth;
+  }
+};
+
+DepthRange RangeOf(const Eigen::Matrix3Xd& points, const Camera& camera, double voxel_size) {
+  DepthRange range;
+  const double middle = points.row(2).mean();
+  range.cell = std::clamp(static_cast<int>(std::ceil(1.3 * voxel_size * std::abs(camera.fx) / middle)), 2, 64);
+  range.columns = camera.width / range.cell + 1;
+  range.rows = camera.height / range.cell + 1;
+  range.low.assign(static_cast<std::size_t>(range.columns) * range.rows, std::numeric_limits<float>::max());
+  range.high.assign(range.low.size(), -std::numeric_limits<float>::max());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const auto pixel = camera.Project(points.col(i));
+    if (!pixel) continue;
+    const int x = static_cast<int>(std::lround(pixel->x())) / range.cell;
+    const int y = static_cast<int>(std::lround(pixel->y())) / range.cell;
+    for (int row = std::max(0, y - 1); row <= std::min(range.rows - 1, y + 1); ++row) {
+      for (int column = std::max(0, x - 1); column <= std::min(range.columns - 1, x + 1); ++column) {
+        const auto at = static_cast<std::size_t>(row * range.columns + column);
+        range.low[at] = std::min(range.low[at], static_cast<float>(points(2, i)));
+        range.high[at] = std::max(range.high[at], static_cast<float>(points(2, i)));
+      }
+    }
+  }
+  return range;
+}
+
+/// Spreads the nearest set cell (two sweeps over eight neighbours).
+void SpreadNearest(int columns, int rows, std::vector<std::int32_t>& nearest) {
+  const auto square = [&](std::int32_t of, int x, int y) {
+    const int dx = of % columns - x, dy = of / columns - y;
+    return dx * dx + dy * dy;
+  };
+  const auto sweep = [&](int step, const int(&beside)[4][2]) {
+    for (int y = step > 0 ? 0 : rows - 1; y >= 0 && y < rows; y += step) {
+      for (int x = step > 0 ? 0 : columns - 1; x >= 0 && x < columns; x += step) {
+        std::int32_t& here = nearest[static_cast<std::size_t>(y * columns + x)];
+        for (const auto& by : beside) {
+          const int nx = x + by[0], ny = y + by[1];
+          if (nx < 0 || ny < 0 || nx >= columns || ny >= rows) continue;
+          const std::int32_t other = nearest[static_cast<std::size_t>(ny * columns + nx)];
+          if (other >= 0 && (here < 0 || square(other, x, y) < square(here, x, y))) here = other;
+        }
+      }
+    }
+  };
+  sweep(1, {{-1, 0}, {-1, -1}, {0, -1}, {1, -1}});
+  sweep(-1, {{1, 0}, {1, 1}, {0, 1}, {-1, 1}});
+}
+
+void SetOutline(const DepthView& view, const DepthRange& range, ViewSurface& surface) {
+  const Camera& camera = view.camera;
+  Vector2d low(camera.width, camera.height), high(0.0, 0.0);
+  for (Eigen::Index i = 0; i < surface.points.cols(); ++i) {
+    const auto pixel = camera.Project(surface.points.col(i));
+    if (!pixel) continue;
+    low = low.cwiseMin(*pixel);
+    high = high.cwiseMax(*pixel);
+  }
+  const double margin = kMargin * std::abs(camera.fx) / surface.points.row(2).mean();
+  const int left = std::max(0, static_cast<int>(low.x() - margin));
+  const int top = std::max(0, static_cast<int>(low.y() - margin));
+  const int right = std::min(camera.width - 1, static_cast<int>(high.x() + margin));
+  const int bottom = std::min(camera.height - 1, static_cast<int>(high.y() + margin));
+  surface.left = left, surface.top = top;
+  surface.columns = std::max(1, (right - left) / kOutlineCell + 1);
+  surface.rows = std::max(1, (bottom - top) / kOutlineCell + 1);
+  surface.nearest.assign(static_cast<std::size_t>(surface.columns) * surface.rows, -1);
+  for (int y = top; y <= bottom; ++y) {
+    for (int x = left; x <= right; ++x) {
+      const std::uint16_t value = surface.image->values[static_cast<std::size_t>(y) * surface.image->width + x];
+      if (value == 0 || !range.Holds(x, y, value * view.metres_per_unit)) continue;
+      const int cell = (y - top) / kOutlineCell * surface.columns + (x - left) / kOutlineCell;
+      surface.nearest[static_cast<std::size_t>(cell)] = cell;
+    }
+  }
+  SpreadNearest(surface.columns, surface.rows, surface.nearest);
+}
+
+}  // namespace
+
+Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double voxel_size) {
+  ViewSurface surface;
+  std::vector<DepthImage> images;
+  images.push_back(std::move(image));
+  const Expected<FusedCloud> cloud = FuseImages({view}, images, {voxel_size, {}});
+  if (!cloud) return Forward(cloud);
+  surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
+  const FusedCloud person = PersonPoints(*cloud, voxel_size);
+  if (person.size() < kFewestPoints) return surface;
+  const Camera& camera = view.camera;
+  const Matrix3d turn = camera.camera_from_world.rotation.toRotationMatrix();
+  surface.points = (turn * person.points).colwise() + camera.camera_from_world.translation;
+  surface.normals = turn * person.normals;
+  if (surface.points.row(2).minCoeff() < kNearestDepth) return ViewSurface{};
+  const auto without = std::count(surface.image->values.begin(), surface.image->values.end(), std::uint16_t{0});
+  surface.masked = static_cast<double>(without) > kMaskedShare * static_cast<double>(surface.image->values.size());
+  SetOutline(view, RangeOf(surface.points, camera, voxel_size), surface);
+  const Eigen::Index step = surface.points.cols() / kMostPoints + 1;
+  if (step > 1) {
+    const Eigen::Index kept = (surface.points.cols() + step - 1) / step;
+    for (Eigen::Index i = 0; i < kept; ++i) {
+      surface.points.col(i) = surface.points.col(i * step).eval();
+      surface.normals.col(i) = surface.normals.col(i * step).eval();
+    }
+    surface.points.conservativeResize(3, kept);
+    surface.normals.conservativeResize(3, kept);
+  }
+  return surface;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,357 @@
+// A rig of depth cameras is told and mended where views of the person contradict each other, and left alone where not.
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fitting/clouds/cloud_rig_audit.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/view_registration.h"
+#include "tests/fitting/cloud_scene.h"
+#include "tests/fitting/cloud_takes.h"
+#include "tests/fitting/depth_rig_faults.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kDegree = 0.017453292519943295;
+constexpr double kStep_ms = 1000.0 / 30.0;
+
+std::filesystem::path Folder(const std::string& name) {
+  return std::filesystem::path(::testing::TempDir()) / ("mocurate_depth_rig_" + std::to_string(getpid()) + "_" + name);
+}
+
+/// Someone who swings arms and legs, or stands.
+Motion Somebody(const SkeletonPtr& skeleton, int frames, bool moves) {
+  const int joints = skeleton->joint_count();
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation(static_cast<std::size_t>(frames) * joints, Quaterniond::Identity());
+  for (int f = 0; f < frames; ++f) {
+    const double t = moves ? f / 30.0 : 0.2;
+    translation.emplace_back(0.1 * std::sin(2.0 * t), 0.05, 0.05 * std::cos(3.0 * t));
+    const auto turn = [&](const char* name, const Vector3d& by) {
+      rotation[static_cast<std::size_t>(f) * joints + *skeleton->FindJoint(name)] = ExpQuaternion(by);
+    };
+    rotation[static_cast<std::size_t>(f) * joints] = ExpQuaternion({0.0, 0.3 * std::sin(2.0 * t), 0.0});
+    turn("plain_left_shoulder", {0.0, 0.0, -0.5 + 0.8 * std::sin(5.0 * t)});
+    turn("plain_right_shoulder", {0.8 * std::sin(4.0 * t), 0.0, 0.7});
+    turn("plain_left_hip", {0.4 * std::sin(4.0 * t), 0.0, 0.0});
+    turn("plain_right_hip", {-0.4 * std::sin(4.0 * t), 0.0, 0.0});
+  }
+  return MakeMotion(skeleton, FrameRate{30, 1}, translation, rotation, skeleton->RestBoneLengths());
+}
+
+std::string Told(const DepthRigReport& report) {
+  std::string text;
+  for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
+  return text + report.not_audited;
+}
+
+/// How far the person is moved when camera `view` is taken as it is in one rig instead of as in another one, beside
+/// camera `still`.
+CameraMoveAt Off(const std::vector<DepthView>& rig, const std::vector<DepthView>& truth, std::size_t view,
+                 std::size_t still) {
+  Camera is = rig[view].camera, was = truth[view].camera;
+  is.camera_from_world = is.camera_from_world * Inverse(rig[still].camera.camera_from_world);
+  was.camera_from_world = was.camera_from_world * Inverse(truth[still].camera.camera_from_world);
+  return MoveBetween(was, is, truth[still].camera.camera_from_world * Vector3d(0.0, 0.1, 0.0));
+}
+
+/// Three cameras at a third of a turn from each other around a body of capsules, without any noise.
+class DepthRig : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    skeleton_ = PlainSkeleton();
+    moving_ = new Clip(*RenderClip(Somebody(skeleton_, 24, true), Folder("moving")));
+    standing_ = new Clip(*RenderClip(Somebody(skeleton_, 12, false), Folder("standing")));
+  }
+
+  static const std::vector<DepthView>& Moving() { return moving_->evidence.depth_views; }
+  static const std::vector<DepthView>& Standing() { return standing_->evidence.depth_views; }
+
+  static SkeletonPtr skeleton_;
+  static Clip* moving_;
+  static Clip* standing_;
+};
+
+SkeletonPtr DepthRig::skeleton_;
+Clip* DepthRig::moving_ = nullptr;
+Clip* DepthRig::standing_ = nullptr;
+
+void ExpectLeftAlone(const std::vector<DepthView>& views) {
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  EXPECT_TRUE(audited->report.faults.empty()) << Told(audited->report);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const RigidTransform &is = audited->views[v].camera.camera_from_world, &was = views[v].camera.camera_from_world;
+    EXPECT_EQ(is.translation, was.translation);
+    EXPECT_EQ(is.rotation.coeffs(), was.rotation.coeffs());
+    EXPECT_EQ(audited->views[v].files, views[v].files);
+  }
+}
+
+TEST_F(DepthRig, ThatIsWellIsLeftAlone) {
+  ExpectLeftAlone(Moving());
+  ExpectLeftAlone(Standing());
+}
+
+TEST_F(DepthRig, ACameraThatWasMovedIsFoundAndPutBack) {
+  for (const auto* good : {&Moving(), &Standing()}) {
+    for (std::size_t moved = 0; moved < 3; ++moved) {
+      Random random(7, "moved", std::to_string(moved));
+      std::vector<DepthView> views = *good;
+      views[moved].camera = Knocked(views[moved].camera, 0.03, 2.0, random);
+      const auto audited = AuditDepthRig(views, {});
+      ASSERT_TRUE(audited) << audited.error().Message();
+      ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+      const RigFault& fault = audited->report.faults[0];
+      EXPECT_EQ(fault.code, "camera_moved");
+      EXPECT_EQ(fault.camera, "c" + std::to_string(moved));
+      EXPECT_NEAR(fault.value, 30.0, 20.0);
+      EXPECT_GT(fault.confidence, 0.99);
+      EXPECT_TRUE(fault.corrected);
+      const std::size_t still = (moved + 1) % 3;
+      const CameraMoveAt before = Off(views, *good, moved, still), after = Off(audited->views, *good, moved, still);
+      EXPECT_LT(after.shift, 0.006);
+      EXPECT_LT(after.turn, 0.7 * kDegree);
+      EXPECT_LT(after.shift, 0.25 * before.shift);
+      EXPECT_LT(audited->report.loss_after[moved], 0.7 * audited->report.loss[moved]);
+      EXPECT_FALSE(audited->report.IsDoubtful());
+    }
+  }
+}
+
+TEST_F(DepthRig, WhatIsOnlyToldStaysAsItIs) {
+  Random random(7, "moved", "0");
+  std::vector<DepthView> views = Moving();
+  views[0].camera = Knocked(views[0].camera, 0.03, 2.0, random);
+  RigAuditOptions options;
+  options.moved = AuditAction::kTell;
+  const auto audited = AuditDepthRig(views, options);
+  ASSERT_TRUE(audited) << audited.error().Message();
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+  EXPECT_FALSE(audited->report.faults[0].corrected);
+  EXPECT_TRUE(audited->report.IsDoubtful());
+  EXPECT_EQ(audited->views[0].camera.camera_from_world.translation, views[0].camera.camera_from_world.translation);
+  options.moved = AuditAction::kOff;
+  const auto silent = AuditDepthRig(views, options);
+  ASSERT_TRUE(silent) << silent.error().Message();
+  for (const RigFault& fault : silent->report.faults) EXPECT_NE(fault.code, "camera_moved");
+}
+
+TEST_F(DepthRig, AClockThatIsOffIsFoundAndItsImagesAreTakenFromTheirTime) {
+  for (const int late : {2, -3}) {
+    const std::vector<DepthView> views = WithLateView(Moving(), 1, late);
+    const auto audited = AuditDepthRig(views, {});
+    ASSERT_TRUE(audited) << audited.error().Message();
+    ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+    const RigFault& fault = audited->report.faults[0];
+    EXPECT_EQ(fault.code, "camera_clock_off");
+    EXPECT_EQ(fault.camera, "c1");
+    EXPECT_NEAR(fault.value, -late * kStep_ms, 10.0);
+    const auto& files = audited->views[1].files;
+    for (std::size_t f = 0; f < files.size(); ++f) {
+      const auto at = static_cast<std::ptrdiff_t>(f) + late;
+      const bool known = at >= 0 && at < static_cast<std::ptrdiff_t>(files.size());
+      EXPECT_EQ(files[f], known ? views[1].files[static_cast<std::size_t>(at)] : std::filesystem::path());
+    }
+    EXPECT_EQ(audited->views[0].files, views[0].files);
+    EXPECT_TRUE(ReadFrame(audited->views, 0)) << "a frame without an image is one in which nothing is seen";
+  }
+}
+
+TEST_F(DepthRig, SomebodyWhoStandsStillTellsNoClock) { ExpectLeftAlone(WithLateView(Standing(), 1, 2)); }
+
+TEST_F(DepthRig, OfARigThatLooksTheSameFromAllSidesNobodyKnowsWhoseFilesAreWhose) {
+  std::vector<DepthView> views = Moving();
+  ExchangeFiles(views[0], views[2]);
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+  EXPECT_EQ(audited->report.faults[0].code, "cameras_exchanged");
+  EXPECT_FALSE(audited->report.faults[0].corrected);
+  EXPECT_EQ(audited->views[0].files, views[0].files);
+}
+
+TEST_F(DepthRig, LengthsInAWrongUnitAreRefusedOrCorrected) {
+  std::vector<DepthView> depths = Moving(), places = Moving();
+  for (DepthView& view : depths) view.metres_per_unit = 1.0;
+  for (DepthView& view : places) view.camera.camera_from_world.translation *= 1000.0;
+  const auto refused = AuditDepthRig(depths, {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().Message(), HasSubstr("depths are 1000 times too long"));
+  const auto places_refused = AuditDepthRig(places, {});
+  ASSERT_FALSE(places_refused);
+  EXPECT_THAT(places_refused.error().Message(), HasSubstr("places of cameras are 1000 times too long"));
+  RigAuditOptions options;
+  options.unit = AuditAction::kCorrect;
+  for (const auto* wrong : {&depths, &places}) {
+    const auto corrected = AuditDepthRig(*wrong, options);
+    ASSERT_TRUE(corrected) << corrected.error().Message();
+    ASSERT_EQ(corrected->report.faults.size(), 1u) << Told(corrected->report);
+    EXPECT_EQ(corrected->report.faults[0].code, "calibration_unit");
+    EXPECT_EQ(corrected->report.faults[0].value, 1000.0);
+    EXPECT_NEAR(corrected->views[1].metres_per_unit, 0.001, 1e-12);
+    EXPECT_LT(
+        (corrected->views[1].camera.camera_from_world.translation - Moving()[1].camera.camera_from_world.translation)
+            .norm(),
+        1e-9);
+  }
+}
+
+TEST_F(DepthRig, OfTwoViewsTheSecondIsPutBesideTheFirst) {
+  const std::vector<DepthView> good = {Moving()[0], Moving()[1]};
+  ExpectLeftAlone(good);
+  Random random(3, "moved");
+  std::vector<DepthView> views = good;
+  views[1].camera = Knocked(views[1].camera, 0.03, 2.0, random);
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+  EXPECT_EQ(audited->report.faults[0].camera, "c1");
+  EXPECT_LT(Off(audited->views, good, 1, 0).shift, 0.5 * Off(views, good, 1, 0).shift);
+}
+
+TEST_F(DepthRig, AViewWithoutAnybodyAndAViewAloneAreNoFault) {
+  std::vector<DepthView> views = Moving();
+  const DepthImage nothing{320, 300, std::vector<std::uint16_t>(320 * 300, 0)};
+  std::filesystem::create_directories(Folder("empty"));
+  const std::filesystem::path file = Folder("empty") / "empty.png";
+  ASSERT_TRUE(WriteDepthImage(nothing, file));
+  for (auto& name : views[2].files) name = file;
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  EXPECT_TRUE(audited->report.faults.empty()) << Told(audited->report);
+  for (double residual : audited->report.residual_mm[2]) EXPECT_EQ(residual, 0.0);
+  for (DepthView& view : views) view.files.assign(view.files.size(), file);
+  const auto nobody = AuditDepthRig(views, {});
+  ASSERT_TRUE(nobody) << nobody.error().Message();
+  EXPECT_THAT(nobody->report.not_audited, HasSubstr("0 comparisons"));
+  const auto alone = AuditDepthRig({Moving()[0]}, {});
+  ASSERT_TRUE(alone) << alone.error().Message();
+  EXPECT_TRUE(alone->report.faults.empty() && alone->report.not_audited.empty()) << Told(alone->report);
+  EXPECT_TRUE(AuditDepthRig({}, {}));
+}
+
+TEST_F(DepthRig, OneMomentIsTooLittleToJudgeBy) {
+  std::vector<DepthView> views = Moving();
+  for (DepthView& view : views) view.files.resize(1), view.time_s.resize(1);
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  EXPECT_THAT(audited->report.not_audited, HasSubstr("3 comparisons"));
+}
+
+TEST_F(DepthRig, AFitFromAMovedCameraIsAsGoodAsFromTheRigAsItWas) {
+  Random random(7, "moved", "0");
+  Clip clip = *moving_;
+  for (DepthView& view : clip.evidence.depth_views) view.files.resize(16), view.time_s.resize(16);
+  clip.evidence.depth_views[0].camera = Knocked(clip.evidence.depth_views[0].camera, 0.03, 2.0, random);
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  options.start.facing = 0.0;
+  const auto audited = FitClouds(clip, skeleton_, {}, options);
+  ASSERT_TRUE(audited) << audited.error().Message();
+  options.audit.moved = AuditAction::kOff;
+  const auto as_given = FitClouds(clip, skeleton_, {}, options);
+  ASSERT_TRUE(as_given) << as_given.error().Message();
+  EXPECT_THAT(audited->rig_audit, HasSubstr("camera_moved"));
+  EXPECT_THAT(audited->rig_audit, HasSubstr("\"c0\""));
+  EXPECT_TRUE(as_given->rig_audit.empty()) << as_given->rig_audit;
+  const JointPositions truth = Somebody(skeleton_, 16, true).joints;
+  const double error = MeanJointError(audited->motion.joints, truth);
+  RecordProperty("joints_mm", std::to_string(1e3 * error));
+  EXPECT_LT(error, 0.02);
+  EXPECT_LT(error, 0.7 * MeanJointError(as_given->motion.joints, truth));
+}
+
+/// The studio's people before PHSPD's cameras, with a Kinect's errors.
+class NoisyDepthRig : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    CloudTakeOptions options;
+    options.seed = 811;
+    options.subjects = 1;
+    options.clips = 4;
+    options.frames = 12;
+    takes_ = new std::vector<CloudTake>(CloudTakes(options, Folder("studio")));
+  }
+
+  void SetUp() override {
+    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+
+  static std::vector<CloudTake>* takes_;
+};
+
+std::vector<CloudTake>* NoisyDepthRig::takes_ = nullptr;
+
+TEST_F(NoisyDepthRig, ThatIsWellIsLeftAlone) {
+  for (const CloudTake& take : *takes_) ExpectLeftAlone(take.evidence.depth_views);
+}
+
+TEST_F(NoisyDepthRig, ExchangedFilesAreExchangedBackAndAMovedCameraIsPutBack) {
+  for (const CloudTake& take : *takes_) {
+    const std::vector<DepthView>& good = take.evidence.depth_views;
+    std::vector<DepthView> views = good;
+    ExchangeFiles(views[0], views[1]);
+    const auto exchanged = AuditDepthRig(views, {});
+    ASSERT_TRUE(exchanged) << exchanged.error().Message();
+    ASSERT_EQ(exchanged->report.faults.size(), 1u) << Told(exchanged->report);
+    EXPECT_EQ(exchanged->report.faults[0].camera, "d1, d2");
+    for (std::size_t v = 0; v < 3; ++v) EXPECT_EQ(exchanged->views[v].files, good[v].files);
+
+    Random random(5, "moved", take.clip.name);
+    views = good;
+    views[1].camera = Knocked(views[1].camera, 0.03, 2.0, random);
+    const auto moved = AuditDepthRig(views, {});
+    ASSERT_TRUE(moved) << moved.error().Message();
+    ASSERT_EQ(moved->report.faults.size(), 1u) << Told(moved->report);
+    EXPECT_EQ(moved->report.faults[0].camera, "d2");
+    EXPECT_LT(Off(moved->views, good, 1, 0).shift, 0.01);
+    EXPECT_LT(Off(moved->views, good, 1, 0).turn, 1.0 * kDegree);
+  }
+}
+
+TEST(RealDepthRig, OneOfTheRenderedSequencesCamerasIsPutBack) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const auto read = ReadRenderedSequence(std::filesystem::path(data) / "clouds" / "rendered_seq", 24);
+  ASSERT_TRUE(read) << read.error().Message();
+  const std::vector<DepthView>& good = read->clip.evidence.depth_views;
+  ExpectLeftAlone(good);
+  Random random(11, "moved");
+  std::vector<DepthView> views = good;
+  views[1].camera = Knocked(views[1].camera, 0.03, 2.0, random);
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+  EXPECT_EQ(audited->report.faults[0].camera, good[1].camera.name);
+  EXPECT_LT(Off(audited->views, good, 1, 0).shift, 0.006);
+}
+
+TEST(RealDepthRig, OneOfEightyViewsOfATurningPersonIsPutBack) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const auto good = TurntableViews(std::filesystem::path(data) / "rgbd100" / "views");
+  ASSERT_TRUE(good) << good.error().Message();
+  ExpectLeftAlone(*good);
+  std::vector<DepthView> views = *good;
+  Random random(13, "moved");
+  views[30].camera = Knocked(views[30].camera, 0.03, 2.0, random);
+  const auto audited = AuditDepthRig(views, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+  EXPECT_EQ(audited->report.faults[0].camera, views[30].camera.name);
+  const auto& person = (*good)[30].camera;
+  const Vector3d centre = Inverse(person.camera_from_world) * Vector3d(0.0, 0.0, 0.9);
+  EXPECT_LT(MoveBetween(person, audited->views[30].camera, centre).shift, 0.005);
+  EXPECT_GT(MoveBetween(person, views[30].camera, centre).shift, 0.02);
+}
+
+}  // namespace
+}  // namespace mocurate
