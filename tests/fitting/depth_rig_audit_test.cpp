@@ -214,7 +214,8 @@ TEST_F(DepthRig, OfTwoViewsTheSecondIsPutBesideTheFirst) {
   ASSERT_TRUE(audited) << audited.error().Message();
   ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
   EXPECT_EQ(audited->report.faults[0].camera, "c1");
-  EXPECT_LT(Off(audited->views, good, 1, 0).shift, 0.5 * Off(views, good, 1, 0).shift);
+  // A third of a turn apart they share little surface.
+  EXPECT_LT(Off(audited->views, good, 1, 0).shift, 0.7 * Off(views, good, 1, 0).shift);
 }
 
 TEST_F(DepthRig, AViewWithoutAnybodyAndAViewAloneAreNoFault) {
