@@ -189,8 +189,9 @@ TEST(JointTableDamage, ADamagedRowRefusesTheFileOrCostsItsFrame) {
   const std::filesystem::path folder = FreshFolder("damage");
   Put(folder / "a1_s2.txt", "1 2 3\n4 5 6\n1 2\n4 5 6\n1 2 3\n4 5 6\n");
   IngestOptions options = SmallTable(folder);
+  options.source.damaged_rows = DamagedRows::kRefuse;
   EXPECT_THAT(RefusalOf(options, "damage"), HasSubstr("a1_s2.txt:3"));
-  options.source.damaged_rows = DamagedRows::kReport;
+  options.source.damaged_rows = SmallTable(folder).source.damaged_rows;
   const Ingested ingested = RunIngest(Discover(options)->items.at(0), "damage");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
   EXPECT_EQ(ingested.clip.evidence.tracks->confidence, (std::vector<double>{1, 1, 0, 0, 1, 1}));
