@@ -198,8 +198,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 14, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 15, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 19, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 20, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

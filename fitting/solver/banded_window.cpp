@@ -10,7 +10,9 @@ namespace mocurate {
 Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   const OneThread one_thread;
   TrackEquations track(window);
-  BlockTridiagonal equations(window.end - window.begin, track.size(), track.border());
+  BlockTridiagonal own;
+  BlockTridiagonal& equations = window.memory != nullptr ? *window.memory : own;
+  equations.Resize(window.end - window.begin, track.size(), track.border());
   TrustRegion region;
   Eigen::VectorXd parameters = track.Parameters();
   track.SetParameters(parameters);

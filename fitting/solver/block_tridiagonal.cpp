@@ -48,16 +48,17 @@ void SubtractSquare(const double* a, int n, int k, double* c) {
 
 }  // namespace
 
-BlockTridiagonal::BlockTridiagonal(int blocks, int size, int border)
-    : blocks_(blocks),
-      size_(size),
-      border_(border),
-      diagonal_(Square(blocks)),
-      panel_(Panel(blocks)),
-      corner_(border, border + 1),
-      factor_(Square(blocks)),
-      reduced_(Panel(blocks)),
-      reduced_corner_(border, border + 1) {}
+void BlockTridiagonal::Resize(int blocks, int size, int border) {
+  blocks_ = blocks;
+  size_ = size;
+  border_ = border;
+  diagonal_.resize(Square(blocks));
+  panel_.resize(Panel(blocks));
+  corner_.resize(border, border + 1);
+  factor_.resize(Square(blocks));
+  reduced_.resize(Panel(blocks));
+  reduced_corner_.resize(border, border + 1);
+}
 
 void BlockTridiagonal::SetZero() {
   std::fill(diagonal_.begin(), diagonal_.end(), 0.0);

@@ -18,7 +18,11 @@ class BlockTridiagonal {
   using Block = Eigen::Map<Eigen::MatrixXd>;
   using Column = Eigen::Map<Eigen::VectorXd>;
 
-  BlockTridiagonal(int blocks, int size, int border);
+  BlockTridiagonal() : BlockTridiagonal(0, 0, 0) {}
+  BlockTridiagonal(int blocks, int size, int border) { Resize(blocks, size, border); }
+
+  /// For other equations, in the memory that it has where that is enough; what stands in it means nothing.
+  void Resize(int blocks, int size, int border);
 
   int blocks() const { return blocks_; }
   int size() const { return size_; }
@@ -55,9 +59,9 @@ class BlockTridiagonal {
   int panel_columns() const { return size_ + border_ + 1; }
   std::size_t Panel(int f) const { return static_cast<std::size_t>(f) * size_ * panel_columns(); }
 
-  int blocks_;
-  int size_;
-  int border_;
+  int blocks_ = 0;
+  int size_ = 0;
+  int border_ = 0;
   std::vector<double> diagonal_;  ///< D_f, one after the other
   std::vector<double> panel_;     ///< [O_f E_f g_f]
   Eigen::MatrixXd corner_;        ///< [C g]

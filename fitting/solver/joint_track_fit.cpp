@@ -11,6 +11,7 @@
 #include "fitting/evidence/noise.h"
 #include "fitting/evidence/outliers.h"
 #include "fitting/frames_without_evidence.h"
+#include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/track_window.h"
 #include "fitting/uncertainty/track_uncertainty.h"
@@ -33,7 +34,7 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution = solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin,
-                                 end, begin > 0, whole.walks, whole.rotations, whole.step});
+                                 end, begin > 0, whole.walks, whole.rotations, whole.step, whole.memory});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -60,7 +61,7 @@ Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, cons
   whole.state.SetActive(free);
   const RotationTargets* rotations = step.evidence == StepEvidence::kAll ? whole.rotations : nullptr;
   Status solved = SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, whole.bones, options, 0,
-                                whole.end, false, whole.walks, rotations, step},
+                                whole.end, false, whole.walks, rotations, step, whole.memory},
                                result);
   whole.state.SetActive(active);
   return solved;
@@ -163,6 +164,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   std::optional<WalkFactors> factors;
   std::optional<RotationTargets> rotations;
   TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
+  BlockTridiagonal memory;
+  whole.memory = &memory;
   std::vector<Finding> disagreements;
   for (const TrackStep& step : options.steps) {
     const bool last = &step == &options.steps.back();

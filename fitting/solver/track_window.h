@@ -23,6 +23,8 @@ struct WalkFactors {
   }
 };
 
+class BlockTridiagonal;
+
 /// Frames [begin, end) of a fit, solved together: what FitJointTracks minimises, over the memory of a PoseState.
 struct TrackWindow {
   const SkeletonTracks& tracks;
@@ -37,6 +39,7 @@ struct TrackWindow {
   const WalkFactors* walks = nullptr;          ///< of all frames of the tracks; none: 1 everywhere
   const RotationTargets* rotations = nullptr;  ///< recorded, of all frames of the tracks
   TrackStep step = {};                         ///< how long it is solved
+  BlockTridiagonal* memory = nullptr;          ///< for banded equations, used again by the next solve; none: their own
 
   /// First frame whose kinematics the window reads.
   int first() const { return after_held ? begin - 1 : begin; }

@@ -13,6 +13,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
   const int length = static_cast<int>(whole.options.window_frames);
   const int context = static_cast<int>(whole.options.window_overlap);
   whole.state.Update(0, whole.end, true);
+  BlockTridiagonal own_memory;
   for (int begin = 0; begin < whole.end; begin += length) {
     const int end = std::min(begin + length, whole.end);
     TrackWindow window{whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, whole.options};
@@ -21,7 +22,8 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     window.walks = whole.walks;
     window.rotations = whole.rotations;
     TrackEquations track(window);
-    BlockTridiagonal equations(window.end - window.begin, track.size(), 0);
+    BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
+    equations.Resize(window.end - window.begin, track.size(), 0);
     track.Linearise(equations);
     if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
       return Fail(ErrorCode::kInternal, "the pose is not determined, not even by its priors",
@@ -30,7 +32,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     Eigen::MatrixXd next;
     equations.VisitInverse([&](int f, const Eigen::MatrixXd& own, const Eigen::MatrixXd& with_next) {
       const int frame = window.begin + f;
-      if (frame >= begin && frame < end) visit({track, frame, own, with_next, next});
+      if (frame >= begin && frame < end) visit({track, frame, own, with_next, next, equations.Next(f)});
       next = own;
     });
   }

@@ -16,6 +16,9 @@ struct FrameCovariance {
   const Eigen::MatrixXd& own;
   const Eigen::MatrixXd& with_next;
   const Eigen::MatrixXd& next;
+  /// Information that ties its unknowns to the next frame's (own x next): that of the walks, with a minus. Not to be
+  /// read for the last.
+  Eigen::Ref<const Eigen::MatrixXd> tie;
 };
 
 /// Calls `visit` for every frame of a solved fit: blocks of the inverse of the Gauss-Newton matrix at the solution,

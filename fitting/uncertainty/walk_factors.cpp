@@ -1,5 +1,6 @@
 #include "fitting/uncertainty/walk_factors.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,28 +12,48 @@ namespace {
 constexpr double kReach_s = 0.12;    ///< steps that are nearby in time
 constexpr double kJointSteps = 5.0;  ///< that the joint's mean counts for beside them
 constexpr double kAllSteps = 10.0;   ///< that the mean of all joints counts for beside the joint's
-constexpr double kSmallest = 0.05;   ///< nobody is a statue
+constexpr int kPriorSteps = 3;       ///< for which one covariance of the walks stands
+constexpr double kLeastKnown = 1e-4;
+constexpr double kSmallest = 0.05;  ///< nobody is a statue
 constexpr double kLargest = 4.0;
 
-/// Squares of steps in units of the variances that the options give them. (F*J); negative where there is no step.
+/// Steps of the solved fit against the walks that it was solved with. (F*J)
 struct Steps {
-  std::vector<double> turn;
-  std::vector<double> move;
+  std::vector<double> square;  ///< in units of the variance that the options give a step; negative: there is no step
+  std::vector<double> known;   ///< share of the walk's variance that the evidence decided, and so a fit's steps show
 };
 
-class Expectation {
+class StepReader {
  public:
-  Expectation(const TrackWindow& window, Steps& steps) : window_(window), steps_(steps) {}
+  StepReader(const TrackWindow& window, Steps& turns, Steps& moves) : window_(window), turns_(turns), moves_(moves) {}
 
   void Read(const FrameCovariance& covariance) {
     const int f = covariance.frame;
-    if (f + 1 < window_.end && window_.Joined(f)) {
-      AddMoves(covariance);
-      for (int j = 0; j < window_.state.joints(); ++j) AddTurn(covariance, j);
-    }
+    if (f + 1 >= window_.end || !window_.Joined(f)) return;
+    UpdatePrior(covariance);
+    if (prior_.size() == 0) return;
+    AddMoves(covariance);
+    for (int j = 0; j < window_.state.joints(); ++j) AddTurn(covariance, j);
   }
 
  private:
+  /// Covariance of a step by the walks alone, which together say more than each of its own.
+  void UpdatePrior(const FrameCovariance& covariance) {
+    // Groups of frames that do not depend on where windows begin.
+    if (prior_.size() > 0 && group_ == covariance.frame / kPriorSteps) return;
+    group_ = covariance.frame / kPriorSteps;
+    const Eigen::MatrixXd information = -0.5 * (covariance.tie + covariance.tie.transpose());
+    const Eigen::LLT<Eigen::MatrixXd> factor(information);
+    if (factor.info() != Eigen::Success) return;
+    prior_ = factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  }
+
+  static void Add(double square, double unit, double prior, double posterior, double walk, std::size_t at,
+                  Steps& steps) {
+    steps.square[at] = square / (3.0 * unit);
+    steps.known[at] = std::max((prior - posterior) / (3.0 * walk), kLeastKnown);
+  }
+
   void AddMoves(const FrameCovariance& covariance) {
     const int f = covariance.frame;
     const PoseState& state = window_.state;
@@ -41,15 +62,17 @@ class Expectation {
     const std::vector<Matrix6d> own = here.CovarianceWith(here, covariance.own);
     const std::vector<Matrix6d> next = there.CovarianceWith(there, covariance.next);
     const std::vector<Matrix6d> cross = here.CovarianceWith(there, covariance.with_next);
+    const std::vector<Matrix6d> walks = here.CovarianceWith(here, prior_);
     const double unit = window_.options.velocity_walk * window_.options.velocity_walk * window_.Step(f);
     for (int j = 0; j < state.joints(); ++j) {
       const double square = (state.position(f + 1, j) - state.position(f, j)).squaredNorm();
       const auto before = here.PositionDerivative(j);
       const auto after = there.PositionDerivative(j);
-      const double variance = (before * own[j]).cwiseProduct(before).sum() +
-                              (after * next[j]).cwiseProduct(after).sum() -
-                              2.0 * (before * cross[j]).cwiseProduct(after).sum();
-      steps_.move[window_.Index(f, j)] = (square + variance) / (3.0 * unit);
+      const double prior = (before * walks[j]).cwiseProduct(before).sum();
+      const double posterior = (before * own[j]).cwiseProduct(before).sum() +
+                               (after * next[j]).cwiseProduct(after).sum() -
+                               2.0 * (before * cross[j]).cwiseProduct(after).sum();
+      Add(square, unit, prior, posterior, window_.MoveVariance(f, j), window_.Index(f, j), moves_);
     }
   }
 
@@ -65,54 +88,57 @@ class Expectation {
     const double own = (before * covariance.own.block<3, 3>(c, c) * before.transpose()).trace();
     const double next = (after * covariance.next.block<3, 3>(c, c) * after.transpose()).trace();
     const double cross = (before * covariance.with_next.block<3, 3>(c, c) * after.transpose()).trace();
+    const double prior = (after * prior_.block<3, 3>(c, c) * after.transpose()).trace();
     const double unit = window_.options.rotation_walk * window_.options.rotation_walk * window_.Step(f);
-    steps_.turn[window_.Index(f, j)] = (turn.squaredNorm() + own + next + 2.0 * cross) / (3.0 * unit);
+    Add(turn.squaredNorm(), unit, prior, own + next + 2.0 * cross, window_.TurnVariance(f, j), window_.Index(f, j),
+        turns_);
   }
 
   const TrackWindow& window_;
-  Steps& steps_;
+  Steps& turns_;
+  Steps& moves_;
+  Eigen::MatrixXd prior_;
+  int group_ = 0;
 };
 
+/// Squares of steps, and how much of them is known.
 struct Sum {
-  double value = 0.0;
+  double square = 0.0;
+  double known = 0.0;
   double count = 0.0;
-  void Add(double square) {
-    value += square;
-    count += 1.0;
+  void Add(const Steps& steps, std::size_t at, double sign = 1.0) {
+    if (steps.square[at] < 0.0) return;
+    count += sign;
+    square += sign * steps.square[at];
+    known += sign * steps.known[at];
   }
-  double Towards(double mean, double weight) const { return (value + weight * mean) / (count + weight); }
+  /// Square of the factor, drawn towards that of more steps by as much as `weight` is known.
+  double Towards(double factor, double weight) const { return (square + weight * factor) / (known + weight); }
 };
 
-/// Factors from the squares of the steps.
-void Average(const TrackWindow& window, const std::vector<double>& squares, std::vector<double>& factors) {
+void Average(const TrackWindow& window, const Steps& steps, std::vector<double>& factors) {
   const int frames = window.end;
   const int joints = window.tracks.joints();
   Sum all;
-  for (const double square : squares) {
-    if (square >= 0.0) all.Add(square);
-  }
-  if (all.count == 0.0) return;
+  for (std::size_t at = 0; at < steps.square.size(); ++at) all.Add(steps, at);
+  if (all.known == 0.0) return;
+  const double usual = all.known / all.count;  // of a step
   for (int j = 0; j < joints; ++j) {
     Sum joint;
-    for (int f = 0; f < frames; ++f) {
-      if (squares[window.Index(f, j)] >= 0.0) joint.Add(squares[window.Index(f, j)]);
-    }
-    const double mean = joint.Towards(all.value / all.count, kAllSteps);
+    for (int f = 0; f < frames; ++f) joint.Add(steps, window.Index(f, j));
+    const double mean = joint.Towards(all.square / all.known, kAllSteps * usual);
     Sum nearby;
     int first = 0;
     int last = 0;  // [first, last) is nearby
     for (int f = 0; f < frames; ++f) {
       const double time = window.tracks.time_s[f];
       for (; last < frames && window.tracks.time_s[last] <= time + kReach_s; ++last) {
-        if (squares[window.Index(last, j)] >= 0.0) nearby.Add(squares[window.Index(last, j)]);
+        nearby.Add(steps, window.Index(last, j));
       }
-      for (; window.tracks.time_s[first] < time - kReach_s; ++first) {
-        if (squares[window.Index(first, j)] < 0.0) continue;
-        nearby.value -= squares[window.Index(first, j)];
-        nearby.count -= 1.0;
-      }
-      if (squares[window.Index(f, j)] < 0.0) continue;
-      factors[window.Index(f, j)] = std::clamp(std::sqrt(nearby.Towards(mean, kJointSteps)), kSmallest, kLargest);
+      for (; window.tracks.time_s[first] < time - kReach_s; ++first) nearby.Add(steps, window.Index(first, j), -1.0);
+      if (steps.square[window.Index(f, j)] < 0.0) continue;
+      const double square = std::max(nearby.Towards(mean, kJointSteps * usual), 0.0);
+      factors[window.Index(f, j)] = std::clamp(std::sqrt(square), kSmallest, kLargest);
     }
   }
 }
@@ -121,14 +147,15 @@ void Average(const TrackWindow& window, const std::vector<double>& squares, std:
 
 Expected<WalkFactors> RefitWalks(const TrackWindow& window) {
   const std::size_t numbers = window.tracks.confidence.size();
-  Steps steps{std::vector<double>(numbers, -1.0), std::vector<double>(numbers, -1.0)};
-  Expectation expectation(window, steps);
-  Status visited = VisitCovariances(window, [&](const FrameCovariance& covariance) { expectation.Read(covariance); });
+  Steps turns{std::vector<double>(numbers, -1.0), std::vector<double>(numbers, 0.0)};
+  Steps moves = turns;
+  StepReader reader(window, turns, moves);
+  Status visited = VisitCovariances(window, [&](const FrameCovariance& covariance) { reader.Read(covariance); });
   if (!visited) return tl::unexpected<Error>(visited.error());
   WalkFactors factors = WalkFactors::Ones(numbers);
   if (window.walks != nullptr) factors = *window.walks;
-  Average(window, steps.turn, factors.rotation);
-  Average(window, steps.move, factors.position);
+  Average(window, turns, factors.rotation);
+  Average(window, moves, factors.position);
   return factors;
 }
 

@@ -132,6 +132,25 @@ TEST(TrackUncertainty, GrowsWhereAJointIsNotSeen) {
   EXPECT_LT(std::sqrt(CovarianceAt(motion, 45, 5).trace()), 0.5);  // it hangs on the elbow
 }
 
+/// All joints say how the body moves as a whole. Were each taken for a witness of its own, the walks of a body that
+/// sways would be believed as many times too much as it has joints, and its swaying taken for noise.
+TEST(TrackUncertainty, HoldsForABodyThatSwaysAsAWhole) {
+  Take take = SmoothTake(120);
+  for (int f = 0; f < 120; ++f) {
+    for (int j = 0; j < take.truth.joint_count(); ++j) take.truth.rotation_at(f, j) = take.truth.rotation_at(0, j);
+    take.truth.root_translation[f] = Vector3d(0.0, 1.0, 0.025 * std::sin(0.4 * f));
+  }
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, take.truth.rotation,
+                          take.truth.bone_length);
+  take.tracks.positions = take.truth.joints;
+  AddNoise(take.tracks, 0.02, 6);
+  const Motion motion = Fit(take).motion;
+  Coverage coverage;
+  coverage.Add(motion, take.truth.joints);
+  EXPECT_NEAR(coverage.one(), 0.683, 0.08);
+  EXPECT_GT(coverage.two(), 0.9);
+}
+
 TEST(TrackUncertainty, IsTheSameInWindows) {
   Take take = SmoothTake(200);
   AddNoise(take.tracks, 0.01, 4);
