@@ -200,6 +200,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 15, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 20, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 21, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

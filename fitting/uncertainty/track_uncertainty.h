@@ -10,7 +10,7 @@ namespace mocurate {
 /// Share of the variance that the information states: the random walk allows for more than people do. Calibrated on
 /// synthetic takes (`bench_studio_fits`, `bench_keypoints`), where errors then lie within one and two sigma as often as
 /// they should.
-inline constexpr double kUncertaintyCalibration = 0.76;
+inline constexpr double kUncertaintyCalibration = 0.72;
 
 /// How uncertain a fit is, and what of that the evidence decided.
 struct PoseUncertainty {
