@@ -191,7 +191,21 @@ Expected<Dataset> Gather(const StageReport& fits) {
   return whole;
 }
 
-void PrintFit(const ItemResult& item) {
+/// What ingest found about the clip, and then what its fit did.
+std::vector<Finding> FindingsOf(const JobResult& result, const ItemResult& fit) {
+  std::vector<Finding> findings;
+  for (const StageReport& stage : result.stages) {
+    if (stage.stage != "ingest") continue;
+    for (const ItemResult& item : stage.items) {
+      if (item.item == fit.item && item.sha256 != fit.sha256)
+        findings.insert(findings.end(), item.outcome.findings.begin(), item.outcome.findings.end());
+    }
+  }
+  findings.insert(findings.end(), fit.outcome.findings.begin(), fit.outcome.findings.end());
+  return findings;
+}
+
+void PrintFit(const JobResult& result, const ItemResult& item) {
   const nlohmann::json& fit = item.outcome.summary;
   std::printf("%s\n", item.item.c_str());
   const auto number = [](const nlohmann::json& from, const char* key) {
@@ -216,8 +230,10 @@ void PrintFit(const ItemResult& item) {
         100.0 * number(contacts, "contact_share"), number(contacts, "largest_shift_mm"),
         contacts.value("joint", "").c_str(), contacts.value("frame", 0), number(contacts, "largest_turn_deg"));
   }
-  for (const Finding& finding : item.outcome.findings) {
-    if (finding.severity != Severity::kInfo) std::printf("  %s: %s\n", finding.code.c_str(), finding.message.c_str());
+  for (const Finding& finding : FindingsOf(result, item)) {
+    if (finding.severity == Severity::kInfo) continue;
+    const char* mark = finding.severity == Severity::kError ? "error: " : "";
+    std::printf("  %s%s: %s\n", mark, finding.code.c_str(), finding.message.c_str());
   }
 }
 
@@ -225,8 +241,11 @@ nlohmann::json AnswerOf(const JobResult& result, const StageReport& fits, const 
   nlohmann::json clips = nlohmann::json::array();
   for (const ItemResult& item : fits.items) {
     nlohmann::json findings = nlohmann::json::array();
-    for (const Finding& finding : item.outcome.findings) {
-      findings.push_back({{"code", finding.code}, {"message", finding.message}, {"value", finding.value}});
+    for (const Finding& finding : FindingsOf(result, item)) {
+      findings.push_back({{"code", finding.code},
+                          {"severity", std::string(Name(finding.severity))},
+                          {"message", finding.message},
+                          {"value", finding.value}});
     }
     clips.push_back({{"clip", item.item},
                      {"fitted", !item.artifact.empty()},
@@ -291,12 +310,18 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
                             .c_str());
   } else {
     for (const ItemResult& item : fits->items) {
-      if (!item.artifact.empty()) PrintFit(item);
+      if (!item.artifact.empty()) PrintFit(*result, item);
     }
     std::printf("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),
                 DisplayPath(arguments.output).c_str());
   }
-  if (result->counts.failed == 0) return {};
+  if (result->counts.failed == 0 && result->counts.doubtful == 0) return {};
+  if (result->counts.failed == 0) {
+    return Fail(ErrorCode::kTooManyFailures,
+                Counted(result->counts.doubtful, "clip") + " contradict" + (result->counts.doubtful == 1 ? "s" : "") +
+                    " what is declared of the source, or fail a check",
+                DisplayPath(arguments.path), "the findings above say which; the fits were written all the same");
+  }
   Error error = FirstFailure(*result);
   error.code = ErrorCode::kTooManyFailures;
   error.what = Counted(result->counts.failed, "clip") + " could not be fitted; the first: " + error.what;

@@ -27,7 +27,8 @@ void RecogniserOptions::Declare(OptionVisitor& v) {
   v.Bool("standardise", standardise,
          "train on numbers of zero mean and unit spread; the stored weights take plain joints again");
   v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no bound");
-  v.Bool("anneal", anneal, "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
+  v.Bool("anneal", anneal,
+         "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
   v.Choice("initial_hidden", initial_hidden, {{"zero", InitialHidden::kZero}, {"normal", InitialHidden::kNormal}},
            "initial recurrent state while training (released: normal)");
   v.Integer("check_every", check_every, {1.0, 100000.0}, "epochs between checks on the validation fold");

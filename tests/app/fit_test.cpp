@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include <cstdlib>
 
 #include "core/motion/operations.h"
@@ -57,6 +59,24 @@ TEST_F(FitVerbs, OneFileOfARecipeGetsRotationsOnTheSkeletonAskedFor) {
   EXPECT_GT(fit["before"]["bone_spread_mm"], 1.0);
   EXPECT_LT(fit["after"]["bone_spread_mm"], 1e-6);
   EXPECT_LT(fit["residual_rms_mm"], 40.0);
+}
+
+TEST_F(FitVerbs, WhatContradictsTheDeclarationIsToldAndTheExitCodeSaysSo) {
+  std::istringstream lines(program::ReadText(kard()));
+  std::ostringstream halved;
+  double x = 0.0, y = 0.0, z = 0.0;
+  while (lines >> x >> y >> z) halved << 0.45 * x << ' ' << 0.45 * y << ' ' << 0.45 * z << '\n';
+  const fs::path file = folder_ / "a14_s02_e01_realworld.txt";
+  WriteText(file, halved.str());
+  const Result told = Fit(file, {"--source", "kard", "--skeleton", "openni16"});
+  EXPECT_EQ(told.exit_code, 1) << told.err;
+  EXPECT_THAT(told.out, HasSubstr("error: units_contradiction"));
+  EXPECT_EQ(Fitted().clips.size(), 1u) << "written all the same";
+  const Result json = Fit(file, {"--source", "kard", "--skeleton", "openni16", "--json", "--force"});
+  bool found = false;
+  for (const auto& finding : json.Json()["clips"][0]["findings"])
+    found = found || (finding["code"] == "units_contradiction" && finding["severity"] == "error");
+  EXPECT_TRUE(found) << json.out;
 }
 
 TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {

@@ -19,8 +19,9 @@ struct TrainingControl {
 };
 
 /// Trains a recogniser: epochs on the training clips less a validation fold, then, with `refit`, once more on all
-/// training clips for as many epochs as were chosen: with `anneal` all of them, since a rate that is annealed is meant to
-/// end; otherwise those of the best validation accuracy (ties: lower loss). One thread; goes on from scratch bit for bit. Errors: kInterrupted (state is saved), those of SelectTrainingClips.
+/// training clips for as many epochs as were chosen: with `anneal` all of them, since a rate that is annealed is meant
+/// to end; otherwise those of the best validation accuracy (ties: lower loss). One thread; goes on from scratch bit for
+/// bit. Errors: kInterrupted (state is saved), those of SelectTrainingClips.
 Expected<Checkpoint> TrainRecogniser(const Dataset& dataset, const RecogniserOptions& options,
                                      const TrainingControl& control);
 
