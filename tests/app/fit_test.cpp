@@ -73,8 +73,9 @@ TEST_F(FitVerbs, WhatContradictsTheDeclarationIsToldAndTheExitCodeSaysSo) {
   EXPECT_THAT(told.out, HasSubstr("error: units_contradiction"));
   EXPECT_EQ(Fitted().clips.size(), 1u) << "written all the same";
   const Result json = Fit(file, {"--source", "kard", "--skeleton", "openni16", "--json", "--force"});
+  const nlohmann::json answer = json.Json();
   bool found = false;
-  for (const auto& finding : json.Json()["clips"][0]["findings"])
+  for (const auto& finding : answer["clips"][0]["findings"])
     found = found || (finding["code"] == "units_contradiction" && finding["severity"] == "error");
   EXPECT_TRUE(found) << json.out;
 }
