@@ -13,6 +13,17 @@ const char* Decision(const ClipRecord& clip) {
   return clip.left_out() ? "left_out" : "undecided";  // the run ended before
 }
 
+/// The finding that ended it: the last of those that a rule left out, of a failure the one that says "refused". Null
+/// where it failed without a finding.
+const Finding* RuleOf(const ClipRecord& clip, const ItemResult& stage) {
+  const std::vector<Finding>& findings = stage.outcome.findings;
+  if (clip.left_out()) return findings.empty() ? nullptr : &findings.back();
+  for (const Finding& finding : findings) {
+    if (finding.action == "refused") return &finding;
+  }
+  return nullptr;
+}
+
 nlohmann::json LineOf(const ClipRecord& clip) {
   nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
   if (clip.doubtful()) line["doubtful"] = true;
@@ -27,8 +38,8 @@ nlohmann::json LineOf(const ClipRecord& clip) {
     line["stage"] = clip.ended_at();
     line["rule"] = clip.reason();
     line["reason"] = stage->outcome.error.Message();
-    if (clip.left_out() && !stage->outcome.findings.empty()) {
-      line["value"] = nlohmann::json(stage->outcome.findings.back()).at("value");
+    if (const Finding* rule = RuleOf(clip, *stage)) {
+      line["value"] = nlohmann::json(*rule).at("value");
       if (stage->outcome.summary.contains("threshold")) line["threshold"] = stage->outcome.summary["threshold"];
     }
   }

@@ -129,6 +129,20 @@ void LogLeftOut(const std::vector<ItemResult>& files) {
   }
 }
 
+namespace {
+
+/// The hash of a clip that is one file, where the stage failed before it could say it.
+void AddSourceHash(const ItemSpec& spec, ItemResult& failed) {
+  const auto is_source = [](const StageInput& input) { return input.role == "source"; };
+  const auto source = std::find_if(spec.inputs.begin(), spec.inputs.end(), is_source);
+  const bool alone = std::count_if(spec.inputs.begin(), spec.inputs.end(), is_source) == 1;
+  if (failed.outcome.summary.contains("source_sha256") || !alone) return;
+  const Expected<std::string> sha256 = Sha256OfFile(source->path);
+  if (sha256) failed.outcome.summary["source_sha256"] = *sha256;
+}
+
+}  // namespace
+
 std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
                                   std::vector<ItemResult> left_out) {
   std::vector<ClipRecord> clips;
@@ -137,6 +151,7 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std:
     ClipRecord clip;
     clip.item = ingested[i].item;
     clip.evidence = ingested[i];
+    if (IsFailure(clip.evidence.outcome.kind)) AddSourceHash(specs[i], clip.evidence);
     for (const StageInput& input : specs[i].inputs) {
       if (input.role == "depth") clip.depth.push_back(input);
     }

@@ -10,6 +10,7 @@
 #include "app/usage.h"
 #include "app/verbs.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "ingest/synthetic/studio_options.h"
 
@@ -104,7 +105,8 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   CLI::App* fit = app.add_subcommand("fit", "Fit skeleton rotations to captures or motions, without a config");
   fit->add_option("path", arguments->path, "file or folder: captures, or a dataset or MotionSet")->required();
   fit->add_option("-o,--output", arguments->output, "dataset to write (HDF5)")->required();
-  fit->add_option("--skeleton", arguments->skeleton, "of the fitted motion (default smpl24; rotations are kept)");
+  fit->add_option("--skeleton", arguments->skeleton,
+                  "of the fitted motion (default: one that has the tracked joints; rotations are kept)");
   fit->add_option("--source", arguments->source, "recipe of configs/sources or config that declares the files");
   fit->add_option("--clip", arguments->clips, "which clip, as `inspect` names it: a file, '[3]' in a file of several")
       ->allow_extra_args(false);
@@ -134,6 +136,11 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
       [&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
 }
 
+/// CLI11 takes a whole number beyond 64 bits for the largest there is.
+std::string RefuseLongWhole(const std::string& text) {
+  return ParseInteger(text) ? "" : "'" + text + "' is no whole number of 64 bits";
+}
+
 void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<SynthesizeArguments>();
   CLI::App* synthesize = app.add_subcommand(
@@ -143,7 +150,7 @@ void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status(
   for (const std::string& name : StudioLayoutNames()) layouts += " " + name;
   synthesize->add_option("--layout", arguments->layout, "whose files:" + layouts);
   synthesize->add_option("-o,--output", arguments->output, "folder to write, empty or not there yet");
-  synthesize->add_option("--seed", arguments->seed, "of everything random");
+  synthesize->add_option("--seed", arguments->seed, "of everything random")->check(&RefuseLongWhole);
   synthesize->add_option("--set", arguments->assignments, "override an option, e.g. --set depth.noise=3mm")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);

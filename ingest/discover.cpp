@@ -298,10 +298,12 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       }
     }
   }
-  if (!only && source.other_files != OtherFiles::kIgnore) {
+  if (!only) {
     for (const auto& [folder, count] : elsewhere) {
-      if (count == 0 || BelongsToClip(folder, discovery.items)) continue;
-      discovery.left_out.push_back(NotLookedAt(folder, count, source));
+      const bool named_so = pattern->Match(folder).has_value();
+      const bool untold = source.other_files == OtherFiles::kIgnore || count == 0;
+      if (!named_so && (untold || BelongsToClip(folder, discovery.items))) continue;
+      discovery.left_out.push_back(NotLookedAt(folder, count, named_so, source));
     }
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));

@@ -80,7 +80,7 @@ ItemResult RefusedFile(const std::string& item, const char* code, const Error& w
   return result;
 }
 
-ItemResult NotLookedAt(const std::string& folder, std::size_t files, const SourceOptions& source) {
+ItemResult NotLookedAt(const std::string& folder, std::size_t files, bool named_so, const SourceOptions& source) {
   const bool failed = source.other_files == OtherFiles::kError;
   const std::string count =
       files > kMostCounted ? "more than " + std::to_string(kMostCounted) + " files" : Counted(files, "file");
@@ -89,7 +89,8 @@ ItemResult NotLookedAt(const std::string& folder, std::size_t files, const Sourc
   finding.code = kFolderNotRead;
   finding.severity = failed ? Severity::kError : Severity::kWarning;
   finding.value = static_cast<double>(files);
-  finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files in another place";
+  finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files" +
+                    (named_so ? ", this is a folder" : " in another place");
   finding.action = "left out";
   ItemResult result;
   result.item = folder;

@@ -19,8 +19,9 @@ ItemResult ExcludedFile(const std::string& item, const std::string& file, const 
 /// A file that should be an item and cannot be.
 ItemResult RefusedFile(const std::string& item, const char* code, const Error& why);
 
-/// Files of a folder that lie where the pattern does not look: one line for all.
-ItemResult NotLookedAt(const std::string& folder, std::size_t files, const SourceOptions& source);
+/// Files of a folder that lie where the pattern does not look, and a folder that is `named_so` as the pattern has its
+/// files: one line for all.
+ItemResult NotLookedAt(const std::string& folder, std::size_t files, bool named_so, const SourceOptions& source);
 
 /// Annotations that speak of motions that are not there: one line for all.
 ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files);

@@ -23,6 +23,12 @@ std::string KindText(const ConfigNode& node) {
   return {};
 }
 
+/// Digits with or without a sign.
+bool IsLongWhole(std::string_view text) {
+  if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 /// Reads every option it visits; absent ones keep what they hold. An empty group, list or mapping counts as absent.
 class ConfigReader final : public OptionVisitor {
  public:
@@ -47,6 +53,10 @@ class ConfigReader final : public OptionVisitor {
     if (node == nullptr) return;
     const bool plain = node->kind == Kind::kScalar && !node->quoted;
     const std::optional<long long> number = plain ? ParseInteger(Trim(node->scalar)) : std::nullopt;
+    if (!number && plain && IsLongWhole(Trim(node->scalar))) {
+      return Refuse(*node, Name(name), KindText(*node) + " does not fit 64 bits",
+                    "whole numbers reach from -9223372036854775808 to 9223372036854775807");
+    }
     if (!number) return Refuse(*node, Name(name), KindText(*node) + " must be a whole number", QuoteHint(*node));
     if (!IsInside(static_cast<double>(*number), range)) return RefuseRange(*node, Name(name), range, Unit::kNone);
     value = *number;

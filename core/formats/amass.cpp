@@ -114,6 +114,14 @@ class Reader {
   Status Poses() {
     const NpyArray* whole = npz_.Find("poses");
     const NpyArray* root = npz_.Find("root_orient");
+    const bool moves = npz_.Find("trans") != nullptr &&
+                       (npz_.Find("mocap_framerate") != nullptr || npz_.Find("mocap_frame_rate") != nullptr);
+    if (whole == nullptr && root == nullptr && moves) {
+      std::string there;
+      for (const NpzMember& member : npz_.members) there += (there.empty() ? "" : ", ") + member.name;
+      return Fail(ErrorCode::kMalformed, "there is 'trans' and a frame rate, but neither 'poses' nor 'root_orient'",
+                  Where("poses"), "it has " + there);
+    }
     if (whole == nullptr && root == nullptr) {
       return Fail(ErrorCode::kUnsupported, "the file holds no motion: neither 'poses' nor 'root_orient'", name_,
                   "shape.npz and *_stagei.npz stand beside the motions and hold none");

@@ -1,7 +1,9 @@
 #include "core/formats/joint_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/text.h"
@@ -14,6 +16,8 @@ namespace {
 using Token = NumberScanner::Token;
 
 constexpr int kFewRows = 8;
+/// Beyond any coordinate, time or count of a person, in whatever unit; products of a few such are still finite.
+constexpr double kLargest = 1e30;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers.
@@ -34,6 +38,12 @@ bool HasDecimalCommas(std::string_view line) {
   return any;
 }
 
+/// Whether a number that is not finite is "nan", "-NaN", "nan(ind)": not "inf", nor digits beyond a double.
+bool SaysNan(std::string_view text) {
+  const std::size_t first = text.find_first_not_of("+-");
+  return first != std::string_view::npos && (text[first] == 'n' || text[first] == 'N');
+}
+
 class Parser {
  public:
   Parser(std::string_view bytes, const JointTableLayout& layout, const std::string& name)
@@ -52,7 +62,8 @@ class Parser {
       line_begin_ = scanner_.rest();
       const Token token = scanner_.Numbers(table_.values);
       const std::size_t read = table_.values.size() - begin;
-      if (token == Token::kLineEnd && read > 0 && read == static_cast<std::size_t>(table_.columns)) {
+      const bool whole = token == Token::kLineEnd && read > 0 && read == static_cast<std::size_t>(table_.columns);
+      if (whole && !TooLarge(begin)) {
         ++rows_;
         last_line_ = line;
         continue;
@@ -84,6 +95,14 @@ class Parser {
     return number + ", '" + layout_.column_names[static_cast<std::size_t>(column)] + "'";
   }
 
+  /// The first column from `begin` on whose number is beyond the limit.
+  std::optional<int> TooLarge(std::size_t begin) const {
+    for (std::size_t at = begin; at < table_.values.size(); ++at) {
+      if (std::abs(table_.values[at]) > kLargest) return static_cast<int>(at - begin);
+    }
+    return std::nullopt;
+  }
+
   /// The rest of a line whose numbers so far stand from `begin` on, and end at `token`.
   Expected<Row> ReadRow(Token token, std::size_t begin) {
     Row row;
@@ -100,7 +119,7 @@ class Parser {
         return row;
       }
       const bool nan = token == Token::kNotFinite;
-      if (row.damage.empty() && !(nan && layout_.allow_nan)) {
+      if (row.damage.empty() && !(nan && layout_.allow_nan && SaysNan(scanner_.text()))) {
         const int column = static_cast<int>(table_.values.size() - begin);
         row.damage = "'" + Shown(scanner_.text()) + "' is not a " + (nan ? "finite number" : "number") + " (" +
                      Column(column) + ")";
@@ -126,6 +145,12 @@ class Parser {
     std::string what = row.damage;
     std::string hint = row.hint;
     const char* code = "not_a_number";
+    if (const std::optional<int> column = TooLarge(begin); what.empty() && column) {
+      code = "number_too_large";
+      what = FormatDouble(table_.values[begin + static_cast<std::size_t>(*column)]) +
+             " is no coordinate of a person (" + Column(*column) + ")";
+      hint = "numbers reach to " + FormatDouble(kLargest);
+    }
     if (what.empty() && row.numbers != table_.columns) {
       code = "row_length";
       what = "row has " + std::to_string(row.numbers) + " numbers, not " + std::to_string(table_.columns);

@@ -17,7 +17,7 @@ struct JointTableLayout {
   int rows_per_frame = 1;
   int columns = 0;  ///< numbers per row; 0: as many as the first row has
   Separator separator = Separator::kAny;
-  bool allow_nan = false;  ///< "nan" is a value (a tracker's word for a missing joint), not an error
+  bool allow_nan = false;  ///< "nan" is a value (a tracker's word for a missing joint), not an error; "inf" never is
   DamagedRows damaged_rows = DamagedRows::kRefuse;
   std::string end_word;                   ///< closes the table ("END"), on a line of its own; need not be there
   std::vector<std::string> column_names;  ///< for messages; may be fewer than columns
@@ -29,8 +29,9 @@ struct JointTable {
   int frames = 0;
   int rows_per_frame = 0;
   int columns = 0;
-  std::vector<double> values;     ///< NaN: not a number by declaration (allow_nan), or a damaged frame
-  std::vector<Finding> findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "cut_off"
+  std::vector<double> values;  ///< NaN: not a number by declaration (allow_nan), or a damaged frame
+  std::vector<Finding>
+      findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "number_too_large", "cut_off"
 
   double at(int frame, int row, int column) const {
     return values[(static_cast<std::size_t>(frame) * rows_per_frame + row) * columns + column];
@@ -38,10 +39,10 @@ struct JointTable {
 };
 
 /// Blank lines and a trailing separator are ignored; LF, CRLF, byte order mark. Error kMalformed "name:line" for an
-/// empty file, a row with another count of numbers, something that is no number, a number that is not finite, and a
-/// count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame that holds such a row is NaN
-/// throughout, keeps its place, and is reported; rows after the last whole frame are left out and reported. The
-/// columns must then be declared: a damaged first row says nothing about the others.
+/// empty file, a row with another count of numbers, something that is no number, a number that is not finite or beyond
+/// 1e30, and a count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame that holds such a
+/// row is NaN throughout, keeps its place, and is reported; rows after the last whole frame are left out and reported.
+/// The columns must then be declared: a damaged first row says nothing about the others.
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name);
 
 /// The same as text: one row per line, numbers that read back as the same doubles.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "core/formats/npy.h"
@@ -25,6 +26,12 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
     return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (std::none_of(array.values.begin(), array.values.end(), finite)) {
+    return Fail(ErrorCode::kInconsistent,
+                "all " + std::to_string(array.values.size()) + " numbers are NaN or infinite: no joint is seen", name,
+                "leave the file out");
+  }
   const auto frames = static_cast<int>(held->frames);
   const auto joints = static_cast<int>(held->joints);
   std::vector<ObservedClip> observed;
@@ -44,6 +51,8 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
     if (source && source->format == SourceFormat::kNpy)
       DeclareOrder(*source, clip);
+    else if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
+      clip.remarks.push_back({"no_joint_seen", Severity::kError, 1.0, "every joint of every frame is missing"});
     else if (!RecogniseOrder(clip))
       DoubtPositions(clip);
     observed.push_back(std::move(clip));

@@ -277,7 +277,7 @@ Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions
   }
   JointTableLayout table;
   table.rows_per_frame = RowsPerFrame(source);
-  table.allow_nan = true;
+  table.allow_nan = source.missing == MissingValue::kNan;
   table.damaged_rows = source.damaged_rows;
   table.end_word = source.end_word;
   const Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name);
@@ -345,7 +345,7 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
   const bool by_layout =
       source && source->format == SourceFormat::kJointTable && !source->joints.empty() && !source->layout.empty();
   JointTableLayout layout;
-  layout.allow_nan = true;
+  layout.allow_nan = !source || source->format != SourceFormat::kJointTable || source->missing == MissingValue::kNan;
   layout.end_word = "END";
   Expected<JointTable> rows = ParseJointTable(bytes, layout, name);
   const bool damaged = !rows.has_value();

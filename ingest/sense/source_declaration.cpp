@@ -14,6 +14,7 @@
 #include "ingest/sense/clip_votes.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/declared_names.h"
+#include "ingest/sense/fitted_skeleton.h"
 #include "ingest/sense/source_root.h"
 
 namespace mocurate {
@@ -145,6 +146,20 @@ void WriteSkeleton(const ClipVotes& source, const std::string& format, Declarati
   writer.List("joints", JointsOf(source.Surest("skeleton")), "in the order of the file, as for the skeleton");
 }
 
+/// The skeleton of the dataset, where the one that a job takes by itself does not have the joints that are tracked.
+void WriteFittedSkeleton(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
+  if (format != "joint_table" && format != "ntu_skeleton") return;  // motions keep their own
+  const Vote order = source.Ask("skeleton");
+  if (order.value.is_null()) return;
+  const std::string known = order.value.get<std::string>();
+  const std::string fitted = FittedSkeleton(JointsOf(source.Surest("skeleton")));
+  if (fitted == "smpl24" || (fitted.empty() && !LoadSkeleton(known))) return;
+  writer.Line(
+      "# Of the dataset: the least skeleton in configs/skeletons that has all tracked joints, and its root between");
+  writer.Line("# the hips.");
+  writer.Line("skeleton: " + (fitted.empty() ? known : fitted));
+}
+
 void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
   const auto fact = [&](const char* key) {
     for (const std::string& text : source.Facts(key)) {
@@ -263,6 +278,7 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::fil
     written.others.push_back(Counted(static_cast<long long>(count), "clip") + " of format " + what);
     writer.Line("# Not of this source: " + written.others.back() + ".");
   }
+  WriteFittedSkeleton(source, format, writer);
   WriteSource(written.path, name, format, writer);
   if (gathered) {
     WriteGathered(source, inspection, asked, root.prefix, format, writer);

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "tests/app/program.h"
 
@@ -106,7 +107,22 @@ TEST_F(Curated, TheLogNamesTheRuleOrTheFailure) {
   EXPECT_THAT(LogOf(brief_)["rule"], ::testing::AnyOf("too_short", "never_moves"));
   EXPECT_EQ(LogOf("notes.doc")["decision"], "left_out");
   EXPECT_EQ(LogOf("notes.doc")["rule"], "name_mismatch");
-  EXPECT_EQ(LogOf(empty_)["decision"], "dropped");
+  const nlohmann::json failed = LogOf(empty_);
+  EXPECT_EQ(failed["decision"], "dropped");
+  EXPECT_EQ(failed["source_sha256"], Sha256Hex("")) << "what was read is known";
+  EXPECT_FALSE(failed.contains("value")) << "no rule measured it";
+}
+
+TEST_F(Curated, AFolderNamedLikeAClipHasALine) {
+  fs::remove(capture_ / (empty_ + ".txt"));
+  fs::create_directory(capture_ / "wave_p09_r01.txt");
+  for (const char* others : {"finding", "ignore"}) {
+    const Result result = Run({std::string("ingest.source.other_files=") + others});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json line = LogOf("wave_p09_r01.txt");
+    EXPECT_EQ(line["rule"], "folder_not_read");
+    EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("names files, this is a folder"));
+  }
 }
 
 TEST_F(Curated, FilesLeftOutForOneReasonAreOneLineWithTheirNumber) {

@@ -115,10 +115,20 @@ TEST_F(Declarations, Florence3DsClipsHaveNumbersOfTheirOwn) {
               {"a06_s1_id18.txt", "a06_s1_id19.txt", "a07_s1_id20.txt", "a07_s1_id21.txt", "a01_s1_id1.txt"});
   EXPECT_THAT(unknown, ElementsAre("rate"));
   EXPECT_THAT(text_, HasSubstr("files: \"a{action}_s1_id{clip}.txt\""));
+  EXPECT_THAT(text_, HasSubstr("\nskeleton: openni16\n")) << "the usual one has no torso";
   Fill("rate", "15 Hz");
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;
   EXPECT_EQ(Kept(), 5);
+  const Result whole = RunProgram(
+      folder_, {"run", (folder_ / "made.yaml").string(), "-o", (folder_ / "r").string(), "--to", "assemble", "--json"});
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_EQ(whole.Json()["failed"], 0) << whole.out;
+}
+
+TEST_F(Declarations, ArraysOfTheUsualSkeletonNeedNoOther) {
+  Declare("humanact12/a2m_generated", {"humanact12_tf/motion_joints500000.npy"});
+  EXPECT_THAT(text_, Not(HasSubstr("\nskeleton:")));
 }
 
 TEST_F(Declarations, NtusNamesAndPeopleAreKnownByTheFormat) {
@@ -128,6 +138,7 @@ TEST_F(Declarations, NtusNamesAndPeopleAreKnownByTheFormat) {
   EXPECT_TRUE(unknown.empty());
   EXPECT_THAT(text_, HasSubstr("rate: 30 Hz"));
   EXPECT_THAT(text_, HasSubstr("bodies: {A058: 2}"));
+  EXPECT_THAT(text_, HasSubstr("\nskeleton: ntu25\n"));
   EXPECT_THAT(text_, HasSubstr("axes: \"-x +y -z\""));
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;

@@ -34,6 +34,16 @@ TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
   EXPECT_EQ(run.Json()["kept"], 4);
 }
 
+TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
+  const Folder folder;
+  for (const char* seed : {"18446744073709551616", "9223372036854775808", "-9223372036854775809"}) {
+    const Result result =
+        RunProgram(folder, {"synthesize", "-o", (folder / "studio").string(), "--seed", seed, "--show"});
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    EXPECT_THAT(result.err, HasSubstr(std::string("--seed: '") + seed + "'"));
+  }
+}
+
 TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
   const Folder folder;
   for (const char* layout :

@@ -75,6 +75,14 @@ TEST(Config, TellsAllProblemsAtOnceWithTheirPlaces) {
             "c.yaml:2:1: unknown option 'heigth' (did you mean 'height'?)");
 }
 
+TEST(Config, AWholeNumberBeyond64BitsIsRefusedByItsName) {
+  for (const char* text : {"18446744073709551616", "-9223372036854775809"}) {
+    EXPECT_EQ(MessageOf(std::string("seed: ") + text),
+              "c.yaml:1:7: seed: '" + std::string(text) +
+                  "' does not fit 64 bits (whole numbers reach from -9223372036854775808 to 9223372036854775807)");
+  }
+}
+
 TEST(Config, AValueInQuotesIsNeverANumber) {
   EXPECT_EQ(MessageOf("height: '1.8'"),
             "c.yaml:1:9: height: '1.8' must be a number in m (a value in quotes is text, remove the quotes)");

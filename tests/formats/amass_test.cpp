@@ -98,6 +98,18 @@ TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
   }
 }
 
+TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
+  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  for (NpzMember& member : npz.members) {
+    if (member.name == "poses") member.name = "pose";
+  }
+  const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+  ASSERT_FALSE(amass);
+  EXPECT_EQ(amass.error().code, ErrorCode::kMalformed) << "no other file beside the motions";
+  EXPECT_THAT(amass.error().Message(), ::testing::HasSubstr("neither 'poses' nor 'root_orient'"));
+  EXPECT_THAT(amass.error().Message(), ::testing::HasSubstr("it has "));
+}
+
 TEST(Amass, AnyCorruptedFieldIsNamed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case {

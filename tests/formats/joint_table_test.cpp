@@ -63,6 +63,28 @@ TEST(JointTable, NanIsAMissingValueWhereDeclared) {
   EXPECT_TRUE(std::isnan(table->at(0, 0, 1)));
 }
 
+TEST(JointTable, ANumberBeyondAnyPersonCostsItsFrameAndIsNamed) {
+  EXPECT_THAT(Fails("1 2\n3 -1e300\n", Rows(1)),
+              HasSubstr("a.txt:2: -1e+300 is no coordinate of a person (column 2) (numbers reach to 1e+30)"));
+  JointTableLayout layout = Rows(1, 2);
+  layout.damaged_rows = DamagedRows::kReport;
+  const auto table = ParseJointTable("1 2\n1e300 4\n5 6\n", layout, "a.txt");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->at(0, 0, 1), 2.0);
+  EXPECT_TRUE(std::isnan(table->at(1, 0, 1)));
+  EXPECT_EQ(table->at(2, 0, 0), 5.0);
+  ASSERT_EQ(table->findings.size(), 1u);
+  EXPECT_EQ(table->findings[0].code, "number_too_large");
+  EXPECT_EQ(table->findings[0].frame_begin, 1);
+}
+
+TEST(JointTable, InfinityIsNoWordForAMissingJoint) {
+  JointTableLayout layout = Rows(1);
+  layout.allow_nan = true;
+  EXPECT_THAT(Fails("1 2\nnan inf\n", layout), HasSubstr("a.txt:2: 'inf' is not a finite number (column 2)"));
+  EXPECT_THAT(Fails("1 2\nnan 1e999\n", layout), HasSubstr("'1e999' is not a finite number"));
+}
+
 TEST(JointTable, NumbersTooSmallForADoubleAreZero) {
   const auto table = ParseJointTable("1.6e-380 -1e-0400 4e-310\n", Rows(1), "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
@@ -73,7 +95,7 @@ TEST(JointTable, NumbersTooSmallForADoubleAreZero) {
 TEST(JointTable, WrittenAndReadAgainIsTheSame) {
   JointTable table;
   table.frames = 2, table.rows_per_frame = 1, table.columns = 3;
-  table.values = {0.1, -1e-7, 1.0 / 3.0, 2687.6377, 0, 1e300};
+  table.values = {0.1, -1e-7, 1.0 / 3.0, 2687.6377, 0, 1e30};
   const auto again = ParseJointTable(WriteJointTable(table), Rows(1, 3), "a.txt");
   ASSERT_TRUE(again);
   EXPECT_EQ(again->values, table.values);

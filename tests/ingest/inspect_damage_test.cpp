@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "core/formats/npy.h"
 #include "core/formats/obj.h"
 #include "core/formats/png.h"
 #include "tests/ingest/inspections.h"
@@ -57,6 +60,17 @@ TEST_F(DamagedFiles, ADepthImageIsWholeOrAnError) {
     EXPECT_THAT(inspection.at("companions"), IsEmpty());
   }
   EXPECT_EQ(Errors(LookAtFolder()).size(), 2u) << "the whole one beside them is counted, the others are errors";
+}
+
+TEST_F(DamagedFiles, AnArrayWithoutOneFiniteNumberSaysSo) {
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    NpyArray array;
+    array.dtype = "<f8";
+    array.shape = {20, 24, 3};
+    array.values.assign(20 * 24 * 3, value);
+    EXPECT_THAT(Errors(Look("none.npy", EncodeNpy(array, "none.npy").value())),
+                ElementsAre(AllOf(HasSubstr("none.npy"), HasSubstr("all 1440 numbers are NaN or infinite"))));
+  }
 }
 
 TEST_F(DamagedFiles, AMeshThatEndsWithinALineIsCutOff) {

@@ -101,6 +101,32 @@ TEST(RunAndInspect, APathOfTheRootInCentimetresIsToldOfAmassByBoth) {
   }
 }
 
+TEST_F(RecordedFormats, ARowThatIsNoPersonCostsItsFrameAndIsToldByBoth) {
+  const fs::path recorded = fs::path(std::getenv("MOCURATE_TEST_DATA")) / "kinect/kard/a01_s01_e01_realworld.txt";
+  for (const auto& [row, code] :
+       {std::pair<std::string, std::string>{"1e300 4 5", "number_too_large"}, {"1e300 nan inf", "not_a_number"}}) {
+    IngestOptions options = Declared("kard");
+    options.path = FreshFolder("kard_far");
+    std::string text = *ReadFile(recorded);
+    std::size_t begin = 0;
+    for (int line = 0; line < 15 * 6 + 2; ++line) begin = text.find('\n', begin) + 1;
+    text.replace(begin, text.find('\n', begin) - begin, row);
+    Put(options.path / recorded.filename(), text);
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    EXPECT_EQ(clips[0].outcome.kind, OutcomeKind::kDone) << "a frame is lost, no clip";
+    ASSERT_FALSE(clips[0].outcome.findings.empty());
+    EXPECT_EQ(clips[0].outcome.findings[0].code, code);
+    EXPECT_EQ(clips[0].outcome.findings[0].frame_begin, 6);
+    EXPECT_THAT(clips[0].outcome.findings[0].message, HasSubstr("a01_s01_e01_realworld.txt:93: "));
+    for (const std::optional<SourceOptions>& source : {std::optional<SourceOptions>(options.source), {}}) {
+      const Json findings = InspectPath(options.path, source).at("findings");
+      EXPECT_THAT(findings.dump(), HasSubstr("\"" + code + "\""));
+      for (const Json& finding : findings) EXPECT_FALSE(finding.at("value").is_null()) << finding;
+    }
+  }
+}
+
 class RecordedRates : public RecordedFormats {
  protected:
   /// Bandai's first set with another Frame Time in every file.
