@@ -59,7 +59,8 @@ bool EndsAsMotion(const SourceOptions& source, const std::string& name) {
   const std::string ending = std::filesystem::path(name).extension().string();
   return (source.format == SourceFormat::kNtuSkeleton && ending == ".skeleton") ||
          (source.format == SourceFormat::kBvh && ending == ".bvh") ||
-         (source.format == SourceFormat::kAsfAmc && ending == ".amc");
+         (source.format == SourceFormat::kAsfAmc && ending == ".amc") ||
+         (source.format == SourceFormat::kPhspd && std::filesystem::path(name).filename() == "pose.txt");
 }
 
 void NotePassedOver(const SourceOptions& source, const std::vector<std::string>& names,

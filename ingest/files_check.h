@@ -19,7 +19,7 @@ Finding UnmatchedName(const std::string& option, const std::string& kind, const 
 void NoteUnmatched(const SourceOptions& source, const std::set<std::string>& recordings,
                    std::vector<Finding>& findings);
 
-/// Whether a name ends as only motions of the source's format do: .skeleton, .bvh, .amc.
+/// Whether a name ends as only motions of the source's format do: .skeleton, .bvh, .amc, pose.txt.
 bool EndsAsMotion(const SourceOptions& source, const std::string& name);
 
 /// A finding "name_mismatch" about such files that `other_files: ignore` passes over.

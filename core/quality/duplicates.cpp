@@ -80,6 +80,29 @@ std::vector<float> Shape(const JointPositions& filled, const std::vector<double>
   return shape;
 }
 
+/// The power of ten that brings a body of another unit near a person's size: 1 for sides of 0.6 to 6 m. Recordings in a
+/// unit that is wrong are as alike and as different as those in the right one.
+double ToNaturalSize(const TrackedPoints& points) {
+  constexpr double kPerson = 1.9;  // metres
+  std::vector<double> sizes;
+  for (int f = 0; f < points.frames(); ++f) {
+    Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
+    int seen = 0;
+    for (int k = 0; k < points.count(); ++k) {
+      if (!points.sees(f, k)) continue;
+      const Vector3d place = points.at(f, k);
+      low = seen == 0 ? place : Vector3d(low.cwiseMin(place));
+      high = seen == 0 ? place : Vector3d(high.cwiseMax(place));
+      ++seen;
+    }
+    if (seen > 1) sizes.push_back((high - low).norm());
+  }
+  if (sizes.empty()) return 1.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle > 0.0 ? std::pow(10.0, std::round(std::log10(kPerson / *middle))) : 1.0;
+}
+
 std::uint64_t Mixed(std::uint64_t hash, std::uint64_t value) {
   hash ^= value + 0x9e3779b97f4a7c15u + (hash << 6) + (hash >> 2);
   hash ^= hash >> 31;
@@ -87,14 +110,14 @@ std::uint64_t Mixed(std::uint64_t hash, std::uint64_t value) {
 }
 
 /// Of the distances of all points from the first two that lie apart: the same after any rigid movement.
-std::uint64_t PoseHash(const TrackedPoints& points, int f) {
+std::uint64_t PoseHash(const TrackedPoints& points, int f, double scale) {
   for (int k = 0; k < points.count(); ++k) {
     if (!points.sees(f, k)) return 0;
   }
   std::uint64_t hash = 0x6d6f637572617465u;
   for (int k = 1; k < points.count(); ++k) {
     for (const int from : {0, points.count() / 2}) {
-      const double distance = (points.at(f, k) - points.at(f, from)).norm();
+      const double distance = scale * (points.at(f, k) - points.at(f, from)).norm();
       hash = Mixed(hash, static_cast<std::uint64_t>(std::llround(distance / kPoseStep)));
     }
   }
@@ -211,10 +234,13 @@ void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimi
 MotionSignature SignatureOf(const TrackedPoints& points) {
   MotionSignature signature;
   signature.points = points.count();
-  for (int f = 0; f < points.frames(); ++f) signature.poses.push_back(points.count() < 3 ? 0 : PoseHash(points, f));
+  const double scale = ToNaturalSize(points);
+  for (int f = 0; f < points.frames(); ++f)
+    signature.poses.push_back(points.count() < 3 ? 0 : PoseHash(points, f, scale));
   JointPositions filled;
   std::vector<double> time;
   if (!Fill(points, filled, time)) return signature;
+  for (double& value : filled.xyz) value *= scale;
   const LimbPairs limbs = FindLimbPairs(points.names);
   std::array<int, 2> hips{-1, -1};
   for (const auto& pair : limbs.arms) {

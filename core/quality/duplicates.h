@@ -8,7 +8,8 @@
 
 namespace mocurate {
 
-/// What a motion is, whatever its place, heading, length in frames, number of decimals and file format.
+/// What a motion is, whatever its place, heading, length in frames, number of decimals and file format. A body of a
+/// wrong unit is brought to a person's size by a power of ten: what follows in metres is meant so.
 struct MotionSignature {
   /// (kSignatureFrames, K + 1, 3): points from the middle of the hips, which itself comes last, from its mean; turned
   /// so that the hips lie along x on average; resampled over the clip's time. Missing points are filled in time.

@@ -4,10 +4,13 @@
 #include <functional>
 #include <optional>
 
+#include "core/quality/value_grid.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kAbrupt = 1e-3;  // metres: who stands still by intent sets out more softly, and no sensor is so sure
+constexpr double kAbrupt = 1e-3;    // metres: who stands still by intent sets out more softly, and no sensor is so sure
+constexpr double kByChance = 0.01;  // stillnesses of a clip on a grid, above which one is no defect
 constexpr double kCollapsed = 0.02;  // metres: no body is so small
 
 /// Calls with [begin, end) of each run of frames in which `holds`.
@@ -25,7 +28,8 @@ std::string Frames(int count) { return std::to_string(count) + (count == 1 ? " f
 /// What repeats from the frame before: per joint and for the body.
 class Repeats {
  public:
-  explicit Repeats(const TrackedPoints& points) : points_(points), moves_(static_cast<std::size_t>(points.count())) {
+  explicit Repeats(const TrackedPoints& points)
+      : points_(points), moves_(static_cast<std::size_t>(points.count())), grid_(GridOf(points)) {
     for (int k = 0; k < points.count(); ++k) {
       for (int f = 1; f < points.frames(); ++f) {
         if (!BothSeen(f, k) || Same(f, k)) continue;
@@ -58,6 +62,20 @@ class Repeats {
     return (!into && !out_of) || into.value_or(false) || out_of.value_or(false);
   }
 
+  /// Whether samples that are rounded to a grid show such a stillness by chance, or as the end of a slow movement: by
+  /// steps of a coarse grid every stillness is entered and left.
+  bool ByGrid(int begin, int end, int k) const {
+    if (!grid_) return false;
+    if (ExpectedByChance(points_, *grid_, k, begin, end) > kByChance) return true;
+    const auto softly = [&](int f) {
+      if (f < 1 || f >= points_.frames() || !BothSeen(f, k)) return true;
+      const Vector3d step = points_.at(f, k) - points_.at(f - 1, k);
+      return step.cwiseAbs().cwiseQuotient(*grid_).maxCoeff() < 2.5;
+    };
+    const bool coarse = grid_->minCoeff() > 0.5 * kAbrupt;
+    return coarse && softly(begin) && softly(end);
+  }
+
   bool AbruptBody(int begin, int end) const {
     for (int k = 0; k < points_.count(); ++k) {
       if (Abrupt(begin, end, k)) return true;
@@ -79,6 +97,7 @@ class Repeats {
 
   const TrackedPoints& points_;
   std::vector<char> moves_;
+  std::optional<Vector3d> grid_;
   bool still_clip_ = false;
 };
 
@@ -98,7 +117,7 @@ std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats,
     ForRuns(points.frames(), held, [&](int begin, int end) {
       int others = 0;  // steps in which something else moves
       for (int f = begin; f < end; ++f) others += repeats.Body(f) ? 0 : 1;
-      if (end - begin + 1 < fewest || others == 0) return;
+      if (end - begin + 1 < fewest || others == 0 || repeats.ByGrid(begin - 1, end, k)) return;
       holds.push_back({k, begin - 1, end, repeats.Abrupt(begin - 1, end, k)});
     });
   }

@@ -91,6 +91,23 @@ ClipInMetres::ClipInMetres(const ObservedClip& clip, const std::string& units, c
   if (const auto skeleton = KnownSkeleton(clip.skeleton)) bones = BonesBetween(clip.names, **skeleton);
 }
 
+/// A body that goes where its markers do not: its path stands in the file beside theirs.
+void CheckPath(const ObservedClip& clip, const CheckOptions& options, const ClipInMetres& markers,
+               const std::string& up, std::vector<Finding>& found) {
+  if (clip.posed.empty() || !markers.known) return;
+  ObservedClip body;
+  body.positions = clip.posed;
+  const ClipInMetres metres(body, "m", up, kUsualRate);
+  const TrackedPoints points{metres.positions, metres.confidence, markers.time_s};
+  for (const Finding& finding : FindDefects(options, points, std::nullopt, true)) {
+    const auto same = [&](const Finding& other) {
+      return other.code == finding.code && other.frame_begin < finding.frame_end &&
+             finding.frame_begin < other.frame_end;
+    };
+    if (finding.code == "teleport" && std::none_of(found.begin(), found.end(), same)) found.push_back(finding);
+  }
+}
+
 }  // namespace
 
 std::string PlaceOf(const Finding& finding, const std::string& where) {
@@ -124,6 +141,7 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options = source ? source->checks : CheckOptions();
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known);
+  CheckPath(clip, options, metres, up, found);
   if (!Remarked(clip, "no_joint_seen")) NoteEmptyFrames(metres.confidence, metres.positions.frames, found);
   if (declared) BlameDeclaration(found);
   for (const Finding& finding : found) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/formats/pickle_opcodes.h"
 
 namespace mocurate {
 namespace {
@@ -132,6 +133,7 @@ FileKind KindOf(std::string_view bytes) {
   if (IsVideo(bytes)) return FileKind::kVideo;
   if (StartsWith(bytes, "PK\x03\x04")) return FileKind::kZip;
   if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
+  if (BeginsAsOldPickle(bytes.substr(0, kHead))) return FileKind::kPickle;
   if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n\f\v");
   if (first == std::string_view::npos) return FileKind::kEmpty;

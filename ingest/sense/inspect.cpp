@@ -1,7 +1,6 @@
 #include "ingest/sense/inspect.h"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_duplicates.h"
+#include "ingest/sense/inspect_files.h"
 #include "ingest/sense/inspect_groups.h"
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/pattern.h"
@@ -24,63 +24,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kDeepest = 6;  // folders below the one that is asked for
-constexpr std::size_t kHeadBytes = 8192;
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
-
-struct FileToInspect {
-  std::string name;
-  std::filesystem::path path;
-  bool regular = true;  ///< no pipe, device or link that leads nowhere
-};
-
-Status ListFiles(const std::filesystem::path& path, std::vector<FileToInspect>& files) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (!fs::is_directory(path, error)) {
-    files.push_back({DisplayPath(path.filename()), path, fs::is_regular_file(path, error)});
-    return {};
-  }
-  fs::recursive_directory_iterator at(path, fs::directory_options::skip_permission_denied, error);
-  if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(path), "check its permissions");
-  for (const fs::recursive_directory_iterator end; at != end;) {
-    std::error_code unknown;
-    if (at->is_directory(unknown) && at.depth() >= kDeepest) at.disable_recursion_pending();
-    if (!at->is_directory(unknown)) {
-      files.push_back({DisplayPath(at->path().lexically_relative(path)), at->path(), at->is_regular_file(unknown)});
-    }
-    at.increment(error);
-    if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(path), "check its permissions");
-  }
-  std::sort(files.begin(), files.end(), [](const FileToInspect& a, const FileToInspect& b) { return a.name < b.name; });
-  return {};
-}
 
 void AddError(const Error& error, const std::string& file, const char* code, Json& findings) {
   findings.push_back(InspectionFinding(code, Severity::kError, error.where.empty() ? file : error.where, 0.0,
                                        error.what + (error.hint.empty() ? "" : " (" + error.hint + ")")));
-}
-
-/// The first bytes, enough to tell the format.
-Expected<std::string> ReadHead(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return Fail(ErrorCode::kUnreadable, "the file cannot be opened", DisplayPath(path), "check its permissions");
-  std::string head(kHeadBytes, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  return head;
-}
-
-/// Whether the end of an image's data stands in the last bytes, behind which cameras may put a few of their own.
-bool EndsAsJpeg(const std::filesystem::path& path) {
-  constexpr std::streamoff kTail = 4096;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const std::streamoff size = file.tellg();
-  file.seekg(std::max<std::streamoff>(0, size - kTail));
-  std::string tail(static_cast<std::size_t>(std::min(size, kTail)), '\0');
-  file.read(tail.data(), static_cast<std::streamsize>(tail.size()));
-  return tail.find("\xFF\xD9") != std::string::npos;
 }
 
 const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
@@ -113,6 +61,7 @@ class Inspector {
 
  private:
   Status Read(const FileToInspect& file, FileKind kind);
+  void Refuse(const FileToInspect& file, FileKind kind, const Error& error);
   Status AddStoragesBeside(const FileToInspect& file);
   bool IsDeclared(const FileToInspect& file) const;
   std::string DeclaredName(const FileToInspect& file) const;
@@ -130,6 +79,13 @@ class Inspector {
   std::vector<FileToInspect> videos_;
   ObservedSequences sequences_;
   SeenMotions motions_;
+  /// Files that could not be read, which may be frames of a sequence.
+  struct Refused {
+    FileToInspect file;
+    FileKind kind;
+    Error error;
+  };
+  std::vector<Refused> refused_;
   std::vector<std::string> others_;
 };
 
@@ -287,7 +243,7 @@ void Inspector::Look(const FileToInspect& file) {
   FileKind kind = KindOf(*head);
   if (kind == FileKind::kUnknown && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
   if (folder_ && kind == FileKind::kUnknown) {
-    others_.push_back(file.name);
+    refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;
   }
   if (kind == FileKind::kVideo) return videos_.push_back(file);
@@ -304,9 +260,20 @@ void Inspector::Look(const FileToInspect& file) {
   }
   const Status read = Read(file, kind);
   if (read) return;
-  const ErrorCode code = read.error().code;
+  if (folder_ && file.path.extension() == ".json")
+    refused_.push_back({file, kind, read.error()});
+  else
+    Refuse(file, kind, read.error());
+}
+
+void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& error) {
+  if (folder_ && kind == FileKind::kUnknown) {
+    others_.push_back(file.name);
+    return;
+  }
+  const ErrorCode code = error.code;
   if (code == ErrorCode::kUnreadable || code == ErrorCode::kNotFound)
-    return AddError(read.error(), file.name, "unreadable", findings());
+    return AddError(error, file.name, "unreadable", findings());
   // Text in brackets and XML may be anything, but not where it speaks of cameras.
   bool common = kind == FileKind::kJson || kind == FileKind::kXml || kind == FileKind::kToml;
   if (common) {
@@ -317,8 +284,8 @@ void Inspector::Look(const FileToInspect& file) {
     others_.push_back(file.name);
     return;
   }
-  AddError(read.error(), file.name, CodeOf(code, kind, IsDeclared(file)), findings());
-  if (const std::optional<double> announced = AnnouncedCount(read.error())) {
+  AddError(error, file.name, CodeOf(code, kind, IsDeclared(file)), findings());
+  if (const std::optional<double> announced = AnnouncedCount(error)) {
     findings().back()["code"] = "count_contradiction";
     findings().back()["value"] = *announced;
   }
@@ -335,6 +302,9 @@ std::string FormatOf(const Json& inspection) {
 }
 
 void Inspector::Finish(const std::string& path) {
+  for (const Refused& refused : refused_) {
+    if (!sequences_.Claim(refused.file.name, refused.error)) Refuse(refused.file, refused.kind, refused.error);
+  }
   for (const auto& [folder, file] : sequences_.Finish(folder_)) AddSequence(file, folder.empty() ? path : folder);
   AddVideos();
   if (!others_.empty()) {

@@ -95,7 +95,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kNumbers:
       return TableIn(file, source);
     case FileKind::kNtuSkeleton:
-      return Clips(ObserveNtu(file.bytes, file.name));
+      return Clips(ObserveNtu(file, source));
     case FileKind::kAsf:
       return ObserveAsf(file);
     case FileKind::kAmc:
@@ -127,7 +127,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
       break;
   }
   // Too little is left to tell the format by: of no frames, or cut off behind the count.
-  if (file.path.extension() == ".skeleton") return Clips(ObserveNtu(file.bytes, file.name));
+  if (file.path.extension() == ".skeleton") return Clips(ObserveNtu(file, source));
   return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
               "docs/inspect.md lists them");
 }

@@ -11,6 +11,7 @@
 #include "core/formats/npy.h"
 #include "core/formats/openpose.h"
 #include "core/formats/panoptic_bodies.h"
+#include "ingest/sense/frame_names.h"
 #include "ingest/sense/observed_clip.h"
 
 namespace mocurate {
@@ -53,6 +54,9 @@ class ObservedSequences {
   /// Errors of the formats.
   Status AddOpenPose(const FileBytes& file);
   Status AddPanoptic(const FileBytes& file);
+  /// Whether a file that could not be read is a frame of a sequence, by its name: all but the frame's number is that
+  /// of the frames of its folder, which are there already. Its frame is one that cannot be read, then.
+  bool Claim(const std::string& name, const Error& error);
   Status AddOpenCv(const FileBytes& file);
   /// A storage that nobody asked for, which may say what the others lack.
   void AddBeside(const FileBytes& file);
@@ -66,10 +70,13 @@ class ObservedSequences {
   struct Folder {
     std::vector<OpenPoseFrame> keypoints;
     std::vector<PanopticBodies> scenes;
+    FrameNames frames;
     std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
     std::vector<std::pair<std::string, std::string>> beside;
     std::map<std::string, ObservedCompanion> images;  ///< by what is equal in them
   };
+  std::vector<const FrameNames*> FramesBeside(const std::string& name) const;
+
   std::map<std::string, Folder> folders_;
 };
 
@@ -87,8 +94,9 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
                                                  const std::optional<SourceOptions>& source);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.
 std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::string& name);
-/// A clip per body.
-Expected<std::vector<ObservedClip>> ObserveNtu(std::string_view bytes, const std::string& name);
+/// A clip per body. With a source of the format remarks say whom of them a run takes: "bodies_left_out",
+/// "people_missing" where the name speaks of more people, and so on.
+Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std::optional<SourceOptions>& source);
 /// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
 Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file);
 Expected<ObservedFile> ObserveAsf(const FileBytes& file);

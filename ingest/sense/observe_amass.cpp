@@ -93,6 +93,7 @@ ObservedClip AmassClip(const Amass& amass) {
       clip.silence = posed.error().Message();
     return clip;
   }
+  if (posed) clip.posed = posed->joints;
   clip.positions = JointPositions(clip.frames, static_cast<int>(amass.markers));
   clip.names = amass.marker_labels;
   clip.confidence.assign(amass.marker_seen.begin(), amass.marker_seen.end());

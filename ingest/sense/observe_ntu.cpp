@@ -2,9 +2,11 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
 namespace {
@@ -53,10 +55,30 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
   return clip;
 }
 
+/// Whom of the file a run of the source takes, and who is not there.
+void ComparePeople(const NtuSkeleton& skeleton, const SourceOptions& source, const FileBytes& file,
+                   std::vector<Remark>& remarks) {
+  if (source.format != SourceFormat::kNtuSkeleton || source.views.together || !source.rate_hz) return;
+  Expected<NamedFile> named = ReadName(source, file.name);
+  if (!named) named = ReadName(source, DisplayPath(file.path.filename()));
+  if (!named) return;
+  const auto wanted = static_cast<std::size_t>(std::max(1, named->bodies));
+  const Expected<People> people = NtuPeople(skeleton, source, wanted);
+  if (!people) return;  // of its axes, which are no matter of people
+  for (const Finding& finding : people->findings) {
+    remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+  }
+  const std::size_t there = people->chosen.size();
+  if (there >= wanted) return;
+  const Error missing = PersonNotThere(there + 1, wanted, *people, skeleton.frames.size(), file.name);
+  remarks.push_back({"people_missing", Severity::kError, static_cast<double>(there), missing.what});
+}
+
 }  // namespace
 
-Expected<std::vector<ObservedClip>> ObserveNtu(std::string_view bytes, const std::string& name) {
-  const Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(bytes, name, DamagedRows::kReport);
+Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std::optional<SourceOptions>& source) {
+  const std::string& name = file.name;
+  const Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
   if (!skeleton) {
     Error error = skeleton.error();
     error.code = ErrorCode::kMalformed;  // kInconsistent is said of takes without a person
@@ -97,6 +119,7 @@ Expected<std::vector<ObservedClip>> ObserveNtu(std::string_view bytes, const std
   for (const Finding& finding : skeleton->findings) {
     clips[0].remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
   }
+  if (source) ComparePeople(*skeleton, *source, file, clips[0].remarks);
   return clips;
 }
 

@@ -9,6 +9,31 @@
 #include "ingest/sense/observe.h"
 
 namespace mocurate {
+namespace {
+
+/// Frames per second by the files' clock. Files may be missing: the usual step, their median, tells how many moments
+/// lie between two of them. 0: unknown.
+double RateByClock(const std::vector<PanopticBodies>& scenes) {
+  std::vector<double> steps_ms;
+  double last_ms = 0.0;
+  for (const PanopticBodies& scene : scenes) {
+    if (scene.time_ms <= 0.0) continue;
+    if (last_ms > 0.0 && scene.time_ms > last_ms) steps_ms.push_back(scene.time_ms - last_ms);
+    last_ms = scene.time_ms;
+  }
+  if (steps_ms.empty()) return 0.0;
+  std::vector<double> sorted = steps_ms;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  double moments = 0.0, span_ms = 0.0;
+  for (const double step : steps_ms) {
+    moments += std::round(step / *middle);
+    span_ms += step;
+  }
+  return 1000.0 * moments / span_ms;
+}
+
+}  // namespace
 
 ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody) {
   ObservedClip clip;
@@ -83,9 +108,8 @@ std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& sce
         }
       }
     }
-    const double span = scenes.back().time_ms - scenes.front().time_ms;
-    if (scenes.size() > 1 && span > 0.0) {
-      clip.rate_hz = std::round(1e5 * (static_cast<double>(scenes.size()) - 1.0) / span) / 100.0;
+    if (const double rate_hz = RateByClock(scenes); rate_hz > 0.0) {
+      clip.rate_hz = std::round(100.0 * rate_hz) / 100.0;
       clip.rate_evidence = "univTime of the files, " + scenes.front().fps_type;
     }
     clip.units = "cm";

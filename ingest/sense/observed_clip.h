@@ -44,6 +44,7 @@ struct ObservedClip {
   std::string set_says;
   std::optional<double> missing_share;  ///< where positions do not show it
   bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them
+  JointPositions posed;  ///< metres, file axes; of the body, where positions are of markers on it; or empty
   std::optional<RootScale> root_scale;  ///< where the path of the root and the bones come from different places
   std::string silence = "no joints";    ///< why nothing can be measured without positions
   /// What else the file says: ("gender", "male").

@@ -22,15 +22,34 @@ double BigEndian(std::string_view bytes, std::size_t at) {
 Status ObservedSequences::AddOpenPose(const FileBytes& file) {
   Expected<OpenPoseFrame> frame = ParseOpenPose(file.bytes, file.name);
   if (!frame) return Forward(frame);
-  folders_[FolderOf(file.name)].keypoints.push_back(std::move(*frame));
+  Folder& folder = folders_[FolderOf(file.name)];
+  folder.keypoints.push_back(std::move(*frame));
+  folder.frames.Add(file.name);
   return {};
 }
 
 Status ObservedSequences::AddPanoptic(const FileBytes& file) {
   Expected<PanopticBodies> scene = ParsePanopticBodies(file.bytes, file.name);
   if (!scene) return Forward(scene);
-  folders_[FolderOf(file.name)].scenes.push_back(std::move(*scene));
+  Folder& folder = folders_[FolderOf(file.name)];
+  folder.scenes.push_back(std::move(*scene));
+  folder.frames.Add(file.name);
   return {};
+}
+
+bool ObservedSequences::Claim(const std::string& name, const Error& error) {
+  const auto folder = folders_.find(FolderOf(name));
+  return folder != folders_.end() && folder->second.frames.AddBroken(name, error);
+}
+
+/// Views of one recording stand in folders side by side.
+std::vector<const FrameNames*> ObservedSequences::FramesBeside(const std::string& name) const {
+  std::vector<const FrameNames*> beside;
+  for (const auto& [other, folder] : folders_) {
+    if (other != name && FolderOf(other) == FolderOf(name) && !folder.keypoints.empty())
+      beside.push_back(&folder.frames);
+  }
+  return beside;
 }
 
 Status ObservedSequences::AddOpenCv(const FileBytes& file) {
@@ -71,6 +90,9 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
     ObservedFile file;
     if (!folder.keypoints.empty()) file.clips.push_back(ObserveKeypoints(folder.keypoints, everybody[FolderOf(name)]));
     for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
+    const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);
+    for (const Finding& finding : folder.frames.Lacking(beside))
+      file.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
     for (const auto& [key, image] : folder.images) file.companions.push_back(image);
     if (!folder.storages.empty()) {
       Expected<Calibration> calibration = ObserveOpenCv(folder.storages);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -114,6 +115,14 @@ Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& sou
                                bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
   people.findings.insert(people.findings.begin(), stitched.begin(), stitched.end());
   return people;
+}
+
+Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
+                     const std::string& name) {
+  return {ErrorCode::kInconsistent,
+          "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file holds " +
+              Counted(people.chosen.size(), "body id") + " in " + Counted(frames, "frame"),
+          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies"};
 }
 
 }  // namespace mocurate

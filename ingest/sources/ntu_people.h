@@ -18,6 +18,10 @@ std::vector<std::string> NtuJointNames();
 /// PeopleOptions' steps are in the result. Error kConfig: axes.
 Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& source, std::size_t wanted);
 
+/// Of a file that holds fewer people than `wanted`: the `own`-th of them, from 1, is not there. `name` for messages.
+Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
+                     const std::string& name);
+
 /// Of the sensor's depth images as its own joints tell them, which stand in metres and in pixels: fx, fy, cx, cy, for
 /// u = fx x / z + cx with x to the sensor's left (its images are mirrored) and v = cy - fy y / z. Nothing where joints
 /// lie too near together, or pixels and metres do not belong to each other within half a pixel.

@@ -14,11 +14,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   if (!people) return Forward(people);
   const std::size_t own = static_cast<std::size_t>(std::max(1, file.named.body)) - 1;
   if (own >= people->chosen.size()) {
-    return Fail(ErrorCode::kInconsistent,
-                "body " + std::to_string(own + 1) + " of " + std::to_string(wanted) + " is not there: the file holds " +
-                    Counted(static_cast<long long>(people->chosen.size()), "body id") + " in " +
-                    Counted(static_cast<long long>(skeleton->frames.size()), "frame"),
-                file.name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies");
+    return tl::unexpected<Error>(PersonNotThere(own + 1, wanted, *people, skeleton->frames.size(), file.name));
   }
   const PersonTrack& body = people->chosen[own];
 

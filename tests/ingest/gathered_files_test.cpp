@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "ingest/sense/inspect.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
@@ -107,6 +110,59 @@ TEST(GatheredFiles, OfPanopticThatAreMissingAreFramesOfTheClip) {
   EXPECT_THAT(findings["frames_missing"].message, HasSubstr("no file for 1 of 5 frames, the first is number 12"));
   EXPECT_EQ(findings["unreadable_frames"].frame_begin, 1);
   EXPECT_THAT(findings["unreadable_frames"].message, HasSubstr("body3DScene_11.json"));
+}
+
+TEST(GatheredFiles, OfPanopticThatLackSomeAreToldByInspectionWithTheRateOfTheirClock) {
+  const std::filesystem::path folder = FreshFolder("panoptic_inspected");
+  for (int frame = 100; frame < 120; ++frame) {
+    if (frame == 107 || frame == 111) continue;
+    Put(folder / "band" / ("body3DScene_" + std::to_string(frame) + ".json"), OneBody(1000.0 + 1000.0 * frame / 29.97));
+  }
+  Put(folder / "band/body3DScene_115.json", "{\"version\": 0.7, \"bod");
+  Put(folder / "band/body3DScene_116.json", "");
+  Put(folder / "band/notes.json", "{\"day\": ");
+  for (const std::optional<SourceOptions>& source :
+       {std::optional(Panoptic(folder).source), std::optional<SourceOptions>()}) {
+    const nlohmann::json inspection = InspectPath(folder, source);
+    ASSERT_EQ(inspection.at("clips").size(), 1u);
+    const nlohmann::json& rate = inspection.at("clips")[0].at("rate_hz");
+    EXPECT_NEAR(rate.at("value").get<double>(), 29.97, 0.005);
+    std::map<std::string, nlohmann::json> findings;
+    for (const nlohmann::json& finding : inspection.at("findings")) findings[finding.at("code")] = finding;
+    EXPECT_EQ(findings.count("rate_contradiction"), 0u);
+    ASSERT_EQ(findings.count("frames_missing"), 1u) << inspection.at("findings").dump(1);
+    ASSERT_EQ(findings.count("unreadable_frames"), 1u);
+    EXPECT_THAT(findings["frames_missing"].at("message"),
+                HasSubstr("no file for 2 of 20 frames, the first is number 107"));
+    EXPECT_THAT(findings["unreadable_frames"].at("message"), HasSubstr("body3DScene_115.json"));
+    EXPECT_THAT(findings["unreadable_frames"].at("message"), HasSubstr("; then band/body3DScene_116.json"));
+    EXPECT_EQ(findings["other_files"].at("where"), "band/notes.json");
+  }
+}
+
+TEST(GatheredFiles, OfKeypointsThatAreDamagedOrMissingAreToldByInspection) {
+  const std::filesystem::path folder = FreshFolder("keypoints_inspected");
+  std::string numbers;
+  for (int i = 0; i < 75; ++i) numbers += (i == 0 ? "" : ", ") + std::to_string(100 + i);
+  const std::string file = "{\"version\": 1.3, \"people\": [{\"pose_keypoints_2d\": [" + numbers + "]}]}";
+  for (const std::string camera : {"cam01", "cam02", "cam03", "cam04"}) {
+    for (int frame = 0; frame < 30; ++frame) {
+      if (camera == "cam03" && frame >= 20) continue;
+      const std::string name = camera + "." + std::to_string(1000 + frame) + ".json";
+      std::string bytes = file;
+      if (camera == "cam01" && frame == 4) bytes.resize(bytes.size() / 2);
+      if (camera == "cam02" && frame == 7) bytes.replace(bytes.find("pose_keypoints_2d"), 17, "poses_renamed____");
+      Put(folder / (camera + "_json") / name, bytes);
+    }
+  }
+  std::map<std::string, std::string> told;
+  const nlohmann::json inspection = InspectPath(folder, std::nullopt);
+  for (const nlohmann::json& finding : inspection.at("findings"))
+    told[finding.at("code").get<std::string>() + " " + finding.at("where").get<std::string>()] = finding.at("message");
+  EXPECT_THAT(told["unreadable_frames cam01_json"], HasSubstr("cam01.1004.json"));
+  EXPECT_THAT(told["unreadable_frames cam02_json"], HasSubstr("cam02.1007.json"));
+  EXPECT_THAT(told["frames_missing cam03_json"], HasSubstr("no file for 10 of 30 frames, the first is number 1020"));
+  EXPECT_EQ(told.count("frames_missing cam04_json"), 0u);
 }
 
 TEST(GatheredFiles, OfPanopticHaveNoCamera) {

@@ -89,6 +89,26 @@ TEST_F(WrittenFormats, HumanAct12sPickleIsAClipPerEntry) {
   ExpectFrame(clip, "m", "-y", "right");
 }
 
+TEST_F(WrittenFormats, PicklesWithoutAMagicNumberAreReadAndWhatTheyMayNotHoldIsNamed) {
+  const std::string numbers = "(lp1\nI1\naF2.5\naV\\u00e9x\np2\naL1234567890L\nas.";
+  const Json unknown = InspectPath(Written("lists.pkl", "(dp0\nS'poses'\n" + numbers), std::nullopt);
+  ASSERT_EQ(unknown.at("findings").size(), 1u);
+  EXPECT_THAT(unknown.at("findings")[0].at("message"), HasSubstr("the pickle holds a dictionary of no known layout"));
+  for (const std::string& forbidden :
+       {std::string("cos\nsystem\np0\n(S'touch x'\np1\ntp2\nRp3\n."), std::string("(S'touch x'\nios\nsystem\n."),
+        std::string("cos\nsystem\nq\0(U\x07touch xtRq\1.", 28)}) {
+    const Json inspection = InspectPath(Written("evil.pkl", forbidden), std::nullopt);
+    ASSERT_EQ(inspection.at("findings").size(), 1u);
+    const std::string message = inspection.at("findings")[0].at("message");
+    EXPECT_NE(inspection.at("findings")[0].at("code"), "unknown_format") << message;
+    EXPECT_TRUE(message.find("system") != std::string::npos || message.find("INST") != std::string::npos) << message;
+  }
+  for (const char* text : {"(see below)\n", "count\nname\n1 walks\n", "cab\nabc\n", "]\n", "(1) first\n"}) {
+    const Json inspection = InspectPath(Written("notes.txt", text), std::nullopt);
+    EXPECT_EQ(inspection.at("findings")[0].at("code"), "unknown_format") << text;
+  }
+}
+
 TEST_F(WrittenFormats, VibesTracksAndCachesAreClips) {
   VibeTrack track;
   track.id = 7;

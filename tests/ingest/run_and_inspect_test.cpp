@@ -276,6 +276,26 @@ TEST(RunAndInspect, ARootThatIsAKilometreAwayForFiveFramesIsATeleportOfPhspdInBo
   EXPECT_EQ(told, 1u) << inspection.at("findings").dump(1);
 }
 
+TEST(RunAndInspect, WhatLiesBesideThePosesOfPhspdIsKnownAndAPoseInAFolderOfAnotherNameIsTold) {
+  const fs::path folder = FreshFolder("phspd_beside");
+  StudioOptions studio;
+  studio.layout = StudioLayout::kPhspd;
+  studio.subjects = 1;
+  studio.depth.enabled = false;
+  ASSERT_TRUE(WriteStudioLayout(studio, folder / "written", 1));
+  IngestOptions options = Declared("phspd");
+  options.path = folder / "written/phspd";
+  const auto whole = Discover(options);
+  ASSERT_TRUE(whole) << whole.error().Message();
+  EXPECT_TRUE(whole->left_out.empty()) << whole->left_out.front().item;
+  EXPECT_TRUE(whole->findings.empty()) << whole->findings.front().message;
+  fs::rename(fs::path(whole->items[0].inputs[0].path).parent_path(), options.path / "pose/somebody");
+  const auto renamed = Discover(options);
+  ASSERT_TRUE(renamed) << renamed.error().Message();
+  ASSERT_EQ(renamed->findings.size(), 1u);
+  EXPECT_THAT(renamed->findings[0].message, HasSubstr("pose/somebody/pose.txt"));
+}
+
 class CutTables : public RecordedFormats {};
 
 TEST_F(CutTables, ATableThatEndsWithinAFrameKeepsItsWholeFramesInBothDeclaredOrNot) {
@@ -310,6 +330,48 @@ TEST_F(CutTables, APersonOfAmassWhoStandsStillTellsAPathInCentimetresByTheHeight
     Put(folder / "walk_poses.npz", *EncodeNpz(scaled, "a"));
     const auto codes = Codes(InspectPath(folder / "walk_poses.npz", std::nullopt), "error");
     EXPECT_EQ(codes, factor == 1.0 ? std::vector<std::string>{} : std::vector<std::string>{"units_contradiction"});
+  }
+}
+
+TEST_F(CutTables, NamesOfNtuThatSpeakOfMoreOrFewerPeopleThanThereAreAreToldByInspectionToo) {
+  IngestOptions options = Declared("ntu");
+  const std::string one = *ReadFile(options.path / "S001C001P001R001A011.skeleton");
+  const std::string two = *ReadFile(options.path / "S001C003P008R002A058.skeleton");
+  const auto find = [&](const std::string& name, const std::string& bytes, const char* code) {
+    const fs::path folder = FreshFolder("ntu_people_told");
+    Put(folder / name, bytes);
+    std::string message;
+    const Json inspection = InspectPath(folder, options.source);
+    for (const Json& finding : inspection.at("findings")) {
+      if (finding.at("code") == code) message = finding.at("message");
+    }
+    return message;
+  };
+  EXPECT_THAT(find("S001C001P001R001A050.skeleton", one, "people_missing"), HasSubstr("body 2 of 2 is not there"));
+  EXPECT_THAT(find("S001C003P008R002A001.skeleton", two, "bodies_left_out"), HasSubstr("the file holds 2 people"));
+  for (const char* code : {"people_missing", "bodies_left_out"}) {
+    EXPECT_EQ(find("S001C001P001R001A011.skeleton", one, code), "");
+    EXPECT_EQ(find("S001C003P008R002A058.skeleton", two, code), "");
+  }
+}
+
+TEST_F(CutTables, ABodyOfAmassThatIsAKilometreFromItsMarkersIsATeleport) {
+  const Npz archive = *ParseNpz(*ReadFile(fs::path(TestData()) / "amass_babel/amass_sample.npz"), "a");
+  for (const bool markers : {true, false}) {
+    Npz far;
+    for (NpzMember member : archive.members) {
+      if (!markers && member.name.rfind("marker", 0) == 0) continue;
+      for (std::size_t f = 20; member.name == "trans" && f < 25; ++f) member.array.values[3 * f] += 1000.0;
+      far.members.push_back(std::move(member));
+    }
+    const fs::path folder = FreshFolder("amass_far");
+    Put(folder / "walk_poses.npz", *EncodeNpz(far, "a"));
+    const Json inspection = InspectPath(folder / "walk_poses.npz", std::nullopt);
+    std::vector<std::string> told;
+    for (const Json& finding : inspection.at("findings")) {
+      if (finding.at("code") == "teleport") told.push_back(finding.at("where"));
+    }
+    EXPECT_EQ(told, std::vector<std::string>{"walk_poses.npz frames 20-25"}) << markers << inspection.dump(1);
   }
 }
 

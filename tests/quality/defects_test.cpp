@@ -77,6 +77,30 @@ TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
   }
 }
 
+/// Samples as a file of whole numbers keeps them.
+Take Rounded(Take take, double step) {
+  for (double& value : take.positions.xyz) value = step * std::round(value / step);
+  return take;
+}
+
+TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsToldThereToo) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TakeOptions who = Somebody(seed);
+    who.noise = 0.0005;
+    who.walk = 0.0;
+    for (const Finding& finding : CheckPoints(Rounded(Perform(seed, who), 0.01).view(), who.rate_hz))
+      EXPECT_NE(finding.code, "held_joint") << seed;
+    who.walk = 1.0;
+    Take take = Rounded(Perform(seed, who), 0.001);
+    EXPECT_TRUE(Only("held_joint", take, who.rate_hz).empty()) << seed;
+    const int joint = static_cast<int>(seed % 20), begin = 10 + static_cast<int>(seed);
+    for (int f = begin + 1; f < begin + 6; ++f) take.positions.at(f, joint) = take.positions.at(begin, joint).eval();
+    const auto found = Only("held_joint", take, who.rate_hz);
+    ASSERT_EQ(found.size(), 1u) << seed;
+    EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
+  }
+}
+
 TEST(Defects, AFootPlantedInMotionWithoutNoiseIsNoGapThatWasFilled) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who = Somebody(seed);

@@ -118,6 +118,22 @@ TEST(Duplicates, ClipsThatStandStillAreNotTakenForOneAnother) {
   EXPECT_TRUE(FindDuplicates(clips).empty());
 }
 
+TEST(Duplicates, BodiesOfAWrongUnitAreAsAlikeAndAsDifferentAsTheyAreInTheRightOne) {
+  for (const double scale : {1e-3, 1e-2, 1.0, 1e3}) {
+    std::vector<MotionSignature> clips;
+    for (const std::uint64_t seed : {1u, 2u, 3u, 1u}) {
+      Take take = Perform(seed);
+      for (double& value : take.positions.xyz) value *= scale;
+      clips.push_back(Of(take));
+    }
+    const auto found = FindDuplicates(clips);
+    ASSERT_EQ(found.size(), 1u) << scale;
+    EXPECT_EQ(found[0].first, 0u);
+    EXPECT_EQ(found[0].second, 3u);
+    EXPECT_EQ(found[0].kind, Duplicate::Kind::kSame);
+  }
+}
+
 TEST(Duplicates, AnExactCopyOfStillClipsIsFoundByItsFrames) {
   Take take = Perform(1, {});
   const auto found = FindDuplicates({Of(take), Of(take)});
