@@ -193,7 +193,8 @@ TEST(FoldersOfAClip, ArePartsOfItAndNotLeftOut) {
   Put(folder / "pose/subject01_group1_time1/pose.txt", "0\n");
   Put(folder / "depth/view1/subject01_group1_time1/depth_0.png", "x");
   Put(folder / "depth/view1/subject02_group1_time1/depth_0.png", "x");
-  const auto discovery = Discover(Declared("phspd", {"ingest.path=" + folder.string()}));
+  const auto discovery =
+      Discover(Declared("phspd", {"ingest.path=" + folder.string(), "ingest.source.other_files=finding"}));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   ASSERT_EQ(discovery->left_out.size(), 1u) << "only what belongs to no clip";
   EXPECT_EQ(discovery->left_out[0].item, "depth/view1/subject02_group1_time1");
