@@ -90,10 +90,15 @@ Status ScaleTraining(double budget, TrainOptions& options) {
 std::vector<std::string> TrainingNotes(const TrainOptions& options) {
   std::vector<std::string> notes;
   if (!options.seeds.empty()) {
-    notes.push_back("Recogniser: at most " + Counted(options.recogniser.epochs, "epoch") +
-                    (options.recogniser.refit ? " to select and as many as were best to refit, in batches of "
-                                              : " in batches of ") +
-                    Counted(options.recogniser.batch, "clip") + ".");
+    const RecogniserOptions& recogniser = options.recogniser;
+    const std::string epochs = Counted(recogniser.epochs, "epoch");
+    const std::string all = " on all training clips, after as many without the validation part";
+    const std::string chosen = "at most " + epochs;
+    notes.push_back("Recogniser: " +
+                    (recogniser.anneal
+                         ? epochs + (recogniser.refit ? all : "")
+                         : chosen + (recogniser.refit ? " to select and as many as were best to refit" : "")) +
+                    ", in batches of " + Counted(recogniser.batch, "clip") + ".");
   }
   if (!options.generator_enabled) return notes;
   const GeneratorOptions& generator = options.generator;

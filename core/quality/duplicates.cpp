@@ -86,16 +86,7 @@ double ToNaturalSize(const TrackedPoints& points) {
   constexpr double kPerson = 1.9;  // metres
   std::vector<double> sizes;
   for (int f = 0; f < points.frames(); ++f) {
-    Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
-    int seen = 0;
-    for (int k = 0; k < points.count(); ++k) {
-      if (!points.sees(f, k)) continue;
-      const Vector3d place = points.at(f, k);
-      low = seen == 0 ? place : Vector3d(low.cwiseMin(place));
-      high = seen == 0 ? place : Vector3d(high.cwiseMax(place));
-      ++seen;
-    }
-    if (seen > 1) sizes.push_back((high - low).norm());
+    if (const auto size = points.Extent(f, 2)) sizes.push_back(*size);
   }
   if (sizes.empty()) return 1.0;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);

@@ -166,16 +166,8 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
   });
   const auto collapsed = [&](int f) {
     if (all_zero(f)) return false;
-    int seen = 0;
-    Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
-    for (int k = 0; k < points.count(); ++k) {
-      if (!points.sees(f, k)) continue;
-      const Vector3d place = points.at(f, k);
-      low = seen == 0 ? place : Vector3d(low.cwiseMin(place));
-      high = seen == 0 ? place : Vector3d(high.cwiseMax(place));
-      ++seen;
-    }
-    return seen >= 3 && (high - low).norm() < kCollapsed;
+    const auto size = points.Extent(f, 3);
+    return size && *size < kCollapsed;
   };
   ForRuns(points.frames(), collapsed, [&](int begin, int end) {
     findings.push_back(FrameFinding("collapsed_frames", begin, end, "", end - begin,

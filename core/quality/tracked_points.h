@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,19 @@ struct TrackedPoints {
     return confidence.empty() || confidence[static_cast<std::size_t>(frame) * positions.joints + point] > 0.0;
   }
   Vector3d at(int frame, int point) const { return positions.at(frame, point); }
+  /// Diagonal of the box around what is seen in a frame, if that is `fewest` points or more.
+  std::optional<double> Extent(int frame, int fewest) const {
+    int seen = 0;
+    Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
+    for (int k = 0; k < count(); ++k) {
+      if (!sees(frame, k)) continue;
+      const Vector3d place = at(frame, k);
+      low = seen == 0 ? place : Vector3d(low.cwiseMin(place));
+      high = seen == 0 ? place : Vector3d(high.cwiseMax(place));
+      ++seen;
+    }
+    return seen >= fewest ? std::optional<double>((high - low).norm()) : std::nullopt;
+  }
   std::string name(int point) const {
     return names.empty() ? "#" + std::to_string(point) : names[static_cast<std::size_t>(point)];
   }

@@ -14,6 +14,7 @@
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/view_registration.h"
 #include "fitting/evidence/noise.h"
+#include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/cloud_scene.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
@@ -76,12 +77,7 @@ int main(int argc, char** argv) {
   if (argc > 2) wanted.frames = std::atoi(argv[2]);
   if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
   const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_clouds";
-  std::map<std::string, double> given;
-  for (int i = 5; i < argc; ++i) {
-    const std::string text = argv[i];
-    const std::size_t at = text.find('=');
-    given[text.substr(0, at)] = std::atof(text.c_str() + at + 1);
-  }
+  std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   const std::vector<RigTake> takes = TakesOf(static_cast<int>(given["rig"]), wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no clips: set MOCURATE_TEST_DATA\n"), 2;
   double seconds = 0.0;

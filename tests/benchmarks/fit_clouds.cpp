@@ -17,6 +17,7 @@
 #include "fitting/clouds/person_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/fit_score.h"
 
@@ -100,12 +101,7 @@ int main(int argc, char** argv) {
   if (argc > 2) wanted.frames = std::atoi(argv[2]);
   if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
   const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_clouds";
-  std::map<std::string, double> given;
-  for (int i = 5; i < argc; ++i) {
-    const std::string text = argv[i];
-    const std::size_t at = text.find('=');
-    given[text.substr(0, at)] = std::atof(text.c_str() + at + 1);
-  }
+  std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   for (const auto& [name, value] : given) Set(name, value, options, wanted);
   const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;

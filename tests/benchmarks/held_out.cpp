@@ -19,6 +19,7 @@
 #include "core/base/random.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/real_people.h"
 
 namespace mocurate {
@@ -218,10 +219,7 @@ int main(int argc, char** argv) {
   JointTrackOptions options;
   options.solver = TrackSolver::kBanded;
   double noise = 0.03;
-  for (int i = 4; i < argc; ++i) {
-    const std::string text = argv[i];
-    const double value = std::atof(text.substr(text.find('=') + 1).c_str());
-    const std::string name = text.substr(0, text.find('='));
+  for (const auto& [name, value] : GivenNumbers(argc, argv, 4)) {
     if (name == "noise") noise = value;
     if (name == "rotation_walk") options.rotation_walk = value;
     if (name == "velocity_walk") options.velocity_walk = value;

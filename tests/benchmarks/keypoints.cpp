@@ -21,6 +21,7 @@
 #include "ingest/synthetic/keypoint_detector.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/take_plan.h"
+#include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/studio_views.h"
 
 namespace mocurate {
@@ -162,11 +163,7 @@ int main(int argc, char** argv) {
   KeypointOptions detector = FourViews(0).keypoints;
   detector.noise = argument(3, 4.0);
   options.joint_tracks.solver = TrackSolver::kBanded;
-  for (int i = 5; i < argc; ++i) {
-    const std::string text = argv[i];
-    const auto at = text.find('=');
-    const std::string name = text.substr(0, at);
-    const double value = std::atof(text.c_str() + at + 1);
+  for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
     if (name == "frames") longest = static_cast<int>(value);
     if (name == "audit" && value == 0.0) {
       KeypointAuditOptions& audit = options.keypoints.audit;

@@ -13,6 +13,7 @@
 #include "core/motion/kinematics.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/studio_clips.h"
 
@@ -54,11 +55,9 @@ int main(int argc, char** argv) {
   RepairOptions repair;
   StudioClipErrors errors = StudioClipErrors::Stated();
   bool true_bones = false;
-  for (int i = 5; i < argc; ++i) {
-    const std::string text = argv[i];
-    const std::size_t at = text.find('=');
-    if (text.substr(0, at) == "true_bones") true_bones = true;
-    Set(text.substr(0, at), std::atof(text.substr(at + 1).c_str()), options, repair, errors);
+  for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
+    if (name == "true_bones") true_bones = true;
+    Set(name, value, options, repair, errors);
   }
   const std::vector<StudioClip> clips = StudioClips(seed, subjects, variants, errors, rate_hz);
   FitScore all;

@@ -110,7 +110,11 @@ TEST(TrainingNotes, SayHowLongEachNetworkIsTrained) {
   options.recogniser.epochs = 1;
   options.generator.iterations = 300;
   const std::vector<std::string> notes = TrainingNotes(options);
-  EXPECT_EQ(notes.at(0),
+  EXPECT_EQ(
+      notes.at(0),
+      "Recogniser: 1 epoch on all training clips, after as many without the validation part, in batches of 32 clips.");
+  options.recogniser.anneal = false;
+  EXPECT_EQ(TrainingNotes(options).at(0),
             "Recogniser: at most 1 epoch to select and as many as were best to refit, in batches of 32 clips.");
   EXPECT_NE(notes.at(1).find("300 iterations of 128 clips"), std::string::npos);
 }
