@@ -104,31 +104,36 @@ bool SameTree(const Skeleton& a, const Skeleton& b) {
                     [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
 }
 
-/// The farthest that a joint of the clip moves when its rotations and bone lengths pose another skeleton of the same
-/// tree, metres.
-double ChangeOnSkeleton(const Motion& motion, const SkeletonPtr& skeleton) {
-  const std::vector<Joint>& own = motion.skeleton->joints;
-  const bool same_rest = std::equal(own.begin(), own.end(), skeleton->joints.begin(), skeleton->joints.end(),
-                                    [](const Joint& a, const Joint& b) { return a.rest_offset == b.rest_offset; });
-  if (same_rest || motion.joints_only()) return 0.0;
-  Motion moved = motion;
-  moved.skeleton = skeleton;
-  ComputeJoints(moved);
+/// How far apart two rest poses of the same tree point bones that are alone at their joint, radians, at most. Such
+/// directions are what rotations are counted from. Those of several bones at one joint are the person's, and a file
+/// keeps them of each clip.
+double RestPosesApart(const Skeleton& a, const Skeleton& b) {
   double farthest = 0.0;
-  for (std::size_t i = 0; i < moved.joints.xyz.size(); ++i) {
-    farthest = std::max(farthest, std::abs(moved.joints.xyz[i] - motion.joints.xyz[i]));
+  for (const std::vector<int>& children : a.Children()) {
+    if (children.size() != 1) continue;
+    const Vector3d& u = a.joints[static_cast<std::size_t>(children[0])].rest_offset;
+    const Vector3d& v = b.joints[static_cast<std::size_t>(children[0])].rest_offset;
+    farthest = std::max(farthest, std::atan2(u.cross(v).norm(), u.dot(v)));
   }
   return farthest;
 }
 
-/// One skeleton for all clips: the one that most of them have (of equally many, the first by clip id). A clip that it
-/// cannot pose is left out with a finding: a BVH file of another actor, whose rest pose differs.
+bool SameRest(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    [](const Joint& x, const Joint& y) { return x.rest_offset == y.rest_offset; });
+}
+
+/// One skeleton for all clips: the one that most of them have (of equally many, the first by clip id); where people
+/// have directions of bones of their own, the built-in one of that name, if it has that tree. A clip whose rotations
+/// are counted from another rest pose is left out with a finding: a BVH file in an A-pose among T-poses.
 void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
-  constexpr double kSame = 5e-4;  // metres; the store holds joints to 1e-3
+  constexpr double kSame = 5e-3;  // radians
+  const double kPi = std::acos(-1.0);
   std::vector<std::pair<SkeletonPtr, int>> kinds;
   for (const Clip& clip : dataset.clips) {
     const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) {
-      return SameTree(*kind.first, *clip.motion->skeleton) && ChangeOnSkeleton(*clip.motion, kind.first) <= kSame;
+      return SameTree(*kind.first, *clip.motion->skeleton) &&
+             (clip.motion->joints_only() || RestPosesApart(*kind.first, *clip.motion->skeleton) <= kSame);
     });
     if (known != kinds.end()) {
       ++known->second;
@@ -139,12 +144,22 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
   dataset.skeleton = std::max_element(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) {
                        return a.second < b.second;
                      })->first;
+  const bool one_rest = std::all_of(dataset.clips.begin(), dataset.clips.end(), [&](const Clip& clip) {
+    return SameRest(*clip.motion->skeleton, *dataset.skeleton);
+  });
+  if (const auto built_in = LoadSkeleton(dataset.skeleton->name);
+      !one_rest && built_in && SameTree(**built_in, *dataset.skeleton) &&
+      RestPosesApart(**built_in, *dataset.skeleton) <= kSame) {
+    dataset.skeleton = *built_in;
+  }
   std::vector<Clip> kept;
   for (Clip& clip : dataset.clips) {
     const bool same = SameTree(*dataset.skeleton, *clip.motion->skeleton);
-    const double change = same ? ChangeOnSkeleton(*clip.motion, dataset.skeleton) : 0.0;
-    if (same && change <= kSame) {
-      clip.motion->skeleton = dataset.skeleton;
+    const double apart =
+        same && !clip.motion->joints_only() ? RestPosesApart(*dataset.skeleton, *clip.motion->skeleton) : 0.0;
+    if (same && apart <= kSame) {
+      if (clip.motion->joints_only() || SameRest(*clip.motion->skeleton, *dataset.skeleton))
+        clip.motion->skeleton = dataset.skeleton;
       kept.push_back(std::move(clip));
       continue;
     }
@@ -152,10 +167,11 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
     finding.clip = clip.id();
     finding.code = "other_skeleton";
     finding.severity = Severity::kError;
-    finding.value = change;
-    finding.message = same ? "its rest pose differs from that of most clips: on their skeleton a joint would move by " +
-                                 FormatDouble(std::round(change * 1e4) / 10.0) + " mm"
-                           : "its joints differ from those of most clips, skeleton '" + dataset.skeleton->name + "'";
+    finding.value = apart;
+    finding.message =
+        same ? "its rotations are counted from another rest pose than those of most clips: a bone points " +
+                   FormatDouble(std::round(apart * 1800.0 / kPi) / 10.0) + " degrees elsewhere"
+             : "its joints differ from those of most clips, skeleton '" + dataset.skeleton->name + "'";
     finding.action = "left out of the dataset";
     findings.push_back(finding);
   }

@@ -20,16 +20,16 @@
 namespace mocurate {
 namespace {
 
-/// Bone lengths of the person; empty without a proportions artifact.
-Expected<std::vector<double>> ReadBoneLengths(const StageRequest& request, const Skeleton& skeleton) {
+/// The person's body; `skeleton` as it is, and no lengths, without a proportions artifact.
+Expected<PersonBody> ReadBody(const StageRequest& request, const SkeletonPtr& skeleton) {
   for (const StageInput& input : request.inputs) {
     if (input.role != "proportions") continue;
     const Expected<std::string> text = ReadFile(input.path);
     if (!text) return Forward(text);
     const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-    return BoneLengthsFromJson(json, skeleton, "proportions of " + input.name);
+    return BodyFromJson(json, skeleton, "proportions of " + input.name);
   }
-  return std::vector<double>{};
+  return PersonBody{skeleton, {}};
 }
 
 /// Joint tracks and depth views of the same moments.
@@ -66,15 +66,16 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   if (!skeleton) return Forward(skeleton);
   if (options.method == FitMethod::kKeypoints) {
     const SkeletonPtr body = WithDetectorPoints(*skeleton, DetectorNames(clip.evidence.keypoint_names));
-    const Expected<std::vector<double>> bones = ReadBoneLengths(request, *body);
-    if (!bones) return Forward(bones);
-    return FitKeypointsOfClip(clip, *skeleton, body, *bones, options);
+    const Expected<PersonBody> own = ReadBody(request, body);
+    if (!own) return Forward(own);
+    return FitKeypointsOfClip(clip, *skeleton, own->skeleton, own->bone_length, options);
   }
-  const Expected<std::vector<double>> bones = ReadBoneLengths(request, **skeleton);
-  if (!bones) return Forward(bones);
-  if (options.method == FitMethod::kPointClouds) return FitClouds(clip, *skeleton, *bones, options.point_clouds);
-  if (options.method == FitMethod::kJointsAndClouds) return FitBoth(clip, *skeleton, *bones, options);
-  return FitTracksOfClip(clip, *skeleton, *bones, options);
+  const Expected<PersonBody> body = ReadBody(request, *skeleton);
+  if (!body) return Forward(body);
+  const std::vector<double>& bones = body->bone_length;
+  if (options.method == FitMethod::kPointClouds) return FitClouds(clip, body->skeleton, bones, options.point_clouds);
+  if (options.method == FitMethod::kJointsAndClouds) return FitBoth(clip, body->skeleton, bones, options);
+  return FitTracksOfClip(clip, body->skeleton, bones, options);
 }
 
 Expected<SlidingRemoval> RemoveSliding(const ContactOptions& options, const std::string& clip, Motion& motion) {

@@ -67,11 +67,12 @@ Expected<FitResult> FitKeypoints(const Evidence& evidence, const FrameRate& rate
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
   Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
-  fit->motion = WithoutDetectorPoints(fit->motion, skeleton);
+  const SkeletonPtr own = WithoutDetectorPoints(body, skeleton);
+  fit->motion = WithoutDetectorPoints(fit->motion, own);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());
-  fit->triangulated = WithoutDetectorPoints(found->tracks, skeleton);
+  fit->triangulated = WithoutDetectorPoints(found->tracks, own);
   return fit;
 }
 

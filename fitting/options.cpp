@@ -173,6 +173,10 @@ void FittingOptions::Declare(OptionVisitor& v) {
 void ProportionsSettings::Declare(OptionVisitor& v) {
   v.Text("skeleton", skeleton, "skeleton whose bone lengths are wanted: a name or a YAML file");
   v.Bool("symmetric", symmetric, "left and right limbs share their lengths");
+  v.Bool(
+      "own_directions", own_directions,
+      "bones that start at one joint (hips and spine, shoulders and neck) point where the person's do; no: where the "
+      "skeleton's do");
   v.Integer("refine_clips", refine_clips, {0, kMaxProportionClips},
             "clips on which bones are fitted together with the pose; 0 keeps the medians");
   v.Integer("refine_frames", refine_frames, {2, 10000}, "frames of each, from its middle");
@@ -198,8 +202,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 15, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 16, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 21, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 22, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

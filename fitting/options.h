@@ -188,6 +188,7 @@ struct FittingOptions {
 struct ProportionsSettings {
   std::string skeleton;
   bool symmetric = true;            ///< left and right limbs share their lengths
+  bool own_directions = true;       ///< bones that start at one joint point where the person's do
   std::int64_t refine_clips = 0;    ///< clips on which bones are fitted together with the pose; 0: medians only
   std::int64_t refine_frames = 60;  ///< frames of each, from its middle
   JointTrackOptions joint_tracks;

@@ -9,6 +9,7 @@
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
 #include "fitting/solver/joint_track_fit.h"
+#include "fitting/solver/rest_directions.h"
 
 namespace mocurate {
 namespace {
@@ -33,7 +34,8 @@ Status Refine(const std::vector<SkeletonTracks>& clips, const ProportionsOptions
   const int joints = person.skeleton->joint_count();
   std::vector<std::vector<double>> fitted(joints);
   for (std::size_t i = 0; i < wanted; ++i) {
-    const SkeletonTracks part = Middle(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames));
+    const SkeletonTracks part =
+        OnBody(Middle(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames)), person.skeleton);
     if (!AnythingSeen(part)) continue;
     const Expected<FitResult> fit =
         FitJointTracks(part, FrameRate{}, person.bone_length, Bones::kFree, options.joint_tracks);
@@ -64,7 +66,7 @@ Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& cli
                                           const ProportionsOptions& options) {
   const BoneEstimate medians = EstimateBoneLengths(clips, *skeleton, options.symmetric);
   Proportions person;
-  person.skeleton = skeleton;
+  person.skeleton = options.own_directions ? WithOwnDirections(clips, skeleton, medians, options.symmetric) : skeleton;
   person.bone_length = medians.length;
   person.samples = medians.samples;
   person.bone_spread = medians.spread;
@@ -95,27 +97,56 @@ double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length)
   return high - low;
 }
 
-nlohmann::json ProportionsJson(const Proportions& person) {
+nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) {
   // Decimal fractions: the nearest double of k / 10 prints as short text.
   const auto tenths_of_mm = [](double metres) { return std::round(metres * 1e4); };
   nlohmann::json lengths = nlohmann::json::object();
   nlohmann::json samples = nlohmann::json::object();
   nlohmann::json spreads = nlohmann::json::object();
+  nlohmann::json directions = nlohmann::json::object();
   for (int j = 1; j < person.skeleton->joint_count(); ++j) {
     const std::string& name = person.skeleton->joints[j].name;
     lengths[name] = tenths_of_mm(person.bone_length[j]) / 1e4;
     samples[name] = person.samples[j];
     spreads[name] = tenths_of_mm(person.bone_spread[j]) / 1e1;
+    const Vector3d& offset = person.skeleton->joints[j].rest_offset;
+    if (offset == rest.joints[j].rest_offset) continue;
+    const Vector3d direction = offset.normalized();
+    directions[name] = {tenths_of_mm(direction.x()) / 1e4, tenths_of_mm(direction.y()) / 1e4,
+                        tenths_of_mm(direction.z()) / 1e4};
   }
   return {{"person", person.person},
           {"skeleton", person.skeleton->name},
           {"bone_length_m", lengths},
+          {"rest_direction", directions},
           {"samples", samples},
           {"bone_spread_mm", spreads},
           {"clips", person.clips},
           {"frames", person.frames},
           {"scale", std::round(person.scale * 1e4) / 1e4},
           {"stature_m", tenths_of_mm(Stature(*person.skeleton, person.bone_length)) / 1e4}};
+}
+
+namespace {
+
+/// Turns rest offsets to the directions that the artifact names.
+Status TakeDirections(const nlohmann::json& directions, Skeleton& skeleton, const std::string& where) {
+  for (const auto& [name, direction] : directions.items()) {
+    const auto joint = skeleton.FindJoint(name);
+    Vector3d offset = Vector3d::Zero();
+    bool numbers = direction.is_array() && direction.size() == 3;
+    for (std::size_t k = 0; numbers && k < 3; ++k) {
+      numbers = direction[k].is_number();
+      if (numbers) offset[static_cast<Eigen::Index>(k)] = direction[k].get<double>();
+    }
+    if (!joint || !numbers || !(std::abs(offset.norm() - 1.0) < 1e-3)) {
+      return Fail(ErrorCode::kMalformed, direction.dump() + " is no direction of the bone that ends at '" + name + "'",
+                  where, "run the stage proportions again");
+    }
+    Vector3d& rest = skeleton.joints[*joint].rest_offset;
+    rest = RoundedDirection(offset.normalized() * rest.norm());
+  }
+  return {};
 }
 
 Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
@@ -151,6 +182,19 @@ Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, co
     }
   }
   return lengths;
+}
+
+}  // namespace
+
+Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr& skeleton, const std::string& where) {
+  Expected<std::vector<double>> lengths = BoneLengthsFromJson(json, *skeleton, where);
+  if (!lengths) return Forward(lengths);
+  const auto directions = json.find("rest_direction");
+  if (directions == json.end() || !directions->is_object() || directions->empty())
+    return PersonBody{skeleton, *std::move(lengths)};
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  if (Status taken = TakeDirections(*directions, *own, where); !taken) return Forward(taken);
+  return PersonBody{std::move(own), *std::move(lengths)};
 }
 
 }  // namespace mocurate

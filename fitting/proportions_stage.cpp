@@ -86,7 +86,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   }
   person->person = request.item;
   person->clips = std::move(ids);
-  nlohmann::json json = ProportionsJson(*person);
+  nlohmann::json json = ProportionsJson(*person, *body);
   if (Status written = WriteFile(request.output, json.dump(2) + "\n"); !written) return Forward(written);
   outcome.summary = std::move(json);
   outcome.summary.erase("clips");

@@ -81,8 +81,9 @@ class Parser {
   struct Row {
     int numbers = 0;
     bool more = true;
-    std::string damage;  ///< what is no number; empty: nothing
-    std::string hint;
+    std::string damage;      ///< what is no number; empty: nothing
+    std::string not_finite;  ///< what is no finite number, and was not declared; empty: nothing
+    int not_finite_numbers = 0;
   };
 
   tl::unexpected<Error> Bad(std::string what, int line, std::string hint) const {
@@ -119,12 +120,13 @@ class Parser {
         return row;
       }
       const bool nan = token == Token::kNotFinite;
-      if (row.damage.empty() && !(nan && layout_.allow_nan && SaysNan(scanner_.text()))) {
+      const bool declared = nan && layout_.allow_nan && SaysNan(scanner_.text());
+      if (nan && !declared) ++row.not_finite_numbers;
+      std::string& place = nan ? row.not_finite : row.damage;
+      if (place.empty() && !declared) {
         const int column = static_cast<int>(table_.values.size() - begin);
-        row.damage = "'" + Shown(scanner_.text()) + "' is not a " + (nan ? "finite number" : "number") + " (" +
-                     Column(column) + ")";
-        row.hint = nan ? "a missing joint is declared with `missing: nan`"
-                       : "a joint table holds rows of numbers only, without a header";
+        place = "'" + Shown(scanner_.text()) + "' is not a " + (nan ? "finite number" : "number") + " (" +
+                Column(column) + ")";
       }
       table_.values.push_back(kNan);
     }
@@ -139,24 +141,22 @@ class Parser {
     return {};
   }
 
-  /// Counts the row; a damaged one is refused, or made to stand in its place as NaN.
+  /// Counts the row. A damaged one is refused, or stands in its place as NaN; numbers in it that are none of a
+  /// person are refused, or stand as NaN alone.
   Status Keep(const Row& row, std::size_t begin, int line) {
     if (table_.columns == 0) table_.columns = row.numbers;
     std::string what = row.damage;
-    std::string hint = row.hint;
+    std::string hint = "a joint table holds rows of numbers only, without a header";
     const char* code = "not_a_number";
-    if (const std::optional<int> column = TooLarge(begin); what.empty() && column) {
-      code = "number_too_large";
-      what = FormatDouble(table_.values[begin + static_cast<std::size_t>(*column)]) +
-             " is no coordinate of a person (" + Column(*column) + ")";
-      hint = "numbers reach to " + FormatDouble(kLargest);
-    }
     if (what.empty() && row.numbers != table_.columns) {
       code = "row_length";
       what = "row has " + std::to_string(row.numbers) + " numbers, not " + std::to_string(table_.columns);
       hint = "every row must have the declared columns; is the file cut off?";
     }
-    if (!what.empty()) {
+    const long long frame = rows_ / layout_.rows_per_frame;
+    if (what.empty()) {
+      if (Status kept = KeepNumbers(row, begin, line, frame); !kept) return kept;
+    } else {
       const bool commas = HasDecimalCommas(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
       if (commas) what += ": its numbers have a decimal comma";
       if (commas) hint = "write them with a decimal point (1.5, not 1,5) and blanks between them";
@@ -164,16 +164,69 @@ class Parser {
       if (++damaged_rows_ > kFewRows && damaged_rows_ > rows_ / 2 + 1) {
         return Bad(what, line, "more rows are damaged than whole: this is no table of such rows");
       }
-      const long long frame = rows_ / layout_.rows_per_frame;
       if (row.numbers < table_.columns) short_line_ = line;
-      Report(code, frame, row.numbers,
-             name_ + ":" + std::to_string(line) + ": " + what + (row.hint.empty() ? "" : "; " + row.hint));
+      Report(code, frame, row.numbers, name_ + ":" + std::to_string(line) + ": " + what);
       table_.values.resize(begin + static_cast<std::size_t>(table_.columns), kNan);
       if (damaged_.empty() || damaged_.back() != frame) damaged_.push_back(frame);
     }
     last_line_ = line;
     ++rows_;
     return {};
+  }
+
+  /// Of a row that is whole: numbers that are not finite, or no coordinate of a person.
+  Status KeepNumbers(const Row& row, std::size_t begin, int line, long long frame) {
+    if (!row.not_finite.empty()) {
+      constexpr const char* kWay = "a missing joint is declared with `missing: nan`";
+      if (layout_.damaged_rows == DamagedRows::kRefuse) return Bad(row.not_finite, line, kWay);
+      not_finite_.Add(row.not_finite_numbers, frame, line, row.not_finite);
+    }
+    const std::optional<int> first = TooLarge(begin);
+    if (!first) return {};
+    const std::string what = FormatDouble(table_.values[begin + static_cast<std::size_t>(*first)]) +
+                             " is no coordinate of a person (" + Column(*first) + ")";
+    if (layout_.damaged_rows == DamagedRows::kRefuse) {
+      return Bad(what, line, "numbers reach to " + FormatDouble(kLargest));
+    }
+    int numbers = 0;
+    for (auto value = table_.values.begin() + static_cast<std::ptrdiff_t>(begin); value != table_.values.end();
+         ++value) {
+      if (!(std::abs(*value) > kLargest)) continue;
+      *value = kNan;
+      ++numbers;
+    }
+    too_large_.Add(numbers, frame, line, what);
+    return {};
+  }
+
+  /// Numbers that stand as NaN in rows that are whole: one finding for all.
+  struct LeftOut {
+    long long numbers = 0;
+    long long first_frame = 0;
+    long long last_frame = 0;
+    int first_line = 0;
+    std::string first;
+
+    void Add(int more, long long frame, int line, const std::string& what) {
+      if (numbers == 0) {
+        first_frame = frame;
+        first_line = line;
+        first = what;
+      }
+      numbers += more;
+      last_frame = frame;
+    }
+  };
+
+  void Report(const char* code, const LeftOut& left_out, const std::string& way) {
+    if (left_out.numbers == 0) return;
+    Report(code, left_out.first_frame, static_cast<double>(left_out.numbers),
+           name_ + ":" + std::to_string(left_out.first_line) + ": " + left_out.first +
+               (left_out.numbers > 1 ? ", and " + Counted(left_out.numbers - 1, "more such number") : "") +
+               "; a point is taken for missing where one of its numbers is" + way);
+    table_.findings.back().frame_end =
+        static_cast<int>(std::min<long long>(left_out.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
+    table_.findings.back().action = "missing";
   }
 
   void Report(const char* code, long long frame, double value, std::string message) {
@@ -208,6 +261,8 @@ class Parser {
       table_.findings.back().severity = Severity::kError;
     }
     if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name_);
+    Report("not_a_number", not_finite_, " (`missing: nan` declares it)");
+    Report("number_too_large", too_large_, "");
     table_.frames = static_cast<int>(frames);
     const std::size_t size =
         static_cast<std::size_t>(layout_.rows_per_frame) * static_cast<std::size_t>(table_.columns);
@@ -228,6 +283,8 @@ class Parser {
   int last_line_ = 0;
   int short_line_ = -1;  ///< the last one that had too few numbers
   std::vector<long long> damaged_;
+  LeftOut not_finite_;
+  LeftOut too_large_;
 };
 
 }  // namespace

@@ -29,7 +29,7 @@ struct JointTable {
   int frames = 0;
   int rows_per_frame = 0;
   int columns = 0;
-  std::vector<double> values;  ///< NaN: not a number by declaration (allow_nan), or a damaged frame
+  std::vector<double> values;  ///< NaN: not a finite number, or a damaged frame
   std::vector<Finding>
       findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "number_too_large", "cut_off"
 
@@ -40,8 +40,10 @@ struct JointTable {
 
 /// Blank lines and a trailing separator are ignored; LF, CRLF, byte order mark. Error kMalformed "name:line" for an
 /// empty file, a row with another count of numbers, something that is no number, a number that is not finite or beyond
-/// 1e30, and a count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame that holds such a
-/// row is NaN throughout, keeps its place, and is reported; rows after the last whole frame are left out and reported.
+/// 1e30, and a count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame that holds a row of
+/// another length, or with something that is no number, is NaN throughout, keeps its place, and is reported; a number
+/// that is not finite or too large is NaN, with one finding for all; rows after the last whole frame are left out and
+/// reported.
 /// The columns must then be declared: a damaged first row says nothing about the others.
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name);
 

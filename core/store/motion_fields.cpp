@@ -23,7 +23,9 @@ Status CheckSize(const std::vector<T>& values, std::size_t expected, const std::
 
 Status CheckMotion(const MotionRow& row, const Skeleton& skeleton, bool joints_only) {
   const Motion& motion = *row.motion;
-  if (motion.skeleton == nullptr || !SameSkeleton(*motion.skeleton, skeleton)) {
+  const bool same = motion.skeleton != nullptr && (joints_only ? SameSkeleton(*motion.skeleton, skeleton)
+                                                               : SameButRestOffsets(*motion.skeleton, skeleton));
+  if (!same) {
     return Fail(ErrorCode::kInconsistent, "the motion's skeleton is not the file's '" + skeleton.name + "'", row.id,
                 "one file holds one skeleton; map the joints first");
   }
@@ -104,6 +106,22 @@ void PackTree(const std::vector<MotionRow>& rows, Sizes sizes, const std::string
   content.Put(prefix + "/clips/bone_length", {rows.size(), sizes.joints}, std::move(bones));
 }
 
+/// Where the people's rest offsets are not all the file's.
+void PackRestOffsets(const std::vector<MotionRow>& rows, const Skeleton& skeleton, const std::string& prefix,
+                     Content& content) {
+  if (std::all_of(rows.begin(), rows.end(),
+                  [&](const MotionRow& row) { return SameRestOffsets(*row.motion->skeleton, skeleton); })) {
+    return;
+  }
+  std::vector<double> offsets;
+  for (const MotionRow& row : rows) {
+    for (const Joint& joint : row.motion->skeleton->joints) {
+      offsets.insert(offsets.end(), joint.rest_offset.data(), joint.rest_offset.data() + 3);
+    }
+  }
+  content.Put(prefix + "/clips/rest_offset", {rows.size(), skeleton.joints.size(), 3}, std::move(offsets));
+}
+
 void UnpackTree(const Content& content, const std::string& prefix, std::size_t row, std::size_t offset,
                 Motion& motion) {
   const auto F = static_cast<std::size_t>(motion.frame_count());
@@ -124,7 +142,7 @@ Motion UnpackMotion(const Content& content, const std::string& prefix, const Ske
   const auto count = static_cast<std::size_t>(content.Values<std::int64_t>(prefix + "/clips/count")[row]);
   const auto J = static_cast<std::size_t>(skeleton->joint_count());
   Motion motion;
-  motion.skeleton = skeleton;
+  motion.skeleton = WithRestOffsets(content, prefix, row, skeleton);
   motion.rate = *FrameRate::Parse(content.Values<std::string>(prefix + "/clips/rate")[row]);
   motion.joints.frames = static_cast<int>(count);
   motion.joints.joints = static_cast<int>(J);
@@ -199,6 +217,7 @@ Status PackMotions(const std::vector<MotionRow>& rows, const Skeleton& skeleton,
   }
   content.Put(prefix + "/frames/joints", {F, J, 3}, std::move(joints));
   if (!joints_only) PackTree(rows, sizes, prefix, content);
+  if (!joints_only) PackRestOffsets(rows, skeleton, prefix, content);
   std::vector<std::uint8_t> masks(C, 0);
   PackOptional<std::uint8_t>(rows, &Motion::state, J, 0, {F, J}, prefix, masks, content);
   PackOptional<float>(rows, &Motion::position_cov, J * 6, 1, {F, J, 6}, prefix, masks, content);

@@ -17,14 +17,14 @@ constexpr double kJointTolerance = 1e-3;  // metres; float32 far from the origin
 
 std::string Row(std::size_t row) { return "[" + std::to_string(row) + "] "; }
 
-Problem JointsProblem(const RuleContext& c, const Skeleton& skeleton) {
+Problem JointsProblem(const RuleContext& c, const SkeletonPtr& of_file) {
   const auto& joints = c.array.as<float>();
   const auto& roots = c.content.Values<float>(c.prefix + "/frames/root_translation");
   const auto& rotations = c.content.Values<float>(c.prefix + "/frames/rotation");
   const auto& offsets = c.content.Values<std::int64_t>(c.prefix + "/clips/offset");
   const auto& counts = c.content.Values<std::int64_t>(c.prefix + "/clips/count");
   const auto& lengths = c.content.Values<double>(c.prefix + "/clips/bone_length");
-  const std::size_t J = skeleton.joints.size();
+  const std::size_t J = of_file->joints.size();
   const std::size_t F = c.array.shape[0];
   std::vector<Quaterniond> rotation(J);
   std::vector<Vector3d> expected(J);
@@ -34,18 +34,19 @@ Problem JointsProblem(const RuleContext& c, const Skeleton& skeleton) {
     const auto begin = static_cast<std::uint64_t>(offsets[clip]);
     const auto end = begin + static_cast<std::uint64_t>(counts[clip]);
     if (begin > F || end > F || end < begin) return std::nullopt;  // the rule of /clips/offset speaks of that
+    const SkeletonPtr skeleton = WithRestOffsets(c.content, c.prefix, clip, of_file);
     for (std::size_t f = begin; f < end; ++f) {
       for (std::size_t j = 0; j < J; ++j) {
         const float* q = &rotations[4 * (f * J + j)];
         rotation[j] = Quaterniond(q[0], q[1], q[2], q[3]);
       }
       const Vector3d root(roots[3 * f], roots[3 * f + 1], roots[3 * f + 2]);
-      ForwardKinematics(skeleton, root, rotation.data(), bone_length, expected.data());
+      ForwardKinematics(*skeleton, root, rotation.data(), bone_length, expected.data());
       for (std::size_t j = 0; j < J; ++j) {
         const float* p = &joints[3 * (f * J + j)];
         const double distance = (Vector3d(p[0], p[1], p[2]) - expected[j]).norm();
         if (distance <= kJointTolerance) continue;
-        return "[" + std::to_string(f) + ", " + std::to_string(j) + "] (" + skeleton.joints[j].name + ") lies " +
+        return "[" + std::to_string(f) + ", " + std::to_string(j) + "] (" + skeleton->joints[j].name + ") lies " +
                FormatDouble(distance) + " m from where the rotations put it";
       }
     }
@@ -203,8 +204,7 @@ Rule ForwardKinematicsJoints() {
             for (const char* field : {"/frames/rotation", "/clips/offset", "/clips/count", "/clips/bone_length"}) {
               if (!c.content.Has(c.prefix + field)) return std::nullopt;
             }
-            const Skeleton skeleton = UnpackSkeleton(c.content, c.prefix);
-            return JointsProblem(c, skeleton);
+            return JointsProblem(c, std::make_shared<Skeleton>(UnpackSkeleton(c.content, c.prefix)));
           }};
 }
 

@@ -194,4 +194,29 @@ bool SameSkeleton(const Skeleton& a, const Skeleton& b) {
   return first.fields == second.fields;
 }
 
+bool SameRestOffsets(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    [](const Joint& x, const Joint& y) { return x.rest_offset == y.rest_offset; });
+}
+
+bool SameButRestOffsets(const Skeleton& a, const Skeleton& b) {
+  if (a.joints.size() != b.joints.size()) return false;
+  Skeleton alike = a;
+  for (std::size_t j = 0; j < a.joints.size(); ++j) alike.joints[j].rest_offset = b.joints[j].rest_offset;
+  return SameSkeleton(alike, b);
+}
+
+SkeletonPtr WithRestOffsets(const Content& content, const std::string& prefix, std::size_t row,
+                            const SkeletonPtr& skeleton) {
+  const std::string field = prefix + "/clips/rest_offset";
+  if (!content.Has(field)) return skeleton;
+  const auto& offsets = content.Values<double>(field);
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  for (std::size_t j = 0; j < own->joints.size(); ++j) {
+    own->joints[j].rest_offset = RowVector(offsets, row * own->joints.size() + j);
+  }
+  if (SameRestOffsets(*own, *skeleton)) return skeleton;
+  return own;
+}
+
 }  // namespace mocurate::store

@@ -108,6 +108,12 @@ SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<st
   return full;
 }
 
+SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& skeleton) {
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = body->joints[j].rest_offset;
+  return own;
+}
+
 SkeletonTracks WithoutDetectorPoints(const SkeletonTracks& tracks, const SkeletonPtr& skeleton) {
   SkeletonTracks cut = tracks;
   const int kept = skeleton->joint_count();

@@ -18,6 +18,9 @@ std::vector<std::string> DetectorNames(const std::vector<std::string>& names);
 /// template). Names of no such point are left out.
 SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<std::string>& names);
 
+/// `skeleton` with the rest offsets of `body`, which has the joints of WithDetectorPoints besides.
+SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& skeleton);
+
 /// The tracks, or the motion, without the joints that WithDetectorPoints appended to `skeleton`.
 SkeletonTracks WithoutDetectorPoints(const SkeletonTracks& tracks, const SkeletonPtr& skeleton);
 Motion WithoutDetectorPoints(const Motion& motion, const SkeletonPtr& skeleton);

@@ -151,6 +151,11 @@ Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr&
   return mapped;
 }
 
+SkeletonTracks OnBody(SkeletonTracks tracks, const SkeletonPtr& body) {
+  tracks.skeleton = body;
+  return tracks;
+}
+
 SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
   SkeletonTracks cut;
   cut.skeleton = tracks.skeleton;

@@ -45,6 +45,9 @@ struct SkeletonTracks {
 /// confidence outside [0, 1].
 Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr& skeleton);
 
+/// The same samples on the body of a person: a skeleton of the same joints with other rest offsets.
+SkeletonTracks OnBody(SkeletonTracks tracks, const SkeletonPtr& body);
+
 /// Frames [begin, end).
 SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end);
 

@@ -12,13 +12,6 @@ namespace {
 
 constexpr double kMadToSigma = 1.4826;
 
-/// Robust distance between two joints over all clips, noise removed. `samples` receives the number of frames.
-struct Distance {
-  double length = 0.0;
-  double spread = 0.0;
-  int samples = 0;
-};
-
 /// Square of a distance as it would be in the median without noise of covariance C (of the difference), from what is
 /// seen. A square (d + e)'(d + e) has the mean d'd + tr C, the variance 4 d'C d + 2 tr C^2, and is skewed: its median
 /// lies by third cumulant / (6 variance) below its mean (Cornish and Fisher). Of one sigma at both ends of a long bone,
@@ -49,27 +42,35 @@ double WeightedMedian(std::vector<std::pair<double, double>>& weighted) {
   return 0.0;
 }
 
-Distance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b) {
+}  // namespace
+
+BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b) {
   std::vector<std::pair<double, double>> lengths;  // and how much each counts
+  double sure = 0.0;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     for (int f = 0; f < clips[c].frames(); ++f) {
       if (!clips[c].seen(f, a) || !clips[c].seen(f, b)) continue;
       const Vector3d seen = clips[c].positions.at(f, a) - clips[c].positions.at(f, b);
       const Matrix3d unit = UnitCovariance(clips[c], f, a) + UnitCovariance(clips[c], f, b);
       // Weights by the variance along a bone that is seen would make those count less whose noise points that way.
+      const double confidence = std::min(clips[c].confidence_at(f, a), clips[c].confidence_at(f, b));
+      sure += confidence * confidence;
       lengths.emplace_back(std::sqrt(SquareWithoutNoise(seen, white[c] * white[c] * unit)),
-                           1.0 / std::sqrt(unit.trace()));
+                           confidence / std::sqrt(unit.trace()));
     }
   }
-  Distance distance;
+  BoneDistance distance;
   distance.samples = static_cast<int>(lengths.size());
   if (lengths.empty()) return distance;
   distance.length = WeightedMedian(lengths);
   std::vector<double> departures;
   for (const auto& [length, weight] : lengths) departures.push_back(std::abs(length - distance.length));
   distance.spread = kMadToSigma * Median(departures);
+  distance.sigma = distance.spread / std::sqrt(sure);
   return distance;
 }
+
+namespace {
 
 Vector3d Direction(const Skeleton& skeleton, int joint) {
   return skeleton.joints[joint].rest_offset.stableNormalized();
@@ -91,7 +92,7 @@ void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<d
     }
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index k = i + 1; k < count; ++k) {
-        const Distance seen = DistanceOver(clips, white, siblings[i], siblings[k]);
+        const BoneDistance seen = DistanceOver(clips, white, siblings[i], siblings[k]);
         const Vector3d u = Direction(skeleton, siblings[i]);
         const Vector3d v = Direction(skeleton, siblings[k]);
         const Vector3d between = bones.length[siblings[i]] * u - bones.length[siblings[k]] * v;
@@ -141,7 +142,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
   bones.spread.assign(joints, 0.0);
   std::vector<double> ratios;
   for (int j = 1; j < joints; ++j) {
-    const Distance distance = DistanceOver(clips, white, j, skeleton.joints[j].parent);
+    const BoneDistance distance = DistanceOver(clips, white, j, skeleton.joints[j].parent);
     bones.samples[j] = distance.samples;
     if (distance.samples == 0) continue;
     const double rest = bones.length[j];

@@ -14,6 +14,17 @@ struct BoneEstimate {
   double scale = 1.0;          ///< of the person against the rest skeleton
 };
 
+/// Robust distance between two joints over all clips, freed of what noise adds.
+struct BoneDistance {
+  double length = 0.0;  ///< metres
+  double spread = 0.0;  ///< robust standard deviation over frames, metres
+  int samples = 0;      ///< frames that show both
+  double sigma = 0.0;   ///< of the length, metres: the spread over the frames as far as they are sure
+};
+
+/// `white`: of each clip, the noise of a typical sample per axis, metres (NoiseEstimate).
+BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b);
+
 /// Median of the observed lengths of each bone, freed of what noise adds (with noise of sigma per axis at both ends the
 /// median square of a length is longer by 4 sigma^2) and weighted by how sure its ends are. Several clips of one person
 /// count together. A bone whose parent is never seen (a root between the hips) follows from the distances between its

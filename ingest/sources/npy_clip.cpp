@@ -1,7 +1,9 @@
-#include <cmath>
+#include <algorithm>
 
+#include "core/base/text.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/mapped_file.h"
 #include "ingest/sources/source_file.h"
@@ -15,8 +17,14 @@ std::string ShapeText(const NpyArray& array) {
   return text + ")";
 }
 
-/// For each joint of the skeleton its place in the file: declared names, or the skeleton's own order.
-Expected<std::vector<int>> FileOrder(const SourceOptions& source, const Skeleton& skeleton) {
+/// Joints of the skeleton that the file lists, and where in a frame each stands.
+struct FileOrder {
+  std::vector<int> joint;
+  std::vector<int> place;
+};
+
+/// By the declared names, or in the skeleton's own order.
+Expected<FileOrder> OrderOf(const SourceOptions& source, const Skeleton& skeleton) {
   std::vector<int> place(skeleton.joints.size(), -1);
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     if (source.joints.empty()) place[j] = j;
@@ -24,14 +32,54 @@ Expected<std::vector<int>> FileOrder(const SourceOptions& source, const Skeleton
   for (std::size_t k = 0; k < source.joints.size(); ++k) {
     if (const auto joint = skeleton.FindJoint(source.joints[k])) place[*joint] = static_cast<int>(k);
   }
+  FileOrder order;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
-    if (place[j] < 0) {
-      return Fail(ErrorCode::kConfig,
-                  "joint '" + skeleton.joints[j].name + "' of skeleton '" + skeleton.name + "' is not in the source",
-                  "ingest.source.joints", "joints-only motion needs every joint of its skeleton");
+    if (place[j] < 0) continue;
+    order.joint.push_back(j);
+    order.place.push_back(place[j]);
+  }
+  if (order.joint.empty()) {
+    return Fail(ErrorCode::kConfig, "the source names no joint of skeleton '" + skeleton.name + "'",
+                "ingest.source.joints", "name each joint of the file in its order, '-' for one that is passed over");
+  }
+  return order;
+}
+
+/// Positions as joint tracks, in metres in the world; a point of which a number is not finite is missing.
+JointTracks TracksOf(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
+                     const Matrix3d& metres_from_file, const FrameRate& rate) {
+  const int joints = static_cast<int>(order.joint.size());
+  JointTracks tracks;
+  tracks.positions = JointPositions(static_cast<int>(array.shape[0]), joints);
+  for (const int joint : order.joint) tracks.names.push_back(skeleton.joints[joint].name);
+  for (int f = 0; f < tracks.positions.frames; ++f) {
+    tracks.time_s.push_back(rate.FrameTime(f));
+    for (int k = 0; k < joints; ++k) {
+      const Eigen::Map<const Vector3d> raw(array.values.data() +
+                                           (static_cast<std::size_t>(f) * wide + order.place[k]) * 3);
+      tracks.confidence.push_back(raw.allFinite() ? 1.0 : 0.0);
+      if (raw.allFinite()) tracks.positions.at(f, k) = metres_from_file * raw;
     }
   }
-  return place;
+  return tracks;
+}
+
+/// Tells of points that are missing because they are not finite.
+Status NoteMissing(const JointTracks& tracks, const std::string& name, std::vector<Finding>& findings) {
+  const auto missing = std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0);
+  if (missing == 0) return {};
+  if (missing == static_cast<std::ptrdiff_t>(tracks.confidence.size()))
+    return Fail(ErrorCode::kInconsistent, "no point of the array is finite", name, "leave the file out");
+  const auto first = std::find(tracks.confidence.begin(), tracks.confidence.end(), 0.0) - tracks.confidence.begin();
+  const auto last =
+      std::find(tracks.confidence.rbegin(), tracks.confidence.rend(), 0.0).base() - tracks.confidence.begin() - 1;
+  const int joints = tracks.positions.joints;
+  const std::string& joint = tracks.names[static_cast<std::size_t>(first % joints)];
+  findings.push_back(FrameFinding("not_a_number", static_cast<int>(first / joints), static_cast<int>(last / joints) + 1,
+                                  missing == 1 ? joint : "", static_cast<double>(missing),
+                                  Counted(missing, "point") + " with a number that is not finite, the first '" + joint +
+                                      "' in frame " + std::to_string(first / joints) + ": taken for missing"));
+  return {};
 }
 
 }  // namespace
@@ -44,8 +92,8 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   if (!frame) return Forward(frame);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (!skeleton) return Forward(skeleton);
-  const Expected<std::vector<int>> place = FileOrder(source, **skeleton);
-  if (!place) return Forward(place);
+  const Expected<FileOrder> order = OrderOf(source, **skeleton);
+  if (!order) return Forward(order);
   const auto mapped = MappedFile::Open(file.container);
   if (!mapped) return Forward(mapped);
   const Expected<NpyArray> array = ReadArrayClip((*mapped)->bytes(), id, file.name);
@@ -65,24 +113,17 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
                 "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
                 file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
   }
-  const int frames = static_cast<int>(array->shape[0]);
-  const int joints = (*skeleton)->joint_count();
-  JointPositions positions(frames, joints);
-  for (int f = 0; f < frames; ++f) {
-    for (int j = 0; j < joints; ++j) {
-      const double* raw = array->values.data() + (static_cast<std::size_t>(f) * wide + (*place)[j]) * 3;
-      if (!std::isfinite(raw[0]) || !std::isfinite(raw[1]) || !std::isfinite(raw[2])) {
-        return Fail(ErrorCode::kMalformed,
-                    "joint '" + (*skeleton)->joints[j].name + "' is not finite in frame " + std::to_string(f),
-                    file.name, "a joints-only motion has no missing joints");
-      }
-      positions.at(f, j) = frame->metres_from_file * Vector3d(raw[0], raw[1], raw[2]);
-    }
-  }
   IngestedClip ingested;
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
-  ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(positions));
+  JointTracks tracks = TracksOf(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
+  if (Status some = NoteMissing(tracks, file.name, ingested.findings); !some) return Forward(some);
+  if (order->joint.size() == (*skeleton)->joints.size() && ingested.findings.empty()) {
+    ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(tracks.positions));
+  } else {  // a joints-only motion has every joint in every frame
+    NoteEmptyFrames(tracks, ingested.findings);
+    ingested.clip.evidence.tracks = std::move(tracks);
+  }
   return ingested;
 }
 

@@ -70,11 +70,12 @@ struct MixScore {
   int clips = 0;
 };
 
-Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, const std::vector<double>& bones,
+Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, const Proportions& person,
               const PointCloudOptions& options, MixScore& score) {
   JointTrackOptions track_options;
   track_options.solver = TrackSolver::kBanded;
-  const auto tracks = RepairAndFit(take.clip.tracks, take.clip.truth.rate, bones, RepairOptions{}, track_options);
+  const auto tracks = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
+                                   RepairOptions{}, track_options);
   if (!tracks) return Forward(tracks);
   const auto both = FitTracksAndClouds(*tracks, clouds, options);
   if (!both) return Forward(both);
@@ -147,7 +148,7 @@ int main(int argc, char** argv) {
                    take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(),
                    one.rotation_deg(), 1e3 * fit->residual_rms, size);
       if (!copies.empty()) {
-        const Status mixed = AddMix(take, copies, proportions->bone_length, options, mix);
+        const Status mixed = AddMix(take, copies, *proportions, options, mix);
         if (!mixed) return std::fprintf(stderr, "%s\n", mixed.error().Message().c_str()), 1;
       }
       for (const Finding& finding : fit->findings) {

@@ -77,7 +77,8 @@ void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, Track
   for (auto _ : state) {
     frames = square = cost = iterations = 0.0;
     for (const SkeletonTracks& clip : clips) {
-      const auto fit = FitJointTracks(clip, FrameRate{30, 1}, person->bone_length, Bones::kFixed, options);
+      const auto fit =
+          FitJointTracks(OnBody(clip, person->skeleton), FrameRate{30, 1}, person->bone_length, Bones::kFixed, options);
       if (!fit) return state.SkipWithError(fit.error().Message().c_str());
       frames += clip.frames();
       square += fit->residual_rms * fit->residual_rms * clip.frames();

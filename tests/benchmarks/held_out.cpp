@@ -234,6 +234,7 @@ int main(int argc, char** argv) {
     for (std::size_t i = 0; i < clips.size() && i < 30; ++i) all.push_back(clips[i].tracks);
     const auto bones = EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
     if (!bones) continue;
+    for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones->skeleton);
     for (const RealClip& clip : clips) Add(clip, bones->bone_length, options, score);
   }
   if (score.body.empty()) return std::fprintf(stderr, "nothing was hidden\n"), 1;

@@ -208,17 +208,20 @@ int main(int argc, char** argv) {
   }
   ProportionsOptions medians;
   medians.symmetric = true;
-  std::map<std::string, std::vector<double>> bones;
-  for (const auto& [person, clips] : of_person)
-    bones[person] = EstimateProportions(clips, skeleton, medians)->bone_length;
+  std::map<std::string, PersonBody> bodies;
+  for (const auto& [person, clips] : of_person) {
+    const auto estimate = EstimateProportions(clips, skeleton, medians);
+    bodies[person] = true_bones ? PersonBody{skeleton, {}} : PersonBody{estimate->skeleton, estimate->bone_length};
+  }
   Errors errors;
   double fit_s = 0.0;
   double iterations = 0.0;
   double sigma = 0.0;
   for (const StudioTake& take : takes) {
     const double begin = CpuSeconds();
-    const std::vector<double>& lengths = true_bones ? take.truth.bone_length : bones[take.person];
-    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, skeleton, lengths, options);
+    const PersonBody& body = bodies[take.person];
+    const std::vector<double>& lengths = true_bones ? take.truth.bone_length : body.bone_length;
+    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, body.skeleton, lengths, options);
     fit_s += CpuSeconds() - begin;
     if (!fit) continue;
     Errors own;

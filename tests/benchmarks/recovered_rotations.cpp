@@ -67,7 +67,8 @@ int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noi
     if (!bones) continue;
     for (const RealClip& clip : clips) {
       if (!clip.given) continue;
-      auto fit = RepairAndFit(clip.tracks, clip.rate, bones->bone_length, RepairOptions{}, Banded());
+      auto fit =
+          RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.rate, bones->bone_length, RepairOptions{}, Banded());
       if (!fit) continue;
       Clip fitted;
       fitted.motion = std::move(fit->motion);
@@ -127,7 +128,8 @@ int Cad60(const SkeletonPtr& skeleton) {
     const auto bones = BonesOf(clips);
     if (!bones) return 1;
     for (const RealClip& clip : clips) {
-      const auto fit = RepairAndFit(clip.tracks, clip.rate, bones->bone_length, RepairOptions{}, Banded());
+      const auto fit =
+          RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.rate, bones->bone_length, RepairOptions{}, Banded());
       const std::string recording = clip.id.substr(clip.id.rfind('/') + 1, 10);
       const auto bytes = ReadFile(std::filesystem::path(TestData()) / "kinect" / "cad60" / (recording + ".txt"));
       if (!fit || !bytes) return std::fprintf(stderr, "%s: no fit or no file\n", clip.id.c_str()), 1;

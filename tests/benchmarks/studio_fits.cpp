@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
     for (const StudioClip& clip : clips) {
       if (clip.subject != person) continue;
       const auto start = std::chrono::steady_clock::now();
-      const auto fit = RepairAndFit(clip.tracks, clip.truth.rate,
+      const auto fit = RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.truth.rate,
                                     true_bones ? clip.truth.bone_length : bones->bone_length, repair, options);
       seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;

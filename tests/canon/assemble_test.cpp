@@ -56,10 +56,25 @@ Motion Standing(const SkeletonPtr& skeleton, FrameRate rate) {
       std::vector<Quaterniond>(10 * static_cast<std::size_t>(skeleton->joint_count()), Quaterniond::Identity()), {});
 }
 
-TEST(Assemble, OneClipOfAnotherRestPoseCostsOnlyItself) {
+/// A bone of the skeleton's left arm that is alone at its joint, or one of several of the torso.
+int BoneOf(const Skeleton& skeleton, bool alone) {
+  for (const std::vector<int>& children : skeleton.Children()) {
+    if ((children.size() == 1) == alone && !children.empty()) return children[0];
+  }
+  return -1;
+}
+
+SkeletonPtr Turned(const SkeletonPtr& skeleton, int bone, const Vector3d& by) {
+  auto turned = std::make_shared<Skeleton>(*skeleton);
+  turned->joints[bone].rest_offset += by;
+  return turned;
+}
+
+TEST(Assemble, OneClipWhoseRotationsAreCountedFromAnotherRestPoseCostsOnlyItself) {
   const SkeletonPtr skeleton = Skeleton15();
-  auto bent = std::make_shared<Skeleton>(*skeleton);
-  bent->joints[1].rest_offset += Vector3d(0, 0, 0.05);
+  const int alone = BoneOf(*skeleton, true);
+  const double length = skeleton->joints[alone].rest_offset.norm();
+  const SkeletonPtr bent = Turned(skeleton, alone, length * skeleton->joints[alone].rest_offset.unitOrthogonal());
   const FrameRate rate{30, 1};
   const Assembled set = AssembleMotions({Standing(bent, rate), Standing(skeleton, rate), Standing(skeleton, rate)});
   ASSERT_TRUE(set.outcome) << set.outcome.error().Message();
@@ -68,7 +83,23 @@ TEST(Assemble, OneClipOfAnotherRestPoseCostsOnlyItself) {
   ASSERT_EQ(set.dataset->findings.size(), 1u);
   EXPECT_EQ(set.dataset->findings[0].code, "other_skeleton");
   EXPECT_EQ(set.dataset->findings[0].clip, "test/p/r0#0-10");
-  EXPECT_NEAR(set.dataset->findings[0].value, 0.05, 1e-6);
+  EXPECT_NEAR(set.dataset->findings[0].value, 0.7854, 1e-4);
+  EXPECT_THAT(set.dataset->findings[0].message, HasSubstr("45 degrees"));
+}
+
+TEST(Assemble, PeopleKeepTheDirectionsOfTheirOwnBodies) {
+  const SkeletonPtr skeleton = Skeleton15();
+  const int torso = BoneOf(*skeleton, false);
+  const SkeletonPtr own = Turned(skeleton, torso, Vector3d(0.02, 0.01, 0.05));
+  const FrameRate rate{30, 1};
+  const Assembled set = AssembleMotions({Standing(own, rate), Standing(own, rate), Standing(skeleton, rate)});
+  ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
+  ASSERT_EQ(set.dataset->clips.size(), 3u);
+  EXPECT_TRUE(set.dataset->findings.empty());
+  EXPECT_EQ(set.dataset->skeleton->joints[torso].rest_offset, skeleton->joints[torso].rest_offset)
+      << "the set has the built-in skeleton, not one person's";
+  EXPECT_EQ(set.dataset->clips[0].motion->skeleton->joints[torso].rest_offset, own->joints[torso].rest_offset);
+  EXPECT_EQ(set.dataset->clips[2].motion->skeleton->joints[torso].rest_offset, skeleton->joints[torso].rest_offset);
 }
 
 TEST(Assemble, ClipsOfSeveralRatesAreFlagged) {

@@ -113,7 +113,8 @@ class TracksAndClouds : public StudioClouds {
     const auto person = EstimateProportions(tracks, skeleton_, ProportionsOptions{});
     JointTrackOptions options;
     options.solver = TrackSolver::kBanded;
-    return RepairAndFit(take.clip.tracks, take.clip.truth.rate, person->bone_length, RepairOptions{}, options);
+    return RepairAndFit(OnBody(take.clip.tracks, person->skeleton), take.clip.truth.rate, person->bone_length,
+                        RepairOptions{}, options);
   }
 };
 

@@ -91,18 +91,91 @@ TEST(Proportions, CanBeRefinedByFitsWithFreeBones) {
   for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 0.012);
 }
 
+/// Hips that hang from the pelvis before it instead of standing out, and a spine that leans: other directions.
+SkeletonPtr OtherBody(const Skeleton& skeleton) {
+  auto other = std::make_shared<Skeleton>(skeleton);
+  for (Joint& joint : other->joints) {
+    const double length = joint.rest_offset.norm();
+    if (joint.parent != 0) continue;
+    Vector3d turned = joint.rest_offset.normalized();
+    turned +=
+        joint.mirror == static_cast<int>(&joint - other->joints.data()) ? Vector3d(0, 0, 0.2) : Vector3d(0, -0.8, 0.5);
+    joint.rest_offset = length * turned.normalized();
+  }
+  return other;
+}
+
+/// Of three bones: which of two mirror images they are.
+double Volume(const Skeleton& skeleton, const std::vector<int>& star) {
+  const Vector3d across = skeleton.joints[star[0]].rest_offset.cross(skeleton.joints[star[1]].rest_offset);
+  return across.dot(skeleton.joints[star[2]].rest_offset);
+}
+
+double AngleBetween(const Skeleton& skeleton, int a, int b) {
+  const Vector3d& u = skeleton.joints[a].rest_offset;
+  const Vector3d& v = skeleton.joints[b].rest_offset;
+  return std::atan2(u.cross(v).norm(), u.dot(v)) * 180.0 / 3.14159265358979;
+}
+
+TEST(Proportions, FindWhereTheBonesOfAPersonPoint) {
+  Take take = SmoothTake(400);
+  const SkeletonPtr nominal = take.tracks.skeleton;
+  const SkeletonPtr body = OtherBody(*nominal);
+  take.truth = MakeMotion(body, take.truth.rate, take.truth.root_translation, take.truth.rotation, {});
+  take.tracks.positions = take.truth.joints;
+  std::vector<int> star;
+  for (int j = 1; j < nominal->joint_count(); ++j) {
+    if (nominal->joints[j].parent == 0) star.push_back(j);
+  }
+  ASSERT_EQ(star.size(), 3u);
+  ASSERT_LT(Volume(*nominal, star) * Volume(*body, star), 0.0) << "else the rest skeleton alone says which it is";
+  for (const double noise : {0.0, 0.015}) {
+    AddNoise(take.tracks, noise, 7);
+    const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
+    ASSERT_TRUE(person.has_value());
+    ProportionsOptions given;
+    given.own_directions = false;
+    const auto kept = EstimateProportions({take.tracks}, nominal, given);
+    EXPECT_EQ(kept->skeleton, nominal);
+    EXPECT_GT(Volume(*person->skeleton, star) * Volume(*body, star), 0.0);
+    for (std::size_t i = 0; i < star.size(); ++i) {
+      for (std::size_t k = i + 1; k < star.size(); ++k) {
+        const double truth = AngleBetween(*body, star[i], star[k]);
+        EXPECT_NEAR(AngleBetween(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 0.6 : 4.0) << noise;
+        EXPECT_GT(std::abs(AngleBetween(*nominal, star[i], star[k]) - truth), 10.0) << "else there is nothing to find";
+      }
+      EXPECT_NEAR(person->skeleton->joints[star[i]].rest_offset.norm(), nominal->joints[star[i]].rest_offset.norm(),
+                  1e-9);
+    }
+  }
+}
+
+TEST(Proportions, OfTheSkeletonsOwnDirectionsKeepThem) {
+  Take take = LargerPerson(400);
+  AddNoise(take.tracks, 0.015, 3);
+  const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  for (int j = 1; j < take.tracks.joints(); ++j) {
+    const Vector3d& own = person->skeleton->joints[j].rest_offset;
+    const Vector3d& rest = take.tracks.skeleton->joints[j].rest_offset;
+    EXPECT_LT(std::atan2(own.cross(rest).norm(), own.dot(rest)) * 57.3, 4.0) << take.tracks.skeleton->joints[j].name;
+  }
+}
+
 TEST(Proportions, GoThroughTheirArtifact) {
   const Take take = LargerPerson(20);
   auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   ASSERT_TRUE(person.has_value());
   person->person = "p1";
-  const nlohmann::json json = ProportionsJson(*person);
+  const nlohmann::json json = ProportionsJson(*person, *take.tracks.skeleton);
   EXPECT_EQ(json["person"], "p1");
-  const auto read = BoneLengthsFromJson(json, *take.tracks.skeleton, "p1");
+  const auto read = BodyFromJson(json, take.tracks.skeleton, "p1");
   ASSERT_TRUE(read.has_value()) << read.error().Message();
   for (int j = 1; j < take.tracks.joints(); ++j) {
-    EXPECT_NEAR((*read)[j], person->bone_length[j], 1e-12);
-    EXPECT_NEAR(std::round((*read)[j] * 1e4), (*read)[j] * 1e4, 1e-9);  // whole tenths of a millimetre
+    const double length = read->bone_length[j];
+    EXPECT_NEAR(length, person->bone_length[j], 1e-12);
+    EXPECT_NEAR(std::round(length * 1e4), length * 1e4, 1e-9);  // whole tenths of a millimetre
+    EXPECT_LT((read->skeleton->joints[j].rest_offset - person->skeleton->joints[j].rest_offset).norm(), 1e-12);
   }
 }
 
@@ -111,7 +184,8 @@ TEST(Proportions, OfAnotherSkeletonAreRefused) {
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   Skeleton other = *take.tracks.skeleton;
   other.name = "other";
-  const auto read = BoneLengthsFromJson(ProportionsJson(*person), other, "proportions of p1");
+  const auto read = BodyFromJson(ProportionsJson(*person, *take.tracks.skeleton), std::make_shared<Skeleton>(other),
+                                 "proportions of p1");
   ASSERT_FALSE(read.has_value());
   EXPECT_EQ(read.error().code, ErrorCode::kInconsistent);
   EXPECT_NE(read.error().what.find("test_body"), std::string::npos);

@@ -63,7 +63,7 @@ TEST(JointTable, NanIsAMissingValueWhereDeclared) {
   EXPECT_TRUE(std::isnan(table->at(0, 0, 1)));
 }
 
-TEST(JointTable, ANumberBeyondAnyPersonCostsItsFrameAndIsNamed) {
+TEST(JointTable, ANumberBeyondAnyPersonCostsItselfAndIsNamed) {
   EXPECT_THAT(Fails("1 2\n3 -1e300\n", Rows(1)),
               HasSubstr("a.txt:2: -1e+300 is no coordinate of a person (column 2) (numbers reach to 1e+30)"));
   JointTableLayout layout = Rows(1, 2);
@@ -71,11 +71,30 @@ TEST(JointTable, ANumberBeyondAnyPersonCostsItsFrameAndIsNamed) {
   const auto table = ParseJointTable("1 2\n1e300 4\n5 6\n", layout, "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->at(0, 0, 1), 2.0);
-  EXPECT_TRUE(std::isnan(table->at(1, 0, 1)));
+  EXPECT_TRUE(std::isnan(table->at(1, 0, 0)));
+  EXPECT_EQ(table->at(1, 0, 1), 4.0);
   EXPECT_EQ(table->at(2, 0, 0), 5.0);
   ASSERT_EQ(table->findings.size(), 1u);
   EXPECT_EQ(table->findings[0].code, "number_too_large");
   EXPECT_EQ(table->findings[0].frame_begin, 1);
+}
+
+TEST(JointTable, NumbersThatAreNotFiniteCostThemselvesAndAreToldTogether) {
+  JointTableLayout layout = Rows(1, 3);
+  layout.damaged_rows = DamagedRows::kReport;
+  const auto table = ParseJointTable("1 2 3\nnan 5 -inf\n7 8 9\n1 nan 3\n1 2\n4 5 6\n", layout, "a.txt");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->frames, 6);
+  EXPECT_TRUE(std::isnan(table->at(1, 0, 0)) && std::isnan(table->at(1, 0, 2)));
+  EXPECT_EQ(table->at(1, 0, 1), 5.0) << "what stands beside it is whole";
+  EXPECT_TRUE(std::isnan(table->at(4, 0, 0))) << "of a row of another length nobody knows which number is which";
+  ASSERT_EQ(table->findings.size(), 2u);
+  EXPECT_EQ(table->findings[0].code, "row_length");
+  EXPECT_EQ(table->findings[1].code, "not_a_number");
+  EXPECT_EQ(table->findings[1].value, 3.0);
+  EXPECT_EQ(table->findings[1].frame_begin, 1);
+  EXPECT_EQ(table->findings[1].frame_end, 4);
+  EXPECT_THAT(table->findings[1].message, HasSubstr("a.txt:2: 'nan' is not a finite number (column 1), and 2 more"));
 }
 
 TEST(JointTable, InfinityIsNoWordForAMissingJoint) {

@@ -90,6 +90,14 @@ inline Motion Wander(const SkeletonPtr& skeleton, FrameRate rate, int frames, co
   return MakeMotion(skeleton, rate, root, rotation, bones);
 }
 
+/// The walker with hips of somebody's own.
+inline SkeletonPtr OtherWalker() {
+  auto own = std::make_shared<Skeleton>(*Walker());
+  own->joints[1].rest_offset = {0.06, -0.08, -0.02};
+  own->joints[2].rest_offset = {-0.06, -0.08, -0.02};
+  return own;
+}
+
 inline void AddOptionalFields(Motion& motion) {
   const std::size_t cells = motion.rotation.size();
   Random random(7, "optional", "");
@@ -122,7 +130,8 @@ inline Dataset MakeDataset() {
   dataset.skeleton = Walker();
   dataset.clips = {MakeClip("p1", "a", 7), MakeClip("p1", "b", 9), MakeClip("p2", "a", 5)};
   for (Clip& clip : dataset.clips) {
-    clip.motion = Wander(dataset.skeleton, clip.rate, clip.identity.end_frame - clip.identity.begin_frame, clip.id());
+    const SkeletonPtr body = clip.identity.person == "p2" ? OtherWalker() : dataset.skeleton;
+    clip.motion = Wander(body, clip.rate, clip.identity.end_frame - clip.identity.begin_frame, clip.id());
   }
   AddOptionalFields(*dataset.clips[0].motion);
   AddOptionalFields(*dataset.clips[2].motion);
@@ -205,7 +214,7 @@ inline Truth MakeTruth() {
   Truth truth;
   const SkeletonPtr skeleton = Walker();
   truth.motion["s/p/a#0-4"] = Wander(skeleton, {30, 1}, 4, "a");
-  truth.motion["s/p/b#0-6"] = Wander(skeleton, {60, 1}, 6, "b");
+  truth.motion["s/p/b#0-6"] = Wander(OtherWalker(), {60, 1}, 6, "b");
   AddOptionalFields(truth.motion["s/p/a#0-4"]);
   return truth;
 }

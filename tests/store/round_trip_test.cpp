@@ -4,6 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/motion/kinematics.h"
+#include "core/store/dataset_clips.h"
 #include "core/store/fields.h"
 #include "tests/store/builders.h"
 
@@ -95,6 +97,34 @@ TEST(Store, a_dataset_comes_back_as_it_was_written) {
   EXPECT_EQ(read->recipe, written.recipe);
   EXPECT_EQ(read->created_by, written.created_by);
   EXPECT_TRUE(read->axes == written.axes);
+}
+
+TEST(Store, each_clip_keeps_the_rest_offsets_of_its_person) {
+  const Folder folder;
+  Dataset written = MakeDataset();
+  auto own = std::make_shared<Skeleton>(*written.skeleton);
+  own->joints[1].rest_offset = Vector3d(0.01, -0.02, 0.03) + own->joints[1].rest_offset;
+  Motion& motion = *written.clips[1].motion;
+  motion.skeleton = own;
+  ComputeJoints(motion);
+  Status status = WriteDataset(written, folder / "set.h5");
+  ASSERT_TRUE(status) << status.error().Message();
+  const auto read = ReadDataset(folder / "set.h5");
+  ASSERT_TRUE(read) << read.error().Message();
+  for (std::size_t i = 0; i < written.clips.size(); ++i) {
+    const Motion& back = *read->clips[i].motion;
+    EXPECT_EQ(back.skeleton->joints[1].rest_offset, written.clips[i].motion->skeleton->joints[1].rest_offset) << i;
+    status = back.Check();
+    EXPECT_TRUE(status) << status.error().Message();
+  }
+  const auto clips = DatasetClips::Open(folder / "set.h5", DatasetClips::Check::kHashes);
+  ASSERT_TRUE(clips) << clips.error().Message();
+  EXPECT_EQ(clips->Read(1)->motion->skeleton->joints[1].rest_offset, own->joints[1].rest_offset);
+  EXPECT_EQ(clips->Read(0)->motion->skeleton->joints[1].rest_offset, written.skeleton->joints[1].rest_offset);
+
+  own->joints[1].parent = 0;
+  own->joints[2].name = "other";
+  EXPECT_FALSE(WriteDataset(written, folder / "other.h5")) << "another tree is another skeleton";
 }
 
 TEST(Store, joints_only_sets_have_no_rotations_anywhere) {
