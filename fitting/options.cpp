@@ -81,6 +81,7 @@ void RepairOptions::Declare(OptionVisitor& v) {
   v.Bool("swaps", swaps, "exchange left and right limbs back where the tracker exchanged them");
   v.Number("swap_margin", swap_margin, Unit::kNone, {0.0, 1e4},
            "by how much likelier an exchange must be, as a difference of log likelihoods");
+  v.Bool("collapsed", collapsed, "take for missing joints that stand exactly where their parent stands");
   v.Bool("teleports", teleports, "take for missing a person or a joint that is suddenly where nobody can be");
   v.Number("longest_teleport", longest_teleport_s, Unit::kSecond, {0.0, 1e4}, "longer ones are left as they are");
   v.Bool("held", held, "take for missing joints or frames that repeat to the last digit");

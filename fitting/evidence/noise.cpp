@@ -50,6 +50,7 @@ double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<doub
   for (int f = 0; parent >= 0 && f < tracks.frames(); ++f) {
     if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) continue;
     const Vector3d bone = tracks.positions.at(f, joint) - tracks.positions.at(f, parent);
+    if (bone.isZero(0.0)) continue;  // not seen: it stands where its parent does
     const Vector3d along = bone.stableNormalized();
     lengths.push_back(bone.norm());
     variances.push_back(along.dot((UnitCovariance(tracks, f, joint) + UnitCovariance(tracks, f, parent)) * along));

@@ -13,6 +13,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kShortBone = 0.01;  ///< metres; joints of a skeleton that lie in one place may stand in one place
+
 class Repairs {
  public:
   explicit Repairs(const SkeletonTracks& given) {
@@ -38,6 +40,33 @@ class Repairs {
         if (LeaveOut(j, finding.frame_begin, finding.frame_end)) repair.joints.push_back(j);
       }
       if (!repair.joints.empty()) result_.repairs.push_back(std::move(repair));
+    }
+  }
+
+  /// Samples that stand exactly where the joint's parent stands, though the skeleton has a bone between them: what
+  /// trackers write who do not see the joint.
+  void LeaveOutCollapsed() {
+    SkeletonTracks& tracks = result_.tracks;
+    for (int j = 1; j < tracks.joints(); ++j) {
+      const int parent = tracks.skeleton->joints[j].parent;
+      if (tracks.skeleton->joints[j].rest_offset.norm() < kShortBone) continue;
+      const auto collapsed = [&](int f) {
+        return tracks.seen(f, j) && tracks.seen(f, parent) &&
+               (tracks.positions.at(f, j) - tracks.positions.at(f, parent)).isZero(0.0);
+      };
+      for (int f = 0; f < tracks.frames(); ++f) {
+        if (!collapsed(f)) continue;
+        TrackRepair repair;
+        repair.code = "zero_length_bone";
+        repair.frame_begin = f;
+        while (f < tracks.frames() && collapsed(f)) tracks.confidence[At(f++, j)] = 0.0;
+        repair.frame_end = f;
+        repair.joints = {j};
+        repair.value = repair.frame_end - repair.frame_begin;
+        repair.message = names_[j] + " stands exactly where " + names_[parent] + " does in " +
+                         Counted(repair.frame_end - repair.frame_begin, "frame");
+        result_.repairs.push_back(std::move(repair));
+      }
     }
   }
 
@@ -108,6 +137,7 @@ std::vector<Finding> Repeated(std::vector<Finding> findings) {
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options) {
   Repairs repairs(given);
+  if (options.collapsed) repairs.LeaveOutCollapsed();
   if (options.teleports) repairs.LeaveOut(FindTeleports(repairs.points()), options.longest_teleport_s);
   if (options.held) {
     const auto least = static_cast<int>(options.held_frames);

@@ -14,7 +14,7 @@ namespace mocurate {
 struct TrackRepair {
   enum class Action { kExchanged, kLeftOut };
 
-  std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames"
+  std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames", "zero_length_bone"
   Action action = Action::kLeftOut;
   int frame_begin = 0;
   int frame_end = 0;
@@ -30,7 +30,7 @@ struct RepairedTracks {
   std::vector<TrackRepair> repairs;  ///< in the order in which they were made
 };
 
-/// Takes samples for missing that no body gives (teleports, held joints), then exchanges left and right where the
+/// Takes samples for missing that no body gives (bones without length, teleports, held joints), then exchanges left and right where the
 /// tracker did (FindExchanges). `bone_length` (J) metres; `noise_sigma` metres per axis.
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options);

@@ -51,6 +51,7 @@ BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::v
     for (int f = 0; f < clips[c].frames(); ++f) {
       if (!clips[c].seen(f, a) || !clips[c].seen(f, b)) continue;
       const Vector3d seen = clips[c].positions.at(f, a) - clips[c].positions.at(f, b);
+      if (seen.isZero(0.0)) continue;  // one of them was not seen and stands for the other
       const Matrix3d unit = UnitCovariance(clips[c], f, a) + UnitCovariance(clips[c], f, b);
       // Weights by the variance along a bone that is seen would make those count less whose noise points that way.
       const double confidence = std::min(clips[c].confidence_at(f, a), clips[c].confidence_at(f, b));

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "fitting/evidence/noise.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "tests/fitting/takes.h"
@@ -88,6 +89,31 @@ TEST(BadTracks, WithoutAnybodyAreRefusedAndWithNobodyForAWhileSayHowLittleIsKnow
   const auto nothing = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
   ASSERT_FALSE(nothing.has_value());
   EXPECT_NE(nothing.error().what.find("120 frames"), std::string::npos);
+}
+
+/// What trackers write who do not see a hand: the wrist's place. It says nothing of the hand, nor of anybody's noise.
+TEST(BadTracks, OfAJointThatStandsInItsParentsPlaceAreMissingThere) {
+  Take take = SmoothTake(120);
+  AddNoise(take.tracks, 0.01, 4);
+  const double noise = EstimateNoise(take.tracks, take.truth.bone_length).sigma;
+  const int wrist = *TestSkeleton()->FindJoint("left_wrist");
+  const int elbow = *TestSkeleton()->FindJoint("left_elbow");
+  for (int f = 0; f < 120; ++f) {
+    if (f % 3 != 0) take.tracks.positions.at(f, wrist) = Vector3d(take.tracks.positions.at(f, elbow));
+  }
+  EXPECT_NEAR(EstimateNoise(take.tracks, take.truth.bone_length).sigma, noise, 0.2 * noise);
+  const auto person = EstimateProportions({take.tracks}, TestSkeleton(), ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  EXPECT_NEAR(person->bone_length[wrist], take.truth.bone_length[wrist], 0.01);
+  const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
+  int told = 0;
+  for (const Finding& finding : fit.findings) told += finding.code == "zero_length_bone" ? 1 : 0;
+  EXPECT_EQ(told, 40);
+  for (int f = 0; f < 120; ++f) {
+    const JointState state = fit.motion.state[static_cast<std::size_t>(f * fit.motion.joint_count() + wrist)];
+    EXPECT_EQ(state == JointState::kObserved, f % 3 == 0) << f;
+    EXPECT_LT((fit.motion.joints.at(f, wrist) - take.truth.joints.at(f, wrist)).norm(), 0.06) << f;
+  }
 }
 
 TEST(BadTracks, WithBonesOfNoLengthAreFittedAndDoubted) {
