@@ -52,7 +52,8 @@ void Exchange(const fs::path& record, const fs::path& other) {
   nlohmann::json changed = nlohmann::json::parse(ReadText(record));
   const nlohmann::json wrong = nlohmann::json::parse(ReadText(other));
   const std::string name = wrong["artifact"];
-  fs::copy_file(other.parent_path() / name, record.parent_path() / name, fs::copy_options::overwrite_existing);
+  if (other.parent_path() != record.parent_path())  // folders are named by two letters of keys
+    fs::copy_file(other.parent_path() / name, record.parent_path() / name, fs::copy_options::overwrite_existing);
   for (const char* key : {"artifact", "sha256", "bytes"}) changed[key] = wrong[key];
   WriteText(record, changed.dump());
 }
