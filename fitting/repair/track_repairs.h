@@ -30,8 +30,8 @@ struct RepairedTracks {
   std::vector<TrackRepair> repairs;  ///< in the order in which they were made
 };
 
-/// Takes samples for missing that no body gives (bones without length, teleports, held joints), then exchanges left and right where the
-/// tracker did (FindExchanges). `bone_length` (J) metres; `noise_sigma` metres per axis.
+/// Takes samples for missing that no body gives (bones without length, teleports, held joints), then exchanges left and
+/// right where the tracker did (FindExchanges). `bone_length` (J) metres; `noise_sigma` metres per axis.
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options);
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kMadToSigma = 1.4826;
 
+double Square(double value) { return value * value; }
+
 /// Square of a distance as it would be in the median without noise of covariance C (of the difference), from what is
 /// seen. A square (d + e)'(d + e) has the mean d'd + tr C, the variance 4 d'C d + 2 tr C^2, and is skewed: its median
 /// lies by third cumulant / (6 variance) below its mean (Cornish and Fisher). Of one sigma at both ends of a long bone,
@@ -48,10 +50,12 @@ BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::v
   std::vector<std::pair<double, double>> lengths;  // and how much each counts
   double sure = 0.0;
   for (std::size_t c = 0; c < clips.size(); ++c) {
+    const std::vector<Joint>& joints = clips[c].skeleton->joints;
+    const bool bone = joints[a].parent == b || joints[b].parent == a;
     for (int f = 0; f < clips[c].frames(); ++f) {
       if (!clips[c].seen(f, a) || !clips[c].seen(f, b)) continue;
       const Vector3d seen = clips[c].positions.at(f, a) - clips[c].positions.at(f, b);
-      if (seen.isZero(0.0)) continue;  // one of them was not seen and stands for the other
+      if (bone && seen.isZero(0.0)) continue;  // one of them was not seen and stands for the other
       const Matrix3d unit = UnitCovariance(clips[c], f, a) + UnitCovariance(clips[c], f, b);
       // Weights by the variance along a bone that is seen would make those count less whose noise points that way.
       const double confidence = std::min(clips[c].confidence_at(f, a), clips[c].confidence_at(f, b));
@@ -77,19 +81,53 @@ Vector3d Direction(const Skeleton& skeleton, int joint) {
   return skeleton.joints[joint].rest_offset.stableNormalized();
 }
 
+/// Bones between a seen joint and the nearest seen one below it that lead over unseen joints: where the distance hardly
+/// changes (a trunk, not an arm), they have the lengths with which it is that of the rest pose. Otherwise joints that
+/// nobody sees would fold between two that are seen, or pull these apart.
+void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
+                     const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
+  constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
+  std::vector<std::vector<double>> ratios(skeleton.joints.size());
+  for (int end = 1; end < skeleton.joint_count(); ++end) {
+    if (!seen[end] || seen[skeleton.joints[end].parent]) continue;
+    std::vector<int> chain;
+    Vector3d rest = Vector3d::Zero();
+    int above = end;
+    while (above >= 0 && (above == end || !seen[above])) {
+      chain.push_back(above);
+      rest += skeleton.joints[above].rest_offset;
+      above = skeleton.joints[above].parent;
+    }
+    if (above < 0 || rest.norm() < 1e-6) continue;  // nothing above is seen
+    const BoneDistance distance = DistanceOver(clips, white, end, above);
+    if (distance.samples == 0) continue;
+    std::vector<double> noises = white;
+    const double noise = 2.0 * Square(Median(noises));
+    const double bend = std::sqrt(std::max(0.0, Square(distance.spread) - noise));
+    if (bend > kStiff * distance.length) continue;
+    for (const int bone : chain) ratios[bone].push_back(distance.length / rest.norm());
+  }
+  for (std::size_t j = 0; j < ratios.size(); ++j) {
+    if (ratios[j].empty()) continue;
+    double sum = 0.0;
+    for (const double ratio : ratios[j]) sum += ratio;
+    bones.length[j] = skeleton.joints[j].rest_offset.norm() * sum / static_cast<double>(ratios[j].size());
+  }
+}
+
 /// Lengths of bones that start at one unseen joint, from the distances between their seen ends: Gauss-Newton on
-/// |b_i u_i - b_k u_k| = d_ik with prior b = scale * rest.
+/// |b_i u_i - b_k u_k| = d_ik with their lengths so far as prior.
 void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, const Skeleton& skeleton,
-                   const std::vector<int>& siblings, double scale, BoneEstimate& bones) {
+                   const std::vector<int>& siblings, BoneEstimate& bones) {
   constexpr double kDistanceSigma = 0.002;
   constexpr double kPriorSigma = 0.02;
   const auto count = static_cast<Eigen::Index>(siblings.size());
+  const std::vector<double> prior = bones.length;
   for (int iteration = 0; iteration < 10; ++iteration) {
     Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(count, count) / (kPriorSigma * kPriorSigma);
     Eigen::VectorXd gradient(count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      const double rest = scale * skeleton.joints[siblings[i]].rest_offset.norm();
-      gradient[i] = (bones.length[siblings[i]] - rest) / (kPriorSigma * kPriorSigma);
+      gradient[i] = (bones.length[siblings[i]] - prior[siblings[i]]) / (kPriorSigma * kPriorSigma);
     }
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index k = i + 1; k < count; ++k) {
@@ -155,6 +193,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
   for (int j = 1; j < joints; ++j) {
     if (bones.samples[j] == 0) bones.length[j] *= bones.scale;
   }
+  FitUnseenChains(clips, white, skeleton, seen, bones);
   const std::vector<std::vector<int>> children = skeleton.Children();
   for (int parent = 0; parent < joints; ++parent) {
     if (seen[parent]) continue;
@@ -162,7 +201,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
     for (const int child : children[parent]) {
       if (seen[child]) siblings.push_back(child);
     }
-    if (siblings.size() >= 2) SolveSiblings(clips, white, skeleton, siblings, bones.scale, bones);
+    if (siblings.size() >= 2) SolveSiblings(clips, white, skeleton, siblings, bones);
   }
   if (symmetric) {
     const std::vector<double> weight(bones.samples.begin(), bones.samples.end());

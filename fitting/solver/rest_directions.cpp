@@ -19,7 +19,7 @@ constexpr double kRounding = 1e-4;
 /// Bones that start at one joint, by the joints they end at.
 using Star = std::vector<int>;
 
-/// Distances between the ends, metres; none where two are never seen together, or noise reaches across.
+/// Distances between the ends, metres; none where two are never seen together, or noise reaches across a bone.
 std::optional<Eigen::MatrixXd> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
                                            const std::vector<SkeletonTracks>& clips, const std::vector<double>& white) {
   const double across = std::sqrt(6.0) * *std::max_element(white.begin(), white.end());  // of two points, three axes
@@ -31,10 +31,11 @@ std::optional<Eigen::MatrixXd> DistancesOf(const Star& star, const Eigen::Matrix
       const BoneDistance seen =
           DistanceOver(clips, white, star[static_cast<std::size_t>(i)], star[static_cast<std::size_t>(k)]);
       const double expected = (rest.col(i) - rest.col(k)).norm();
-      if (seen.samples == 0 || seen.length <= across) return std::nullopt;
+      if (seen.samples == 0) return std::nullopt;
       const double sigma = std::max(kLeastSigma, seen.sigma);
       const double trust = std::pow(0.5 * kRestSpread * (rest.col(i).norm() + rest.col(k).norm()) / sigma, 2.0);
-      distances(i, k) = distances(k, i) = (trust * seen.length + expected) / (trust + 1.0);
+      const bool near = std::max(seen.length, expected) <= across;  // no more is known than that
+      distances(i, k) = distances(k, i) = near ? expected : (trust * seen.length + expected) / (trust + 1.0);
     }
   }
   return distances;
@@ -124,6 +125,7 @@ Vector3d RoundedDirection(const Vector3d& offset) {
 
 SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
                               const BoneEstimate& bones, bool symmetric) {
+  if (clips.empty()) return skeleton;
   std::vector<double> white;
   for (const SkeletonTracks& clip : clips) white.push_back(EstimateNoise(clip, {}).white);
   auto own = std::make_shared<Skeleton>(*skeleton);

@@ -160,6 +160,16 @@ void CompareTree(const SourceOptions& source, ObservedClip& clip) {
                           "the tree is not that of the declared skeleton '" + source.skeleton + "': " + message});
 }
 
+/// Whether every joint hangs from the same joint as its namesake.
+bool HangsAlike(const std::vector<std::string>& names, const std::vector<int>& parents, const Skeleton& skeleton) {
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    const int above = skeleton.joints[static_cast<std::size_t>(*skeleton.FindJoint(names[j]))].parent;
+    const int expected = parents[j] < 0 ? -1 : *skeleton.FindJoint(names[static_cast<std::size_t>(parents[j])]);
+    if (above != expected) return false;
+  }
+  return true;
+}
+
 void FollowTree(const std::vector<int>& parents, const std::string& evidence, ObservedClip& clip) {
   clip.parents = parents;
   clip.points = PointsOfTree(clip.names, parents);
@@ -173,7 +183,11 @@ void FollowTree(const std::vector<int>& parents, const std::string& evidence, Ob
     const bool same = std::all_of(clip.names.begin(), clip.names.end(),
                                   [&](const std::string& joint) { return (*skeleton)->FindJoint(joint).has_value(); });
     if (!same) continue;
-    clip.skeleton = known;
+    if (HangsAlike(clip.names, parents, **skeleton)) {
+      clip.skeleton = known;
+    } else {
+      clip.skeleton_evidence = evidence + ": joints named as in '" + known + "', some hang from others than there";
+    }
     if (clip.points.knee[0] < 0) FollowFormat(known, clip.names, evidence, clip);
   }
 }

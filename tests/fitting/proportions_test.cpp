@@ -56,6 +56,27 @@ TEST(Proportions, AreNotInflatedByNoiseInDepth) {
   }
 }
 
+/// Where the neck's root is not tracked, hips and head tell how long the trunk is: else it would fold, or pull them
+/// apart.
+TEST(Proportions, OfATrunkWhoseMiddleIsUnseenSpanIt) {
+  Take take = SmoothTake(200);
+  const Skeleton& skeleton = *take.tracks.skeleton;
+  const int chest = *skeleton.FindJoint("chest");
+  const int head = *skeleton.FindJoint("head");
+  std::vector<double> bones = take.truth.bone_length;
+  bones[chest] *= 0.7;
+  std::vector<Quaterniond> upright = take.truth.rotation;
+  for (int f = 0; f < 200; ++f) upright[static_cast<std::size_t>(f * take.tracks.joints() + chest)].setIdentity();
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, upright, bones);
+  take.tracks.positions = take.truth.joints;
+  for (int f = 0; f < 200; ++f) Hide(take.tracks, f, chest);
+  const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  EXPECT_NEAR(person->bone_length[chest] + person->bone_length[head], bones[chest] + bones[head], 0.045)
+      << "0.12 more in the rest pose";
+  EXPECT_NEAR(person->bone_length[5], bones[5], 2e-4) << "what is seen stays";
+}
+
 TEST(Proportions, OfUnseenJointsFollowTheRest) {
   Take take = LargerPerson(50);
   for (int f = 0; f < 50; ++f) {
@@ -98,8 +119,8 @@ SkeletonPtr OtherBody(const Skeleton& skeleton, double forward) {
     const double length = joint.rest_offset.norm();
     if (joint.parent != 0) continue;
     Vector3d turned = joint.rest_offset.normalized();
-    turned +=
-        joint.mirror == static_cast<int>(&joint - other->joints.data()) ? Vector3d(0, 0, 0.2) : Vector3d(0, -0.8, forward);
+    turned += joint.mirror == static_cast<int>(&joint - other->joints.data()) ? Vector3d(0, 0, 0.2)
+                                                                              : Vector3d(0, -0.8, forward);
     joint.rest_offset = length * turned.normalized();
   }
   return other;
