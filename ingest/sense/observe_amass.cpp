@@ -4,6 +4,7 @@
 #include "core/formats/amass.h"
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/tree_points.h"
 #include "ingest/sources/smpl_motion.h"
@@ -84,6 +85,8 @@ ObservedClip AmassClip(const Amass& amass) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
+  if (const auto angles = DoubtAngles(amass))
+    clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
   const Expected<Motion> posed = PoseTree(amass);
   if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
   if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
