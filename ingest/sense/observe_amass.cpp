@@ -129,16 +129,20 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
     observed.companions.push_back({file.name, "body_model", {}, {}});
     return observed;
   }
+  std::optional<Error> exchanged;
   for (const NpzMember& member : archive->members) {
     if (!member.skipped.empty()) continue;
-    auto clips = ObserveArray(member.array, file.name, source);
-    if (!clips) continue;  // other arrays may stand beside those of joints
+    auto clips = ObserveArray(member.array, file.name + ":" + member.name, source);
+    // Other arrays may stand beside those of joints.
+    if (!clips && clips.error().code == ErrorCode::kInconsistent) exchanged = clips.error();
+    if (!clips) continue;
     for (ObservedClip& clip : *clips) {
       clip.id = "[" + member.name + "]" + clip.id;
       clip.format = "npz";
       observed.clips.push_back(std::move(clip));
     }
   }
+  if (observed.clips.empty() && exchanged) return tl::unexpected<Error>(*exchanged);
   if (observed.clips.empty()) {
     return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,
                 "wanted: (frames, joints, 3), or AMASS");

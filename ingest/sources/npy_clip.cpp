@@ -2,7 +2,9 @@
 
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/array_sense.h"
 #include "ingest/sources/array_clips.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/mapped_file.h"
 #include "ingest/sources/source_file.h"
 
@@ -60,6 +62,10 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
     return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeText(*array) + " holds " + other, file.name);
   }
+  if (const auto axes = ExchangedAxes(*array, wide); axes && !cube) {
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + ShapeText(*array) + ": " + axes->words, file.name,
+                axes->way_out);
+  }
   if ((!cube && !flat) || array->shape[0] == 0) {
     return Fail(ErrorCode::kInconsistent,
                 "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
@@ -71,18 +77,29 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   for (int f = 0; f < frames; ++f) {
     for (int j = 0; j < joints; ++j) {
       const double* raw = array->values.data() + (static_cast<std::size_t>(f) * wide + (*place)[j]) * 3;
-      if (!std::isfinite(raw[0]) || !std::isfinite(raw[1]) || !std::isfinite(raw[2])) {
-        return Fail(ErrorCode::kMalformed,
-                    "joint '" + (*skeleton)->joints[j].name + "' is not finite in frame " + std::to_string(f),
-                    file.name, "a joints-only motion has no missing joints");
-      }
       positions.at(f, j) = frame->metres_from_file * Vector3d(raw[0], raw[1], raw[2]);
     }
   }
   IngestedClip ingested;
+  ingested.findings = DamagedFramesOf(array->values.data(), frames, static_cast<int>(wide), file.name);
+  if (!ingested.findings.empty() && source.damaged_rows == DamagedRows::kRefuse) {
+    return Fail(ErrorCode::kMalformed, ingested.findings[0].message, file.name,
+                "mend the file, or set ingest.source.damaged_rows: report");
+  }
+  std::vector<int> damaged;
+  for (const Finding& finding : ingested.findings) damaged.push_back(finding.frame_begin);
+  const auto bridged = BridgeFrames(damaged, frames, *source.rate_hz, file.name);
+  if (!bridged) return Forward(bridged);
+  for (const DamagedFrame& at : *bridged) {
+    for (int j = 0; j < joints; ++j) {
+      positions.at(at.frame, j) =
+          (1.0 - at.share) * Vector3d(positions.at(at.before, j)) + at.share * Vector3d(positions.at(at.after, j));
+    }
+  }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(positions));
+  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   return ingested;
 }
 
