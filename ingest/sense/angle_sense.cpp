@@ -59,6 +59,21 @@ Angles AnglesOfBones(const Amc& amc, const Asf* skeleton) {
   return angles;
 }
 
+/// Whether the root turns by more than radians do, unwound for a turn or two: a person who stands as at rest may face
+/// anywhere.
+bool RootTurnsInDegrees(const Amc& amc, const Asf* skeleton) {
+  const int root = amc.Find("root");
+  if (root < 0) return false;
+  const AmcBone& bone = amc.bones[static_cast<std::size_t>(root)];
+  for (int c = 0; c < bone.channels; ++c) {
+    const bool turns = skeleton == nullptr ? c >= 3 : IsRotation(skeleton->root_order[static_cast<std::size_t>(c)]);
+    for (int f = 0; turns && f < amc.frames; ++f) {
+      if (amc.has(f, root) && std::abs(amc.value(f, bone.first_channel + c)) > 4.0 * kPi) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<Finding> DoubtAngles(const Amass& amass) {
@@ -85,7 +100,8 @@ std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {
     return Contradiction(angles.largest, who + ":RADIANS, but angles of bones are " + OverWords(angles) +
                                              ": they are degrees; write :DEGREES");
   }
-  if (degrees && angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi) {
+  const bool small = angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
+  if (degrees && small && !RootTurnsInDegrees(amc, skeleton)) {
     return Contradiction(angles.largest, who + ":DEGREES, but no bone is turned by more than " +
                                              Digits(angles.largest) + " in any of " + std::to_string(amc.frames) +
                                              " frames: they are radians; write :RADIANS");

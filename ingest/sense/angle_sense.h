@@ -14,8 +14,8 @@ namespace mocurate {
 std::optional<Finding> DoubtAngles(const Amass& amass);
 
 /// The same of angles in an AMC, whose header (else its skeleton, if any) says the unit: said to be radians, and more
-/// than whole turns; said to be degrees, and no joint of at least 10 turned by more than what pi is in radians. Nothing
-/// is doubted of a person whom the numbers show within 0.5 of the rest pose.
+/// than whole turns; said to be degrees, and no joint of at least 10 turned by more than what pi is in radians, nor the
+/// root by more than 4 pi. Nothing is doubted of a person whom the numbers show within 0.5 of the rest pose.
 std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton);
 
 }  // namespace mocurate

@@ -82,11 +82,12 @@ class WrongUnits : public WrittenFormats {
     EXPECT_THAT(ErrorCodes(clips[0].outcome), Contains(code));
   }
   static std::string Cmu(const std::string& name) { return *ReadFile(TestData() + "/cmu/asf_amc/" + name); }
-  /// With another word for the unit, and angles times `factor`.
-  static std::string Angles(const std::string& word, double factor) {
+  /// With another word for the unit, and angles of bones times `factor`, of the root as well unless it is left.
+  static std::string Angles(const std::string& word, double factor, bool root = true) {
     AmcOptions options;
     Amc amc = *ParseAmc(Cmu("01_01.amc"), options, "01_01.amc");
     for (const AmcBone& bone : amc.bones) {
+      if (!root && bone.name == "root") continue;
       for (int f = 0; f < amc.frames; ++f) {
         for (int c = bone.name == "root" ? 3 : 0; c < bone.channels; ++c)
           amc.values[static_cast<std::size_t>(f) * amc.channel_count + bone.first_channel + c] *= factor;
@@ -170,6 +171,8 @@ TEST_F(WrongUnits, AnglesOfAcclaimThatAreNotOfTheUnitInTheirHeaderAreNamed) {
   ExpectAcclaim(Cmu("01.asf"), Angles(":DEGREES", M_PI / 180.0), "angle_unit_contradiction");
   Written("01_01.amc", Angles(":RADIANS", M_PI / 180.0));
   EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "true radians";
+  Written("01_01.amc", Angles(":DEGREES", M_PI / 180.0, false));
+  EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "who stands as at rest and turns round";
 }
 
 TEST_F(WrongUnits, ALengthOfAnAcclaimSkeletonThatIsAHundredthOfItselfIsNamed) {
