@@ -131,14 +131,19 @@ void LogLeftOut(const std::vector<ItemResult>& files) {
 
 namespace {
 
-/// The hash of a clip that is one file, where the stage failed before it could say it.
+/// The hash of a clip's file, where the stage failed before it could say it; of a clip of several files that of their
+/// hashes, a line each, in the order in which the stage had them.
 void AddSourceHash(const ItemSpec& spec, ItemResult& failed) {
-  const auto is_source = [](const StageInput& input) { return input.role == "source"; };
-  const auto source = std::find_if(spec.inputs.begin(), spec.inputs.end(), is_source);
-  const bool alone = std::count_if(spec.inputs.begin(), spec.inputs.end(), is_source) == 1;
-  if (failed.outcome.summary.contains("source_sha256") || !alone) return;
-  const Expected<std::string> sha256 = Sha256OfFile(source->path);
-  if (sha256) failed.outcome.summary["source_sha256"] = *sha256;
+  if (failed.outcome.summary.contains("source_sha256")) return;
+  std::string hashes;
+  std::size_t files = 0;
+  for (const StageInput& input : spec.inputs) {
+    if (input.role != "source" && input.role != "depth") continue;
+    const Expected<std::string> sha256 = Sha256OfFile(input.path);
+    if (!sha256) return;
+    hashes += (files++ > 0 ? "\n" : "") + *sha256;
+  }
+  if (files > 0) failed.outcome.summary["source_sha256"] = files == 1 ? hashes : Sha256Hex(hashes);
 }
 
 }  // namespace

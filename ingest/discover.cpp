@@ -223,6 +223,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
     if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
     if (file.name == source.label_table) continue;
+    const auto leave_out = [&](ItemResult result) {
+      if (IsFailure(result.outcome.kind)) AddSourceHash(file.path, result);
+      discovery.left_out.push_back(std::move(result));
+    };
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && source.other_files == OtherFiles::kIgnore) {
       if (EndsAsMotion(source, file.name)) passed_over.push_back(file.name);
@@ -237,26 +241,25 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
       recordings.insert(StemOf(file.name));  // left out anyway
-      discovery.left_out.push_back(LeftOutFile(file.name, source, matches, named.error()));
+      leave_out(LeftOutFile(file.name, source, matches, named.error()));
       continue;
     }
     const std::string recording = source.views.together ? StemOf(file.name) : named->identity.recording;
     recordings.insert(recording);
     const auto excluded = source.exclude.find(recording);
     if (excluded != source.exclude.end()) {
-      discovery.left_out.push_back(
-          ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
+      leave_out(ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
     const std::optional<KnownIssue> issue = known_issues->Find(recording);
     if (issue && source.known_issues == KnownIssueAction::kDrop) {
-      discovery.left_out.push_back(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
-                                                "ingest.source.known_issues: report keeps such clips"));
+      leave_out(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
+                             "ingest.source.known_issues: report keeps such clips"));
       continue;
     }
     if (!file.problem.empty() && gathered->empty()) {
       const Error why{ErrorCode::kUnreadable, file.problem, file.name, "mend or remove it"};
-      discovery.left_out.push_back(RefusedFile(named->item(), "unreadable_file", why));
+      leave_out(RefusedFile(named->item(), "unreadable_file", why));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
@@ -267,7 +270,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
                               : Fail(ErrorCode::kInconsistent, "'" + source.label_table + "' does not name it",
                                      file.name, "add a line, or take the file out");
       if (!label) {
-        discovery.left_out.push_back(LeftOutFile(file.name, source, true, label.error()));
+        leave_out(LeftOutFile(file.name, source, true, label.error()));
         continue;
       }
       item.options["told_label"] = *label;
@@ -275,12 +278,12 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
       const bool missing = added.error().code == ErrorCode::kNotFound;
       const char* code = missing ? "calibration_missing" : "unreadable_file";
-      discovery.left_out.push_back(RefusedFile(item.item, code, added.error()));
+      leave_out(RefusedFile(item.item, code, added.error()));
       continue;
     }
     if (!source.skeleton_files.empty()) {
       if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {
-        discovery.left_out.push_back(RefusedFile(item.item, "skeleton_file_missing", added.error()));
+        leave_out(RefusedFile(item.item, "skeleton_file_missing", added.error()));
         continue;
       }
     }

@@ -7,6 +7,7 @@
 #include "core/formats/header_count.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
+#include "ingest/sense/comparison.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
@@ -299,6 +300,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != "refused") continue;
     outcome.kind = OutcomeKind::kRefused;
+    outcome.summary["threshold"] = ContradictionThreshold(finding.code, finding.value, *source);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,
                           "set ingest.source.on_contradiction: flag to keep such clips"};
     return outcome;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/file.h"
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "ingest/folder_listing.h"
 
@@ -78,6 +79,12 @@ ItemResult RefusedFile(const std::string& item, const char* code, const Error& w
   result.outcome.error = why;
   result.outcome.findings.push_back(std::move(finding));
   return result;
+}
+
+void AddSourceHash(const std::filesystem::path& file, ItemResult& result) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(file, unknown)) return;
+  if (const Expected<std::string> sha256 = Sha256OfFile(file)) result.outcome.summary["source_sha256"] = *sha256;
 }
 
 ItemResult NotLookedAt(const std::string& folder, std::size_t files, bool named_so, const SourceOptions& source) {

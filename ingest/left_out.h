@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ ItemResult ExcludedFile(const std::string& item, const std::string& file, const 
 
 /// A file that should be an item and cannot be.
 ItemResult RefusedFile(const std::string& item, const char* code, const Error& why);
+
+/// "source_sha256" of the summary, as of items that were read; nothing where the file cannot be.
+void AddSourceHash(const std::filesystem::path& file, ItemResult& result);
 
 /// Files of a folder that lie where the pattern does not look, and a folder that is `named_so` as the pattern has its
 /// files: one line for all.

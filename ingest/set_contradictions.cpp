@@ -96,6 +96,8 @@ void Blame(const Finding& of_the_set, bool refuse, std::vector<ItemResult>& clip
       continue;
     }
     own.action = "refused";
+    clip.outcome.summary["threshold"] =
+        own.code == "rate_doubtful" ? 1.0 / static_cast<double>(kLeastDenials) : kAgreement;
     clip.outcome.kind = OutcomeKind::kRefused;
     clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
                                "set ingest.source.on_contradiction: flag to keep such clips"};

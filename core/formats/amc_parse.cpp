@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/amc.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
@@ -170,6 +171,14 @@ class Parser {
     }
     const AmcBone& known = amc_.bones[found->second];
     if (here_[found->second] != 0) return Bad(called + " stands twice");
+    const auto large =
+        std::find_if(numbers_.begin(), numbers_.end(), [](double number) { return std::abs(number) > kLargestNumber; });
+    if (large != numbers_.end()) {
+      const std::string what = called + " has " + FormatDouble(*large) + ", which is no number of a person";
+      if (learns || options_.damaged_rows == DamagedRows::kRefuse) return Bad(what, "the row is damaged");
+      Report("number_too_large", bone, static_cast<double>(large - numbers_.begin()), Place(line_) + ": " + what);
+      return whole ? token == Token::kLineEnd : SkipLine();
+    }
     const bool fits = whole && numbers_.size() == static_cast<std::size_t>(known.channels);
     if (!fits) {
       const std::string what = called + (whole ? " has " + std::to_string(numbers_.size()) + " numbers, not " +

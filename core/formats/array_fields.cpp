@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/array_elements.h"
+#include "core/formats/largest_number.h"
 
 namespace mocurate {
 namespace {
@@ -41,6 +42,12 @@ Status CheckField(const NpyArray& array, const std::vector<std::size_t>& wanted,
   for (std::size_t i = 0; i < array.values.size(); ++i) {
     if (!std::isfinite(array.values[i])) {
       return Fail(ErrorCode::kMalformed, "the value at " + PlaceText(i, array.shape) + " is not finite", where);
+    }
+    if (std::abs(array.values[i]) > kLargestNumber) {
+      return Fail(ErrorCode::kMalformed,
+                  "the value at " + PlaceText(i, array.shape) + ", " + FormatDouble(array.values[i]) +
+                      ", is no number of a person",
+                  where, "numbers reach to " + FormatDouble(kLargestNumber));
     }
   }
   return {};

@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
 #include "core/formats/header_count.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
@@ -53,6 +54,8 @@ class Parser {
     for (int i = 0; i < 3; ++i) {
       const std::optional<double> value = ParseDouble(words[i + 1]);
       if (!value || !std::isfinite(*value)) return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no finite number");
+      if (std::abs(*value) > kLargestNumber)
+        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no length of a body");
       offset[i] = *value;
     }
     return offset;
@@ -174,17 +177,63 @@ class Parser {
     return {};
   }
 
+  /// The first number of the row that no person has.
+  std::optional<double> TooLarge(std::size_t begin) const {
+    for (std::size_t at = begin; at < bvh_.values.size(); ++at) {
+      if (std::abs(bvh_.values[at]) > kLargestNumber) return bvh_.values[at];
+    }
+    return std::nullopt;
+  }
+
+  /// Keeps the place of the row, which holds the numbers of the one before it.
+  void Damage(const char* code, double value, int line, long long row, const std::string& what, std::size_t begin) {
+    const auto wide = static_cast<std::size_t>(bvh_.channel_count);
+    bvh_.values.resize(begin);
+    for (std::size_t c = 0; c < wide; ++c) bvh_.values.push_back(begin == 0 ? 0.0 : bvh_.values[begin - wide + c]);
+    bvh_.damaged.push_back(static_cast<int>(std::min<long long>(row, std::numeric_limits<int>::max() - 1)));
+    constexpr std::size_t kMostFindings = 1000;
+    if (bvh_.findings.size() >= kMostFindings) return;
+    Report(code, value, line, row, what);
+    bvh_.findings.back().severity = Severity::kWarning;
+    bvh_.findings.back().frame_end = bvh_.findings.back().frame_begin + 1;
+    bvh_.findings.back().action = "dropped";
+  }
+
+  /// Rows before the first whole one hold its numbers. Damage that may have split or joined rows has no place.
+  Status PlaceDamage(long long rows) {
+    if (bvh_.damaged.empty()) return {};
+    const auto wide = static_cast<std::size_t>(bvh_.channel_count);
+    const auto damaged = static_cast<long long>(bvh_.damaged.size());
+    if (rows > announced_ || (joined_ && rows != announced_) || 2 * damaged > rows) {
+      const Finding& first = bvh_.findings.front();
+      return Fail(ErrorCode::kMalformed, first.message.substr(first.message.find(": ") + 2),
+                  first.message.substr(0, first.message.find(": ")),
+                  2 * damaged > rows ? "more rows are damaged than whole: mend the file, or leave it out"
+                                     : "the header announces " + std::to_string(announced_) + " frames, the file has " +
+                                           std::to_string(rows) +
+                                           " rows: damage may have split or joined some, so that none after it has "
+                                           "its place; mend the file, or leave it out");
+    }
+    std::size_t whole = 0;
+    while (whole < bvh_.damaged.size() && bvh_.damaged[whole] == static_cast<int>(whole)) ++whole;
+    for (std::size_t row = 0; row < whole; ++row) {
+      for (std::size_t c = 0; c < wide; ++c) bvh_.values[row * wide + c] = bvh_.values[whole * wide + c];
+    }
+    return {};
+  }
+
   Status Frames() {
     using Token = NumberScanner::Token;
     NumberScanner scanner(lines_.rest(), false, lines_.number() + 1);
     bvh_.values.reserve(std::min<std::size_t>(lines_.rest().size() / 2 + 1,
                                               static_cast<std::size_t>(std::min<long long>(announced_, 1 << 24)) *
                                                   static_cast<std::size_t>(bvh_.channel_count)));
+    const auto wide = static_cast<std::size_t>(bvh_.channel_count);
     int line = scanner.line();
     long long rows = 0;
     for (bool more = true; more;) {
       const std::size_t begin = bvh_.values.size();
-      const Token token = scanner.Numbers(bvh_.values);
+      Token token = scanner.Numbers(bvh_.values);
       const std::size_t in_row = bvh_.values.size() - begin;
       const bool cut = reports_ && rows > 0;  // then what is whole speaks for itself
       if (cut && token == Token::kWord && Trim(scanner.rest()).empty()) {
@@ -193,27 +242,40 @@ class Parser {
         break;
       }
       if (token == Token::kNotFinite || token == Token::kWord) {
-        return Bad("'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
-                       std::to_string(in_row) + " is no finite number",
-                   scanner.line(), "mend or cut the frame, or leave the file out");
+        const std::string what = "'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
+                                 std::to_string(in_row) + " is no finite number";
+        if (!reports_) return Bad(what, scanner.line(), "mend or cut the frame, or leave the file out");
+        Damage("not_a_number", static_cast<double>(in_row), line, rows++, what, begin);
+        while (token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
+        more = token != Token::kEnd;
+        line = scanner.line();
+        continue;
       }
       more = token != Token::kEnd;
       const bool ends = !more || Trim(scanner.rest()).empty();
-      if (cut && ends && in_row != 0 && in_row < static_cast<std::size_t>(bvh_.channel_count)) {
+      if (cut && ends && in_row != 0 && in_row < wide) {
         CutOff(in_row, line, rows, "");
         bvh_.values.resize(begin);
         break;
       }
-      if (in_row != 0 && in_row != static_cast<std::size_t>(bvh_.channel_count)) {
-        return Bad("frame " + std::to_string(rows) + " has " + std::to_string(in_row) + " numbers, the hierarchy has " +
-                       std::to_string(bvh_.channel_count) + " channels",
-                   line, "the file is cut off or damaged: copy it again");
+      if (in_row != 0 && in_row != wide) {
+        const std::string what = "frame " + std::to_string(rows) + " has " + std::to_string(in_row) +
+                                 " numbers, the hierarchy has " + std::to_string(wide) + " channels";
+        if (!reports_) return Bad(what, line, "the file is cut off or damaged: copy it again");
+        joined_ = joined_ || in_row > wide;
+        Damage("row_length", static_cast<double>(in_row), line, rows, what, begin);
+      } else if (const std::optional<double> large = TooLarge(begin)) {
+        const std::string what =
+            FormatDouble(*large) + " in frame " + std::to_string(rows) + " is no coordinate or angle of a person";
+        if (!reports_) return Bad(what, line, "numbers reach to " + FormatDouble(kLargestNumber));
+        Damage("number_too_large", static_cast<double>(in_row), line, rows, what, begin);
       }
       if (in_row != 0) ++rows;
       line = scanner.line();
     }
     if (rows == 0) return Bad("no frame follows", line, "the file is cut off: copy it again");
     if (rows > std::numeric_limits<int>::max()) return Bad("too many frames");
+    if (Status placed = PlaceDamage(rows); !placed) return placed;
     if (rows != announced_) {
       const auto contradiction =
           CountContradiction("Frames", static_cast<double>(announced_), static_cast<double>(rows),
@@ -251,6 +313,7 @@ class Parser {
   std::vector<int> stack_;
   long long announced_ = 0;
   int announced_line_ = 0;
+  bool joined_ = false;  ///< a row has more numbers than channels
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
@@ -16,8 +17,6 @@ namespace {
 using Token = NumberScanner::Token;
 
 constexpr int kFewRows = 8;
-/// Beyond any coordinate, time or count of a person, in whatever unit; products of a few such are still finite.
-constexpr double kLargest = 1e30;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers.
@@ -99,7 +98,7 @@ class Parser {
   /// The first column from `begin` on whose number is beyond the limit.
   std::optional<int> TooLarge(std::size_t begin) const {
     for (std::size_t at = begin; at < table_.values.size(); ++at) {
-      if (std::abs(table_.values[at]) > kLargest) return static_cast<int>(at - begin);
+      if (std::abs(table_.values[at]) > kLargestNumber) return static_cast<int>(at - begin);
     }
     return std::nullopt;
   }
@@ -186,12 +185,12 @@ class Parser {
     const std::string what = FormatDouble(table_.values[begin + static_cast<std::size_t>(*first)]) +
                              " is no coordinate of a person (" + Column(*first) + ")";
     if (layout_.damaged_rows == DamagedRows::kRefuse) {
-      return Bad(what, line, "numbers reach to " + FormatDouble(kLargest));
+      return Bad(what, line, "numbers reach to " + FormatDouble(kLargestNumber));
     }
     int numbers = 0;
     for (auto value = table_.values.begin() + static_cast<std::ptrdiff_t>(begin); value != table_.values.end();
          ++value) {
-      if (!(std::abs(*value) > kLargest)) continue;
+      if (!(std::abs(*value) > kLargestNumber)) continue;
       *value = kNan;
       ++numbers;
     }

@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/header_count.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 
@@ -144,6 +145,16 @@ class Parser {
       if (!leaves_out) return Bad(what);
       Report("not_a_number", read, line_, what);
       while (token != Token::kLineEnd && token != Token::kEnd) token = scanner_.Next();
+      *damaged = true;
+      return {};
+    }
+    for (int i = 0; i < std::min(read, count); ++i) {
+      if (std::abs(row_[static_cast<std::size_t>(i)]) <= kLargestNumber) continue;
+      const std::string what =
+          FormatDouble(row_[static_cast<std::size_t>(i)]) + " is no number of a person: " + fields[i];
+      if (!leaves_out)
+        return Bad(what, ErrorCode::kMalformed, "numbers reach to " + FormatDouble(kLargestNumber), line_);
+      Report("number_too_large", i, line_, what);
       *damaged = true;
       return {};
     }

@@ -49,7 +49,7 @@ class Path {
  private:
   bool Possible(int from, int to) const {
     const double time = points_.time_s[static_cast<std::size_t>(to)] - points_.time_s[static_cast<std::size_t>(from)];
-    return (Place(to) - Place(from)).norm() <= limits_.slack + limits_.speed * time;
+    return (Place(to) - Place(from)).stableNorm() <= limits_.slack + limits_.speed * time;
   }
 
   void Split() {
@@ -87,10 +87,10 @@ class Path {
       if (stays_[i].end < f) before = stays_[i].end;
       if (stays_[i].begin > f && after < 0) after = stays_[i].begin;
     }
-    if (before < 0 || after < 0) return (Place(f) - Place(before < 0 ? after : before)).norm();
+    if (before < 0 || after < 0) return (Place(f) - Place(before < 0 ? after : before)).stableNorm();
     const auto at = [&](int frame) { return points_.time_s[static_cast<std::size_t>(frame)]; };
     const double share = (at(f) - at(before)) / (at(after) - at(before));
-    return (Place(f) - (Place(before) + share * (Place(after) - Place(before)))).norm();
+    return (Place(f) - (Place(before) + share * (Place(after) - Place(before)))).stableNorm();
   }
 
   const TrackedPoints& points_;
@@ -110,7 +110,7 @@ std::vector<Finding> FindTeleports(const TrackedPoints& points, const TeleportLi
       const int begin = f;
       double farthest = 0.0;
       for (; f < points.frames() && path.Seen(f) && points.sees(f, k); ++f) {
-        const double distance = (points.at(f, k) - path.Place(f)).norm();
+        const double distance = (points.at(f, k) - path.Place(f)).stableNorm();
         if (distance <= limits.reach) break;
         farthest = std::max(farthest, distance);
       }

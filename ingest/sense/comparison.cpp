@@ -8,12 +8,12 @@
 namespace mocurate {
 namespace {
 
-constexpr double kContradicts = 0.55;       // least confidence of a measured value that contradicts a declared one
-constexpr double kBodySlack = 0.15;         // of the body's length, before a declared unit is doubted
-constexpr double kPathSlack = 2.0;          // factor by which a path may differ from the steps of a standard body
-constexpr double kRateTolerance = 0.01;     // relative
-constexpr std::size_t kLeastDenials = 100;  // one clip in so many
-constexpr double kUnitSlack = 1.5;          // factor within which a length is a usual unit
+constexpr double kContradicts = 0.55;  // least confidence of a measured value that contradicts a declared one
+constexpr double kBodySlack = 0.15;    // of the body's length, before a declared unit is doubted
+constexpr double kLeastBody = kShortestBody * (1.0 - kBodySlack), kLongestBody = kTallestBody * (1.0 + kBodySlack);
+constexpr double kPathSlack = 2.0;       // factor by which a path may differ from the steps of a standard body
+constexpr double kRateTolerance = 0.01;  // relative
+constexpr double kUnitSlack = 1.5;       // factor within which a length is a usual unit
 
 double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
@@ -52,7 +52,7 @@ void CompareUnits(const Statements& said, const ClipMeasures& m, std::vector<Com
   if (m.root) return ComparePath(said, *m.root, *declared, comparisons);
   const double metres = m.body * *declared;
   Comparison units{"units_contradiction", said.units, m.units.value, Rounded(metres), 1.0, false, ""};
-  units.contradicts = metres < kShortestBody * (1.0 - kBodySlack) || metres > kTallestBody * (1.0 + kBodySlack);
+  units.contradicts = metres < kLeastBody || metres > kLongestBody;
   units.message = "in the declared unit '" + said.units + "' the person measures " + FormatDouble(Rounded(metres)) +
                   " m from head to foot" +
                   (m.units.value.empty() ? "" : "; in " + m.units.value + " it would be a person");
@@ -82,6 +82,18 @@ Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOpti
   said.facing = SourceAxis(*axes, 2);
   said.handedness = axes->handedness() == Handedness::kLeft ? "left" : "right";
   return said;
+}
+
+double ContradictionThreshold(const std::string& code, double value, const SourceOptions& source) {
+  if (code == "units_contradiction") {
+    const bool path = source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap;
+    if (path) return value > 1.0 ? kPathSlack : 1.0 / kPathSlack;
+    return Rounded(value > kTallestBody ? kLongestBody : kLeastBody);
+  }
+  if (code == "up_contradiction" || code == "handedness_contradiction") return kContradicts;
+  if (code == "joint_order_contradiction") return kPlausibleOrder;
+  if (code == "rate_contradiction") return source.rate_hz.value_or(0.0);
+  return 0.0;
 }
 
 std::optional<Comparison> CompareRate(const SourceOptions& source, double file_hz) {

@@ -32,8 +32,15 @@ struct Comparison {
 /// Units, up and handedness: those that are declared and that the clip shows. Nothing of what it does not show.
 std::vector<Comparison> CompareFrame(const Statements& said, const ClipMeasures& measures);
 
+/// The limit that the value behind a contradiction is beyond: metres of a body, a factor of a path, how sure a measure
+/// is, the declared rate, the fit of an order of joints. 0 of other codes.
+double ContradictionThreshold(const std::string& code, double value, const SourceOptions& source);
+
 /// A rate that a file says, where it is not the declared one: "rate_contradiction". Writers of BVH round.
 std::optional<Comparison> CompareRate(const SourceOptions& source, double file_hz);
+
+/// One clip in so many that denies its rate makes that a fact about the set.
+inline constexpr std::size_t kLeastDenials = 100;
 
 /// Of all clips together: whether those whose motion denies their rate make that a fact about the set. One that allows
 /// it says little, as people may do anything slowly: 5 that deny it in the same direction, and 1 in 100, are enough.
@@ -47,6 +54,9 @@ struct RateDenials {
   bool OfTheSet() const;
   std::string Words() const;  ///< "86 of 205 clips deny their rate, all as too fast"
 };
+
+/// A declared order of joints that scores better (BodyScore::total) is not doubted.
+inline constexpr double kPlausibleOrder = 0.12;
 
 /// Clips of one source or folder that tell, before the others are told by them, and the least share of their votes.
 inline constexpr std::size_t kFewestVotes = 5;

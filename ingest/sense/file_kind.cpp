@@ -37,13 +37,14 @@ std::size_t NumbersIn(std::string_view line) {
   return numbers;
 }
 
-/// Counts of frames and bodies, the body's 10 numbers, "25"; before them frames without a body.
+/// Counts of frames and bodies, the body's 10 numbers, a count of joints, which its reader judges, and 12 numbers of a
+/// joint; before them frames without a body.
 bool IsNtuSkeleton(const std::vector<std::string_view>& lines) {
   if (lines.size() < 5 || !ParseInteger(lines[0])) return false;
   std::size_t at = 1;
   while (at < lines.size() && lines[at] == "0") ++at;
-  return at + 3 < lines.size() && ParseInteger(lines[at]) && NumbersIn(lines[at + 1]) == 10 && lines[at + 2] == "25" &&
-         NumbersIn(lines[at + 3]) == 12;
+  return at + 3 < lines.size() && ParseInteger(lines[at]) && NumbersIn(lines[at + 1]) == 10 &&
+         ParseInteger(lines[at + 2]) && NumbersIn(lines[at + 3]) == 12;
 }
 
 /// Acclaim files begin with a section or keyword behind a colon, after comments.

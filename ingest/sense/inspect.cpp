@@ -38,6 +38,7 @@ const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
   if (error == ErrorCode::kInconsistent && kind == FileKind::kNumbers)
     return declared ? "layout_contradiction" : "no_joint_seen";
   if (error == ErrorCode::kInconsistent && kind == FileKind::kNtuSkeleton) return "no_joint_seen";
+  if (error == ErrorCode::kInconsistent && kind == FileKind::kNpy) return "layout_contradiction";
   return "malformed";
 }
 
@@ -241,7 +242,8 @@ void Inspector::Look(const FileToInspect& file) {
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
   FileKind kind = KindOf(*head);
-  if (kind == FileKind::kUnknown && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
+  const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
+  if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
   if (folder_ && kind == FileKind::kUnknown) {
     refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;
@@ -320,6 +322,7 @@ void Inspector::Finish(const std::string& path) {
                                                ": mend ingest.source.files, or inspect the source's own folder"));
   }
   TellByGroup(inspection["clips"], findings());
+  TellCutMeshes(inspection["clouds"], findings());
   motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
   const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&
                        inspection["companions"].empty();

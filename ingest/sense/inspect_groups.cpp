@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <vector>
 
+#include "core/base/text.h"
+#include "ingest/options.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/comparison.h"
 
@@ -12,6 +15,8 @@ namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr double kNearTen = 0.05;  // of the logarithm of a factor
 
 /// What most clips of a group say, weighted by confidence.
 Json Pooled(const std::vector<const Json*>& clips, const char* key) {
@@ -81,11 +86,71 @@ void TellRates(const std::string& folder, const std::vector<Json*>& group, Json&
                                        "the motions of the whole folder speak against its rate: " + denials.Words()));
 }
 
+/// The unit that a clip's own lengths show, of clips whose unit nobody says.
+std::optional<double> MeasuredMetres(const Json& clip) {
+  const Json& units = clip.at("units");
+  if (units.at("from") != "measured") return std::nullopt;
+  const Expected<double> metres = MetresPerUnit(units.at("value").get<std::string>());
+  return metres ? std::optional<double>(*metres) : std::nullopt;
+}
+
+/// Clips whose numbers are a power of ten of those of most clips of their folder.
+void TellUnits(const std::vector<Json*>& group, Json& findings) {
+  std::map<std::string, std::size_t> votes;
+  std::string usual;
+  std::size_t told = 0;
+  for (const Json* clip : group) {
+    if (!MeasuredMetres(*clip)) continue;
+    const std::string& unit = clip->at("units").at("value").get_ref<const std::string&>();
+    ++told;
+    if (++votes[unit] > votes[usual]) usual = unit;
+  }
+  for (const Json* clip : group) {
+    const std::optional<double> metres = MeasuredMetres(*clip);
+    if (!metres) continue;
+    const double tens = std::log10(MetresPerUnit(usual).value_or(*metres) / *metres);
+    if (std::round(tens) == 0.0 || std::abs(tens - std::round(tens)) > kNearTen) continue;
+    const double factor = std::pow(10.0, std::round(tens));
+    const std::string unit = clip->at("units").at("value");
+    findings.push_back(InspectionFinding(
+        "units_outlier", Severity::kError, clip->at("id"), factor,
+        "the numbers of this clip are " + FormatDouble(factor) + " times those of the others: its unit is " + unit +
+            " where that of " + std::to_string(votes[usual]) + " of the " + std::to_string(told) +
+            " clips of the folder that tell is " + usual + " (" + clip->at("units").at("evidence").get<std::string>() +
+            "); divide them, or give the clip a source with its own ingest.source.units"));
+  }
+}
+
+constexpr std::size_t kFewestMeshes = 2;  // beside one that has no faces
+
 }  // namespace
+
+void TellCutMeshes(const Json& clouds, Json& findings) {
+  std::map<std::string, std::vector<const Json*>> folders;
+  for (const Json& cloud : clouds) {
+    if (cloud.at("format") == "obj") folders[FolderOf(cloud)].push_back(&cloud);
+  }
+  for (const auto& [folder, meshes] : folders) {
+    const auto has_faces = [](const Json* mesh) { return mesh->at("triangles").get<std::size_t>() > 0; };
+    const auto whole = static_cast<std::size_t>(std::count_if(meshes.begin(), meshes.end(), has_faces));
+    if (whole < kFewestMeshes || 2 * whole <= meshes.size()) continue;
+    for (const Json* mesh : meshes) {
+      if (has_faces(mesh)) continue;
+      const auto points = mesh->at("points").get<std::size_t>();
+      findings.push_back(InspectionFinding("cut_off", Severity::kError, mesh->at("id"), static_cast<double>(points),
+                                           "the mesh has " + std::to_string(points) + " vertices" +
+                                               " and no faces, where " + std::to_string(whole) + " of the " +
+                                               std::to_string(meshes.size()) +
+                                               " meshes of the folder have some: the file is cut off within its "
+                                               "vertices, or is a cloud; copy it again"));
+    }
+  }
+}
 
 void TellByGroup(Json& clips, Json& findings) {
   for (auto& [key, group] : Members(clips)) {
     TellRates(key.substr(0, key.find('\n')), group, findings);
+    TellUnits(group, findings);
     if (!OneSkeleton(group)) continue;
     std::size_t told = 0;
     std::vector<const Json*> voters;

@@ -6,31 +6,20 @@
 
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
+#include "ingest/sense/length_units.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kTypicalBody = 1.5;
+constexpr LengthOfPeople kHeadToFoot = {1.5, kShortestBody, kTallestBody};
+constexpr LengthOfPeople kBox = {1.55, 0.7, 2.3};
+constexpr int kFewestInBox = 10;        // points, for a box around them to be a person's
 constexpr double kDecided = 0.5;        // least confidence of a direction that is told
 constexpr double kSureOrder = 0.1;      // least confidence of a guessed order whose left and right are believed
 constexpr double kUpright = 0.7;        // mean of head above feet, below which people lie or bend most of the time
 constexpr double kFirmFloor = 0.7;      // spread of the floor against that of the next axis
 constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
 constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
-
-struct UnitOfLength {
-  const char* name;
-  double metres;
-};
-constexpr UnitOfLength kUnits[] = {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"0.0564 m", 0.0564}};
-
-std::string Rounded(double value, double step) { return RoundedText(std::round(value / step) * step, 9); }
-
-std::string Shown(double value) {
-  if (!(value > 0.0)) return "0";
-  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  return step >= 1.0 ? Rounded(value, step) : FormatDouble(std::round(value / step) / std::round(1.0 / step));
-}
 
 double MedianOf(std::vector<double>& values) {
   if (values.empty()) return 0.0;
@@ -133,24 +122,6 @@ Vector3d AxisVector(const std::string& text) {
   return vector;
 }
 
-Measured UnitsFromLength(double length, double typical, double low, double high, const std::string& what,
-                         double trust) {
-  Measured units;
-  units.evidence = what + " is " + Shown(length) + " in the file's unit";
-  double best = 1e9;
-  for (const UnitOfLength& unit : kUnits) {
-    const double metres = length * unit.metres;
-    const double off = std::abs(std::log(metres / typical));
-    if (metres < low || metres > high || off > best) continue;
-    best = off;
-    units.value = unit.name;
-    units.confidence = trust * std::max(0.2, 1.0 - off / 0.6);
-    units.evidence = what + " is " + Shown(length) + " = " + Shown(metres) + " m in " + unit.name;
-  }
-  if (units.value.empty()) units.evidence += "; no usual unit makes that a person";
-  return units;
-}
-
 /// How far the lowest of all points, along a direction, moves over the clip: what bears a person stays where it is,
 /// whatever the person does. From the tenth to the ninetieth percentile; nothing for a few frames.
 std::optional<double> FloorSpread(const Body& body, const ObservedClip& clip, const Vector3d& up) {
@@ -190,8 +161,8 @@ void AskTheFloor(const Body& body, const ObservedClip& clip, Measured& up) {
   }
   up.value = axis;
   up.confidence = std::max(kDecided, 1.0 - best / next);
-  up.evidence += "; the person lies or bends: the lowest point moves least along " + axis + ", by " + Shown(best) +
-                 " units, along the next axis by " + Shown(next);
+  up.evidence += "; the person lies or bends: the lowest point moves least along " + axis + ", by " +
+                 ShownLength(best) + " units, along the next axis by " + ShownLength(next);
 }
 
 /// Without names: the longest side of the box around all points.
@@ -257,8 +228,8 @@ Measured StepEvidence(const ObservedClip& clip, double metres_per_unit) {
   const double step = MedianOf(steps);
   if (!(step > 1e-5)) return rate;
   const double usual = kTypicalSpeed / step;
-  rate.evidence = "the faster joints move " + Shown(1000.0 * step) + " mm from frame to frame, as people do at " +
-                  Shown(usual / kSpeedSpread) + " to " + Shown(usual * kSpeedSpread) + " Hz";
+  rate.evidence = "the faster joints move " + ShownLength(1000.0 * step) + " mm from frame to frame, as people do at " +
+                  ShownLength(usual / kSpeedSpread) + " to " + ShownLength(usual * kSpeedSpread) + " Hz";
   return rate;
 }
 
@@ -277,9 +248,11 @@ ClipMeasures Measure(const ObservedClip& clip) {
   if (clip.lengths_assumed) {
     m.units.evidence = "lengths are those of a standard body";
   } else if (m.body > 0.0) {
-    m.units = UnitsFromLength(m.body, kTypicalBody, kShortestBody, kTallestBody, "head to foot along the bones", 1.0);
-  } else if (clip.joints >= 10) {
-    m.units = UnitsFromLength(Extent(clip), 1.55, 0.7, 2.3, "the longest side of the box around all points", 0.5);
+    m.units = UnitsFromLength(m.body, kHeadToFoot, "head to foot along the bones", 1.0, true);
+  } else if (clip.joints >= kFewestInBox) {
+    m.units = UnitsFromLength(Extent(clip), kBox, "the longest side of the box around all points", 0.5, false);
+  } else {
+    m.units.evidence = "no head, hips and legs are named, and " + Counted(clip.joints, "point") + " are no person";
   }
   const Directions up = body.Up();
   m.up = NearestAxis(up.mean());
@@ -297,9 +270,8 @@ ClipMeasures Measure(const ObservedClip& clip) {
     m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
   }
   MeasureFacing(body, m);
-  for (const UnitOfLength& unit : kUnits) {
-    if (m.units.value == unit.name && !clip.rate_hz) m.rate = StepEvidence(clip, unit.metres);
-  }
+  const Expected<double> metres = MetresPerUnit(m.units.value);
+  if (metres && !clip.rate_hz) m.rate = StepEvidence(clip, *metres);
   return m;
 }
 

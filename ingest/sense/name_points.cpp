@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "ingest/sense/comparison.h"
 #include "ingest/sense/observed_clip.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 8;     // fewer tell no spread of lengths
-constexpr double kPlausible = 0.12;  // a declared order that scores better is not doubted
+constexpr int kFewestFrames = 8;  // fewer tell no spread of lengths
 
 /// Points by the names of a skeleton.
 HandednessPoints PointsByName(const std::vector<std::string>& names, const Skeleton& skeleton) {
@@ -98,7 +98,7 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
                            " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   const bool better = !scores.empty() && scores[0].score.IsBody() && scores[0].score.total() < 0.6 * score.total();
-  if (clip.frames < kFewestFrames || score.total() < kPlausible || !better) return;
+  if (clip.frames < kFewestFrames || score.total() < kPlausibleOrder || !better) return;
   clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
                           "read in the declared order, " + clip.skeleton_evidence + "; " + Words(scores[0])});
 }

@@ -4,6 +4,8 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/amc.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/asf_sense.h"
 #include "ingest/sense/observe.h"
 
 namespace mocurate {
@@ -126,6 +128,8 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
     clip.rate_evidence = "the name: HDM05's end with the rate";
   }
   AddRemarks(amc->findings, clip);
+  if (const auto angles = DoubtAngles(*amc, asf ? &*asf : nullptr)) AddRemarks({*angles}, clip);
+  if (asf) AddRemarks(DoubtLengths(*asf), clip);
   if (asf && amc->frames > 0) {
     AddPositions(*asf, *amc, clip);
   } else {
@@ -148,8 +152,9 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
        "asf",
        {{"angles", asf->degrees ? "degrees" : "radians"}},
        {{"bones", static_cast<double>(asf->bones.size())}, {"length_unit", asf->length_unit}}});
-  for (const Finding& finding : asf->findings) {
-    observed.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+  for (const std::vector<Finding>& findings : {asf->findings, DoubtLengths(*asf)}) {
+    for (const Finding& finding : findings)
+      observed.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
   }
   return observed;
 }

@@ -4,6 +4,7 @@
 #include "core/formats/amass.h"
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/tree_points.h"
 #include "ingest/sources/smpl_motion.h"
@@ -84,6 +85,8 @@ ObservedClip AmassClip(const Amass& amass) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
+  if (const auto angles = DoubtAngles(amass))
+    clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
   const Expected<Motion> posed = PoseTree(amass);
   if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
   if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
@@ -126,16 +129,20 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
     observed.companions.push_back({file.name, "body_model", {}, {}});
     return observed;
   }
+  std::optional<Error> exchanged;
   for (const NpzMember& member : archive->members) {
     if (!member.skipped.empty()) continue;
-    auto clips = ObserveArray(member.array, file.name, source);
-    if (!clips) continue;  // other arrays may stand beside those of joints
+    auto clips = ObserveArray(member.array, file.name + ":" + member.name, source);
+    // Other arrays may stand beside those of joints.
+    if (!clips && clips.error().code == ErrorCode::kInconsistent) exchanged = clips.error();
+    if (!clips) continue;
     for (ObservedClip& clip : *clips) {
       clip.id = "[" + member.name + "]" + clip.id;
       clip.format = "npz";
       observed.clips.push_back(std::move(clip));
     }
   }
+  if (observed.clips.empty() && exchanged) return tl::unexpected<Error>(*exchanged);
   if (observed.clips.empty()) {
     return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,
                 "wanted: (frames, joints, 3), or AMASS");

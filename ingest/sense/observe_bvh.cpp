@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "core/formats/bvh.h"
@@ -20,6 +21,10 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   for (int f = 0; f < bvh->frames; ++f) {
     BvhForward(*bvh, f, positions);
     for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
+  }
+  if (!bvh->damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : bvh->damaged) {
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
   }
   std::vector<int> parents;
   for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);

@@ -1,11 +1,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/formats/largest_number.h"
 #include "core/formats/npy.h"
+#include "ingest/sense/array_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sources/array_clips.h"
 
 namespace mocurate {
+namespace {
+
+std::size_t JointsDeclared(const SourceOptions& source) {
+  if (!source.joints.empty()) return source.joints.size();
+  const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
+  return skeleton ? (*skeleton)->joints.size() : 0;
+}
+
+/// Numbers beyond any person cost their frame; what is no number is how many a file says that a joint is missing.
+void TakeDamaged(const std::vector<Finding>& damaged, ObservedClip& clip) {
+  for (const Finding& finding : damaged) {
+    if (finding.code != "number_too_large") continue;
+    const auto begin = static_cast<std::ptrdiff_t>(finding.frame_begin) * clip.joints;
+    std::fill_n(clip.confidence.begin() + begin, clip.joints, 0.0);
+    std::fill_n(clip.positions.xyz.begin() + 3 * begin, 3 * clip.joints, 0.0);
+    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+  }
+}
+
+}  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name,
                                                const std::optional<SourceOptions>& source) {
@@ -19,6 +41,10 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
   std::string shape;
   for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
   shape += ")";
+  const bool declared = source && source->format == SourceFormat::kNpy;
+  if (const auto axes = ExchangedAxes(array, declared ? JointsDeclared(*source) : 0)) {
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + shape + ": " + axes->words, name, axes->way_out);
+  }
   const std::optional<ArrayShape> held = ShapeOfJoints(array.shape);
   if (!held || array.values.empty()) {
     const std::string other = OtherThanJoints(array.shape);
@@ -26,11 +52,12 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
     return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
-  const auto finite = [](double value) { return std::isfinite(value); };
+  const auto finite = [](double value) { return std::isfinite(value) && std::abs(value) <= kLargestNumber; };
   if (std::none_of(array.values.begin(), array.values.end(), finite)) {
-    return Fail(ErrorCode::kInconsistent,
-                "all " + std::to_string(array.values.size()) + " numbers are NaN or infinite: no joint is seen", name,
-                "leave the file out");
+    return Fail(ErrorCode::kMalformed,
+                "all " + std::to_string(array.values.size()) +
+                    " numbers are NaN or infinite, or beyond any person: no joint is seen",
+                name, "leave the file out");
   }
   const auto frames = static_cast<int>(held->frames);
   const auto joints = static_cast<int>(held->joints);
@@ -45,11 +72,12 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
     clip.confidence.assign(static_cast<std::size_t>(frames) * joints, 1.0);
     for (std::size_t i = 0; i < clip.positions.xyz.size(); ++i) {
       const double value = array.values[c * clip.positions.xyz.size() + i];
-      clip.positions.xyz[i] = std::isfinite(value) ? value : 0.0;
-      if (!std::isfinite(value)) clip.confidence[i / 3] = 0.0;
+      clip.positions.xyz[i] = finite(value) ? value : 0.0;
+      if (!finite(value)) clip.confidence[i / 3] = 0.0;
     }
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
-    if (source && source->format == SourceFormat::kNpy)
+    TakeDamaged(DamagedFramesOf(array.values.data() + c * clip.positions.xyz.size(), frames, joints, name), clip);
+    if (declared)
       DeclareOrder(*source, clip);
     else if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
       clip.remarks.push_back({"no_joint_seen", Severity::kError, 1.0, "every joint of every frame is missing"});

@@ -3,6 +3,7 @@
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -72,6 +73,7 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   clip.rate = RateOfFile(source, amass->rate_hz, ingested);
   clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
   ingested.findings.push_back(NotTheSubject(**skeleton));
+  if (auto angles = DoubtAngles(*amass)) ingested.findings.push_back(*std::move(angles));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;
   if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;
   if (Status added = AddSegments(file, clip, amass->frames, ingested.findings); !added) return Forward(added);

@@ -61,6 +61,8 @@ Expected<NpyArray> EntryOf(NpyArray array, std::size_t entry, const std::string&
 
 std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   std::vector<std::size_t> sizes = shape;
+  // Coordinates in the middle: (frames, 3, joints) is no batch of clips of three frames.
+  if (sizes.size() == 3 && sizes[1] == 3 && sizes[2] != 3) return std::nullopt;
   if (sizes.size() >= 3 && sizes.back() == 3) {
     sizes.pop_back();
     if (sizes.back() > SIZE_MAX / 3) return std::nullopt;

@@ -4,6 +4,8 @@
 #include "core/base/text.h"
 #include "core/formats/amc.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/asf_sense.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/source_file.h"
 
@@ -94,7 +96,9 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = asf->findings;
-  ingested.findings.insert(ingested.findings.end(), amc->findings.begin(), amc->findings.end());
+  for (const std::vector<Finding>& more : {amc->findings, DoubtLengths(*asf)})
+    ingested.findings.insert(ingested.findings.end(), more.begin(), more.end());
+  if (auto angles = DoubtAngles(*amc, &*asf)) ingested.findings.push_back(*std::move(angles));
   ingested.clip.rate = amc->hz ? RateOfFile(source, *amc->hz, ingested) : FrameRate::FromHz(*source.rate_hz);
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;

@@ -7,6 +7,7 @@
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sources/bvh_skeleton.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -68,6 +69,17 @@ Error UnitsOr(const Error& otherwise, const SourceFile& file) {
   return otherwise;
 }
 
+/// Rotations on the shortest way from the whole frame before to that after, the root on a straight line.
+void Bridge(const DamagedFrame& damaged, int joints, std::vector<Vector3d>& root, std::vector<Quaterniond>& rotation) {
+  const auto at = [&](int frame) { return static_cast<std::size_t>(frame); };
+  root[at(damaged.frame)] = (1.0 - damaged.share) * root[at(damaged.before)] + damaged.share * root[at(damaged.after)];
+  for (int j = 0; j < joints; ++j) {
+    const auto of = [&](int frame) { return static_cast<std::size_t>(frame) * joints + j; };
+    rotation[of(damaged.frame)] =
+        rotation[of(damaged.before)].slerp(damaged.share, rotation[of(damaged.after)]).normalized();
+  }
+}
+
 }  // namespace
 
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
@@ -100,11 +112,15 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
     }
   }
+  const auto bridged = BridgeFrames(bvh->damaged, bvh->frames, ingested.clip.rate.hz(), file.name);
+  if (!bridged) return Forward(bridged);
+  for (const DamagedFrame& damaged : *bridged) Bridge(damaged, joints, root_translation, rotation);
   for (int j = 0; j < joints; ++j) {
     MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
   }
   ingested.clip.motion =
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
+  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (offsets.carrier > 0) {
     ingested.clip.provenance["translation_from"] = bvh->joints[offsets.carrier].name;
   }

@@ -1,10 +1,13 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/sense/array_sense.h"
 #include "ingest/sources/array_clips.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/mapped_file.h"
 #include "ingest/sources/source_file.h"
 
@@ -45,7 +48,8 @@ Expected<FileOrder> OrderOf(const SourceOptions& source, const Skeleton& skeleto
   return order;
 }
 
-/// Positions as joint tracks, in metres in the world; a point of which a number is not finite is missing.
+/// Positions as joint tracks, in metres in the world; a point with a number that is no coordinate of a person is
+/// missing.
 JointTracks TracksOf(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
                      const Matrix3d& metres_from_file, const FrameRate& rate) {
   const int joints = static_cast<int>(order.joint.size());
@@ -57,29 +61,37 @@ JointTracks TracksOf(const NpyArray& array, std::size_t wide, const FileOrder& o
     for (int k = 0; k < joints; ++k) {
       const Eigen::Map<const Vector3d> raw(array.values.data() +
                                            (static_cast<std::size_t>(f) * wide + order.place[k]) * 3);
-      tracks.confidence.push_back(raw.allFinite() ? 1.0 : 0.0);
-      if (raw.allFinite()) tracks.positions.at(f, k) = metres_from_file * raw;
+      const bool sound = raw.allFinite() && raw.cwiseAbs().maxCoeff() <= kLargestNumber;
+      tracks.confidence.push_back(sound ? 1.0 : 0.0);
+      if (sound) tracks.positions.at(f, k) = metres_from_file * raw;
     }
   }
   return tracks;
 }
 
-/// Tells of points that are missing because they are not finite.
-Status NoteMissing(const JointTracks& tracks, const std::string& name, std::vector<Finding>& findings) {
-  const auto missing = std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0);
-  if (missing == 0) return {};
-  if (missing == static_cast<std::ptrdiff_t>(tracks.confidence.size()))
-    return Fail(ErrorCode::kInconsistent, "no point of the array is finite", name, "leave the file out");
-  const auto first = std::find(tracks.confidence.begin(), tracks.confidence.end(), 0.0) - tracks.confidence.begin();
-  const auto last =
-      std::find(tracks.confidence.rbegin(), tracks.confidence.rend(), 0.0).base() - tracks.confidence.begin() - 1;
-  const int joints = tracks.positions.joints;
-  const std::string& joint = tracks.names[static_cast<std::size_t>(first % joints)];
-  findings.push_back(FrameFinding("not_a_number", static_cast<int>(first / joints), static_cast<int>(last / joints) + 1,
-                                  missing == 1 ? joint : "", static_cast<double>(missing),
-                                  Counted(missing, "point") + " with a number that is not finite, the first '" + joint +
-                                      "' in frame " + std::to_string(first / joints) + ": taken for missing"));
-  return {};
+/// Joints-only motion in which points that are missing come from whole frames beside theirs.
+Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridged, const SkeletonPtr& skeleton,
+               const FrameRate& rate, std::vector<Finding>& findings) {
+  JointPositions positions = tracks.positions;
+  const auto seen = [&](int frame, int joint) {
+    return tracks.confidence[static_cast<std::size_t>(frame) * skeleton->joints.size() + joint] > 0.0;
+  };
+  for (const DamagedFrame& at : bridged) {
+    for (int j = 0; j < positions.joints; ++j) {
+      if (seen(at.frame, j)) continue;
+      positions.at(at.frame, j) =
+          (1.0 - at.share) * Vector3d(positions.at(at.before, j)) + at.share * Vector3d(positions.at(at.after, j));
+    }
+  }
+  Motion motion = MakeJointsOnly(skeleton, rate, std::move(positions));
+  MarkBridged(bridged, motion, findings);
+  for (const DamagedFrame& at : bridged) {
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      if (!seen(at.frame, j)) continue;
+      motion.state[static_cast<std::size_t>(at.frame) * skeleton->joints.size() + j] = JointState::kObserved;
+    }
+  }
+  return motion;
 }
 
 }  // namespace
@@ -108,22 +120,39 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
     return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeText(*array) + " holds " + other, file.name);
   }
+  if (const auto axes = ExchangedAxes(*array, wide); axes && !cube) {
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + ShapeText(*array) + ": " + axes->words, file.name,
+                axes->way_out);
+  }
   if ((!cube && !flat) || array->shape[0] == 0) {
     return Fail(ErrorCode::kInconsistent,
                 "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
                 file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
   }
+  const int frames = static_cast<int>(array->shape[0]);
   IngestedClip ingested;
+  ingested.findings = DamagedFramesOf(array->values.data(), frames, static_cast<int>(wide), file.name);
+  if (!ingested.findings.empty() && source.damaged_rows == DamagedRows::kRefuse) {
+    return Fail(ErrorCode::kMalformed, ingested.findings[0].message, file.name,
+                "mend the file, or set ingest.source.damaged_rows: report");
+  }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   JointTracks tracks = TracksOf(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
-  if (Status some = NoteMissing(tracks, file.name, ingested.findings); !some) return Forward(some);
-  if (order->joint.size() == (*skeleton)->joints.size() && ingested.findings.empty()) {
-    ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(tracks.positions));
-  } else {  // a joints-only motion has every joint in every frame
-    NoteEmptyFrames(tracks, ingested.findings);
-    ingested.clip.evidence.tracks = std::move(tracks);
+  if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
+      static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
+    return Fail(ErrorCode::kInconsistent, "no point of the array is a person's", file.name, "leave the file out");
   }
+  std::vector<int> damaged;
+  for (const Finding& finding : ingested.findings) damaged.push_back(finding.frame_begin);
+  const auto bridged = BridgeFrames(damaged, frames, *source.rate_hz, file.name);
+  if (bridged && order->joint.size() == (*skeleton)->joints.size()) {
+    ingested.clip.motion = Bridged(tracks, *bridged, *skeleton, ingested.clip.rate, ingested.findings);
+    return ingested;
+  }
+  for (Finding& finding : ingested.findings) finding.action = "missing";
+  NoteEmptyFrames(tracks, ingested.findings);
+  ingested.clip.evidence.tracks = std::move(tracks);  // a joints-only motion would need every joint in every frame
   return ingested;
 }
 

@@ -113,6 +113,43 @@ TEST_F(Curated, TheLogNamesTheRuleOrTheFailure) {
   EXPECT_FALSE(failed.contains("value")) << "no rule measured it";
 }
 
+TEST_F(Curated, TheLogHasTheLimitOfAContradictionAndTheHashOfAFileThatIsRefusedByItsName) {
+  Run({"ingest.source.units=cm", "ingest.source.on_contradiction=refuse", "ingest.source.other_files=error"});
+  const nlohmann::json far = LogOf("r01");
+  EXPECT_EQ(far["decision"], "dropped");
+  ASSERT_TRUE(far.contains("threshold")) << far;
+  EXPECT_EQ(far["threshold"], 2.2425) << "metres from head to foot that a person has at most";
+  EXPECT_GT(far["value"], far["threshold"]);
+  EXPECT_EQ(LogOf("notes.doc")["decision"], "dropped");
+  EXPECT_EQ(LogOf("notes.doc")["source_sha256"], Sha256Hex("no capture"));
+}
+
+TEST(ClipOfManyFiles, ThatIsRefusedHasAHashOfThemAll) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, {"synthesize", "--layout", "openpose", "-o", (folder / "studio").string(), "--set",
+                                "subjects=1", "--set", "actions=[walk]"})
+                .exit_code,
+            0);
+  std::vector<std::string> hashes;
+  const auto run = [&](const std::string& content) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder / "studio/openpose")) {
+      const bool frame = entry.path().parent_path().string().find("_json") != std::string::npos;
+      if (frame) WriteText(entry.path(), content);
+    }
+    RunProgram(folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/studio_keypoints.yaml", "--set",
+                        "ingest.path=" + (folder / "studio/openpose").string(), "--to", "ingest", "-o",
+                        (folder / "r").string()});
+    const std::string log = ReadText(folder / "r/curation_log.jsonl");
+    const auto line = nlohmann::json::parse(log.substr(0, log.find('\n')));
+    EXPECT_EQ(line["decision"], "dropped") << line;
+    hashes.push_back(line.value("source_sha256", std::string()));
+  };
+  run("no keypoints");
+  run("nor these");
+  EXPECT_EQ(hashes[0].size(), 64u);
+  EXPECT_NE(hashes[0], hashes[1]);
+}
+
 TEST_F(Curated, AFolderNamedLikeAClipHasALine) {
   fs::remove(capture_ / (empty_ + ".txt"));
   fs::create_directory(capture_ / "wave_p09_r01.txt");

@@ -46,17 +46,21 @@ TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
 
 TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
   const Folder folder;
-  for (const char* layout :
-       {"humanact12", "phspd", "ntu", "kard", "uestc", "uestc_vibe", "ntu_vibe", "openpose", "amass", "rendered_seq"}) {
+  const std::vector<std::pair<std::string, std::string>> layouts = {
+      {"humanact12", "[walk]"}, {"phspd", "[walk]"},           {"ntu", "[drink_water]"}, {"kard", "[walk]"},
+      {"uestc", "[squatting]"}, {"uestc_vibe", "[squatting]"}, {"ntu_vibe", "[throw]"},  {"openpose", "[walk]"},
+      {"amass", "[]"},          {"rendered_seq", "[walk]"}};
+  for (const auto& [layout, actions] : layouts) {
     const std::string studio = (folder / layout).string();
     const Result written = RunProgram(
-        folder, {"synthesize", "--layout", layout, "-o", studio, "--set", "depth.every=10000", "--set", "subjects=1"});
+        folder, {"synthesize", "--layout", layout, "-o", studio, "--set", "depth.every=10000", "--set", "subjects=1",
+                 "--set", "actions=" + actions, "--set", "rig.width=96", "--set", "rig.image_height=72"});
     ASSERT_EQ(written.exit_code, 0) << layout << written.err;
     std::size_t recipes = 0;
     for (std::size_t at = written.out.find("inspect "); at != std::string::npos;
          at = written.out.find("inspect ", at + 1)) {
       const std::size_t path = at + 8, option = written.out.find(" --source ", path);
-      const std::size_t end = written.out.find(',', option);
+      const std::size_t end = written.out.find_first_of(",\n", option);
       const std::string recipe = written.out.substr(option + 10, end - option - 10);
       const Result doctor = RunProgram(
           folder, {"doctor", "--source", recipe, "--path", written.out.substr(path, option - path), "--json"});
@@ -65,6 +69,31 @@ TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
       ++recipes;
     }
     EXPECT_GT(recipes, 0u) << written.out;
+  }
+}
+
+TEST(Synthesize, NamesAConfigToRunOnlyWhereThatIs) {
+  const Folder folder;
+  const fs::path installed = folder / "prefix/share/mocurate/configs/sources/kard.yaml";
+  fs::create_directories(folder / "prefix/bin");
+  fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", folder / "prefix/bin/mocurate");
+  program::Surroundings elsewhere;
+  elsewhere.program = folder / "prefix/bin/mocurate";
+  elsewhere.before_start = [&] { fs::current_path(folder.path()); };
+  for (const bool configs : {false, true}) {
+    if (configs) WriteText(installed, ReadText(std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/kard.yaml"));
+    const std::string studio = (folder / (configs ? "b" : "a")).string();
+    const Result written = RunProgram(
+        folder, {"synthesize", "--layout", "kard", "-o", studio, "--set", "actions=[walk]", "--set", "subjects=1"},
+        elsewhere);
+    ASSERT_EQ(written.exit_code, 0) << written.err;
+    EXPECT_THAT(written.out, HasSubstr("mocurate inspect " + studio + "/kard --source kard"));
+    EXPECT_EQ(written.out.find("mocurate run " + fs::canonical(folder.path()).string() +
+                               "/prefix/share/mocurate/configs/sources/kard.yaml --set ingest.path=" + studio +
+                               "/kard") != std::string::npos,
+              configs)
+        << written.out;
+    EXPECT_EQ(written.out.find("mocurate run") != std::string::npos, configs) << written.out;
   }
 }
 

@@ -167,7 +167,27 @@ TEST(HeaderCounts, ALastRowOfABvhThatIsCutOffIsLeftOutAndSaid) {
   EXPECT_EQ(bvh->findings[0].code, "cut_off");
   EXPECT_EQ(bvh->findings[0].frame_begin, 1);
   EXPECT_EQ(bvh->findings[1].code, "count_contradiction");
-  EXPECT_FALSE(ParseBvh(Replaced(kBvh, "1 2 3 4 5 6", "1 2 3 4"), "f", DamagedRows::kReport)) << "rows would move";
+}
+
+TEST(HeaderCounts, ADamagedRowOfABvhKeepsItsPlaceUnlessRowsMayHaveMoved) {
+  for (const auto& [row, code] : {std::pair<std::string, std::string>{"1 2 3 4", "row_length"},
+                                  {"1 2 three 4 5 6", "not_a_number"},
+                                  {"1 2 nan 4 5 6", "not_a_number"},
+                                  {"1 2 3 4 5 -1e31", "number_too_large"}}) {
+    const std::string text = Replaced(kBvh, "1 2 3 4 5 6", row);
+    EXPECT_FALSE(ParseBvh(text, "f")) << "refused where nothing else is asked for";
+    const auto bvh = ParseBvh(text, "f", DamagedRows::kReport);
+    ASSERT_TRUE(bvh) << bvh.error().Message();
+    EXPECT_EQ(bvh->frames, 2);
+    EXPECT_EQ(bvh->damaged, std::vector<int>{0});
+    EXPECT_EQ(bvh->value(0, 0), 7.0) << "of the row beside it";
+    EXPECT_EQ(bvh->value(1, 0), 7.0);
+    ASSERT_EQ(bvh->findings.size(), 1u);
+    EXPECT_EQ(bvh->findings[0].code, code);
+    EXPECT_THAT(bvh->findings[0].message, HasSubstr("f:19: "));
+  }
+  EXPECT_FALSE(ParseBvh(Replaced(kBvh, "3 4 5", "3\n4 5"), "f", DamagedRows::kReport)) << "split: rows would move";
+  EXPECT_FALSE(ParseBvh(Replaced(kBvh, "6\n7", "6 7"), "f", DamagedRows::kReport)) << "joined: rows would move";
 }
 
 }  // namespace

@@ -151,5 +151,16 @@ TEST_F(RecordedFormats, FramesThatAreAllZeroAreListedWithTheirPlaces) {
   EXPECT_EQ(frames, 9.0);
 }
 
+TEST_F(DamagedFiles, AMeshThatIsCutWithinItsVerticesIsToldByTheOthersOfItsFolder) {
+  const std::string vertices = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\n", faces = "f 1 2 3\nf 1 3 4\n";
+  Written("frame_000.obj", vertices + faces);
+  Written("frame_001.obj", vertices.substr(0, 16));
+  EXPECT_THAT(Errors(LookAtFolder()), IsEmpty()) << "one of two may be a cloud";
+  Written("frame_002.obj", vertices + faces);
+  EXPECT_THAT(Errors(LookAtFolder()),
+              ElementsAre(AllOf(HasSubstr("cut_off frame_001.obj"), HasSubstr("2 vertices and no"
+                                                                              " faces"))));
+}
+
 }  // namespace
 }  // namespace mocurate

@@ -6,10 +6,9 @@
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
 #include "core/formats/phspd_text.h"
-#include "ingest/set_contradictions.h"
 #include "ingest/synthetic/studio_layouts.h"
 #include "tests/ingest/inspections.h"
-#include "tests/ingest/sources.h"
+#include "tests/ingest/runs.h"
 
 namespace mocurate {
 namespace {
@@ -19,47 +18,6 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
-
-/// Items of a source as the stage `ingest` leaves them.
-std::vector<ItemResult> RunAll(const IngestOptions& options) {
-  std::vector<ItemResult> results;
-  const auto discovery = Discover(options);
-  if (!discovery) ADD_FAILURE() << discovery.error().Message();
-  for (std::size_t i = 0; discovery && i < discovery->items.size(); ++i) {
-    const ItemSpec& item = discovery->items[i];
-    StageRequest request;
-    request.stage = "ingest";
-    request.item = item.item;
-    request.options = item.options;
-    request.inputs = item.inputs;
-    request.output = fs::path(::testing::TempDir()) / ("run_and_inspect_" + std::to_string(getpid()) + ".h5");
-    fs::remove(request.output);
-    ItemResult result;
-    result.item = item.item;
-    auto outcome = IngestStage(request);
-    if (outcome)
-      result.outcome = *std::move(outcome);
-    else
-      ADD_FAILURE() << outcome.error().Message();
-    results.push_back(std::move(result));
-  }
-  return results;
-}
-
-std::vector<std::string> ErrorCodes(const StageOutcome& outcome) {
-  std::vector<std::string> codes;
-  for (const Finding& finding : outcome.findings) {
-    if (finding.severity == Severity::kError) codes.push_back(finding.code);
-  }
-  return codes;
-}
-
-std::size_t CountCode(const std::vector<ItemResult>& clips, const std::string& code) {
-  return static_cast<std::size_t>(std::count_if(clips.begin(), clips.end(), [&](const ItemResult& clip) {
-    const auto codes = ErrorCodes(clip.outcome);
-    return std::find(codes.begin(), codes.end(), code) != codes.end();
-  }));
-}
 
 /// AMASS files whose path of the root is multiplied.
 fs::path AmassIn(double factor, const std::string& name) {
@@ -124,73 +82,6 @@ TEST_F(RecordedFormats, NumbersThatAreNoPersonsCostTheirJointAndAreToldByBoth) {
       EXPECT_THAT(findings.dump(), HasSubstr("\"" + code + "\""));
       for (const Json& finding : findings) EXPECT_FALSE(finding.at("value").is_null()) << finding;
     }
-  }
-}
-
-class RecordedRates : public RecordedFormats {
- protected:
-  /// Bandai's first set with another Frame Time in every file.
-  static IngestOptions Marked(double rate_hz, const std::string& name) {
-    IngestOptions options = Declared("bandai1");
-    const fs::path folder = FreshFolder(name);
-    for (const auto& entry : fs::directory_iterator(options.path)) {
-      if (entry.path().extension() != ".bvh") continue;
-      std::string text = *ReadFile(entry.path());
-      const std::size_t begin = text.find("Frame Time:");
-      text.replace(begin, text.find_first_of("\r\n", begin) - begin, "Frame Time: " + std::to_string(1.0 / rate_hz));
-      Put(folder / entry.path().filename(), text);
-    }
-    options.path = folder;
-    return options;
-  }
-};
-
-TEST_F(RecordedRates, TheDeclaredRateIsUsedAndFilesThatSayAnotherAreErrorsOfBoth) {
-  const IngestOptions options = Marked(60.0, "marked60");
-  std::vector<ItemResult> clips = RunAll(options);
-  ASSERT_GT(clips.size(), 50u);
-  EXPECT_EQ(CountCode(clips, "rate_contradiction"), clips.size());
-  EXPECT_EQ(CountCode(clips, "rate_doubtful"), 0u) << "the declared rate is true";
-  for (const ItemResult& clip : clips) EXPECT_EQ(clip.outcome.summary.at("rate_hz"), 30.0);
-  const auto together = FindSetContradictions(options.source, clips);
-  ASSERT_EQ(together.size(), 1u);
-  EXPECT_EQ(together[0].code, "rate_contradiction");
-  const auto inspected = Codes(InspectPath(options.path, options.source), "error");
-  EXPECT_EQ(static_cast<std::size_t>(std::count(inspected.begin(), inspected.end(), "rate_contradiction")),
-            clips.size());
-}
-
-TEST_F(RecordedRates, ASetWhoseMotionsDenyTheirRateIsToldAsAWholeEvenWhereNobodyDeclaresIt) {
-  IngestOptions options = Marked(60.0, "undeclared60");
-  options.source.rate_hz.reset();
-  std::vector<ItemResult> clips = RunAll(options);
-  EXPECT_EQ(CountCode(clips, "rate_doubtful"), 0u) << "of one clip alone the file's word is a warning";
-  const auto together = FindSetContradictions(options.source, clips);
-  ASSERT_EQ(together.size(), 1u);
-  EXPECT_EQ(together[0].code, "rate_doubtful");
-  EXPECT_THAT(together[0].message, HasSubstr("deny their rate, all as too fast"));
-  EXPECT_EQ(CountCode(clips, "rate_doubtful"), clips.size());
-  EXPECT_THAT(Codes(InspectPath(options.path, std::nullopt), "error"), Contains("rate_doubtful"));
-}
-
-TEST_F(RecordedRates, ARateThatTheSourceDeclaresAgainstItsMotionsIsAnErrorAndCanBeRefused) {
-  IngestOptions options = Declared("msr_action3d");
-  options.source.rate_hz = 60.0;  // it is 15
-  options.source.on_contradiction = OnContradiction::kRefuse;
-  std::vector<ItemResult> clips = RunAll(options);
-  const std::size_t denied = CountCode(clips, "rate_doubtful");
-  EXPECT_GT(denied, 50u);
-  EXPECT_LT(denied, clips.size() / 2);
-  ASSERT_EQ(FindSetContradictions(options.source, clips).size(), 1u);
-  for (const ItemResult& clip : clips) EXPECT_FALSE(HasArtifact(clip.outcome.kind)) << clip.item;
-}
-
-TEST_F(RecordedRates, TrueRatesAreDeniedByNoSet) {
-  for (const char* source : {"bandai1", "bandai2", "hdm05", "cad60", "ntu", "florence3d", "utkinect"}) {
-    const IngestOptions options = Declared(source);
-    std::vector<ItemResult> clips = RunAll(options);
-    EXPECT_EQ(CountCode(clips, "rate_doubtful") + CountCode(clips, "rate_contradiction"), 0u) << source;
-    for (const Finding& finding : FindSetContradictions(options.source, clips)) ADD_FAILURE() << finding.message;
   }
 }
 

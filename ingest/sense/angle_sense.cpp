@@ -1,0 +1,112 @@
+#include "ingest/sense/angle_sense.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/quality/tracked_points.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kPi = 3.14159265358979;
+constexpr double kManyOver = 0.05;     // share of angles over a whole turn that is no root alone
+constexpr double kMostRadians = 1.1;   // of pi, that a joint is turned by
+constexpr double kLeastRadians = 0.5;  // of the joint that is turned most
+constexpr std::size_t kFewestBones = 10;
+constexpr std::size_t kBodyJoints = 22;  // hands and face of SMPL-H and SMPL-X are often still
+
+struct Angles {
+  double largest = 0.0;
+  std::size_t over = 0;  ///< a whole turn, in radians
+  std::size_t all = 0;
+
+  void Add(double angle) {
+    largest = std::max(largest, angle);
+    over += angle > 2.0 * kPi ? 1 : 0;
+    ++all;
+  }
+  double share() const { return all == 0 ? 0.0 : static_cast<double>(over) / static_cast<double>(all); }
+};
+
+Finding Contradiction(double value, std::string message) {
+  Finding finding =
+      FrameFinding("angle_unit_contradiction", 0, 0, "", std::round(value * 1e4) / 1e4, std::move(message));
+  finding.severity = Severity::kError;
+  return finding;
+}
+
+std::string OverWords(const Angles& angles) {
+  return "up to " + Digits(angles.largest) + ", and " + Digits(100.0 * angles.share()) +
+         " % of them more than a whole turn of 2 pi";
+}
+
+/// Of the bones, without the root, which may turn and turn.
+Angles AnglesOfBones(const Amc& amc, const Asf* skeleton) {
+  Angles angles;
+  for (std::size_t b = 0; b < amc.bones.size(); ++b) {
+    const AmcBone& bone = amc.bones[b];
+    const int place = skeleton == nullptr ? -1 : skeleton->Find(bone.name);
+    if (bone.name == "root" || (skeleton != nullptr && place < 0)) continue;
+    for (int c = 0; c < bone.channels; ++c) {
+      if (place >= 0 && !IsRotation(skeleton->bones[static_cast<std::size_t>(place)].dof[static_cast<std::size_t>(c)]))
+        continue;
+      for (int f = 0; f < amc.frames; ++f) {
+        if (amc.has(f, static_cast<int>(b))) angles.Add(std::abs(amc.value(f, bone.first_channel + c)));
+      }
+    }
+  }
+  return angles;
+}
+
+/// Whether the root turns by more than radians do, unwound for a turn or two: a person who stands as at rest may face
+/// anywhere.
+bool RootTurnsInDegrees(const Amc& amc, const Asf* skeleton) {
+  const int root = amc.Find("root");
+  if (root < 0) return false;
+  const AmcBone& bone = amc.bones[static_cast<std::size_t>(root)];
+  for (int c = 0; c < bone.channels; ++c) {
+    const bool turns = skeleton == nullptr ? c >= 3 : IsRotation(skeleton->root_order[static_cast<std::size_t>(c)]);
+    for (int f = 0; turns && f < amc.frames; ++f) {
+      if (amc.has(f, root) && std::abs(amc.value(f, bone.first_channel + c)) > 4.0 * kPi) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<Finding> DoubtAngles(const Amass& amass) {
+  const std::size_t joints = std::min(kBodyJoints, amass.pose_columns / 3);
+  Angles angles;
+  for (std::size_t f = 0; f < amass.frames; ++f) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const double* turn = &amass.poses[f * amass.pose_columns + 3 * j];
+      angles.Add(std::hypot(turn[0], turn[1], turn[2]));
+    }
+  }
+  if (angles.share() < kManyOver) return std::nullopt;
+  return Contradiction(angles.largest,
+                       "the rotation vectors in 'poses' are " + OverWords(angles) +
+                           ": radians of a body are not, degrees are; multiply them by pi / 180 = 0.0174533");
+}
+
+std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {
+  if (amc.bones.size() < kFewestBones || (!amc.degrees && skeleton == nullptr)) return std::nullopt;
+  const bool degrees = amc.degrees ? *amc.degrees : skeleton->degrees;
+  const std::string who = amc.degrees ? "the header says " : "the skeleton's :units say ";
+  const Angles angles = AnglesOfBones(amc, skeleton);
+  if (!degrees && angles.share() >= kManyOver) {
+    return Contradiction(angles.largest, who + ":RADIANS, but angles of bones are " + OverWords(angles) +
+                                             ": they are degrees; write :DEGREES");
+  }
+  const bool small = angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
+  if (degrees && small && !RootTurnsInDegrees(amc, skeleton)) {
+    return Contradiction(angles.largest, who + ":DEGREES, but no bone is turned by more than " +
+                                             Digits(angles.largest) + " in any of " + std::to_string(amc.frames) +
+                                             " frames: they are radians; write :RADIANS");
+  }
+  return std::nullopt;
+}
+
+}  // namespace mocurate

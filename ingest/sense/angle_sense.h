@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+
+#include "core/base/finding.h"
+#include "core/formats/amass.h"
+#include "core/formats/amc.h"
+
+namespace mocurate {
+
+/// "angle_unit_contradiction", an error whose value is the longest of them: rotation vectors, which are radians in
+/// AMASS, where at least one in twenty of the joints' is longer than a whole turn. Radians of people are not; degrees
+/// are. One in 22 may be: a root that is never wrapped.
+std::optional<Finding> DoubtAngles(const Amass& amass);
+
+/// The same of angles in an AMC, whose header (else its skeleton, if any) says the unit: said to be radians, and more
+/// than whole turns; said to be degrees, and no joint of at least 10 turned by more than what pi is in radians, nor the
+/// root by more than 4 pi. Nothing is doubted of a person whom the numbers show within 0.5 of the rest pose.
+std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,122 @@
+#include "ingest/sense/array_sense.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/largest_number.h"
+#include "core/quality/tracked_points.h"
+#include "ingest/sense/joint_orders.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kFewestFrames = 8;  // fewer tell no spread of lengths
+constexpr std::size_t kFewestJoints = 10, kMostJoints = 200;
+constexpr double kClearlyRigid = 0.5 * kRigid;
+
+/// Axes of the array that are frames, joints and coordinates.
+using Axes = std::array<std::size_t, 3>;
+constexpr Axes kAsItLies = {0, 1, 2};
+constexpr Axes kExchanged[] = {{1, 0, 2}, {0, 2, 1}, {2, 0, 1}, {1, 2, 0}, {2, 1, 0}};
+
+bool Possible(const NpyArray& array, const Axes& axes) {
+  const std::size_t frames = array.shape[axes[0]], joints = array.shape[axes[1]];
+  return array.shape[axes[2]] == 3 && frames >= kFewestFrames && joints >= kFewestJoints && joints <= kMostJoints;
+}
+
+struct Points {
+  JointPositions positions;
+  std::vector<double> confidence;
+};
+
+Points Read(const NpyArray& array, const Axes& axes) {
+  const std::array<std::size_t, 3> stride = {array.shape[1] * array.shape[2], array.shape[2], 1};
+  const auto frames = static_cast<int>(array.shape[axes[0]]), joints = static_cast<int>(array.shape[axes[1]]);
+  Points points{JointPositions(frames, joints), {}};
+  for (int f = 0; f < frames; ++f) {
+    for (int j = 0; j < joints; ++j) {
+      Vector3d at;
+      for (int c = 0; c < 3; ++c) {
+        at[c] =
+            array.values[static_cast<std::size_t>(f) * stride[axes[0]] + static_cast<std::size_t>(j) * stride[axes[1]] +
+                         static_cast<std::size_t>(c) * stride[axes[2]]];
+      }
+      const bool seen = at.allFinite() && at.cwiseAbs().maxCoeff() <= kLargestNumber;
+      points.confidence.push_back(seen ? 1.0 : 0.0);
+      if (seen) points.positions.at(f, j) = at;
+    }
+  }
+  return points;
+}
+
+/// The known order in which they are a body; nothing where there is none.
+std::optional<std::string> BodyIn(const Points& points) {
+  const std::vector<OrderScore> scores = ScoreOrders(points.positions, points.confidence);
+  if (scores.empty() || !scores[0].score.IsBody()) return std::nullopt;
+  return scores[0].order->name;
+}
+
+std::string Held(const Axes& axes) {
+  std::array<std::string, 3> names;
+  names[axes[0]] = "frames";
+  names[axes[1]] = "joints";
+  names[axes[2]] = "3";
+  return "(" + names[0] + ", " + names[1] + ", " + names[2] + ")";
+}
+
+}  // namespace
+
+std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints) {
+  if (array.shape.size() != 3 || array.values.empty()) return std::nullopt;
+  if (std::none_of(std::begin(kExchanged), std::end(kExchanged),
+                   [&](const Axes& axes) { return Possible(array, axes); }))
+    return std::nullopt;
+  bool loose = true;  // no two points keep their distance as they lie
+  if (array.shape[2] == 3) {
+    if (joints > 0 && array.shape[1] == joints) return std::nullopt;
+    const Points points = Read(array, kAsItLies);
+    if (BodyIn(points)) return std::nullopt;
+    loose = Rigidity(points.positions, points.confidence) > kRigid;
+  }
+  for (const Axes& axes : kExchanged) {
+    if (!Possible(array, axes) || (joints > 0 && array.shape[axes[1]] != joints)) continue;
+    const Points points = Read(array, axes);
+    const std::optional<std::string> body = BodyIn(points);
+    const bool rigid = !body && loose && Rigidity(points.positions, points.confidence) < kClearlyRigid;
+    if (!body && !rigid && joints == 0) continue;
+    AxisOrder order;
+    order.words = "its axes are " + Held(axes) + ", not (frames, joints, 3): so " +
+                  (body    ? "the points are a body in the order '" + *body + "', as they lie they are none"
+                   : rigid ? "the points keep their distances, as they lie they do not"
+                           : "it has the " + std::to_string(joints) + " joints that are declared");
+    order.way_out = "write it with numpy's transpose(" + std::to_string(axes[0]) + ", " + std::to_string(axes[1]) +
+                    ", " + std::to_string(axes[2]) + ")";
+    return order;
+  }
+  return std::nullopt;
+}
+
+std::vector<Finding> DamagedFramesOf(const double* xyz, int frames, int joints, const std::string& name) {
+  std::vector<Finding> findings;
+  const std::ptrdiff_t wide = static_cast<std::ptrdiff_t>(joints) * 3;
+  const auto damaged = [](double value) { return !std::isfinite(value) || std::abs(value) > kLargestNumber; };
+  for (int f = 0; f < frames; ++f) {
+    const double* row = xyz + f * wide;
+    const double* found = std::find_if(row, row + wide, damaged);
+    if (found == row + wide) continue;
+    const auto joint = static_cast<int>((found - row) / 3);
+    const bool number = std::isfinite(*found);
+    Finding finding = FrameFinding(number ? "number_too_large" : "not_a_number", f, f + 1, "", joint,
+                                   name + ": frame " + std::to_string(f) + ", joint " + std::to_string(joint) + ", " +
+                                       "xyz"[(found - row) % 3] + ": " +
+                                       (number ? FormatDouble(*found) + " is no coordinate of a person"
+                                               : std::string("this is no finite number")));
+    finding.action = "dropped";
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+}  // namespace mocurate

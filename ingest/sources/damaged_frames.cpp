@@ -1,0 +1,58 @@
+#include "ingest/sources/damaged_frames.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kLongestGap_s = 0.5;
+
+}  // namespace
+
+Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, double rate_hz,
+                                                 const std::string& name) {
+  std::vector<DamagedFrame> bridged;
+  const auto longest = static_cast<std::size_t>(std::max(1.0, std::floor(kLongestGap_s * rate_hz)));
+  for (std::size_t at = 0; at < damaged.size();) {
+    std::size_t end = at + 1;
+    while (end < damaged.size() && damaged[end] == damaged[end - 1] + 1) ++end;
+    const int first = damaged[at], last = damaged[end - 1];
+    const bool from = first > 0, to = last + 1 < frames;
+    if ((!from && !to) || end - at > longest) {
+      return Fail(ErrorCode::kInconsistent,
+                  Counted(static_cast<long long>(end - at), "frame") + " on end, from frame " + std::to_string(first) +
+                      ", hold no numbers of a person",
+                  name,
+                  "a motion has no missing frame, and at most " + std::to_string(longest) +
+                      " on end are taken from their neighbours: mend the file, or leave it out");
+    }
+    for (int f = first; f <= last; ++f) {
+      const int before = from ? first - 1 : last + 1, after = to ? last + 1 : first - 1;
+      const double share = before < after ? static_cast<double>(f - before) / (after - before) : 0.0;
+      bridged.push_back({f, before, after, share});
+    }
+    at = end;
+  }
+  return bridged;
+}
+
+void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::vector<Finding>& findings) {
+  if (bridged.empty()) return;
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  motion.state.assign(static_cast<std::size_t>(motion.frame_count()) * joints, JointState::kObserved);
+  for (const DamagedFrame& damaged : bridged) {
+    std::fill_n(motion.state.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(damaged.frame) * joints),
+                joints, JointState::kInterpolated);
+    for (Finding& finding : findings) {
+      if (finding.action == "dropped" && finding.frame_begin == damaged.frame &&
+          finding.frame_end == damaged.frame + 1) {
+        finding.action = "interpolated";
+      }
+    }
+  }
+}
+
+}  // namespace mocurate

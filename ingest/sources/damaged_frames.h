@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// A frame of a motion whose numbers are damaged, and whole frames before and after it (the same one at either end of
+/// the motion); share: of the way from one to the other.
+struct DamagedFrame {
+  int frame = 0;
+  int before = 0;
+  int after = 0;
+  double share = 0.0;
+};
+
+/// How damaged frames are bridged: a motion has no missing frame, so that they are taken from their neighbours. At most
+/// half a second on end. `damaged`: rising, below `frames`. Error kInconsistent at "name": a longer gap, or no whole
+/// frame.
+Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, double rate_hz,
+                                                 const std::string& name);
+
+/// Says so: `motion.state` is kInterpolated there, and findings of these frames have the action "interpolated".
+void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::vector<Finding>& findings);
+
+}  // namespace mocurate

@@ -1,0 +1,85 @@
+// Rates that a source declares, that files say, and that motions deny: told by a run as by an inspection.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ingest/set_contradictions.h"
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/runs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class RecordedRates : public RecordedFormats {
+ protected:
+  /// Bandai's first set with another Frame Time in every file.
+  static IngestOptions Marked(double rate_hz, const std::string& name) {
+    IngestOptions options = Declared("bandai1");
+    const fs::path folder = FreshFolder(name);
+    for (const auto& entry : fs::directory_iterator(options.path)) {
+      if (entry.path().extension() != ".bvh") continue;
+      std::string text = *ReadFile(entry.path());
+      const std::size_t begin = text.find("Frame Time:");
+      text.replace(begin, text.find_first_of("\r\n", begin) - begin, "Frame Time: " + std::to_string(1.0 / rate_hz));
+      Put(folder / entry.path().filename(), text);
+    }
+    options.path = folder;
+    return options;
+  }
+};
+
+TEST_F(RecordedRates, TheDeclaredRateIsUsedAndFilesThatSayAnotherAreErrorsOfBoth) {
+  const IngestOptions options = Marked(60.0, "marked60");
+  std::vector<ItemResult> clips = RunAll(options);
+  ASSERT_GT(clips.size(), 50u);
+  EXPECT_EQ(CountCode(clips, "rate_contradiction"), clips.size());
+  EXPECT_EQ(CountCode(clips, "rate_doubtful"), 0u) << "the declared rate is true";
+  for (const ItemResult& clip : clips) EXPECT_EQ(clip.outcome.summary.at("rate_hz"), 30.0);
+  const auto together = FindSetContradictions(options.source, clips);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].code, "rate_contradiction");
+  const auto inspected = Codes(InspectPath(options.path, options.source), "error");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(inspected.begin(), inspected.end(), "rate_contradiction")),
+            clips.size());
+}
+
+TEST_F(RecordedRates, ASetWhoseMotionsDenyTheirRateIsToldAsAWholeEvenWhereNobodyDeclaresIt) {
+  IngestOptions options = Marked(60.0, "undeclared60");
+  options.source.rate_hz.reset();
+  std::vector<ItemResult> clips = RunAll(options);
+  EXPECT_EQ(CountCode(clips, "rate_doubtful"), 0u) << "of one clip alone the file's word is a warning";
+  const auto together = FindSetContradictions(options.source, clips);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].code, "rate_doubtful");
+  EXPECT_THAT(together[0].message, HasSubstr("deny their rate, all as too fast"));
+  EXPECT_EQ(CountCode(clips, "rate_doubtful"), clips.size());
+  EXPECT_THAT(Codes(InspectPath(options.path, std::nullopt), "error"), Contains("rate_doubtful"));
+}
+
+TEST_F(RecordedRates, ARateThatTheSourceDeclaresAgainstItsMotionsIsAnErrorAndCanBeRefused) {
+  IngestOptions options = Declared("msr_action3d");
+  options.source.rate_hz = 60.0;  // it is 15
+  options.source.on_contradiction = OnContradiction::kRefuse;
+  std::vector<ItemResult> clips = RunAll(options);
+  const std::size_t denied = CountCode(clips, "rate_doubtful");
+  EXPECT_GT(denied, 50u);
+  EXPECT_LT(denied, clips.size() / 2);
+  ASSERT_EQ(FindSetContradictions(options.source, clips).size(), 1u);
+  for (const ItemResult& clip : clips) EXPECT_FALSE(HasArtifact(clip.outcome.kind)) << clip.item;
+}
+
+TEST_F(RecordedRates, TrueRatesAreDeniedByNoSet) {
+  for (const char* source : {"bandai1", "bandai2", "hdm05", "cad60", "ntu", "florence3d", "utkinect"}) {
+    const IngestOptions options = Declared(source);
+    std::vector<ItemResult> clips = RunAll(options);
+    EXPECT_EQ(CountCode(clips, "rate_doubtful") + CountCode(clips, "rate_contradiction"), 0u) << source;
+    for (const Finding& finding : FindSetContradictions(options.source, clips)) ADD_FAILURE() << finding.message;
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,192 @@
+// Lengths and angles in another unit than the file, its folder or its source says: the cause is named.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "core/formats/amass.h"
+#include "core/formats/amc.h"
+#include "core/formats/bvh.h"
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/runs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+const Json* FindCode(const Json& inspection, const std::string& code) {
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("code") == code) return &finding;
+  }
+  return nullptr;
+}
+
+class WrongUnits : public WrittenFormats {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    WrittenFormats::SetUp();
+  }
+
+  /// Six clips of KARD, the last `scaled` of them multiplied.
+  void WriteKard(double factor, int scaled) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(fs::path(TestData()) / "kinect/kard")) {
+      if (entry.path().extension() == ".txt") files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    for (int i = 0; i < 6; ++i) {
+      std::istringstream in(*ReadFile(files[static_cast<std::size_t>(i)]));
+      std::ostringstream out;
+      int column = 0;
+      for (double value = 0.0; in >> value;)
+        out << value * (i >= 6 - scaled ? factor : 1.0) << (++column % 3 == 0 ? '\n' : ' ');
+      Written(DisplayPath(files[static_cast<std::size_t>(i)].filename()), out.str());
+    }
+  }
+
+  void WriteBandai(const std::string& name, double factor) {
+    Bvh bvh = *ParseBvh(*ReadFile(fs::path(TestData()) / "bvh/bandai1" / name), name);
+    for (BvhJoint& joint : bvh.joints) {
+      joint.offset *= factor;
+      joint.end_site *= factor;
+      for (std::size_t c = 0; c < joint.channels.size(); ++c) {
+        if (!IsPosition(joint.channels[c])) continue;
+        for (int f = 0; f < bvh.frames; ++f)
+          bvh.values[static_cast<std::size_t>(f) * bvh.channel_count + joint.first_channel + c] *= factor;
+      }
+    }
+    Written(name, mocurate::WriteBvh(bvh));
+  }
+
+  Json Look() const { return InspectPath(folder_, std::nullopt); }
+
+  /// CMU's skeleton and motion, changed; the findings of severity error of an inspection and of a run, of its clip.
+  void ExpectAcclaim(const std::string& skeleton, const std::string& motion, const std::string& code) {
+    Written("01.asf", skeleton);
+    Written("01_01.amc", motion);
+    const Json inspection = Look();
+    const Json* told = FindCode(inspection, code);
+    ASSERT_NE(told, nullptr) << inspection.at("findings").dump(1);
+    EXPECT_EQ(told->at("severity"), "error");
+    IngestOptions options = Declared("cmu_amc");
+    options.path = folder_;
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    EXPECT_THAT(ErrorCodes(clips[0].outcome), Contains(code));
+  }
+  static std::string Cmu(const std::string& name) { return *ReadFile(TestData() + "/cmu/asf_amc/" + name); }
+  /// With another word for the unit, and angles of bones times `factor`, of the root as well unless it is left.
+  static std::string Angles(const std::string& word, double factor, bool root = true) {
+    AmcOptions options;
+    Amc amc = *ParseAmc(Cmu("01_01.amc"), options, "01_01.amc");
+    for (const AmcBone& bone : amc.bones) {
+      if (!root && bone.name == "root") continue;
+      for (int f = 0; f < amc.frames; ++f) {
+        for (int c = bone.name == "root" ? 3 : 0; c < bone.channels; ++c)
+          amc.values[static_cast<std::size_t>(f) * amc.channel_count + bone.first_channel + c] *= factor;
+      }
+    }
+    amc.degrees = word == ":DEGREES";
+    return WriteAmc(amc);
+  }
+  static std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  }
+};
+
+TEST_F(WrongUnits, OneClipOfAFolderThatIsAPowerOfTenOfTheOthersIsAnErrorThatSaysHowMuch) {
+  WriteKard(100.0, 1);
+  const Json inspection = Look();
+  const Json* told = FindCode(inspection, "units_outlier");
+  ASSERT_NE(told, nullptr);
+  EXPECT_EQ(told->at("where"), inspection.at("clips")[5].at("id"));
+  EXPECT_EQ(told->at("value"), 100.0);
+  EXPECT_THAT(told->at("message"), HasSubstr("5 of the 6 clips"));
+  EXPECT_EQ(Codes(inspection, "error"), std::vector<std::string>{"units_outlier"});
+  EXPECT_EQ(Value(inspection.at("clips")[0], "units"), "mm");
+  EXPECT_EQ(Value(inspection.at("clips")[5], "units"), "0.00001 m");
+  IngestOptions options = Declared("kard");
+  options.path = folder_;
+  EXPECT_EQ(CountCode(RunAll(options), "units_contradiction"), 1u) << "a run knows the unit, and tells the clip";
+}
+
+TEST_F(WrongUnits, OfABvhInMetresAmongCentimetresTheFactorIsTold) {
+  for (const char* style : {"active", "angry", "feminine", "normal", "old"})
+    WriteBandai(std::string("dataset-1_bow_") + style + "_001.bvh", std::string(style) == "old" ? 0.01 : 1.0);
+  const Json inspection = Look();
+  const Json* told = FindCode(inspection, "units_outlier");
+  ASSERT_NE(told, nullptr) << inspection.at("findings").dump(1);
+  EXPECT_EQ(told->at("where"), "dataset-1_bow_old_001.bvh");
+  EXPECT_EQ(told->at("value"), 0.01);
+  EXPECT_THAT(told->at("message"), HasSubstr("its unit is m where that of 4 of the 5"));
+}
+
+TEST_F(WrongUnits, AFolderThatIsMultipliedAsAWholeHasTheUnitThatMakesItPeople) {
+  WriteKard(100.0, 6);
+  const Json inspection = Look();
+  EXPECT_EQ(FindCode(inspection, "units_outlier"), nullptr);
+  for (const Json& clip : inspection.at("clips")) {
+    EXPECT_EQ(Value(clip, "units"), "0.00001 m");
+    EXPECT_EQ(clip.at("units").at("from"), "measured");
+    EXPECT_LT(clip.at("units").at("confidence"), 0.55) << "no usual unit";
+    EXPECT_THAT(clip.at("units").at("evidence"), HasSubstr("no usual unit"));
+  }
+  for (const Json& clip : inspection.at("groups")) EXPECT_EQ(clip.at("units").at("value"), "0.00001 m");
+}
+
+TEST_F(WrongUnits, RotationsOfAmassInDegreesAreNamed) {
+  Amass amass = *ParseAmass(*ReadFile(TestData() + "/amass_babel/amass_sample.npz"), "a");
+  for (const bool degrees : {false, true}) {
+    if (degrees) {
+      for (double& angle : amass.poses) angle *= 180.0 / M_PI;
+    }
+    Written("CMU/01/walk_poses.npz", *EncodeAmass(amass, "a"));
+    const Json inspection = Look();
+    const Json* told = FindCode(inspection, "angle_unit_contradiction");
+    EXPECT_EQ(told != nullptr, degrees) << inspection.at("findings").dump(1);
+    IngestOptions options = Declared("amass");
+    options.path = folder_;
+    options.source.annotations.clear();
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    EXPECT_EQ(CountCode(clips, "angle_unit_contradiction"), degrees ? 1u : 0u);
+    if (!degrees) continue;
+    EXPECT_EQ(told->at("severity"), "error");
+    EXPECT_GT(told->at("value"), 90.0);
+    EXPECT_THAT(told->at("message"), HasSubstr("multiply them by pi / 180"));
+  }
+}
+
+TEST_F(WrongUnits, AnglesOfAcclaimThatAreNotOfTheUnitInTheirHeaderAreNamed) {
+  ExpectAcclaim(Cmu("01.asf"), Angles(":RADIANS", 1.0), "angle_unit_contradiction");
+  ExpectAcclaim(Cmu("01.asf"), Angles(":DEGREES", M_PI / 180.0), "angle_unit_contradiction");
+  Written("01_01.amc", Angles(":RADIANS", M_PI / 180.0));
+  EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "true radians";
+  Written("01_01.amc", Angles(":DEGREES", M_PI / 180.0, false));
+  EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "who stands as at rest and turns round";
+}
+
+TEST_F(WrongUnits, ALengthOfAnAcclaimSkeletonThatIsAHundredthOfItselfIsNamed) {
+  ExpectAcclaim(Replaced(Cmu("01.asf"), "length 0.45", "length 0.0045"), Cmu("01_01.amc"), "length_unit_contradiction");
+  const std::string skeleton = Cmu("01.asf");
+  const std::size_t bone = skeleton.find("length", skeleton.find("name lfemur")) + 7;
+  const std::size_t end = skeleton.find_first_of(" \r\n", bone);
+  const double length = std::stod(skeleton.substr(bone, end - bone));
+  std::string shorter = skeleton;
+  shorter.replace(bone, end - bone, std::to_string(length / 100.0));
+  ExpectAcclaim(shorter, Cmu("01_01.amc"), "bone_length");
+  Written("01.asf", skeleton);
+  EXPECT_TRUE(Codes(Look(), "error").empty());
+}
+
+}  // namespace
+}  // namespace mocurate
