@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kReach_s = 0.12;
 constexpr double kOutlierSigmas = 10.0;
-constexpr double kSmallestOutlier = 0.15;
+constexpr double kSmallestOutlier = 0.15;  ///< metres
+constexpr double kSteps = 1.5;
 
 /// The frame and the same number of frames on both sides in which the joint is seen, so that steady movement does not
 /// shift the median.
@@ -41,6 +42,19 @@ Vector3d MedianOver(const SkeletonTracks& tracks, const std::vector<int>& frames
   return median;
 }
 
+/// How far the joint goes from one of these frames to the next, without `frame`, in the median: a hand that strikes out
+/// and turns is not an outlier at its turn.
+double StepNearby(const SkeletonTracks& tracks, std::vector<int> frames, int frame, int joint) {
+  frames.erase(std::remove(frames.begin(), frames.end(), frame), frames.end());
+  std::sort(frames.begin(), frames.end());
+  std::vector<double> steps;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    const double step = (tracks.positions.at(frames[i + 1], joint) - tracks.positions.at(frames[i], joint)).norm();
+    steps.push_back(frames[i] < frame && frame < frames[i + 1] ? 0.5 * step : step);
+  }
+  return Median(steps);
+}
+
 }  // namespace
 
 Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint) {
@@ -59,6 +73,7 @@ std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<doubl
       const Vector3d away = tracks.positions.at(f, j) - median;
       const double square = tracks.precision.empty() ? away.squaredNorm() : away.dot(tracks.precision_at(f, j) * away);
       if (square <= allowed * allowed) continue;
+      if (away.norm() <= kSmallestOutlier + kSteps * StepNearby(tracks, nearby, f, j)) continue;
       rejected[static_cast<std::size_t>(f) * tracks.joints() + j] = true;
     }
   }

@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 
+#include "core/formats/npy.h"
 #include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
@@ -45,6 +46,42 @@ class FitVerbs : public ::testing::Test {
   Folder folder_;
   fs::path data_;
 };
+
+/// 22 joints of SMPL's 24, hips that hang from the pelvis, shoulders beside the neck: not where the skeleton's rest
+/// pose has them. A point that is none costs itself.
+TEST_F(FitVerbs, JointsOfAnotherBodyAreFollowedToMillimetres) {
+  const fs::path sample = data_ / "humanact12/humanml3d_sample/012314_joints.npy";
+  auto array = ParseNpy(program::ReadText(sample), "sample");
+  ASSERT_TRUE(array) << array.error().Message();
+  const NpyArray whole = *array;
+  array->values[(50 * 22 + 20) * 3] = std::nan("");
+  WriteText(folder_ / "hole.npy", WriteNpy(*array));
+  for (const fs::path& path : {sample, folder_ / "hole.npy"}) {
+    const Result result = Fit(path, {"--skeleton", "smpl24", "--set", "ingest.source.rate=20 Hz", "--force", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_rms_mm"].get<double>(), 5.0);
+    const Motion motion = *Fitted().clips.at(0).motion;
+    for (int f = 0; f < 170; ++f) {
+      for (int j = 0; j < 22; ++j) {
+        const Eigen::Map<const Vector3d> truth(whole.values.data() + (f * 22 + j) * 3);
+        EXPECT_LT((motion.joints.at(f, j) - truth).norm(), 0.05) << f << " " << j;
+      }
+      EXPECT_EQ(motion.state[static_cast<std::size_t>(f) * 24 + 22], JointState::kInferred)
+          << "hands are not in the file";
+    }
+    if (path == sample) continue;
+    EXPECT_EQ(motion.state[50 * 24 + 20], JointState::kInterpolated);
+    EXPECT_EQ(motion.state[50 * 24 + 19], JointState::kObserved);
+  }
+}
+
+/// Names of one skeleton, another tree: the file's own is taken.
+TEST_F(FitVerbs, ATreeThatHangsOtherwiseThanItsNamesakeIsFitted) {
+  const Result result = Fit(data_ / "cmu/asf_amc/01_01.bvh",
+                            {"--skeleton", "smpl24", "--json", "--set", "fitting.joint_tracks.uncertainty=false"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_rms_mm"].get<double>(), 20.0);
+}
 
 TEST_F(FitVerbs, OneFileOfARecipeGetsRotationsOnTheSkeletonAskedFor) {
   const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "openni16", "--json"});
