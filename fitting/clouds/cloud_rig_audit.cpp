@@ -284,7 +284,7 @@ class Auditor {
     std::vector<Camera> without = found;
     without[v] = cameras_[v];
     const auto both = Of(v, LossOfSamples(rig_, without), better);
-    if (Confidence(both.first, both.second) < options_.sure) return false;
+    if (ConfidenceOfSeparate(both.first, both.second) < options_.sure) return false;
     const double loss = MeanLoss(both.second);
     const double left = 1.0 - std::min(kLeastGain * move / kLeastMove, kSureGain);
     if (loss > kStrangersLoss || loss > left * MeanLoss(both.first)) return false;
@@ -329,7 +329,7 @@ class Auditor {
     fault.code = "camera_moved";
     fault.camera = was.name;
     fault.value = 1e3 * (cameras_[v].Centre() - was.Centre()).norm();
-    fault.confidence = Confidence(both.first, both.second);
+    fault.confidence = ConfidenceOfSeparate(both.first, both.second);
     fault.corrected = options_.moved == AuditAction::kCorrect;
     fault.message = "depth camera " + fault.camera + " stands " + RoundedText(fault.value, 3) + " mm and " +
                     RoundedText(kDegrees * move.turn, 2) +

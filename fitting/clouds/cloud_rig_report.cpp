@@ -5,9 +5,7 @@
 
 namespace mocurate {
 
-bool DepthRigReport::IsDoubtful() const {
-  return std::any_of(faults.begin(), faults.end(), [](const RigFault& fault) { return !fault.corrected; });
-}
+bool DepthRigReport::IsDoubtful() const { return std::any_of(faults.begin(), faults.end(), mocurate::IsDoubtful); }
 
 Expected<Clip> WithAuditedRig(const Clip& clip, const RigAuditOptions& options, DepthRigReport& report) {
   Expected<AuditedDepthRig> audited = AuditDepthRig(clip.evidence.depth_views, options);

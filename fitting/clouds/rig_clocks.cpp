@@ -47,7 +47,7 @@ class Shifts {
 
   double Confident(int from, int to) const {
     const auto both = Both(from, to);
-    return Confidence(both.first, both.second);
+    return ConfidenceOfSeparate(both.first, both.second);
   }
 
  private:

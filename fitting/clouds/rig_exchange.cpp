@@ -91,7 +91,7 @@ double ConfidenceOf(const std::vector<double>& worse, const std::vector<double>&
     both.first.push_back(worse[i]);
     both.second.push_back(better[i]);
   }
-  return Confidence(both.first, both.second);
+  return ConfidenceOfSeparate(both.first, both.second);
 }
 
 }  // namespace

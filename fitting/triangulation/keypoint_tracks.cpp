@@ -367,7 +367,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   faults.insert(faults.end(), sides.begin(), sides.end());
   for (const RigFault& fault : faults) {
     found.findings.push_back(FindingOf(fault));
-    found.report.doubtful = found.report.doubtful || !fault.corrected;
+    found.report.doubtful = found.report.doubtful || IsDoubtful(fault);
   }
   if (!audited.not_audited.empty()) {
     found.findings.push_back(Tell("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
