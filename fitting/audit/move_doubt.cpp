@@ -6,6 +6,9 @@
 namespace mocurate {
 namespace {
 
+constexpr double kLeastShare = 2.0;   ///< of the noise of a detection
+constexpr double kLeastMove = 0.008;  ///< m, at the person
+
 bool IsSame(const Camera& a, const Camera& b) {
   return a.camera_from_world.translation == b.camera_from_world.translation &&
          a.camera_from_world.rotation.coeffs() == b.camera_from_world.rotation.coeffs();
@@ -40,6 +43,14 @@ bool GoesTooFar(const RigModel& given, const CameraMove& move) {
     moved = std::max(moved, (part.camera.Centre() - given.camera[move.view][0].camera.Centre()).norm());
   }
   return moved > ExtentOf(given);
+}
+
+bool IsNotableMove(const Camera& was, const std::vector<CameraPart>& parts, const TriangulatedTracks& points,
+                   double noise_px) {
+  return std::any_of(parts.begin(), parts.end(), [&](const CameraPart& part) {
+    const SeenMove seen = MoveAtPoints(was, part.camera, points);
+    return seen.px >= kLeastShare * noise_px && seen.m >= kLeastMove;
+  });
 }
 
 RigFault DisagreementOf(const std::vector<RigView>& rig, std::vector<std::size_t> views) {

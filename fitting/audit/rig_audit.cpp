@@ -26,8 +26,6 @@ constexpr double kLeastGain = 0.02;          ///< of the cost
 constexpr std::size_t kWitnesses = 3;        ///< that stay where they are: fewer could not be told from each other
 constexpr std::size_t kFewestWitnesses = 2;  ///< that tell where others stand at all
 constexpr double kContradiction = 0.25;  ///< of the cost, that another move explains when too few witnesses are left
-constexpr double kLeastShare = 2.0;      ///< of the noise of a detection, that a move shifts what is seen
-constexpr double kLeastMove = 0.008;     ///< m, at the person
 constexpr double kDegrees = 57.29577951308232;
 
 double Sum(const std::vector<double>& values) {
@@ -128,15 +126,10 @@ class Auditor {
     return false;
   }
 
-  /// Whether a camera's place there shifts what it sees by more than detections err.
   bool IsNotable(std::size_t view, const RigModel& model) const {
     const TriangulatedTracks points =
         TriangulateViews(samples_.Views(model), samples_.count(), samples_.keypoints(), options_.triangulation);
-    const std::vector<CameraPart>& parts = model.camera[view];
-    return std::any_of(parts.begin(), parts.end(), [&](const CameraPart& part) {
-      const SeenMove seen = MoveAtPoints(given_.camera[view][0].camera, part.camera, points);
-      return seen.px >= kLeastShare * options_.triangulation.noise && seen.m >= kLeastMove;
-    });
+    return IsNotableMove(given_.camera[view][0].camera, model.camera[view], points, options_.triangulation.noise);
   }
 
   bool Explains(const CameraMove& move) const {

@@ -85,5 +85,89 @@ TEST(RigDoubt, PiecesOfRecordedTrialsInventNoMoves) {
   EXPECT_GE(third, 3);
 }
 
+/// Detections of a studio take with something done to them; what is told, and how far points are off.
+struct Read {
+  std::string code, camera;
+  double value = 0.0, confidence = 0.0, error_m = 0.0;
+  std::size_t faults = 0;
+};
+
+Read ReadingOf(const StudioView& take, const Evidence& altered) {
+  const auto found = Triangulated(altered);
+  if (!found) return {found.error().Message(), "", 0.0, 0.0, 0.0, 0};
+  Read read{"", "", 0.0, 0.0, MeanError(found->tracks, take.truth), found->report.faults.size()};
+  if (read.faults == 0) return read;
+  const RigFault& fault = found->report.faults[0];
+  read.code = fault.code, read.camera = fault.camera, read.value = fault.value, read.confidence = fault.confidence;
+  return read;
+}
+
+TEST(RigDoubt, AMirroredImageIsNamedAndTurnedBackAndNoMovedCamera) {
+  int named = 0;
+  for (const StudioView& take : StudioViews(FourViews(26), 4)) {
+    Evidence altered = take.evidence;
+    Mirror(altered.keypoint_views[1]);
+    const Read read = ReadingOf(take, altered);
+    EXPECT_NE(read.code, "camera_moved") << take.name;
+    if (read.code != "view_mirrored") continue;  // who stands in the middle of the image looks the same mirrored
+    ++named;
+    EXPECT_EQ(read.camera, altered.keypoint_views[1].camera.name);
+    EXPECT_EQ(read.faults, 1u);
+    EXPECT_GT(read.confidence, 0.99);
+    EXPECT_LT(read.error_m, 0.025);
+  }
+  EXPECT_GE(named, 3);
+}
+
+TEST(RigDoubt, KeypointsOfImagesOfAnotherSizeAreNamedWithTheFactor) {
+  for (const bool all : {false, true}) {
+    for (const StudioView& take : StudioViews(FourViews(27), 3)) {
+      Evidence altered = take.evidence;
+      for (std::size_t v = 0; v < 4; ++v) {
+        if (all || v == 2) Enlarge(altered.keypoint_views[v], 0.5);
+      }
+      const Read read = ReadingOf(take, altered);
+      EXPECT_EQ(read.code, "keypoint_scale") << take.name << all;
+      EXPECT_EQ(read.value, 2.0);
+      EXPECT_LT(read.error_m, 0.025);
+    }
+  }
+}
+
+TEST(RigDoubt, ARingTurnedByItsOwnSymmetryIsTheSameRig) {
+  for (const StudioView& take : StudioViews(FourViews(28), 4)) {
+    Evidence altered = take.evidence;
+    RotateFiles(altered);
+    EXPECT_EQ(ReadingOf(take, altered).faults, 0u) << take.name;
+  }
+}
+
+TEST(RigDoubt, AnUnknownOrderIsNotNamed) {
+  Evidence evidence = Detections(Ring(4), {Swinging(30)}, 2.0);
+  auto& names = evidence.keypoint_names;
+  for (std::size_t shift : {5, 9, 13}) {
+    Evidence altered = evidence;
+    std::rotate(altered.keypoint_names.begin(), altered.keypoint_names.begin() + static_cast<std::ptrdiff_t>(shift),
+                altered.keypoint_names.end());
+    const auto refused = Triangulated(altered);
+    ASSERT_FALSE(refused) << names.size();
+    EXPECT_THAT(refused.error().Message(), testing::Not(HasSubstr("in the order of"))) << shift;
+    EXPECT_THAT(refused.error().Message(), HasSubstr("proportions"));
+  }
+}
+
+TEST(RigDoubt, ACameraThatSeesNobodyForMostOfTheTakeIsTold) {
+  Evidence evidence = Detections(Ring(4), {Swinging(30)}, 2.0);
+  auto& values = evidence.keypoint_views[3].values;
+  std::fill(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() * 4 / 5), 0.0);
+  const auto found = Triangulated(evidence);
+  ASSERT_TRUE(found) << found.error().Message();
+  const auto told = std::find_if(found->findings.begin(), found->findings.end(),
+                                 [](const Finding& finding) { return finding.code == "camera_without_person"; });
+  ASSERT_NE(told, found->findings.end());
+  EXPECT_NEAR(told->value, 0.8, 0.01);
+  EXPECT_THAT(told->message, HasSubstr("cam4"));
+}
+
 }  // namespace
 }  // namespace mocurate
