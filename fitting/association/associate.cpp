@@ -303,4 +303,13 @@ Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<K
   return Follower(rig, lengths, time_s).Follow();
 }
 
+std::vector<double> UnseenShares(const AssociatedPerson& person) {
+  std::vector<double> shares;
+  for (const std::vector<int>& entries : person.entry) {
+    const auto without = std::count_if(entries.begin(), entries.end(), [](int entry) { return entry < 0; });
+    shares.push_back(static_cast<double>(without) / static_cast<double>(std::max<std::size_t>(entries.size(), 1)));
+  }
+  return shares;
+}
+
 }  // namespace mocurate

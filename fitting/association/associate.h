@@ -22,6 +22,9 @@ struct Association {
   std::vector<int> left_out;             ///< (views) of them nobody's: bystanders that one view alone sees, false finds
 };
 
+/// (views) share of each view's frames that show nothing of a person.
+std::vector<double> UnseenShares(const AssociatedPerson& person);
+
 /// People across views and time. Frame by frame, entries go to the people known before by how far their keypoints lie
 /// from the rays (median over the keypoints, in shares of the person's extent); among what is left, pairs of views
 /// propose bodies, which most further entries and the bone lengths decide. Pairs are neighbours in the list and some

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "fitting/evidence/noise.h"
 #include "fitting/triangulation/camera_refit.h"
@@ -16,6 +15,14 @@ constexpr double kImproved = 0.75;   ///< of the median error before
 constexpr int kLeastMoments = 5;     ///< of a part
 constexpr int kLeastDetections = 6;  ///< of a moment
 constexpr double kPartPenalty = 1.1;
+constexpr double kJumpPenalty = 1.02;  ///< a jump must say something that one pose does not
+constexpr double kUnchanged = 1e-9;    ///< cost of a moment
+
+double Sum(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum;
+}
 
 /// Median pixel error of each moment, axis by axis; NaN where too little is seen.
 std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const TriangulatedTracks& points) {
@@ -88,7 +95,7 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
                                    const ViewKeypoints& seen, const TriangulatedTracks& points, std::size_t jump) {
   const auto keypoints = static_cast<std::size_t>(samples.keypoints());
   const std::size_t all = seen.confidence.size();
-  CameraMove move{view, model.camera[view], model};
+  CameraMove move{view, model.camera[view], model, {}, {}, 1.0};
   if (jump > 0) {
     CameraPart later = move.camera[0];
     later.from_s = 0.5 * (samples.moments()[jump - 1].time_s + samples.moments()[jump].time_s);
@@ -122,42 +129,80 @@ TriangulatedTracks PointsWithout(const RigSamples& frames, const RigModel& model
 
 }  // namespace
 
-std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
-                                   const TriangulationOptions& options) {
-  if (samples.views() < kLeastViews || samples.views() > kMostViews || samples.count() < kLeastMoments) return {};
-  std::vector<std::size_t> view_of;
-  const std::vector<ViewKeypoints> views = samples.Views(model, &view_of);
-  double least = std::numeric_limits<double>::infinity();
+SeenMove MoveAtPoints(const Camera& was, const Camera& is, const TriangulatedTracks& points) {
+  std::vector<double> px, m;
+  for (std::size_t i = 0; i < points.confidence.size(); ++i) {
+    if (points.confidence[i] <= 0.0) continue;
+    const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * i);
+    const Vector3d before = was.camera_from_world * point, after = is.camera_from_world * point;
+    if (before.z() <= 0.0 || after.z() <= 0.0) continue;
+    const double off = (before.head<2>() / before.z() - after.head<2>() / after.z()).norm();
+    px.push_back(is.fx * off);
+    m.push_back(after.z() * off);
+  }
+  return {Median(px), Median(m)};
+}
+
+double ConfidenceOfPart(const RigSamples& samples, const std::vector<CameraPart>& parts, std::size_t part,
+                        const std::vector<double>& worse, const std::vector<double>& better) {
+  std::vector<double> before, after;
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    const double time = samples.moments()[i].time_s;
+    if (time < parts[part].from_s || (part + 1 < parts.size() && time >= parts[part + 1].from_s)) continue;
+    if (std::abs(worse[i] - better[i]) <= kUnchanged) continue;
+    before.push_back(worse[i]);
+    after.push_back(better[i]);
+  }
+  return Confidence(before, after);
+}
+
+double ConfidenceOfMove(const RigSamples& samples, const std::vector<CameraPart>& parts,
+                        const std::vector<double>& worse, const std::vector<double>& better) {
+  double best = 0.0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    best = std::max(best, ConfidenceOfPart(samples, parts, p, worse, better));
+  }
+  return std::max(0.0, 1.0 - static_cast<double>(parts.size()) * (1.0 - best));
+}
+
+std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& model, std::size_t view,
+                                     const TriangulationOptions& options) {
+  if (samples.views() < kLeastViews || samples.count() < kLeastMoments || model.camera[view].size() > 1) return {};
+  const ViewKeypoints seen = samples.View(model, view, 0);
+  const TriangulatedTracks points = PointsWithout(samples, model, view, options);
+  if (MedianError(seen, points) <= 0.0) return {};
   std::optional<CameraMove> best;
-  for (std::size_t v = 0; v < samples.views(); ++v) {
-    if (model.camera[v].size() > 1) continue;  // found before
-    std::vector<ViewKeypoints> rest;
-    ViewKeypoints seen;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      if (view_of[i] == v) {
-        seen = views[i];
-      } else {
-        rest.push_back(views[i]);
-      }
-    }
-    const TriangulatedTracks points = TriangulateViews(rest, samples.count(), samples.keypoints(), options);
-    if (MedianError(seen, points) <= 0.0) continue;
-    const std::vector<Vector2d> errors = MedianErrors(seen, points);
-    for (const std::size_t jump : {std::size_t{0}, Jump(errors, options.noise)}) {
-      if (jump == 0 && best && best->view == v) continue;
-      auto move = Refitted(samples, model, v, seen, points, jump);
-      if (!move) continue;
-      const auto again = samples.Views(move->model);
-      const auto agreed = TriangulateViews(again, samples.count(), samples.keypoints(), options);
-      double cost = 0.0;
-      for (const double of_moment : CostOfMoments(again, agreed, options.noise)) cost += of_moment;
-      if (jump > 0) cost *= 1.02;  // a jump must say something that one pose does not
-      if (cost >= least) continue;
-      least = cost;
-      best = std::move(move);
-    }
+  const std::vector<std::size_t> jumps{0, Jump(MedianErrors(seen, points), options.noise)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (i == 1 && jumps[1] == 0) continue;
+    auto move = Refitted(samples, model, view, seen, points, jumps[i]);
+    if (!move) continue;
+    const auto again = samples.Views(move->model);
+    move->cost =
+        CostOfMoments(again, TriangulateViews(again, samples.count(), samples.keypoints(), options), options.noise);
+    const double jump = i == 1 ? kJumpPenalty : 1.0;
+    if (!best || jump * Sum(move->cost) < Sum(best->cost)) best = std::move(move);
   }
   return best;
+}
+
+std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
+                                   const TriangulationOptions& options) {
+  if (samples.views() > kMostViews) return {};
+  std::vector<CameraMove> moves;
+  for (std::size_t v = 0; v < samples.views(); ++v) {
+    if (auto move = FindMoveOf(samples, model, v, options)) moves.push_back(std::move(*move));
+  }
+  if (moves.empty()) return {};
+  const auto best = std::min_element(
+      moves.begin(), moves.end(), [](const CameraMove& a, const CameraMove& b) { return Sum(a.cost) < Sum(b.cost); });
+  for (const CameraMove& other : moves) {
+    if (other.view == best->view) continue;
+    const double sure = ConfidenceOfMove(samples, best->camera, other.cost, best->cost);
+    best->sure_of_camera = std::min(best->sure_of_camera, sure);
+    if (sure < kRivalBeaten) best->rivals.push_back(other.view);
+  }
+  return std::move(*best);
 }
 
 void RefitParts(const RigSamples& frames, std::size_t view, const TriangulationOptions& options, RigModel& model) {

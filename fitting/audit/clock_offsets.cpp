@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace mocurate {
 namespace {
@@ -115,6 +116,25 @@ ClockEquations Linearise(const RigSamples& samples, const RigModel& model, const
   return equations;
 }
 
+/// Variances of `solve` * the sum of the gradients, by the spread of their sums over spans of the take: single moments
+/// and ever longer ones, whose errors depend on each other less; the largest counts.
+Eigen::VectorXd VarianceBySpans(const std::vector<Eigen::VectorXd>& gradients, const Eigen::MatrixXd& solve) {
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(solve.rows());
+  std::size_t spans = gradients.size();
+  do {
+    Eigen::VectorXd of_spans = Eigen::VectorXd::Zero(solve.rows());
+    for (std::size_t s = 0; s < spans; ++s) {
+      Eigen::VectorXd sum = Eigen::VectorXd::Zero(solve.cols());
+      const std::size_t end = (s + 1) * gradients.size() / spans;
+      for (std::size_t i = s * gradients.size() / spans; i < end; ++i) sum += gradients[i];
+      of_spans += (solve * sum).cwiseAbs2();
+    }
+    variance = variance.cwiseMax(of_spans);
+    spans = 2 * spans / 3;
+  } while (spans >= kFewestSpans);
+  return variance;
+}
+
 /// The camera that most others go along with; ties: the first.
 std::size_t CommonClock(const ClockOffsets& offsets) {
   std::size_t best = 0;
@@ -151,17 +171,15 @@ ClockOffsets RefineClocks(const RigSamples& samples, const RigModel& model, cons
   }
   ClockOffsets offsets{at.clock_s, std::vector<double>(at.clock_s.size(), std::numeric_limits<double>::infinity())};
   // Of the differences from the mean clock: what all share is not seen by anybody.
-  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(n, n);
-  for (const Eigen::VectorXd& gradient : equations.of_moment) spread += gradient * gradient.transpose();
   const Eigen::MatrixXd share = Eigen::MatrixXd::Identity(n, n) - Eigen::MatrixXd::Constant(n, n, 1.0 / n);
   const Eigen::MatrixXd ridge = Eigen::MatrixXd::Identity(n, n) * 1e-3 * std::max(1.0, equations.information.trace());
   const Eigen::MatrixXd common = Eigen::MatrixXd::Constant(n, n, equations.information.trace() / (n * n));
   const Eigen::MatrixXd inverse = (equations.information + common + 1e-6 * ridge).inverse();
-  const Eigen::MatrixXd covariance = share * inverse * spread * inverse * share;
+  const Eigen::VectorXd variance = VarianceBySpans(equations.of_moment, share * inverse);
   for (Eigen::Index v = 0; v < n; ++v) {
     const double apparent = equations.information(v, v);
     const double real = std::max(apparent - equations.by_noise[v], 0.02 * apparent);
-    const double sigma = std::sqrt(covariance(v, v)) * apparent / real;
+    const double sigma = std::sqrt(variance[v]) * apparent / real;
     if (apparent > 0.0 && sigma < kNoIdea_s) offsets.sigma_s[static_cast<std::size_t>(v)] = sigma;
   }
   const std::size_t common_clock = CommonClock(offsets);

@@ -1,10 +1,12 @@
 #include "fitting/audit/keypoint_order.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fitting/association/body_shape.h"
 #include "fitting/audit/rig_samples.h"
 #include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -13,6 +15,9 @@ constexpr int kFrames = 40;          ///< looked at
 constexpr int kLengthsToTell = 6;    ///< that an order must have to be judged
 constexpr int kPointsToTell = 8;     ///< that a frame must have, or nobody is there
 constexpr double kPlausible = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
+
+constexpr double kOfAPerson = 0.2;     ///< and of the medians of a take
+constexpr double kUnevenSides = 0.35;  ///< |log ratio| of a left limb to the right one
 
 using Names = std::vector<std::string>;
 
@@ -51,6 +56,37 @@ std::vector<double> Departures(const JointPositions& points, const std::vector<d
     departures.push_back(shape.lengths >= kLengthsToTell ? shape.mismatch : 1.0);
   }
   return departures;
+}
+
+/// "left_hip to left_knee" and "right_hip to right_knee".
+bool AreSides(std::string a, const std::string& b) {
+  for (std::size_t at = a.find("left_"); at != std::string::npos; at = a.find("left_", at)) a.replace(at, 5, "right_");
+  return a == b;
+}
+
+/// Whether the medians of the lengths are a person's: near the skeleton's proportions, and left like right.
+bool IsPerson(const JointPositions& points, const std::vector<double>& confidence,
+              const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
+  std::vector<double> medians;
+  for (const KnownLength& length : lengths) {
+    std::vector<double> samples;
+    for (const int f : frames) {
+      const std::size_t first = static_cast<std::size_t>(f) * points.joints;
+      if (confidence[first + length.from] <= 0.0 || confidence[first + length.to] <= 0.0) continue;
+      samples.push_back((points.at(f, length.from) - points.at(f, length.to)).norm());
+    }
+    medians.push_back(Median(samples));
+  }
+  if (CompareShape(medians, lengths).mismatch > kOfAPerson) return false;
+  for (std::size_t a = 0; a < lengths.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      if (medians[a] <= 0.0 || medians[b] <= 0.0 ||
+          !(AreSides(lengths[a].name, lengths[b].name) || AreSides(lengths[b].name, lengths[a].name)))
+        continue;
+      if (std::abs(std::log(medians[a] / medians[b])) > kUnevenSides) return false;
+    }
+  }
+  return true;
 }
 
 double Mean(const std::vector<double>& values) {
@@ -108,6 +144,7 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
     chosen = all.size() - 1;
   }
   if (best.name.empty() || best.found > kPlausible || best.found >= best.given) return {};
+  if (!IsPerson(points, confidence, KnownLengths(DetectorNames(best.names), skeleton), frames)) return {};
   best.confidence = Confidence(given, all[chosen]);
   for (std::size_t i = 0; i < all.size(); ++i) {
     // Orders of the same joints at the same places are no rivals.

@@ -28,7 +28,8 @@ struct OrderFound {
 };
 
 /// The order of `confidence` > 0 points (F,K) that gives `skeleton`'s proportions best, frame by frame, of frames that
-/// show enough of a person; empty when none gives a person's.
+/// show enough of a person; empty when none gives a person's, with limbs that are even on both sides: the order is then
+/// one that is not known.
 std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const std::vector<double>& confidence,
                                             const std::vector<std::string>& names, const Skeleton& skeleton);
 

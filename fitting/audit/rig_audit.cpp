@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "core/base/text.h"
 #include "fitting/audit/camera_moves.h"
 #include "fitting/audit/clock_offsets.h"
+#include "fitting/audit/move_doubt.h"
 #include "fitting/audit/rig_samples.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -17,12 +18,14 @@ constexpr int kMoments = 32;
 constexpr int kFewestMoments = 8;  ///< to judge clocks and places by
 constexpr std::size_t kSettlingMoments = 2000;
 constexpr std::size_t kMostViews = 12;  ///< that moves and exchanged files are looked for in
-constexpr int kSpans = 12;
 constexpr std::size_t kLeastViews = 3;
 constexpr double kSmallestClock_s = 0.004;
 constexpr double kSmallestStep = 0.25;  ///< of a view's step
 constexpr double kClockSigmas = 5.0;
-constexpr double kLeastGain = 0.02;  ///< of the cost
+constexpr double kLeastGain = 0.02;          ///< of the cost
+constexpr std::size_t kWitnesses = 3;        ///< that stay where they are: fewer could not be told from each other
+constexpr std::size_t kFewestWitnesses = 2;  ///< that tell where others stand at all
+constexpr double kContradiction = 0.25;  ///< of the cost, that another move explains when too few witnesses are left
 constexpr double kDegrees = 57.29577951308232;
 
 double Sum(const std::vector<double>& values) {
@@ -46,7 +49,7 @@ class Auditor {
     audited.rig = rig_;
     audited.not_audited = WhyNotAudited();
     if (samples_.count() == 0) return audited;
-    audited.residual_px = ResidualMap();
+    audited.residual_px = ResidualMap(samples_, given_, take_.time_s, options_.triangulation);
     if (rig_.size() < kLeastViews) return audited;
     const RigAuditOptions& audit = options_.audit;
     if (audit.clocks == AuditAction::kOff && audit.moved == AuditAction::kOff) return audited;
@@ -59,10 +62,13 @@ class Auditor {
       Settle(v);
     }
     cost_ = CostsOf(model_);
+    DropIdleMoves();
+    DropIdleClocks();
     for (std::size_t v = 0; v < rig_.size(); ++v) {
       TellOfClock(v, audited);
       TellOfMove(v, audited);
     }
+    TellOfDoubt(audited);
     if (audited.corrected) audited.rig = Corrected();
     return audited;
   }
@@ -93,75 +99,119 @@ class Auditor {
     return {};
   }
 
-  std::vector<std::vector<double>> ResidualMap() const {
-    const std::vector<ViewKeypoints> views = samples_.Views(given_);
-    const TriangulatedTracks points =
-        TriangulateViews(views, samples_.count(), samples_.keypoints(), options_.triangulation);
-    const auto keypoints = static_cast<std::size_t>(samples_.keypoints());
-    const double begin = take_.time_s.front();
-    const double length = std::max(take_.time_s.back() - begin, 1e-9);
-    std::vector<std::vector<double>> map;
-    for (const ViewKeypoints& view : views) {
-      std::vector<std::vector<double>> spans(kSpans);
-      for (std::size_t i = 0; i < points.confidence.size(); ++i) {
-        if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
-        const double at = (samples_.moments()[i / keypoints].time_s - begin) / length;
-        const auto span = static_cast<std::size_t>(std::clamp(at, 0.0, 1.0) * (kSpans - 1e-6));
-        spans[span].push_back(
-            PixelError(view, i, Eigen::Map<const Vector3d>(points.positions.xyz.data() + 3 * i)).norm());
-      }
-      map.emplace_back();
-      for (std::vector<double>& span : spans) map.back().push_back(Median(span));
-    }
-    return map;
-  }
-
   /// Takes over what explains most of what is left; false when nothing does.
   bool Improve() {
-    std::optional<RigModel> best;
-    std::vector<double> least = cost_;
-    const auto consider = [&](const RigModel& model) {
-      std::vector<double> cost = CostsOf(model);
-      if (Sum(cost) >= Sum(least)) return false;
-      least = std::move(cost);
-      best = model;
-      return true;
-    };
+    std::optional<RigModel> with_clocks;
+    std::vector<double> clock_cost;
     std::optional<ClockOffsets> clocks;
     if (options_.audit.clocks != AuditAction::kOff) {
       clocks = RefineClocks(samples_, model_, options_.triangulation);
-      if (const auto model = WithClocks(*clocks); !model || !consider(*model)) clocks.reset();
+      with_clocks = WithClocks(*clocks);
+      if (with_clocks) clock_cost = CostsOf(*with_clocks);
+      if (with_clocks && Sum(clock_cost) >= (1.0 - kLeastGain) * Sum(cost_)) with_clocks.reset();
     }
-    if (options_.audit.moved != AuditAction::kOff) {
-      const auto move = FindMove(samples_, model_, options_.triangulation);
-      if (move && consider(move->model)) clocks.reset();
+    std::optional<CameraMove> move;
+    if (options_.audit.moved != AuditAction::kOff && !strange_) {
+      move = FindMove(samples_, model_, options_.triangulation);
+      if (move && !(Explains(*move) && IsNotable(move->view, move->model))) move.reset();
     }
-    if (!best || Sum(least) > (1.0 - kLeastGain) * Sum(cost_)) return false;
-    if (Confidence(cost_, least) < options_.audit.sure) return false;
-    model_ = std::move(*best);
-    cost_ = std::move(least);
-    if (clocks) clock_sigma_s_ = clocks->sigma_s;
+    if (move && with_clocks && Sum(clock_cost) <= Sum(move->cost)) move.reset();
+    if (move && TakeOver(std::move(*move))) return true;
+    if (with_clocks) {
+      model_ = std::move(*with_clocks);
+      cost_ = std::move(clock_cost);
+      clock_sigma_s_ = clocks->sigma_s;
+      return true;
+    }
+    return false;
+  }
+
+  bool IsNotable(std::size_t view, const RigModel& model) const {
+    const TriangulatedTracks points =
+        TriangulateViews(samples_.Views(model), samples_.count(), samples_.keypoints(), options_.triangulation);
+    return IsNotableMove(given_.camera[view][0].camera, model.camera[view], points, options_.triangulation.noise);
+  }
+
+  bool Explains(const CameraMove& move) const {
+    return Sum(move.cost) < (1.0 - kLeastGain) * Sum(cost_) &&
+           ConfidenceOfMove(samples_, move.camera, cost_, move.cost) >= options_.audit.sure;
+  }
+
+  /// Takes a move over where it may be believed. Which cameras moved is in doubt where another one's move explains it
+  /// about as well, and where too few stay for witnesses; a jump tells which camera it was.
+  bool TakeOver(CameraMove move) {
+    if (GoesTooFar(given_, move)) {
+      strange_ = DisagreementOf(rig_, {move.view});
+      strange_->confidence = ConfidenceOfMove(samples_, move.camera, cost_, move.cost);
+      strange_->message +=
+          " what the camera sees fits the others best from a place farther away than cameras of this rig "
+          "stand from each other; does it see something else, or in another way?";
+      return false;
+    }
+    const std::vector<std::size_t> moved = MovedViews(given_, model_);
+    if (moved.size() + kFewestWitnesses >= rig_.size()) return false;
+    const bool witnessed = moved.size() + kWitnesses < rig_.size();
+    if (!witnessed && Sum(move.cost) > (1.0 - kContradiction) * Sum(cost_)) return false;
+    std::vector<std::size_t> rivals = move.rivals;
+    for (const std::size_t v : moved) {
+      if (!witnessed && move.camera.size() == 1 && model_.camera[v].size() == 1) rivals.push_back(v);
+    }
+    if (!rivals.empty()) doubted_.push_back(move.view);
+    doubted_.insert(doubted_.end(), rivals.begin(), rivals.end());
+    sure_of_camera_[move.view] = move.sure_of_camera;
+    model_ = std::move(move.model);
+    cost_ = std::move(move.cost);
     return true;
   }
 
-  /// Takes back clocks that hardly explain anything: a calibration that is a little off looks like a clock to who walks
-  /// in one direction.
+  /// That a clock is off at all, by its standard deviation.
+  double SureOfClock(std::size_t v) const {
+    return v < clock_sigma_s_.size() ? SpanConfidence(std::abs(model_.clock_s[v]) / clock_sigma_s_[v]) : 0.0;
+  }
+
+  /// Whether another place of the camera explains about as much as its clock.
+  bool MayBeMoved(std::size_t v, const RigModel& without_clock) const {
+    if (rig_.size() > kMostViews) return false;
+    const auto move = FindMoveOf(samples_, without_clock, v, options_.triangulation);
+    return move && Confidence(move->cost, cost_) < kRivalBeaten;
+  }
+
+  bool IsDoubted(std::size_t v) const { return std::find(doubted_.begin(), doubted_.end(), v) != doubted_.end(); }
+
+  /// Takes back clocks that hardly explain anything, or not surely, or of cameras that disagree in another way: a
+  /// calibration that is a little off looks like a clock to who walks in one direction.
   void DropIdleClocks() {
     while (true) {
-      double least = (1.0 + kLeastGain) * Sum(cost_);
+      double least = 0.0;
       std::size_t idle = rig_.size();
       for (std::size_t v = 0; v < rig_.size(); ++v) {
         if (model_.clock_s[v] == 0.0) continue;
         RigModel without = model_;
         without.clock_s[v] = 0.0;
         const double cost = Sum(CostsOf(without));
-        if (cost >= least) continue;
+        const bool sure = SureOfClock(v) >= options_.audit.sure && !IsDoubted(v) && !MayBeMoved(v, without);
+        if (sure && cost >= (1.0 + kLeastGain) * Sum(cost_)) continue;
+        if (idle < rig_.size() && cost >= least) continue;
         least = cost;
         idle = v;
       }
       if (idle == rig_.size()) return;
       model_.clock_s[idle] = 0.0;
       cost_ = CostsOf(model_);
+    }
+  }
+
+  /// Takes back moves that, once all is settled, are not sure any more, or hardly to be seen.
+  void DropIdleMoves() {
+    for (const std::size_t v : MovedViews(given_, model_)) {
+      RigModel without = model_;
+      without.camera[v] = given_.camera[v];
+      const std::vector<double> costs = CostsOf(without);
+      if (IsNotable(v, model_) && ConfidenceOfMove(samples_, model_.camera[v], costs, cost_) >= options_.audit.sure) {
+        continue;
+      }
+      model_ = std::move(without);
+      cost_ = costs;
     }
   }
 
@@ -194,7 +244,7 @@ class Auditor {
     fault.camera = rig_[v].camera.camera.name;
     fault.value = 1e3 * model_.clock_s[v];
     const std::vector<double> costs = CostsOf(without);
-    fault.confidence = Confidence(costs, cost_);
+    fault.confidence = SureOfClock(v);
     fault.corrected = options_.audit.clocks == AuditAction::kCorrect;
     fault.message = "what camera " + fault.camera + " stamps happens " + RoundedText(std::abs(fault.value), 3) +
                     " ms " + (fault.value > 0.0 ? "later" : "earlier") + " by the clock of the others";
@@ -205,7 +255,27 @@ class Auditor {
     audited.faults.push_back(std::move(fault));
   }
 
+  void TellOfDoubt(AuditedRig& audited) const {
+    if (strange_) audited.faults.push_back(*strange_);
+    RigModel without = model_;
+    for (const std::size_t v : MovedViews(given_, model_)) {
+      if (IsDoubted(v)) without.camera[v] = given_.camera[v];
+    }
+    const std::vector<double> costs = CostsOf(without);
+    const double confidence = Confidence(costs, cost_);
+    if (MovedViews(without, model_).empty() || confidence < options_.audit.sure) return;
+    RigFault fault = DisagreementOf(rig_, doubted_);
+    fault.value = 100.0 * (1.0 - Sum(cost_) / Sum(costs));
+    fault.confidence = confidence;
+    fault.corrected = options_.audit.moved == AuditAction::kCorrect;
+    fault.message += " of several cameras one or more stand elsewhere than calibrated, and which ones cannot be told";
+    if (fault.corrected) fault.message += "; placed so that they agree";
+    audited.corrected = audited.corrected || fault.corrected;
+    audited.faults.push_back(std::move(fault));
+  }
+
   void TellOfMove(std::size_t v, AuditedRig& audited) const {
+    if (IsDoubted(v)) return;
     const std::vector<CameraPart>& parts = model_.camera[v];
     RigModel without = model_;
     without.camera[v] = given_.camera[v];
@@ -219,7 +289,7 @@ class Auditor {
       fault.code = "camera_moved";
       fault.camera = rig_[v].camera.camera.name;
       fault.value = 1e3 * moved;
-      fault.confidence = Confidence(CostsOf(without), cost_);
+      fault.confidence = std::min(sure_of_camera_.at(v), ConfidenceOfPart(samples_, parts, p, CostsOf(without), cost_));
       fault.corrected = options_.audit.moved == AuditAction::kCorrect;
       const int changed = parts.size() == 2 ? FrameAt(parts[1].from_s) : 0;
       if (parts.size() == 2) {
@@ -315,6 +385,9 @@ class Auditor {
   RigModel given_;
   std::vector<double> cost_;
   std::vector<double> clock_sigma_s_;
+  std::optional<RigFault> strange_;               ///< a place that nobody believes
+  std::vector<std::size_t> doubted_;              ///< views of which some stand elsewhere
+  std::map<std::size_t, double> sure_of_camera_;  ///< of views that were moved
 };
 
 }  // namespace

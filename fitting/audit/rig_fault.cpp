@@ -19,6 +19,8 @@ Finding FindingOf(const RigFault& fault) {
   return finding;
 }
 
+bool IsDoubtful(const RigFault& fault) { return !fault.corrected && fault.code != "views_disagree"; }
+
 std::string FaultsText(const std::vector<RigFault>& faults) {
   nlohmann::json list = nlohmann::json::array();
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };

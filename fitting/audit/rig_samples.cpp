@@ -5,12 +5,14 @@
 #include <utility>
 
 #include "fitting/association/person_views.h"
+#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kWorst_px = 120.0;  ///< errors beyond cost no more
 constexpr double kBehind_px = 1e6;
+constexpr int kSpans = 12;
 
 double CostOf(double square_px, double noise_px) {
   const double worst = kWorst_px * kWorst_px;
@@ -110,6 +112,29 @@ std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const
     }
   }
   return costs;
+}
+
+std::vector<std::vector<double>> ResidualMap(const RigSamples& samples, const RigModel& model,
+                                             const std::vector<double>& take_s, const TriangulationOptions& options) {
+  const std::vector<ViewKeypoints> views = samples.Views(model);
+  const TriangulatedTracks points = TriangulateViews(views, samples.count(), samples.keypoints(), options);
+  const auto keypoints = static_cast<std::size_t>(samples.keypoints());
+  const double begin = take_s.front();
+  const double length = std::max(take_s.back() - begin, 1e-9);
+  std::vector<std::vector<double>> map;
+  for (const ViewKeypoints& view : views) {
+    std::vector<std::vector<double>> spans(kSpans);
+    for (std::size_t i = 0; i < points.confidence.size(); ++i) {
+      if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
+      const double at = (samples.moments()[i / keypoints].time_s - begin) / length;
+      const auto span = static_cast<std::size_t>(std::clamp(at, 0.0, 1.0) * (kSpans - 1e-6));
+      spans[span].push_back(
+          PixelError(view, i, Eigen::Map<const Vector3d>(points.positions.xyz.data() + 3 * i)).norm());
+    }
+    map.emplace_back();
+    for (std::vector<double>& span : spans) map.back().push_back(Median(span));
+  }
+  return map;
 }
 
 }  // namespace mocurate

@@ -68,4 +68,8 @@ Vector2d PixelError(const ViewKeypoints& view, std::size_t at, const Vector3d& p
 std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
                                   double noise_px);
 
+/// (views, 12) median pixel error of each view's detections in equal spans of a take; 0 where it sees nobody.
+std::vector<std::vector<double>> ResidualMap(const RigSamples& samples, const RigModel& model,
+                                             const std::vector<double>& take_s, const TriangulationOptions& options);
+
 }  // namespace mocurate

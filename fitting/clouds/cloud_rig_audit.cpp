@@ -11,6 +11,7 @@
 #include "fitting/audit/confidence.h"
 #include "fitting/clouds/rig_clocks.h"
 #include "fitting/clouds/rig_exchange.h"
+#include "fitting/clouds/rig_strangers.h"
 #include "fitting/clouds/rig_units.h"
 #include "fitting/clouds/seen_rig.h"
 #include "fitting/clouds/view_registration.h"
@@ -45,11 +46,13 @@ class Auditor {
   }
 
   Expected<AuditedDepthRig> Audit() {
+    if (Status person = CheckPerson(); !person) return Forward(person);
     if (Status mended = MendLengths(); !mended) return Forward(mended);
     if (Status seen = See(); !seen) return Forward(seen);
+    SetWithoutPerson();
     report_.frames = witness_.frames();
     report_.loss = LossOfViews();
-    SetResiduals();
+    report_.residual_mm = ResidualsOfViews(rig_, cameras_);
     if (const bool judged = CanJudge(); judged && MendFiles()) {
       if (Status seen = See(); !seen) return Forward(seen);
     }
@@ -63,6 +66,9 @@ class Auditor {
     }
     report_.loss_after = LossOfViews();
     for (std::size_t v = 0; v < late_.size(); ++v) TellOfClock(v), TellOfMove(v);
+    if (report_.not_audited.empty() && !files_wrong_) {
+      for (RigFault& fault : StrangersOf(rig_, losses_, options_.longest_s)) report_.faults.push_back(std::move(fault));
+    }
     return AuditedDepthRig{Corrected(), std::move(report_)};
   }
 
@@ -74,6 +80,31 @@ class Auditor {
     losses_ = LossOfSamples(rig_, cameras_);
     return {};
   }
+
+  /// Refused where all that any view sees is flat.
+  Status CheckPerson() {
+    if (Status seen = See(); !seen) return seen;
+    const auto sees = [](const SeenMoment& moment) {
+      return std::any_of(moment.begin(), moment.end(), [](const ViewSurface* surface) { return surface != nullptr; });
+    };
+    if (witness_.flat() == 0 || std::any_of(rig_.moments.begin(), rig_.moments.end(), sees)) return {};
+    return Fail(ErrorCode::kInconsistent,
+                "nobody is seen: what " + Counted(static_cast<long long>(late_.size()), "depth camera") +
+                    " see is flat, a wall or a door",
+                "depth views", "give masks of the person, or leave this clip out");
+  }
+
+  void SetWithoutPerson() {
+    report_.without_person.assign(late_.size(), 0.0);
+    for (const SeenMoment& moment : rig_.moments) {
+      for (std::size_t v = 0; v < moment.size(); ++v) {
+        if (moment[v] == nullptr) report_.without_person[v] += 1.0 / static_cast<double>(rig_.moments.size());
+      }
+    }
+  }
+
+  /// Of two views nobody can tell which one is where it should be.
+  bool CorrectsMoves() const { return options_.moved == AuditAction::kCorrect && late_.size() > 2; }
 
   Status MendLengths() {
     if (options_.unit == AuditAction::kOff) return {};
@@ -131,6 +162,12 @@ class Auditor {
                     " % of what they see contradicts the others, as the "
                     "files are " +
                     RoundedText(100.0 * exchange->loss, 2) + " %";
+    if (!exchange->unique) {
+      fault.corrected = false;
+      fault.message =
+          "what depth cameras see lies in each other's files, and whose are whose cannot be told: the rig "
+          "looks the same from several sides, and more than one exchange explains what they see";
+    }
     files_wrong_ = !fault.corrected;
     if (fault.corrected) witness_ = RigWitness(WithExchangedFiles(witness_.views(), exchange->source));
     report_.faults.push_back(std::move(fault));
@@ -146,27 +183,6 @@ class Auditor {
   std::pair<std::vector<double>, std::vector<double>> Of(std::size_t view, const std::vector<double>& losses,
                                                          const std::vector<double>& others) const {
     return OfView(rig_, view, losses, others);
-  }
-
-  void SetResiduals() {
-    const auto together = static_cast<std::size_t>(rig_.together);
-    report_.residual_mm.assign(late_.size(), std::vector<double>(report_.frames.size(), 0.0));
-    for (std::size_t g = 0; g < report_.frames.size(); ++g) {
-      const SeenMoment& moment = rig_.moments[g * together];
-      std::vector<double> square(late_.size(), 0.0), matched(late_.size(), 0.0);
-      for (const auto& [a, b] : rig_.pairs) {
-        for (const auto& [of, in] : {std::pair(a, b), std::pair(b, a)}) {
-          if (moment[of] == nullptr || moment[in] == nullptr) continue;
-          const Agreement agreement = Compare({*moment[of], rig_.views[of], cameras_[of]},
-                                              {*moment[in], rig_.views[in], cameras_[in]}, rig_.centre, 0.02);
-          square[of] += agreement.square;
-          matched[of] += agreement.matched;
-        }
-      }
-      for (std::size_t v = 0; v < late_.size(); ++v) {
-        if (matched[v] > 0.0) report_.residual_mm[v][g] = 1e3 * std::sqrt(square[v] / matched[v]);
-      }
-    }
   }
 
   /// Takes over what explains most of what is left, clocks or places; false when nothing does.
@@ -284,7 +300,7 @@ class Auditor {
     std::vector<Camera> without = found;
     without[v] = cameras_[v];
     const auto both = Of(v, LossOfSamples(rig_, without), better);
-    if (Confidence(both.first, both.second) < options_.sure) return false;
+    if (ConfidenceOfSeparate(both.first, both.second) < options_.sure) return false;
     const double loss = MeanLoss(both.second);
     const double left = 1.0 - std::min(kLeastGain * move / kLeastMove, kSureGain);
     if (loss > kStrangersLoss || loss > left * MeanLoss(both.first)) return false;
@@ -329,8 +345,8 @@ class Auditor {
     fault.code = "camera_moved";
     fault.camera = was.name;
     fault.value = 1e3 * (cameras_[v].Centre() - was.Centre()).norm();
-    fault.confidence = Confidence(both.first, both.second);
-    fault.corrected = options_.moved == AuditAction::kCorrect;
+    fault.confidence = ConfidenceOfSeparate(both.first, both.second);
+    fault.corrected = CorrectsMoves();
     fault.message = "depth camera " + fault.camera + " stands " + RoundedText(fault.value, 3) + " mm and " +
                     RoundedText(kDegrees * move.turn, 2) +
                     " degrees from where its calibration has it, which puts the person " +
@@ -342,7 +358,7 @@ class Auditor {
     std::vector<DepthView> views = witness_.views();
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (late_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = Later(views[v], late_[v]);
-      if (options_.moved == AuditAction::kCorrect) views[v].camera = cameras_[v];
+      if (CorrectsMoves()) views[v].camera = cameras_[v];
     }
     return views;
   }

@@ -1,13 +1,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/text.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 
 namespace mocurate {
+namespace {
 
-bool DepthRigReport::IsDoubtful() const {
-  return std::any_of(faults.begin(), faults.end(), [](const RigFault& fault) { return !fault.corrected; });
-}
+constexpr double kSeldomSeen = 0.5;  ///< of the moments without anybody
+
+}  // namespace
+
+bool DepthRigReport::IsDoubtful() const { return std::any_of(faults.begin(), faults.end(), mocurate::IsDoubtful); }
 
 Expected<Clip> WithAuditedRig(const Clip& clip, const RigAuditOptions& options, DepthRigReport& report) {
   Expected<AuditedDepthRig> audited = AuditDepthRig(clip.evidence.depth_views, options);
@@ -21,6 +25,17 @@ Expected<Clip> WithAuditedRig(const Clip& clip, const RigAuditOptions& options, 
 std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   std::vector<Finding> findings;
   for (const RigFault& fault : report.faults) findings.push_back(FindingOf(fault));
+  for (std::size_t v = 0; v < report.without_person.size(); ++v) {
+    if (report.without_person[v] < kSeldomSeen) continue;
+    Finding finding;
+    finding.code = "camera_without_person";
+    finding.severity = Severity::kWarning;
+    finding.value = report.without_person[v];
+    finding.message = "depth camera " + report.cameras[v] + " shows nobody in " +
+                      RoundedText(100.0 * report.without_person[v], 3) + " % of the frames looked at";
+    finding.action = "fitted without it there";
+    findings.push_back(std::move(finding));
+  }
   if (report.not_audited.empty()) return findings;
   Finding finding;
   finding.code = "rig_not_audited";

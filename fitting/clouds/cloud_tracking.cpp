@@ -10,6 +10,7 @@
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/person_points.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 namespace {
@@ -71,6 +72,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   for (int f = first + 1; f < track.state.frames(); ++f) {
     track.state.SetFrameParameters(f, track.state.FrameParameters(last));
     if (track.clouds[f].size() < kFewestPoints) continue;
+    if (Status on = GoOnUnlessStopped("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // The frame held is the one before, which repeats `last` across a gap: only the time since then is another.
     const FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
@@ -102,6 +104,7 @@ Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOp
   for (int i = 0; i < frames; ++i) {
     const int f = step > 0 ? frames - 1 - i : i;
     if (!is_fitted(f) || !is_fitted(f + step) || costs[f] <= kPoor * median) continue;
+    if (Status on = GoOnUnlessStopped("fit of depth views"); !on) return on;
     const std::vector<double> kept = track.state.FrameParameters(f);
     track.state.SetFrameParameters(f, track.state.FrameParameters(f + step));
     const FrameFit fit{f, {{step, std::abs(time_s[f] - time_s[f + step])}}, 1.0, static_cast<int>(options.iterations)};
@@ -151,6 +154,7 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
   const int count = std::min(frames, available);
   std::vector<FusedCloud> clouds;
   for (int i = 0; i < count; ++i) {
+    if (Status on = GoOnUnlessStopped("fusion of depth views"); !on) return Forward(on);
     const auto f = static_cast<int>(static_cast<long long>(i) * available / count);
     Expected<FusedCloud> cloud = FuseViews(views, f, {options.voxel_size, options.outliers});
     if (!cloud) return Forward(cloud);

@@ -12,9 +12,9 @@ namespace mocurate {
 namespace {
 
 constexpr double kLeastGain = 0.04;  ///< of the loss
-constexpr double kBadLoss = 0.16;    ///< from which on clocks are looked for farther away at once
+constexpr double kBadLoss = 0.12;    ///< from which on clocks are looked for farther away at once
 constexpr std::array<int, 9> kSteps = {1, 2, 3, 4, 6, 8, 12, 16, 24};
-constexpr std::array<int, 4> kFarSteps = {3, 6, 12, 24};
+constexpr std::array<int, 8> kFarSteps = {2, 3, 4, 6, 8, 12, 16, 24};
 
 /// What one view's comparisons come to at other frames.
 class Shifts {
@@ -47,7 +47,7 @@ class Shifts {
 
   double Confident(int from, int to) const {
     const auto both = Both(from, to);
-    return Confidence(both.first, both.second);
+    return ConfidenceOfSeparate(both.first, both.second);
   }
 
  private:
@@ -67,11 +67,13 @@ std::pair<double, double> Least(double before, double at, double after) {
   return {where, at - 0.5 * (before - after) * where + 0.5 * bend * where * where};
 }
 
-/// The best of the frames around `way`, or 0.
-Expected<int> BestShift(Shifts& shifts, int way, int longest) {
-  int best = 0;
+/// The best of the frames beyond and around `from`.
+Expected<int> BestShift(Shifts& shifts, int from, int longest) {
+  int best = from;
+  const int way = from > 0 ? 1 : -1;
   for (const int step : kSteps) {
     if (step > longest) break;
+    if (step <= std::abs(from)) continue;
     if (Status loaded = shifts.Load(way * step); !loaded) return Forward(loaded);
     if (shifts.Gain(best, way * step) <= 0.0) {
       if (step > 2) break;
@@ -79,7 +81,6 @@ Expected<int> BestShift(Shifts& shifts, int way, int longest) {
     }
     best = way * step;
   }
-  if (best == 0) return 0;
   bool better = true;
   for (int round = 0; better && round < longest; ++round) {
     better = false;
@@ -110,7 +111,8 @@ Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vect
       for (const int way : {-1, 1}) {
         if (step > longest) continue;
         if (Status loaded = shifts.Load(way * step); !loaded) return Forward(loaded);
-        if (shifts.Gain(0, way * step) > kLeastGain && shifts.Confident(0, way * step) >= sure) ways.push_back(way);
+        if (shifts.Gain(0, way * step) > kLeastGain && shifts.Confident(0, way * step) >= sure)
+          ways.push_back(way * step);
       }
       if (!ways.empty()) break;
     }
@@ -119,7 +121,6 @@ Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vect
   for (const int way : ways) {
     const Expected<int> shift = BestShift(shifts, way, longest);
     if (!shift) return Forward(shift);
-    if (*shift == 0) continue;
     const double gain = shifts.Gain(0, *shift), confidence = shifts.Confident(0, *shift);
     if (gain < kLeastGain || confidence < sure || (best && gain <= best->gain)) continue;
     for (const int beside : {*shift - 1, *shift + 1}) {

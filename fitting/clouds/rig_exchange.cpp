@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kWrongLoss = 0.2;   ///< views that agree better have their own files
 constexpr double kMuchBetter = 0.6;  ///< of the loss
+constexpr double kAlike = 1.15;      ///< losses within this ratio are the same
 constexpr std::size_t kAllExchanges = 5;
 constexpr std::size_t kMostViews = 12;
 
@@ -91,7 +92,7 @@ double ConfidenceOf(const std::vector<double>& worse, const std::vector<double>&
     both.first.push_back(worse[i]);
     both.second.push_back(better[i]);
   }
-  return Confidence(both.first, both.second);
+  return ConfidenceOfSeparate(both.first, both.second);
 }
 
 }  // namespace
@@ -109,11 +110,12 @@ std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vect
     all.push_back(LossOfSamples(exchanged.With(source), cameras));
     const double loss = MeanLoss(all.back());
     if (loss > kMuchBetter * given || (best && loss >= best->exchanged)) continue;
-    best = FileExchange{source, given, loss, ConfidenceOf(losses, all.back())};
+    best = FileExchange{source, given, loss, true, ConfidenceOf(losses, all.back())};
     chosen = all.size() - 1;
   }
   if (!best) return {};
   for (std::size_t i = 0; i < all.size(); ++i) {
+    best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kAlike * best->exchanged);
     if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOf(all[i], all[chosen]));
   }
   return best;

@@ -12,7 +12,8 @@ struct FileExchange {
   std::vector<std::size_t> source;  ///< (V) camera v's images lie in the files of camera source[v]
   double loss = 0.0;                ///< as the files say
   double exchanged = 0.0;           ///< and after the exchange
-  double confidence = 0.0;          ///< that it is better than as the files say, and than any other exchange
+  bool unique = true;       ///< no other exchange explains about as well: the rig looks the same from no other side
+  double confidence = 0.0;  ///< that it is better than as the files say, and than any other exchange
 };
 
 /// The exchange of whole files between cameras of one image size after which views agree much better: all permutations

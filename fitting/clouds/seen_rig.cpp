@@ -1,8 +1,10 @@
 #include "fitting/clouds/seen_rig.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fitting/clouds/depth_fusion.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 namespace {
@@ -45,11 +47,13 @@ Expected<const ViewSurface*> RigWitness::At(std::size_t view, int frame) {
   if (frame < 0 || frame >= count()) return nullptr;
   std::unique_ptr<ViewSurface>& kept = surfaces_[{view, frame}];
   if (kept == nullptr) {
+    if (Status on = GoOnUnlessStopped("audit of depth views"); !on) return Forward(on);
     Expected<std::vector<DepthImage>> images = ReadFrame(single_[view], frame);
     if (!images) return Forward(images);
     Expected<ViewSurface> surface = SurfaceOf(bare_[view], std::move(images->front()), kVoxel);
     if (!surface) return Forward(surface);
     kept = std::make_unique<ViewSurface>(std::move(*surface));
+    flat_ += kept->flat ? 1 : 0;
   }
   return kept->empty() ? nullptr : kept.get();
 }
@@ -119,6 +123,29 @@ Expected<SeenRig> RigWitness::SeenLater(const std::vector<int>& late, std::size_
     rig.moments.back()[view] = *surface;
   }
   return rig;
+}
+
+std::vector<std::vector<double>> ResidualsOfViews(const SeenRig& rig, const std::vector<Camera>& cameras) {
+  const auto together = static_cast<std::size_t>(rig.together);
+  const std::size_t views = rig.views.size(), groups = rig.moments.size() / together;
+  std::vector<std::vector<double>> residual_mm(views, std::vector<double>(groups, 0.0));
+  for (std::size_t g = 0; g < groups; ++g) {
+    const SeenMoment& moment = rig.moments[g * together];
+    std::vector<double> square(views, 0.0), matched(views, 0.0);
+    for (const auto& [a, b] : rig.pairs) {
+      for (const auto& [of, in] : {std::pair(a, b), std::pair(b, a)}) {
+        if (moment[of] == nullptr || moment[in] == nullptr) continue;
+        const Agreement agreement = Compare({*moment[of], rig.views[of], cameras[of]},
+                                            {*moment[in], rig.views[in], cameras[in]}, rig.centre, 0.02);
+        square[of] += agreement.square;
+        matched[of] += agreement.matched;
+      }
+    }
+    for (std::size_t v = 0; v < views; ++v) {
+      if (matched[v] > 0.0) residual_mm[v][g] = 1e3 * std::sqrt(square[v] / matched[v]);
+    }
+  }
+  return residual_mm;
 }
 
 std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, std::size_t view,

@@ -29,7 +29,8 @@ class RigWitness {
   const std::vector<int>& frames() const { return frames_; }  ///< first of each group
   int together() const { return together_; }
   int count() const { return static_cast<int>(views_[0].files.size()); }
-  double step_s() const;  ///< between frames; 0 where stamps do not say
+  int flat() const { return flat_; }  ///< images read so far that show something flat in the place of a person
+  double step_s() const;              ///< between frames; 0 where stamps do not say
 
  private:
   Expected<const ViewSurface*> At(std::size_t view, int frame);
@@ -44,7 +45,12 @@ class RigWitness {
   Vector3d centre_ = Vector3d::Zero();
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   bool placed_ = false;
+  int flat_ = 0;
 };
+
+/// (views, groups) root mean square distance of a view's points to the surfaces that others see there, in the first
+/// moment of each group; mm, 0 where no other view sees the same surface.
+std::vector<std::vector<double>> ResidualsOfViews(const SeenRig& rig, const std::vector<Camera>& cameras);
 
 /// Those losses of LossOfSamples that are of pairs with `view`, where both of two rigs have them.
 std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, std::size_t view,

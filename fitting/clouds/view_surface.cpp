@@ -1,5 +1,6 @@
 #include "fitting/clouds/view_surface.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +18,7 @@ constexpr double kNearInDepth = 0.05;   ///< m between a pixel and the person's 
 constexpr double kMargin = 0.25;        ///< m around the person that the outline knows
 constexpr double kMaskedShare = 0.5;    ///< of the pixels without a value: nobody measures so little of a room
 constexpr double kNearestDepth = 0.05;  ///< m
+constexpr double kFlat = 0.06;          ///< spread across a plane, of the lesser one in it; a person has 0.2 and more
 
 /// Depths of the person's points in coarse cells, each spread to the cells beside it.
 struct DepthRange {
@@ -106,6 +108,13 @@ void SetOutline(const DepthView& view, const DepthRange& range, ViewSurface& sur
   SpreadNearest(surface.columns, surface.rows, surface.nearest);
 }
 
+/// Whether points lie in a plane, or nearly so against their spread in it. People do not, whatever the unit.
+bool IsFlat(const Eigen::Matrix3Xd& points) {
+  const Eigen::Matrix3Xd off = points.colwise() - points.rowwise().mean();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(Matrix3d(off * off.transpose()), Eigen::EigenvaluesOnly);
+  return axes.eigenvalues()[0] < kFlat * kFlat * axes.eigenvalues()[1];
+}
+
 }  // namespace
 
 Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double voxel_size) {
@@ -117,6 +126,10 @@ Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double 
   surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
   const FusedCloud person = PersonPoints(*cloud, voxel_size);
   if (person.size() < kFewestPoints) return surface;
+  if (IsFlat(person.points)) {
+    surface.flat = true;
+    return surface;
+  }
   const Camera& camera = view.camera;
   const Matrix3d turn = camera.camera_from_world.rotation.toRotationMatrix();
   surface.points = (turn * person.points).colwise() + camera.camera_from_world.translation;

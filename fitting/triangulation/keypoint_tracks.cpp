@@ -8,7 +8,7 @@
 #include "fitting/association/associate.h"
 #include "fitting/association/person_views.h"
 #include "fitting/association/rig_diagnosis.h"
-#include "fitting/audit/exchanged_views.h"
+#include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/keypoint_order.h"
 #include "fitting/audit/rig_audit.h"
 #include "fitting/audit/view_sides.h"
@@ -21,6 +21,7 @@ namespace {
 constexpr double kFewPoints = 0.02;   ///< share of the frames times keypoints: less is nothing to fit
 constexpr double kPoorPoints = 0.4;   ///< worth a warning
 constexpr double kUnevenDepth = 6.0;  ///< of the standard deviations along the worst and the best direction
+constexpr double kSeldomShown = 0.5;  ///< of a camera's frames without the person: worth a warning
 constexpr double kSeldomSeen = 0.05;  ///< of the frames; a keypoint found less often counts as never found
 
 Error Inconsistent(const std::string& what, const std::string& where, const std::string& hint) {
@@ -76,12 +77,15 @@ void TellOfPeople(const std::vector<RigView>& rig, const Association& take, std:
                           "people or false finds that no second view confirms: " + where, "left out"));
 }
 
-void TellOfCameras(const KeypointReport& report, double outlier, std::vector<Finding>& findings) {
+void TellOfCameras(const KeypointReport& report, const std::vector<double>& unseen, double outlier,
+                   std::vector<Finding>& findings) {
   for (std::size_t v = 0; v < report.cameras.size(); ++v) {
     const CameraAgreement& camera = report.cameras[v];
-    if (camera.detections == 0) {
-      findings.push_back(Tell("camera_without_person", Severity::kWarning, 0.0,
-                              "camera " + report.camera_names[v] + " shows nothing of the person", "left out"));
+    if (unseen[v] >= kSeldomShown) {
+      findings.push_back(Tell("camera_without_person", Severity::kWarning, unseen[v],
+                              "camera " + report.camera_names[v] + " shows nothing of the person in " +
+                                  std::to_string(Percent(unseen[v])) + " % of its frames",
+                              "fitted without it there"));
     }
     if (!camera.disagrees) continue;
     const double share = static_cast<double>(camera.left_out) / camera.detections;
@@ -192,34 +196,6 @@ std::vector<double> MedianLengths(const TriangulatedTracks& points, const std::v
 
 constexpr double kOddProportions = 0.15;  ///< mean |log ratio| of lengths from which on other orders are tried
 constexpr double kMuchBetter = 0.6;       ///< of it, in the other order
-
-/// Evidence as its cameras should have it, where each has another's files.
-void ExchangeViews(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-                   std::vector<RigFault>& faults) {
-  if (options.audit.exchanged == AuditAction::kOff) return;
-  const auto keypoints = static_cast<int>(evidence.keypoint_names.size());
-  const auto exchange =
-      FindExchangedViews(evidence.keypoint_views, keypoints, lengths, options.triangulation.min_confidence);
-  if (!exchange) return;
-  RigFault fault;
-  fault.code = "cameras_exchanged";
-  fault.value = exchange->exchanged;
-  fault.confidence = exchange->confidence;
-  fault.corrected = options.audit.exchanged == AuditAction::kCorrect && exchange->confidence >= options.audit.sure;
-  std::string pairs;
-  for (std::size_t v = 0; v < exchange->source.size(); ++v) {
-    if (exchange->source[v] == v) continue;
-    const std::string& camera = evidence.keypoint_views[v].camera.name;
-    fault.camera += (fault.camera.empty() ? "" : ", ") + camera;
-    pairs += (pairs.empty() ? "" : ", ") + camera + " in those of " +
-             evidence.keypoint_views[exchange->source[v]].camera.name;
-  }
-  fault.message =
-      "what cameras see lies in each other's files: " + pairs + "; so " + std::to_string(Percent(exchange->exchanged)) +
-      " % of the entries agree with others, as the files are " + std::to_string(Percent(exchange->agreement)) + " %";
-  if (fault.corrected) evidence.keypoint_views = WithExchangedViews(evidence.keypoint_views, exchange->source);
-  faults.push_back(std::move(fault));
-}
 
 /// Whether keypoints listed in another order make a person where they do not as named.
 std::optional<RigFault> WrongOrder(const Evidence& evidence, const TriangulatedTracks& points, const Skeleton& skeleton,
@@ -367,7 +343,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   faults.insert(faults.end(), sides.begin(), sides.end());
   for (const RigFault& fault : faults) {
     found.findings.push_back(FindingOf(fault));
-    found.report.doubtful = found.report.doubtful || !fault.corrected;
+    found.report.doubtful = found.report.doubtful || IsDoubtful(fault);
   }
   if (!audited.not_audited.empty()) {
     found.findings.push_back(Tell("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
@@ -377,7 +353,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   found.report.residual_px = audited.residual_px;
   TellOfPeople(rig, take, evidence.subject, found.findings);
   TellOfContradiction(rig, person, found);
-  TellOfCameras(found.report, options.triangulation.outlier, found.findings);
+  TellOfCameras(found.report, UnseenShares(person), options.triangulation.outlier, found.findings);
   TellOfPoints(points, found);
   found.tracks.time_s = take.time_s;
   found.tracks.positions = std::move(points.positions);
@@ -393,7 +369,7 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   if (Status checked = CheckViews(evidence); !checked) return tl::unexpected<Error>(checked.error());
   std::vector<RigFault> faults;
   Evidence as_seen = evidence;
-  ExchangeViews(as_seen, KnownLengths(DetectorNames(evidence.keypoint_names), skeleton), options, faults);
+  MendFiles(as_seen, KnownLengths(DetectorNames(evidence.keypoint_names), skeleton), options, faults);
   return Triangulated(as_seen, skeleton, options, std::move(faults));
 }
 

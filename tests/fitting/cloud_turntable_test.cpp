@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "fitting/clouds/cloud_proportions.h"
-#include "fitting/clouds/depth_agreement.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/evidence/noise.h"
 #include "tests/fitting/depth_rig_faults.h"
+#include "tests/fitting/view_agreement.h"
 
 namespace mocurate {
 namespace {
@@ -30,7 +30,7 @@ class Turntable : public ::testing::Test {
 };
 
 TEST_F(Turntable, EveryViewLiesOnTheOthers) {
-  auto rms = ViewAgreement(clip_.evidence.depth_views, 0, 0.03, 7);
+  auto rms = ViewAgreement(clip_.evidence.depth_views, 0.03, 7);
   ASSERT_TRUE(rms) << rms.error().Message();
   ASSERT_EQ(rms->size(), 80u);
   const double median = Median(*rms);

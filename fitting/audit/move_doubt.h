@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fitting/audit/camera_moves.h"
+#include "fitting/audit/rig_fault.h"
+
+namespace mocurate {
+
+/// Views whose cameras stand elsewhere in `model` than in `given`.
+std::vector<std::size_t> MovedViews(const RigModel& given, const RigModel& model);
+
+/// Whether a move goes farther than the cameras of the rig stand from each other.
+bool GoesTooFar(const RigModel& given, const CameraMove& move);
+
+/// Whether a camera's place in some part shifts what it sees by more than detections err, and than a camera matters.
+bool IsNotableMove(const Camera& was, const std::vector<CameraPart>& parts, const TriangulatedTracks& points,
+                   double noise_px);
+
+/// "views_disagree" of these views, with their names as a message to be continued.
+RigFault DisagreementOf(const std::vector<RigView>& rig, std::vector<std::size_t> views);
+
+}  // namespace mocurate
