@@ -13,6 +13,7 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
             {"point_clouds", FitMethod::kPointClouds},
             {"joints_and_clouds", FitMethod::kJointsAndClouds},
             {"keypoints", FitMethod::kKeypoints},
+            {"keypoints_and_clouds", FitMethod::kKeypointsAndClouds},
             {"none", FitMethod::kNone}},
            "evidence the skeleton is fitted to; none hands a given motion on");
 }
@@ -198,8 +199,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 15, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 16, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 21, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 22, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

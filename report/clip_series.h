@@ -23,6 +23,8 @@ struct ClipSeries {
   std::string residual_name;          ///< what the residual is between, with its unit
   std::vector<double> residual;       ///< (F) root mean square, or for depth and keypoints the median
   std::vector<double> residual_most;  ///< (F) of the worst joint; empty for depth and keypoints
+  std::string keypoint_residual_name;     ///< of keypoints beside depth views; empty: there are not both
+  std::vector<double> keypoint_residual;  ///< (F)
   std::vector<double> jerk_raw;       ///< (F) m/s^3, root mean square over joints; empty without tracks
   std::vector<double> jerk_fitted;    ///< (F)
   std::vector<BoneSeries> bones;      ///< those that the evidence has, else all

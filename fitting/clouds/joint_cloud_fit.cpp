@@ -1,5 +1,6 @@
 #include "fitting/clouds/joint_cloud_fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -31,42 +32,16 @@ Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return covariance;
 }
 
-/// The motion's pose; joints that move no capsule keep the rotation that it gives them.
-PoseState StateOf(const Motion& motion, const FleshBody& body) {
-  const std::vector<bool> all(static_cast<std::size_t>(motion.joint_count()), true);
-  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, all);
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    Eigen::Map<Vector3d>(state.translation(f)) = motion.root_translation[static_cast<std::size_t>(f)];
-    for (int j = 0; j < motion.joint_count(); ++j) {
-      Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
-    }
-  }
-  state.Update(0, motion.frame_count(), false);
-  state.SetActive(body.MovingJoints());
-  return state;
-}
-
+/// The joints of the tracks' fit, each as sure along every direction as that fit is.
 std::vector<SeenJoint> JointsOf(const Motion& motion, int frame) {
   std::vector<SeenJoint> joints;
   for (int j = 0; j < motion.joint_count(); ++j) {
     const std::size_t at = static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(j);
-    const double spread = std::max(kSmallestSpread, std::sqrt(CovarianceAt(motion.position_cov, at).trace() / 3.0));
-    joints.push_back({j, motion.joints.at(frame, j), 1.0 / spread});
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(CovarianceAt(motion.position_cov, at));
+    const Vector3d spread = axes.eigenvalues().cwiseMax(kSmallestSpread * kSmallestSpread).cwiseSqrt();
+    joints.push_back({j, motion.joints.at(frame, j), spread.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
   }
   return joints;
-}
-
-/// Evenly spread frames that have points.
-std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
-  std::vector<int> with_points;
-  for (std::size_t f = 0; f < clouds.size(); ++f) {
-    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
-  }
-  const auto available = static_cast<int>(with_points.size());
-  const int count = std::min(available, kShownFrames);
-  std::vector<int> shown;
-  for (int i = 0; i < count; ++i) shown.push_back(with_points[static_cast<std::size_t>(i * available / count)]);
-  return shown;
 }
 
 /// Factor on the weight of points that makes poses of the clouds alone as uncertain as they are wrong: the squared
@@ -116,6 +91,32 @@ void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult&
 }
 
 }  // namespace
+
+std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
+  std::vector<int> with_points;
+  for (std::size_t f = 0; f < clouds.size(); ++f) {
+    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
+  }
+  const auto available = static_cast<int>(with_points.size());
+  const int count = std::min(available, kShownFrames);
+  std::vector<int> shown;
+  for (int i = 0; i < count; ++i) shown.push_back(with_points[static_cast<std::size_t>(i * available / count)]);
+  return shown;
+}
+
+PoseState StateOf(const Motion& motion, const FleshBody& body) {
+  const std::vector<bool> all(static_cast<std::size_t>(motion.joint_count()), true);
+  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, all);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    Eigen::Map<Vector3d>(state.translation(f)) = motion.root_translation[static_cast<std::size_t>(f)];
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
+    }
+  }
+  state.Update(0, motion.frame_count(), false);
+  state.SetActive(body.MovingJoints());
+  return state;
+}
 
 Status CheckOneClock(const std::vector<double>& track_s, const std::vector<double>& depth_s, double step_s,
                      const std::string& clip) {

@@ -34,6 +34,7 @@ constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subject
                                   {StudioLayout::kUestcVibe, 118, WriteUestcVibeLayout},
                                   {StudioLayout::kNtuVibe, 40, WriteNtuVibeLayout},
                                   {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
+                                  {StudioLayout::kOpenPoseDepth, 2, WriteOpenPoseDepthLayout},
                                   {StudioLayout::kAmass, 4, WriteAmassLayout},
                                   {StudioLayout::kDepthSequence, 2, WriteDepthSequenceLayout}};
 
@@ -94,6 +95,10 @@ std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
          PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions})) {
       add(recording.script.frames, options.depth.every);
     }
+  } else if (options.layout == StudioLayout::kOpenPoseDepth && options.depth.enabled) {
+    const auto takes = PlanOpenPoseTakes(options);
+    if (!takes) return 0;  // writing says why
+    for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
   } else if (options.layout == StudioLayout::kNtu && options.depth.enabled) {
     const auto takes = PlanNtuTakes(options);
     if (!takes) return 0;  // writing says why
@@ -111,7 +116,8 @@ Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& act
   const Motion motion = PerformScript(standing, actor.subject, actor.skeleton, FrameRate{15, 1});
   const std::vector<Vector2d> rays = PixelRays(camera);
   const std::vector<float> body = BodyView(actor).Depth(motion, 0, camera, rays);
-  const bool room = options.layout == StudioLayout::kPhspd && options.depth.room;
+  const bool room = options.depth.room &&
+                    (options.layout == StudioLayout::kPhspd || options.layout == StudioLayout::kOpenPoseDepth);
   const DepthImage image =
       room ? Sensed(body, RoomDepth(camera, rays, 1.6), camera, rays, options.depth, options.seed, "estimate")
            : SensedMasked(body, camera, rays, options.depth, options.seed, "estimate");
@@ -156,6 +162,8 @@ std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth) {
       return {{"ntu13_vibe", "ntu13"}};
     case StudioLayout::kOpenPose:
       return {{"studio_keypoints", "openpose"}};
+    case StudioLayout::kOpenPoseDepth:
+      return {{"studio_keypoints_depth", "openpose_depth"}};
     case StudioLayout::kAmass:
       return {{"amass", "amass"}};
     case StudioLayout::kDepthSequence:
