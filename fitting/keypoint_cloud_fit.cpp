@@ -25,10 +25,12 @@ namespace {
 constexpr double kSure = 4.0;         ///< standard deviations
 constexpr double kNotableMove = 0.03;  ///< m; a body that is not the person's looks moved by less
 constexpr double kNotableTurn = 0.05;  ///< rad
+constexpr double kHalfPerson = 0.5;    ///< m, from the middle of a person to the ends
 constexpr double kFarthestMove = 0.3;  ///< m; farther apart are two people, or two worlds
 constexpr double kFarthestTurn = 0.25;
-constexpr double kLeastGain = 0.05;  ///< of the loss, or nothing is told
+constexpr double kLeastGain = 0.08;  ///< of the loss, or nothing is told
 constexpr double kNearShare = 0.5;   ///< of the points within reach of the body, or both are not of one person
+constexpr double kUnsure = 0.012;    ///< m, stated of joints; depth alone is about as sure, and tried as a start
 constexpr double kMillimetres = 1e3;
 
 Finding Told(const char* code, double value, std::string message, std::string action) {
@@ -156,11 +158,14 @@ struct KindsVerdict {
   std::vector<Finding> findings;
 };
 
-KindsVerdict Judge(const KindsAlignment& kinds, double step_s, const RigAuditOptions& audit) {
+/// `pose_sigma`: m per axis, of a joint of the keypoints' fit.
+KindsVerdict Judge(const KindsAlignment& kinds, double step_s, double pose_sigma, const RigAuditOptions& audit) {
   KindsVerdict verdict;
-  if (kinds.gain < kLeastGain) return verdict;
-  const bool moved = kinds.moved > std::max(kNotableMove, kSure * kinds.moved_spread) || kinds.turned > kNotableTurn;
-  const bool late = std::abs(kinds.late_s) > std::max(0.5 * step_s, kSure * kinds.late_spread);
+  const bool late =
+      kinds.gain_late >= kLeastGain && std::abs(kinds.late_s) > std::max(0.5 * step_s, kSure * kinds.late_spread);
+  const double notable = std::max({kNotableMove, kSure * kinds.moved_spread, kSure * pose_sigma});
+  const double notable_turn = std::max(kNotableTurn, kSure * pose_sigma / kHalfPerson);
+  const bool moved = kinds.gain_moved >= kLeastGain && (kinds.moved > notable || kinds.turned > notable_turn);
   if (moved && audit.moved != AuditAction::kOff) {
     verdict.move = audit.moved == AuditAction::kCorrect;
     verdict.findings.push_back(Told(kKindsApart, kMillimetres * kinds.moved,
@@ -177,6 +182,33 @@ KindsVerdict Judge(const KindsAlignment& kinds, double step_s, const RigAuditOpt
                                     verdict.delay ? "depth images taken by the keypoints' clock" : "flagged"));
   }
   return verdict;
+}
+
+/// Standard deviation of joints per axis that a motion states, root mean square over the frames.
+double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
+  double sum = 0.0;
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  for (const int f : frames) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(f) * joints + j);
+      sum += (static_cast<double>(c[0]) + c[3] + c[5]) / (3.0 * static_cast<double>(joints * frames.size()));
+    }
+  }
+  return std::sqrt(sum);
+}
+
+/// Poses of the clouds alone, that begin facing as the keypoints do: a second start where keypoints are unsure.
+std::optional<PoseState> TrackAlone(const Motion& motion, const std::vector<FusedCloud>& clouds, int first,
+                                    PointCloudOptions options) {
+  if (!options.start.facing) {
+    const Vector3d front = motion.rotation_at(first, 0) * Vector3d::UnitZ();
+    options.start.facing = std::atan2(front.x(), front.z());
+  }
+  std::vector<double> time_s;
+  for (int f = 0; f < motion.frame_count(); ++f) time_s.push_back(motion.rate.FrameTime(f));
+  Expected<CloudTrack> track = TrackClouds(clouds, motion.skeleton, motion.bone_length, time_s, options);
+  if (!track) return std::nullopt;
+  return std::move(track->state);
 }
 
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
@@ -199,6 +231,10 @@ Expected<FitResult> CloudsAlone(const Clip& clip, const SkeletonPtr& skeleton, s
 /// Both kinds, with the points of the detector.
 Expected<FitResult> FitBoth(const Clip& clip, FitResult keypoints, const std::vector<FusedCloud>& clouds,
                             const std::vector<double>& cloud_s, const PointCloudOptions& options) {
+  if (keypoints.motion.position_cov.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the fit of the keypoints has no uncertainty", clip.id(),
+                "set fitting.joint_tracks.uncertainty to true");
+  }
   const double step = keypoints.motion.rate.FrameTime(1);
   Pairing pairing = PairFrames(keypoints.motion, cloud_s, 0.0);
   std::vector<FusedCloud> paired = Paired(pairing, clouds);
@@ -217,17 +253,21 @@ Expected<FitResult> FitBoth(const Clip& clip, FitResult keypoints, const std::ve
   const KindsAlignment kinds =
       AlignKinds(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
   if (Status one = CheckOnePerson(kinds, clip.id()); !one) return Forward(one);
-  KindsVerdict verdict = Judge(kinds, step, options.audit);
+  const double sigma = StatedSigma(motion, shown);
+  const KindsVerdict verdict = Judge(kinds, step, sigma, options.audit);
   if (verdict.delay) {
     pairing = PairFrames(keypoints.motion, cloud_s, kinds.late_s);
     paired = Paired(pairing, clouds);
   }
   if (verdict.move) {
-    for (FusedCloud& cloud : paired) cloud = Moved(cloud, kinds.world_from_clouds);
+    const RigidTransform& moved = verdict.delay ? kinds.world_from_late_clouds : kinds.world_from_clouds;
+    for (FusedCloud& cloud : paired) cloud = Moved(cloud, moved);
   }
   ReadLater(pairing.shift_s, keypoints.motion);
   keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());
-  return FitTracksAndClouds(keypoints, paired, options);
+  std::optional<PoseState> alone;
+  if (sigma > kUnsure) alone = TrackAlone(keypoints.motion, paired, shown.front(), options);
+  return FitTracksAndClouds(keypoints, paired, options, alone ? &*alone : nullptr);
 }
 
 }  // namespace

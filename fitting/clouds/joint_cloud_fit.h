@@ -20,8 +20,10 @@ namespace mocurate {
 /// are rotations of joints that move no capsule; findings are those of the tracks and "frames_without_evidence". Error
 /// kInconsistent for clouds of another number of frames, or of which none has enough points, for tracks without
 /// uncertainty, or a cloud that lies elsewhere than the tracks.
+/// `alone`: poses of the clouds alone on the same skeleton and bones: a second start of every frame, for tracks that may
+/// be far off.
 Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
-                                       const PointCloudOptions& options);
+                                       const PointCloudOptions& options, const PoseState* alone = nullptr);
 
 /// Frames that have points enough for a fit, at most 24, evenly spread.
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds);

@@ -15,7 +15,7 @@ namespace {
 constexpr double kScale = 0.03;        ///< m, of the robust loss: beyond, a point hardly counts
 constexpr double kFar = 0.15;          ///< m; people farther apart than this are first brought together
 constexpr double kPatchPoints = 10.0;  ///< that share an error of the body
-constexpr int kRounds = 12;
+constexpr int kRounds = 8;
 constexpr int kWideRounds = 4;         ///< look farther than the later ones
 constexpr double kWide = 3.0;
 constexpr double kUsualMove = 0.5;     ///< m; what is not seen stays
@@ -78,7 +78,7 @@ class Aligner {
   }
 
   /// One Gauss-Newton step from the placement; the information of the unknowns.
-  Eigen::Matrix<double, 7, 7> Improve(double reach, Placement& placement) const {
+  Eigen::Matrix<double, 7, 7> Improve(double reach, bool delay, Placement& placement) const {
     Eigen::Matrix<double, 7, 7> matrix = Eigen::Matrix<double, 7, 7>::Zero();
     Unknowns right = Unknowns::Zero();
     for (const int f : frames_) {
@@ -91,7 +91,8 @@ class Aligner {
         const double r = match.distance + rest * at.speed;
         const double weight = std::pow(kScale * kScale / (r * r + kScale * kScale), 2) / (kPatchPoints * kScale * kScale);
         Unknowns row;
-        row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out), at.speed;
+        row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out),
+            delay ? at.speed : 0.0;
         matrix.noalias() += weight * row * row.transpose();
         right.noalias() -= weight * r * row;
       }
@@ -197,25 +198,33 @@ KindsAlignment AlignKinds(const FleshBody& body, const PoseState& state, const s
   found.size_ratio = Median(sizes);
   const Aligner::Explained given = aligner.Explain({}, reach);
   found.near = given.near;
-  Placement placement;
-  if (found.apart > kFar) placement.move = Vector3d(Median(apart[0]), Median(apart[1]), Median(apart[2]));
-  placement.late_s = FirstDelay(aligner, placement, step_s, longest_s, kWide * reach);
-  Eigen::Matrix<double, 7, 7> information;
-  for (int round = 0; round < kRounds; ++round) {
-    const double wide = 1.0 + (kWide - 1.0) * std::max(0.0, 1.0 - static_cast<double>(round) / kWideRounds);
-    information = aligner.Improve(wide * reach, placement);
-    placement.late_s = std::clamp(placement.late_s, -longest_s, longest_s);
-  }
-  const Eigen::Matrix<double, 7, 7> covariance = information.inverse();
-  const Aligner::Explained after = aligner.Explain(placement, reach);
-  found.world_from_clouds = aligner.Transform(placement);
-  found.moved = placement.move.norm();
-  found.turned = LogQuaternion(placement.turn).norm();
-  found.late_s = placement.late_s;
+  const auto settle = [&](bool delay, double wide, Placement& placement) {
+    Eigen::Matrix<double, 7, 7> information;
+    for (int round = 0; round < kRounds; ++round) {
+      const double widening = 1.0 + (wide - 1.0) * std::max(0.0, 1.0 - static_cast<double>(round) / kWideRounds);
+      information = aligner.Improve(widening * reach, delay, placement);
+      placement.late_s = std::clamp(placement.late_s, -longest_s, longest_s);
+    }
+    return Eigen::Matrix<double, 7, 7>(information.inverse());
+  };
+  Placement still;
+  if (found.apart > kFar) still.move = Vector3d(Median(apart[0]), Median(apart[1]), Median(apart[2]));
+  const Eigen::Matrix<double, 7, 7> covariance = settle(false, kWide, still);
+  const Aligner::Explained moved = aligner.Explain(still, reach);
+  Placement late = still;
+  late.late_s = FirstDelay(aligner, still, step_s, longest_s, reach);
+  const Eigen::Matrix<double, 7, 7> covariance_late = settle(true, 1.0, late);
+  const Aligner::Explained delayed = aligner.Explain(late, reach);
+  found.world_from_clouds = aligner.Transform(still);
+  found.world_from_late_clouds = aligner.Transform(late);
+  found.moved = still.move.norm();
+  found.turned = LogQuaternion(still.turn).norm();
+  found.late_s = late.late_s;
   found.moved_spread = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
-  found.late_spread = std::sqrt(covariance(6, 6));
-  found.near_after = after.near;
-  found.gain = given.loss > 0.0 ? 1.0 - after.loss / given.loss : 0.0;
+  found.late_spread = std::sqrt(covariance_late(6, 6));
+  found.near_after = std::max(moved.near, delayed.near);
+  found.gain_moved = given.loss > 0.0 ? 1.0 - moved.loss / given.loss : 0.0;
+  found.gain_late = moved.loss > 0.0 ? 1.0 - delayed.loss / moved.loss : 0.0;
   return found;
 }
 

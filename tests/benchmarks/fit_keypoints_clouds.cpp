@@ -65,7 +65,7 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
                take.clip.name.c_str(), k.joint_mm(), k.rotation_deg(), c.joint_mm(), c.rotation_deg(), b.joint_mm(),
                b.rotation_deg(), both->cloud_trust.value_or(0.0));
   for (const Finding& finding : both->findings) {
-    if (finding.code != kKindsApart && finding.code != kKindsClock && finding.code != kKindMissing) continue;
+    if (finding.severity == Severity::kInfo) continue;
     std::fprintf(stderr, "    %s %.3g: %s\n", finding.code.c_str(), finding.value, finding.message.c_str());
     ++scores.told;
   }
