@@ -88,11 +88,11 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
   const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
   if (suits || last < first) return {};
-  const char* wanted = gives == Gives::kMotion       ? "none"
-                       : gives == Gives::kDepthViews ? "point_clouds"
-                       : gives == Gives::kKeypoints  ? "keypoints"
+  const char* wanted = gives == Gives::kMotion              ? "none"
+                       : gives == Gives::kDepthViews        ? "point_clouds"
+                       : gives == Gives::kKeypoints         ? "keypoints"
                        : gives == Gives::kKeypointsAndDepth ? "keypoints_and_clouds"
-                                                     : "joint_tracks";
+                                                            : "joint_tracks";
   return Fail(ErrorCode::kConfig,
               "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
                   Name(gives),

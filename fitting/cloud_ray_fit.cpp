@@ -20,10 +20,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastShare = 0.3;   ///< of the frames in which the camera sees the person
-constexpr double kOtherWay = 0.7;     ///< of the distance, when sides are exchanged: the person faces the other way
+constexpr double kLeastShare = 0.3;  ///< of the frames in which the camera sees the person
+constexpr double kOtherWay = 0.7;    ///< of the distance, when sides are exchanged: the person faces the other way
 constexpr double kHalfTurn = 3.14159265358979323846;
-constexpr double kPixelsOfModel = 4.0;  ///< px, that points fixed to joints are off in any case
+constexpr double kPixelsOfModel = 4.0;   ///< px, that points fixed to joints are off in any case
 constexpr double kMedianOfTwo = 1.1774;  ///< median distance over the standard deviation per axis
 
 /// Bones of the body: those of the skeleton as given, points at rest offsets of the person's size.
@@ -62,7 +62,8 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   PoseState state = StateOf(fit.motion, body);
   UncertainMotion uncertain(fit.motion);
   const bool stated = !fit.motion.position_cov.empty();
-  const std::vector<double> error = BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
+  const std::vector<double> error =
+      BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
   std::vector<double> residuals;
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
     const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
@@ -71,7 +72,8 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
     if (rays.person[at] >= 0) {
       FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
       if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
-      frame.joints = RaysOf(view, joint_of, rays.image[at], rays.person[at], noise, detections.min_confidence, state, f);
+      frame.joints =
+          RaysOf(view, joint_of, rays.image[at], rays.person[at], noise, detections.min_confidence, state, f);
       const auto fitted = FitCloudFrame(body, cloud, frame, state, cloud_options);
       if (!fitted) return Forward(fitted);
       fit.iterations += fitted->iterations;

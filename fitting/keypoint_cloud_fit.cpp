@@ -22,7 +22,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSure = 4.0;         ///< standard deviations
+constexpr double kSure = 4.0;          ///< standard deviations
 constexpr double kNotableMove = 0.03;  ///< m; a body that is not the person's looks moved by less
 constexpr double kNotableTurn = 0.05;  ///< rad
 constexpr double kHalfPerson = 0.5;    ///< m, from the middle of a person to the ends
@@ -92,7 +92,8 @@ Pairing PairFrames(const Motion& motion, const std::vector<double>& cloud_s, dou
     const double wanted = motion.rate.FrameTime(f) + late_s;
     const auto after = std::lower_bound(cloud_s.begin(), cloud_s.end(), wanted);
     auto nearest = after == cloud_s.end() && !cloud_s.empty() ? after - 1 : after;
-    if (nearest != cloud_s.begin() && nearest != cloud_s.end() && wanted - *(nearest - 1) < *nearest - wanted) --nearest;
+    if (nearest != cloud_s.begin() && nearest != cloud_s.end() && wanted - *(nearest - 1) < *nearest - wanted)
+      --nearest;
     const bool has = nearest != cloud_s.end() && std::abs(*nearest - wanted) <= 0.5 * step + 1e-9;
     pairing.cloud.push_back(has ? static_cast<int>(nearest - cloud_s.begin()) : -1);
     if (has) shifts.push_back(*nearest - wanted);
@@ -143,9 +144,8 @@ Status CheckOnePerson(const KindsAlignment& kinds, const std::string& clip) {
   return Fail(ErrorCode::kInconsistent,
               "keypoints and depth views do not show one person in one world: " +
                   std::to_string(std::lround(100.0 * kinds.near)) +
-                  " % of the depth points lie near the keypoints' body, its middle is " +
-                  RoundedText(kinds.apart, 3) + " m from that of the points, which are " +
-                  RoundedText(kinds.size_ratio, 3) + " times its size",
+                  " % of the depth points lie near the keypoints' body, its middle is " + RoundedText(kinds.apart, 3) +
+                  " m from that of the points, which are " + RoundedText(kinds.size_ratio, 3) + " times its size",
               clip,
               "check axes, units and calibration of both kinds of cameras, and ingest.source.subjects; or fit one kind "
               "alone: fitting.method keypoints or point_clouds");
@@ -285,8 +285,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   if (seeing.size() == 1 && depth) {
     return FitCloudsAndRays(clip, *seeing[0], skeleton, body, bone_length, options);
   }
-  Expected<FitResult> keypoints =
-      FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, options);
+  Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, options);
   if (!keypoints) {
     Error error = keypoints.error();
     error.where = clip.id() + ": " + error.where;

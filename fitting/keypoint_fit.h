@@ -20,8 +20,8 @@ struct BodyTracks {
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
                                   const KeypointFitOptions& options);
 
-/// Motion of the person in keypoint views: TriangulateKeypoints, then FitJointTracks on `body`, which is `skeleton` with
-/// the detector's points (WithDetectorPoints): the motion has them too. `bone_length` of the body, metres; empty:
+/// Motion of the person in keypoint views: TriangulateKeypoints, then FitJointTracks on `body`, which is `skeleton`
+/// with the detector's points (WithDetectorPoints): the motion has them too. `bone_length` of the body, metres; empty:
 /// measured on this take. Errors of both.
 Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
                                        const SkeletonPtr& body, const std::vector<double>& bone_length,

@@ -11,12 +11,12 @@ namespace mocurate {
 
 /// How the keypoints of one camera lie to a motion that was fitted without them.
 struct RayAgreement {
-  std::vector<int> image;   ///< (F) of the view, nearest in time within half a step; -1: none
-  std::vector<int> person;  ///< (F) the entry nearest to the motion; -1: nobody near it
-  double median_px = 0.0;   ///< of all seen keypoints of those from the projected joints
+  std::vector<int> image;            ///< (F) of the view, nearest in time within half a step; -1: none
+  std::vector<int> person;           ///< (F) the entry nearest to the motion; -1: nobody near it
+  double median_px = 0.0;            ///< of all seen keypoints of those from the projected joints
   double median_exchanged_px = 0.0;  ///< when left and right are taken for each other
-  int seen = 0;             ///< keypoints
-  double share = 0.0;       ///< of the frames with an image, in which somebody is near
+  int seen = 0;                      ///< keypoints
+  double share = 0.0;                ///< of the frames with an image, in which somebody is near
 };
 
 /// The joint of `skeleton` (with the detector's points) that each keypoint is; -1: none.

@@ -39,7 +39,7 @@ class GatheredFiles {
   std::map<std::string, std::vector<const FolderFile*>> clips_;  ///< by the name of the first file
   std::set<std::string> others_;
   std::vector<NamePattern> calibrations_;
-  std::vector<NamePattern> masks_;  ///< none or one
+  std::vector<NamePattern> masks_;         ///< none or one
   std::vector<std::string> depth_fields_;  ///< of the names of depth images, that clips have too
   std::map<NameFields, std::vector<const FolderFile*>> depth_;
 };

@@ -68,16 +68,16 @@ std::string Overlays(const DrawnClip& clip) {
   std::string html = "<div class=\"overlays\">\n";
   for (const std::size_t v : views) {
     const auto index = static_cast<int>(v);
-    const std::string view =
-        "view " + EscapeHtml(ViewCamera(evidence, index).name) + ", frame " + std::to_string(frame);
+    const std::size_t depth = evidence.depth_views.size();
+    const Camera& camera = v < depth ? evidence.depth_views[v].camera : evidence.keypoint_views[v - depth].camera;
+    const std::string view = "view " + EscapeHtml(camera.name) + ", frame " + std::to_string(frame);
     const auto png = BodyOverlayPng(clip.fitted, evidence, index, frame);
     if (!png) {
       html += Paragraph("Not drawn over " + view + ": " + EscapeHtml(png.error().Message()), "soft");
       continue;
     }
-    html += "<figure><img alt=\"Fitted body outlined over what " + view +
-            "\" src=\"data:image/png;base64," + Base64(*png) + "\"><figcaption>Fit over " + view +
-            "</figcaption></figure>\n";
+    html += "<figure><img alt=\"Fitted body outlined over what " + view + "\" src=\"data:image/png;base64," +
+            Base64(*png) + "\"><figcaption>Fit over " + view + "</figcaption></figure>\n";
   }
   return html + "</div>\n" +
          Paragraph("White: outline of the body as it was fitted; colours: depth, near is bright.", "soft");

@@ -50,7 +50,8 @@ void AddPriors(const Change& now, Sums& sums) {
 /// All points of a capsule share the error of its pose: however many there are, they tell no more of the flesh than
 /// that. Returns the share of the flesh's usual variance that is left.
 double SharePosesInError(double pose_variance, Sums& sums) {
-  const double information = (sums.matrix.topLeftCorner<6, 6>().trace() + 2.0 * sums.matrix.block<3, 3>(0, 3).trace()) / 3.0;
+  const double information =
+      (sums.matrix.topLeftCorner<6, 6>().trace() + 2.0 * sums.matrix.block<3, 3>(0, 3).trace()) / 3.0;
   const double factor = 1.0 / (1.0 + information * pose_variance);
   sums.matrix *= factor;
   sums.right *= factor;

@@ -50,8 +50,8 @@ std::vector<bool> KnownJoints(const Motion& motion) {
   return known;
 }
 
-/// The joints of the tracks' fit, each as sure along every direction as that fit is, but for a factor on the variance of
-/// each joint (J); 0: nothing is known of it.
+/// The joints of the tracks' fit, each as sure along every direction as that fit is, but for a factor on the variance
+/// of each joint (J); 0: nothing is known of it.
 std::vector<SeenJoint> JointsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
   std::vector<SeenJoint> joints;
   for (int j = 0; j < motion.joint_count(); ++j) {
@@ -60,7 +60,8 @@ std::vector<SeenJoint> JointsOf(const Motion& motion, int frame, const std::vect
     const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(factor[static_cast<std::size_t>(j)] *
                                                        CovarianceAt(motion.position_cov, at));
     const Vector3d spread = axes.eigenvalues().cwiseMax(kSmallestSpread * kSmallestSpread).cwiseSqrt();
-    joints.push_back({j, motion.joints.at(frame, j), spread.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
+    joints.push_back(
+        {j, motion.joints.at(frame, j), spread.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
   }
   return joints;
 }

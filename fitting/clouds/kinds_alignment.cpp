@@ -16,11 +16,11 @@ constexpr double kScale = 0.03;        ///< m, of the robust loss: beyond, a poi
 constexpr double kFar = 0.15;          ///< m; people farther apart than this are first brought together
 constexpr double kPatchPoints = 10.0;  ///< that share an error of the body
 constexpr int kRounds = 8;
-constexpr int kWideRounds = 4;         ///< look farther than the later ones
+constexpr int kWideRounds = 4;  ///< look farther than the later ones
 constexpr double kWide = 3.0;
-constexpr double kUsualMove = 0.5;     ///< m; what is not seen stays
-constexpr double kUsualTurn = 0.3;     ///< rad
-constexpr double kUsualDelay = 0.25;   ///< s
+constexpr double kUsualMove = 0.5;    ///< m; what is not seen stays
+constexpr double kUsualTurn = 0.3;    ///< rad
+constexpr double kUsualDelay = 0.25;  ///< s
 
 /// Move and turn about the middle of the person, and delay.
 using Unknowns = Eigen::Matrix<double, 7, 1>;
@@ -89,7 +89,8 @@ class Aligner {
       for (const CloudMatch& match : MatchPoints(body_, state_, *shown, cloud, reach)) {
         const Surface at = Across(match, *shown, cloud);
         const double r = match.distance + rest * at.speed;
-        const double weight = std::pow(kScale * kScale / (r * r + kScale * kScale), 2) / (kPatchPoints * kScale * kScale);
+        const double weight =
+            std::pow(kScale * kScale / (r * r + kScale * kScale), 2) / (kPatchPoints * kScale * kScale);
         Unknowns row;
         row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out),
             delay ? at.speed : 0.0;

@@ -24,10 +24,10 @@ Expected<FrameSpan> SpanOfBoth(const std::map<std::string, FilesOfCamera>& keypo
   const long long first = std::min(seen->first, images->first);
   const long long end = std::max(seen->first + seen->frames, images->first + images->frames);
   if (end - first >= static_cast<long long>(seen->frames) + images->frames) {
-    return Fail(ErrorCode::kInconsistent,
-                "keypoints are numbered " + Numbers(*seen) + ", depth images " + Numbers(*images) +
-                    ": they share no frame",
-                name, "number both by one count; {frame} of ingest.source.files and depth_files");
+    return Fail(
+        ErrorCode::kInconsistent,
+        "keypoints are numbered " + Numbers(*seen) + ", depth images " + Numbers(*images) + ": they share no frame",
+        name, "number both by one count; {frame} of ingest.source.files and depth_files");
   }
   return FrameSpan{first, static_cast<int>(end - first)};
 }

@@ -80,8 +80,8 @@ Status WriteDepth(const StudioOptions& options, const Actor& actor, const Motion
   const BodyView body(actor);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
-    const Expected<std::string> png = EncodePng(
-        Sensed(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
+    const Expected<std::string> png =
+        EncodePng(Sensed(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
     if (!png) return Forward(png);
     const std::string name = folder_name + "/" + take + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
     if (Status written = folder.Write(name, *png); !written) return written;

@@ -31,7 +31,8 @@ void RigOptions::Declare(OptionVisitor& v) {
   v.Choice(
       "kind", kind,
       {{"own", RigKind::kOwn}, {"phspd", RigKind::kPhspd}, {"human36m", RigKind::kHuman36m}, {"ring", RigKind::kRing}},
-      "openpose, openpose_depth (colour; depth cameras are PHSPD's), rendered_seq: PHSPD's three depth or colour cameras, Human3.6M's four, or a ring; own: PHSPD's for "
+      "openpose, openpose_depth (colour; depth cameras are PHSPD's), rendered_seq: PHSPD's three depth or colour "
+      "cameras, Human3.6M's four, or a ring; own: PHSPD's for "
       "depth, a ring for keypoints");
   v.Integer("cameras", cameras, {1.0, 64.0}, "ring: number of cameras");
   v.Number("radius", radius, Unit::kMetre, {0.5, 100.0}, "ring: distance of the cameras from the subject");

@@ -46,9 +46,8 @@ TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
 
 TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
   const Folder folder;
-  for (const char* layout :
-       {"humanact12", "phspd", "ntu", "kard", "uestc", "uestc_vibe", "ntu_vibe", "openpose", "openpose_depth", "amass",
-        "rendered_seq"}) {
+  for (const char* layout : {"humanact12", "phspd", "ntu", "kard", "uestc", "uestc_vibe", "ntu_vibe", "openpose",
+                             "openpose_depth", "amass", "rendered_seq"}) {
     const std::string studio = (folder / layout).string();
     const Result written = RunProgram(
         folder, {"synthesize", "--layout", layout, "-o", studio, "--set", "depth.every=10000", "--set", "subjects=1"});

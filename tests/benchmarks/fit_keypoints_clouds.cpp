@@ -61,7 +61,8 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
   c.Add(*clouds, take.clip), scores.clouds.Add(*clouds, take.clip);
   b.Add(*both, take.clip), scores.both.Add(*both, take.clip);
-  std::fprintf(stderr, "%-24s keypoints %5.1f mm %4.1f deg, clouds %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, trust %.3f\n",
+  std::fprintf(stderr,
+               "%-24s keypoints %5.1f mm %4.1f deg, clouds %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, trust %.3f\n",
                take.clip.name.c_str(), k.joint_mm(), k.rotation_deg(), c.joint_mm(), c.rotation_deg(), b.joint_mm(),
                b.rotation_deg(), both->cloud_trust.value_or(0.0));
   for (const Finding& finding : both->findings) {
@@ -97,7 +98,8 @@ int main(int argc, char** argv) {
   mixed.rig.cameras = mixed.views;
   std::vector<CloudTake> takes = CloudTakes(wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
-  const auto shape = ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / "body_cc0/body_cc0.h5");
+  const auto shape =
+      ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / "body_cc0/body_cc0.h5");
   const std::vector<Actor> actors = ActorsOfTakes(wanted, *shape);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   FittingOptions options;

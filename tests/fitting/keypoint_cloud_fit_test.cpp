@@ -1,5 +1,5 @@
-// Keypoints of colour cameras and depth views of other cameras fitted together: better than either alone where keypoints
-// are few and noisy; what is wrong between the two kinds is told.
+// Keypoints of colour cameras and depth views of other cameras fitted together: better than either alone where
+// keypoints are few and noisy; what is wrong between the two kinds is told.
 
 #include "fitting/keypoint_cloud_fit.h"
 

@@ -8,11 +8,11 @@ namespace mocurate {
 
 /// Colour cameras beside the depth cameras of CloudTakes, and how their detector errs.
 struct MixedTakeOptions {
-  RigOptions rig;              ///< own: a ring
-  int views = 3;               ///< of the rig, from its first on
-  KeypointOptions keypoints;   ///< of BODY_25
-  double later_s = 0.0;        ///< the colour cameras see everything so much later than the depth cameras
-  RigidTransform world_off;    ///< their world from the true one
+  RigOptions rig;             ///< own: a ring
+  int views = 3;              ///< of the rig, from its first on
+  KeypointOptions keypoints;  ///< of BODY_25
+  double later_s = 0.0;       ///< the colour cameras see everything so much later than the depth cameras
+  RigidTransform world_off;   ///< their world from the true one
 };
 
 /// BODY_25 of a take's person in each camera, hidden points found less surely.

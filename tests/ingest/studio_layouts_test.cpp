@@ -295,10 +295,9 @@ TEST_F(Layouts, AmassAndBabelAreReadBackToTheTruth) {
 }
 
 TEST_F(Layouts, TheSameSeedGivesTheSameBytesForAnyNumberOfJobs) {
-  for (const StudioLayout layout :
-       {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard, StudioLayout::kNtuVibe,
-        StudioLayout::kUestcVibe, StudioLayout::kOpenPose, StudioLayout::kOpenPoseDepth, StudioLayout::kAmass,
-        StudioLayout::kDepthSequence}) {
+  for (const StudioLayout layout : {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard,
+                                    StudioLayout::kNtuVibe, StudioLayout::kUestcVibe, StudioLayout::kOpenPose,
+                                    StudioLayout::kOpenPoseDepth, StudioLayout::kAmass, StudioLayout::kDepthSequence}) {
     StudioOptions options;
     options.layout = layout;
     options.subjects = 1;
