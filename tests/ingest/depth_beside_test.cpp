@@ -55,7 +55,9 @@ TEST_F(DepthBeside, IsOneClipOfBothKindsInOneWorld) {
     ASSERT_EQ(view.frames(), motion.frame_count());
     const double* seen = view.at(0, 0, wrist);
     const auto pixel = view.camera.ProjectWorld(motion.joints.at(0, *motion.skeleton->FindJoint("left_wrist")));
-    if (seen[2] > 0.0) EXPECT_LT((*pixel - Vector2d(seen[0], seen[1])).norm(), 30.0);
+    if (seen[2] > 0.0) {
+      EXPECT_LT((*pixel - Vector2d(seen[0], seen[1])).norm(), 30.0);
+    }
   }
   for (const DepthView& view : evidence.depth_views) {
     ASSERT_EQ(static_cast<int>(view.files.size()), motion.frame_count());
