@@ -16,7 +16,7 @@ class DepthBeside : public Layouts {
     Layouts::SetUp();
     StudioOptions options = Perfect(StudioLayout::kOpenPoseDepth);
     options.subjects = 1;
-    options.actions = {"wave"};
+    options.actions = {"throw"};
     options.rig.kind = RigKind::kPhspd;
     options.depth = DepthSensorOptions{true, false, 0, 0.001, 0, 0, 0, 0, 8};
     Write(options);
