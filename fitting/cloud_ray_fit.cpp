@@ -117,7 +117,7 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
   PointCloudOptions cloud_options = options.point_clouds;
   Expected<FitResult> fit = FitFusedClouds(*clouds, clock, bare, bones, cloud_options);
   if (!fit) return fit;
-  const std::vector<int> joint_of = JointsOfKeypoints(*bare, clip.evidence.keypoint_names);
+  const std::vector<int> joint_of = BodyJointsOfKeypoints(*bare, clip.evidence.keypoint_names);
   RayAgreement rays = CompareRays(view, joint_of, fit->motion);
   if (rays.seen > 0 && rays.median_exchanged_px < kOtherWay * rays.median_px) {
     cloud_options.start.facing = std::remainder(HeadingOf(fit->motion) + kHalfTurn, 2.0 * kHalfTurn);

@@ -51,7 +51,7 @@ double HeightInImage(const Camera& camera, const Motion& motion, int frame) {
 
 }  // namespace
 
-std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& keypoint_names) {
+std::vector<int> BodyJointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& keypoint_names) {
   std::vector<int> joints;
   for (const std::string& name : DetectorNames(keypoint_names)) joints.push_back(skeleton.FindJoint(name).value_or(-1));
   return joints;

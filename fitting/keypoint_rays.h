@@ -20,7 +20,7 @@ struct RayAgreement {
 };
 
 /// The joint of `skeleton` (with the detector's points) that each keypoint is; -1: none.
-std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& keypoint_names);
+std::vector<int> BodyJointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& keypoint_names);
 
 /// Compares a view with joints (F,J,3) at a rate.
 RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint_of, const Motion& motion);
