@@ -183,7 +183,9 @@ Status CheckGathered(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where the cameras stand",
                 Place("calibration"), "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
   }
-  const std::vector<std::string> of_depth = FieldsOf(s.depth_files);
+  const Expected<NamePattern> depth = NamePattern::Parse(s.depth_files, Place("depth_files"));
+  if (!depth) return Forward(depth);
+  const std::vector<std::string> of_depth = depth->FieldNames();
   if (HasDepthBeside(s) && (!has(of_depth, "camera") || !has(of_depth, "frame"))) {
     return Fail(ErrorCode::kConfig, "'" + s.depth_files + "' does not say which camera and which frame an image is of",
                 Place("depth_files"), "e.g. '{recording}/depth/{camera}_{frame}.png'");

@@ -16,7 +16,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::int64_t kRateHz = 30;
-constexpr double kWall = 1.6;  // metres behind the subject
 
 /// Cameras as plain JSON: world-to-camera in metres, the studio's world.
 std::string CalibrationText(const std::vector<Camera>& cameras) {
@@ -72,16 +71,15 @@ Status WriteKeypoints(const StudioOptions& options, const Actor& actor, const Mo
   return {};
 }
 
-/// TAKE/depth/CAMERA_NNNN.png of one depth camera, millimetres.
+/// TAKE/depth/CAMERA_NNNN.png of one depth camera, millimetres, the person alone.
 Status WriteDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
                   const std::string& folder_name, const std::string& take, StudioFolder& folder) {
   const std::vector<Vector2d> rays = PixelRays(camera);
-  const std::vector<float> room = options.depth.room ? RoomDepth(camera, rays, kWall) : std::vector<float>();
   const BodyView body(actor);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
     const Expected<std::string> png =
-        EncodePng(Sensed(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
+        EncodePng(SensedMasked(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item));
     if (!png) return Forward(png);
     const std::string name = folder_name + "/" + take + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
     if (Status written = folder.Write(name, *png); !written) return written;

@@ -116,8 +116,7 @@ Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& act
   const Motion motion = PerformScript(standing, actor.subject, actor.skeleton, FrameRate{15, 1});
   const std::vector<Vector2d> rays = PixelRays(camera);
   const std::vector<float> body = BodyView(actor).Depth(motion, 0, camera, rays);
-  const bool room =
-      options.depth.room && (options.layout == StudioLayout::kPhspd || options.layout == StudioLayout::kOpenPoseDepth);
+  const bool room = options.layout == StudioLayout::kPhspd && options.depth.room;
   const DepthImage image =
       room ? Sensed(body, RoomDepth(camera, rays, 1.6), camera, rays, options.depth, options.seed, "estimate")
            : SensedMasked(body, camera, rays, options.depth, options.seed, "estimate");

@@ -106,6 +106,13 @@ TEST_F(DepthBeside, APatternThatTellsNoCameraIsRefused) {
   EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("ingest.source.depth_files"));
 }
 
+TEST_F(DepthBeside, NumbersOfAWidthAreReadToo) {
+  const mocurate::Ingested ingested =
+      Ingest({"ingest.source.depth_files='{action}_p{person:2}_r{take:2}/depth/{camera}_{frame:4}.png'"});
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.evidence.depth_views.size(), 3u);
+}
+
 TEST_F(DepthBeside, AnImageThatIsNoneRefusesTheClipByItsName) {
   Put(take_ / "depth" / "d2_0000.png", "no picture");
   const mocurate::Ingested ingested = Ingest();
