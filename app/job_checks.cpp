@@ -77,19 +77,22 @@ Status CheckSplitNames(const JobOptions& options, JobStage last) {
 
 /// The method of fitting must be one that the format has evidence for; motion is handed on, or its joints are fitted.
 Status CheckMethod(const JobOptions& options, JobStage last) {
-  const Gives gives = FactsOf(options.ingest.source.format).gives;
+  const Gives gives = GivesOf(options.ingest.source);
   if (gives == Gives::kNothing) return {};
   std::vector<FitMethod> methods = {MethodFor(gives)};
   if (gives == Gives::kMotion) methods.push_back(FitMethod::kNone);
+  if (gives == Gives::kKeypointsAndDepth)
+    methods.insert(methods.end(), {FitMethod::kKeypoints, FitMethod::kPointClouds});
   if (options.ingest.source.format == SourceFormat::kNtuSkeleton)  // where its depth files are there
     methods.insert(methods.end(), {FitMethod::kPointClouds, FitMethod::kJointsAndClouds});
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
   const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
   if (suits || last < first) return {};
-  const char* wanted = gives == Gives::kMotion       ? "none"
-                       : gives == Gives::kDepthViews ? "point_clouds"
-                       : gives == Gives::kKeypoints  ? "keypoints"
-                                                     : "joint_tracks";
+  const char* wanted = gives == Gives::kMotion              ? "none"
+                       : gives == Gives::kDepthViews        ? "point_clouds"
+                       : gives == Gives::kKeypoints         ? "keypoints"
+                       : gives == Gives::kKeypointsAndDepth ? "keypoints_and_clouds"
+                                                            : "joint_tracks";
   return Fail(ErrorCode::kConfig,
               "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
                   Name(gives),
@@ -104,6 +107,8 @@ FitMethod MethodFor(Gives gives) {
       return FitMethod::kPointClouds;
     case Gives::kKeypoints:
       return FitMethod::kKeypoints;
+    case Gives::kKeypointsAndDepth:
+      return FitMethod::kKeypointsAndClouds;
     default:
       return FitMethod::kJointTracks;
   }

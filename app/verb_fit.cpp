@@ -137,7 +137,7 @@ Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
   const bool told = std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
                                 [](const std::string& text) { return text.rfind("fitting.method=", 0) == 0; });
   if (told) return {};
-  options.fitting.method = MethodFor(FactsOf(options.ingest.source.format).gives);
+  options.fitting.method = MethodFor(GivesOf(options.ingest.source));
   if (!HasRotations(options.ingest) || !arguments.skeleton.empty()) return {};
   if (!options.fitting.contacts.remove_sliding) {
     return Fail(ErrorCode::kUsage, "the motion has rotations already: there is nothing to fit",

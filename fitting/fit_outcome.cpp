@@ -29,6 +29,8 @@ std::string MethodName(FitMethod method) {
       return "joints_and_clouds";
     case FitMethod::kKeypoints:
       return "keypoints";
+    case FitMethod::kKeypointsAndClouds:
+      return "keypoints_and_clouds";
     case FitMethod::kNone:
       return "none";
   }

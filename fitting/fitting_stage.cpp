@@ -13,6 +13,7 @@
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/fit_outcome.h"
+#include "fitting/keypoint_cloud_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
 #include "fitting/stages.h"
@@ -64,11 +65,13 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   if (options.method == FitMethod::kNone) return TakeGivenMotion(clip);
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(options.skeleton);
   if (!skeleton) return Forward(skeleton);
-  if (options.method == FitMethod::kKeypoints) {
+  if (options.method == FitMethod::kKeypoints || options.method == FitMethod::kKeypointsAndClouds) {
     const SkeletonPtr body = WithDetectorPoints(*skeleton, DetectorNames(clip.evidence.keypoint_names));
     const Expected<PersonBody> own = ReadBody(request, body);
     if (!own) return Forward(own);
-    return FitKeypointsOfClip(clip, *skeleton, own->skeleton, own->bone_length, options);
+    if (options.method == FitMethod::kKeypoints)
+      return FitKeypointsOfClip(clip, *skeleton, own->skeleton, own->bone_length, options);
+    return FitKeypointsAndClouds(clip, *skeleton, own->skeleton, own->bone_length, options);
   }
   const Expected<PersonBody> body = ReadBody(request, *skeleton);
   if (!body) return Forward(body);

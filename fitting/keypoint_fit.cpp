@@ -58,21 +58,27 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
   return BodyTracks{std::move(*mapped), std::move(found->report), std::move(found->findings)};
 }
 
-Expected<FitResult> FitKeypoints(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
-                                 const SkeletonPtr& body, const std::vector<double>& bone_length,
-                                 const FittingOptions& options) {
+Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
+                                       const SkeletonPtr& body, const std::vector<double>& bone_length,
+                                       const FittingOptions& options) {
   Expected<BodyTracks> found = TracksOnBody(evidence, *skeleton, body, options.keypoints);
   if (!found) return Forward(found);
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
   Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
-  const SkeletonPtr own = WithoutDetectorPoints(body, skeleton);
-  fit->motion = WithoutDetectorPoints(fit->motion, own);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());
-  fit->triangulated = WithoutDetectorPoints(found->tracks, own);
+  fit->triangulated = WithoutDetectorPoints(found->tracks, skeleton);
+  return fit;
+}
+
+Expected<FitResult> FitKeypoints(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
+                                 const SkeletonPtr& body, const std::vector<double>& bone_length,
+                                 const FittingOptions& options) {
+  Expected<FitResult> fit = FitKeypointsOnBody(evidence, rate, skeleton, body, bone_length, options);
+  if (fit) fit->motion = WithoutDetectorPoints(fit->motion, skeleton);
   return fit;
 }
 

@@ -20,9 +20,14 @@ struct BodyTracks {
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
                                   const KeypointFitOptions& options);
 
-/// Skeleton motion of the person in keypoint views: TriangulateKeypoints, then FitJointTracks on `body`, which is
-/// `skeleton` with the detector's points (WithDetectorPoints); the motion has the skeleton's own joints. `bone_length`
-/// of the body, metres; empty: measured on this take. Errors of both.
+/// Motion of the person in keypoint views: TriangulateKeypoints, then FitJointTracks on `body`, which is `skeleton`
+/// with the detector's points (WithDetectorPoints): the motion has them too. `bone_length` of the body, metres; empty:
+/// measured on this take. Errors of both.
+Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
+                                       const SkeletonPtr& body, const std::vector<double>& bone_length,
+                                       const FittingOptions& options);
+
+/// The same; the motion has the skeleton's own joints.
 Expected<FitResult> FitKeypoints(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
                                  const SkeletonPtr& body, const std::vector<double>& bone_length,
                                  const FittingOptions& options);

@@ -13,6 +13,7 @@ void DeclareMethod(OptionVisitor& v, FitMethod& method) {
             {"point_clouds", FitMethod::kPointClouds},
             {"joints_and_clouds", FitMethod::kJointsAndClouds},
             {"keypoints", FitMethod::kKeypoints},
+            {"keypoints_and_clouds", FitMethod::kKeypointsAndClouds},
             {"none", FitMethod::kNone}},
            "evidence the skeleton is fitted to; none hands a given motion on");
 }
@@ -203,8 +204,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 17, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 18, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 23, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 24, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -11,7 +11,7 @@
 namespace mocurate {
 
 /// Which evidence a clip is fitted to. kNone hands a given motion on as it is.
-enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints, kNone };
+enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints, kKeypointsAndClouds, kNone };
 
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };

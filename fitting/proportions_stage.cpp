@@ -54,7 +54,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       cloud_clips.push_back(std::move(*clip));
       continue;
     }
-    if (options->method == FitMethod::kKeypoints) {
+    if (options->method == FitMethod::kKeypoints || options->method == FitMethod::kKeypointsAndClouds) {
+      ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
       for (const std::string& point : DetectorNames(clip->evidence.keypoint_names)) points.insert(point);
       keypoint_clips.push_back(std::move(*clip));
       continue;
@@ -77,7 +78,12 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       outcome.findings.push_back(NothingFrom(clip, found.error()));
     }
   }
-  Expected<Proportions> person = EstimateProportions(clips, body, *options);
+  if (clips.empty() && options->method == FitMethod::kKeypointsAndClouds) {
+    for (Clip& clip : keypoint_clips) {
+      if (!clip.evidence.depth_views.empty()) cloud_clips.push_back(std::move(clip));
+    }
+  }
+  Expected<Proportions> person = EstimateProportions(clips, cloud_clips.empty() ? body : *skeleton, *options);
   if (!person) return Forward(person);
   if (!cloud_clips.empty()) {
     Expected<std::vector<double>> lengths = BoneLengthsFromClouds(cloud_clips, *skeleton, options->point_clouds);

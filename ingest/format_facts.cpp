@@ -62,6 +62,10 @@ const FormatFacts& FactsOf(SourceFormat format) {
   return kFormats[0];
 }
 
+Gives GivesOf(const SourceOptions& source) {
+  return HasDepthBeside(source) ? Gives::kKeypointsAndDepth : FactsOf(source.format).gives;
+}
+
 std::string FormatName(SourceFormat format) { return FactsOf(format).name; }
 
 const char* Name(Gives gives) {
@@ -72,6 +76,8 @@ const char* Name(Gives gives) {
       return "depth views";
     case Gives::kKeypoints:
       return "keypoints of several cameras";
+    case Gives::kKeypointsAndDepth:
+      return "keypoints and depth views";
     case Gives::kMotion:
       return "motion";
     case Gives::kNothing:

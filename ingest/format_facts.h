@@ -7,7 +7,7 @@
 namespace mocurate {
 
 /// What the clips of a source hold when they are ingested.
-enum class Gives { kNothing, kJointTracks, kDepthViews, kKeypoints, kMotion };
+enum class Gives { kNothing, kJointTracks, kDepthViews, kKeypoints, kKeypointsAndDepth, kMotion };
 
 /// One row per format: what it is called and what it gives. Who has to know asks here.
 struct FormatFacts {
@@ -18,6 +18,9 @@ struct FormatFacts {
 };
 
 const FormatFacts& FactsOf(SourceFormat format);
+
+/// What the clips of a source hold: that of its format, and depth views where it declares them beside keypoints.
+Gives GivesOf(const SourceOptions& source);
 
 /// Whether a source of this format reads what an inspection calls `inspected` ("depth_still", "amc"); kNone reads all.
 bool Reads(SourceFormat format, std::string_view inspected);

@@ -1,6 +1,7 @@
 #include "ingest/gathered_files.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/base/text.h"
 
@@ -14,10 +15,19 @@ NameFields OfClip(NameFields fields) {
   return fields;
 }
 
+NameFields Only(const std::vector<std::string>& names, const NameFields& fields) {
+  NameFields kept;
+  for (const std::string& name : names) {
+    const auto found = fields.find(name);
+    if (found != fields.end()) kept.insert(*found);
+  }
+  return kept;
+}
+
 }  // namespace
 
 int GatheredFiles::Depth(const SourceOptions& source) {
-  int depth = DepthOf(source.mask_files);
+  int depth = std::max(DepthOf(source.mask_files), DepthOf(source.depth_files));
   for (const std::string& file : source.calibration) depth = std::max(depth, DepthOf(file));
   return depth;
 }
@@ -38,11 +48,27 @@ Expected<GatheredFiles> GatheredFiles::Of(const SourceOptions& source, const Nam
     if (!masks) return Forward(masks);
     gathered.masks_.push_back(std::move(*masks));
   }
+  std::optional<NamePattern> depth;
+  if (HasDepthBeside(source)) {
+    const Expected<NamePattern> parsed = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
+    if (!parsed) return Forward(parsed);
+    depth = *parsed;
+    const std::vector<std::string> own = depth->FieldNames();
+    for (const std::string& field : pattern.FieldNames()) {
+      const bool of_clip = field != "camera" && field != "frame" && field != "-";
+      if (of_clip && std::find(own.begin(), own.end(), field) != own.end()) gathered.depth_fields_.push_back(field);
+    }
+  }
   std::map<NameFields, std::string> first;
   for (const FolderFile& file : files) {
     const auto matches = [&](const NamePattern& companion) { return companion.Match(file.name).has_value(); };
     if (std::any_of(gathered.calibrations_.begin(), gathered.calibrations_.end(), matches) ||
         std::any_of(gathered.masks_.begin(), gathered.masks_.end(), matches)) {
+      gathered.others_.insert(file.name);
+      continue;
+    }
+    if (const auto of_depth = depth ? depth->Match(file.name) : std::nullopt) {
+      gathered.depth_[Only(gathered.depth_fields_, *of_depth)].push_back(&file);
       gathered.others_.insert(file.name);
       continue;
     }
@@ -86,6 +112,11 @@ Status GatheredFiles::AddInputs(const std::string& first, const NameFields& fiel
         ErrorCode::kUnreadable,
         Counted(clip->second.size(), "file") + " of the clip, none can be read; the first " + unreadable.problem,
         unreadable.name, "mend or remove them");
+  }
+  if (const auto depth = depth_.find(Only(depth_fields_, fields)); depth != depth_.end()) {
+    for (const FolderFile* file : depth->second) {
+      if (file->problem.empty()) item.inputs.push_back({"depth", file->name, file->path, ""});
+    }
   }
   for (const NamePattern& pattern : masks_) {
     for (const FolderFile* file : Companions(pattern, fields)) {

@@ -13,7 +13,8 @@
 namespace mocurate {
 
 /// Files of a source whose clips are many files each (IsGathered): those whose names differ in {camera} and {frame}
-/// alone ({-} is passed over) are one clip, named by the first of them. Empty for other sources.
+/// alone ({-} is passed over) are one clip, named by the first of them; depth images whose other fields are the clip's
+/// belong to it. Empty for other sources.
 class GatheredFiles {
  public:
   /// Folders below the source's that companions of its files (calibrations, masks) lie in.
@@ -23,7 +24,7 @@ class GatheredFiles {
                                     const std::vector<FolderFile>& files);
 
   bool empty() const { return clips_.empty(); }
-  /// A file of a clip that is named by another one, a calibration or a mask.
+  /// A file of a clip that is named by another one, a calibration, a mask or a depth image.
   bool BelongsToAnother(const std::string& name) const;
   /// Replaces the inputs of the clip that `first` names: its files (role "source", depth images and masks "depth"), and
   /// what calibrates its cameras (role "calibration"). Files that cannot be read are left to be missed. Error
@@ -38,7 +39,9 @@ class GatheredFiles {
   std::map<std::string, std::vector<const FolderFile*>> clips_;  ///< by the name of the first file
   std::set<std::string> others_;
   std::vector<NamePattern> calibrations_;
-  std::vector<NamePattern> masks_;  ///< none or one
+  std::vector<NamePattern> masks_;         ///< none or one
+  std::vector<std::string> depth_fields_;  ///< of the names of depth images, that clips have too
+  std::map<NameFields, std::vector<const FolderFile*>> depth_;
 };
 
 }  // namespace mocurate

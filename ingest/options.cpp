@@ -87,14 +87,15 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("depth_files", depth_files,
          "pattern of the depth images: depth_sequence with {view} and, unless there is but one each, {frame}; "
          "ntu_skeleton whose views are together "
-         "with {frame}, counted from 1, and fields of `files`");
+         "with {frame}, counted from 1, and fields of `files`; openpose with {camera} and {frame}, numbered as the "
+         "keypoints are, and fields of `files`: the clip has keypoints and depth views");
   v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "length of one step of a depth value");
   v.Text("mask_files", mask_files,
          "depth_views: pattern of the images (PNG, JPEG) that are white where the person is, one per depth image");
   v.Texts(
       "calibration", calibration,
-      "openpose, depth_views: calibration file below the folder, from the fields of the clip's names; OpenCV's intri "
-      "and extri as two; with {camera} one file per camera");
+      "openpose, depth_views: calibration file below the folder, from the fields of the clip's names, of all cameras; "
+      "OpenCV's intri and extri as two; with {camera} one file per camera");
   v.Choice("camera_pose", camera_pose,
            {{"measured", CameraPose::kMeasured},
             {"world_to_camera", CameraPose::kWorldToCamera},

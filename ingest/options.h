@@ -122,8 +122,8 @@ struct SourceOptions {
   double least_confidence = 0.0;                                   ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kReport;
   MissingValue missing = MissingValue::kNone;
-  double max_slide = 0.002;   ///< bvh: metres a bone may change its length before the clip is refused
-  std::string depth_files;    ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together
+  double max_slide = 0.002;  ///< bvh: metres a bone may change its length before the clip is refused
+  std::string depth_files;   ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together; openpose
   double depth_unit = 0.001;  ///< of those: metres per step of a depth value
   std::string mask_files;     ///< depth_views: "views/{camera}_mask.jpg"; the person in the image of the same fields
   std::vector<std::string> calibration;  ///< openpose, depth_views: below the folder; {camera}: one per camera
@@ -175,6 +175,9 @@ struct IngestOptions {
 
   void Declare(OptionVisitor& v);
 };
+
+/// Whether clips of the source have keypoints and depth views beside them.
+bool HasDepthBeside(const SourceOptions& source);
 
 /// Whether a clip of this format is many files: one per camera, per moment, or both.
 bool IsGathered(SourceFormat format);

@@ -183,6 +183,13 @@ Status CheckGathered(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where the cameras stand",
                 Place("calibration"), "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
   }
+  const Expected<NamePattern> depth = NamePattern::Parse(s.depth_files, Place("depth_files"));
+  if (!depth) return Forward(depth);
+  const std::vector<std::string> of_depth = depth->FieldNames();
+  if (HasDepthBeside(s) && (!has(of_depth, "camera") || !has(of_depth, "frame"))) {
+    return Fail(ErrorCode::kConfig, "'" + s.depth_files + "' does not say which camera and which frame an image is of",
+                Place("depth_files"), "e.g. '{recording}/depth/{camera}_{frame}.png'");
+  }
   bool known = s.keypoints == "measured";
   std::string names;
   for (const KeypointLayout& layout : KeypointLayouts()) {
@@ -241,6 +248,10 @@ Status CheckViews(const SourceOptions& s) {
 
 bool IsGathered(SourceFormat format) {
   return format == SourceFormat::kOpenPose || format == SourceFormat::kDepthViews || format == SourceFormat::kPanoptic;
+}
+
+bool HasDepthBeside(const SourceOptions& source) {
+  return source.format == SourceFormat::kOpenPose && !source.depth_files.empty();
 }
 
 Expected<double> MetresPerUnit(const std::string& units) {

@@ -139,6 +139,11 @@ std::string TimeHtml(const ClipSeries& series) {
     }
     charts += Figure(EscapeHtml(series.residual_name), chart.Svg());
   }
+  if (!Finite(series.keypoint_residual).empty()) {
+    LineChart chart{series.keypoint_residual_name, "s", "", {}};
+    chart.curves.push_back({"each frame", Over(series.time_s, series.keypoint_residual), 0});
+    charts += Figure(EscapeHtml(series.keypoint_residual_name), chart.Svg());
+  }
   LineChart jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
   if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
   if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});

@@ -176,10 +176,13 @@ Expected<ClipSeries> SeriesOf(const Clip& fitted, const Evidence& evidence) {
     AddBones(motion, nullptr, series);
     const bool depth = !evidence.depth_views.empty();
     if (depth || !evidence.keypoint_views.empty()) {
-      series.residual_name = depth ? "Distance of depth points from the body's surface, median, mm"
-                                   : "Distance of keypoints from the projected joints, median, px";
+      const char* of_keypoints = "Distance of keypoints from the projected joints, median, px";
+      series.residual_name = depth ? "Distance of depth points from the body's surface, median, mm" : of_keypoints;
+      if (depth && !evidence.keypoint_views.empty()) series.keypoint_residual_name = of_keypoints;
       for (int f = 0; f < motion.frame_count(); ++f) {
         series.residual.push_back(depth ? CloudResidual(fitted, evidence, f) : KeypointResidual(motion, evidence, f));
+        if (!series.keypoint_residual_name.empty())
+          series.keypoint_residual.push_back(KeypointResidual(motion, evidence, f));
       }
     }
   }

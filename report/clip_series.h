@@ -20,14 +20,16 @@ struct BoneSeries {
 /// A fit beside its evidence, frame by frame. F frames; NaN where a frame has no number.
 struct ClipSeries {
   std::vector<double> time_s;
-  std::string residual_name;          ///< what the residual is between, with its unit
-  std::vector<double> residual;       ///< (F) root mean square, or for depth and keypoints the median
-  std::vector<double> residual_most;  ///< (F) of the worst joint; empty for depth and keypoints
-  std::vector<double> jerk_raw;       ///< (F) m/s^3, root mean square over joints; empty without tracks
-  std::vector<double> jerk_fitted;    ///< (F)
-  std::vector<BoneSeries> bones;      ///< those that the evidence has, else all
-  bool raw_bones = false;             ///< whether the evidence has any
-  std::vector<double> sigma_mm;       ///< (F) stated standard deviation of a joint's place per axis, root mean square
+  std::string residual_name;              ///< what the residual is between, with its unit
+  std::vector<double> residual;           ///< (F) root mean square, or for depth and keypoints the median
+  std::vector<double> residual_most;      ///< (F) of the worst joint; empty for depth and keypoints
+  std::string keypoint_residual_name;     ///< of keypoints beside depth views; empty: there are not both
+  std::vector<double> keypoint_residual;  ///< (F)
+  std::vector<double> jerk_raw;           ///< (F) m/s^3, root mean square over joints; empty without tracks
+  std::vector<double> jerk_fitted;        ///< (F)
+  std::vector<BoneSeries> bones;          ///< those that the evidence has, else all
+  bool raw_bones = false;                 ///< whether the evidence has any
+  std::vector<double> sigma_mm;  ///< (F) stated standard deviation of a joint's place per axis, root mean square
 };
 
 /// Error kInconsistent when the clip has no motion. Views that cannot be read leave their frames without a residual.

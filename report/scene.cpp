@@ -81,6 +81,7 @@ Expected<cv::Mat> ReadDepth(const DepthView& view, int frame) {
   if (frame < 0 || frame >= static_cast<int>(view.files.size())) {
     return Fail(ErrorCode::kInconsistent, "the view has no frame " + std::to_string(frame), view.camera.name);
   }
+  if (view.files[frame].empty()) return cv::Mat::zeros(view.camera.height, view.camera.width, CV_16UC1);
   const auto bytes = ReadFile(view.files[frame]);
   if (!bytes) return Forward(bytes);
   cv::Mat depth;

@@ -23,7 +23,8 @@ struct ShadedBody {
 /// Left limbs blue, right ones orange, the trunk grey; over a shadow on the floor at `floor_y`.
 ShadedBody ShadeBody(const PosedBody& body, const Camera& camera, double floor_y);
 
-/// Error kMalformed, kNotFound, kInconsistent (other size than the camera). CV_16UC1.
+/// CV_16UC1; a frame that the view has no image of (an empty name) measured nothing. Error kMalformed, kNotFound,
+/// kInconsistent (other size than the camera).
 Expected<cv::Mat> ReadDepth(const DepthView& view, int frame);
 
 Expected<std::string> EncodePng(const cv::Mat& image);

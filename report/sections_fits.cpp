@@ -58,20 +58,26 @@ std::string ResidualTable(const nlohmann::json& run) {
 }
 
 std::string Overlays(const DrawnClip& clip) {
-  const std::vector<DepthView>& views = clip.evidence.evidence.depth_views;
-  if (views.empty() || !clip.fitted.motion) return "";
+  const Evidence& evidence = clip.evidence.evidence;
+  if (evidence.depth_views.empty() || !clip.fitted.motion) return "";
+  std::vector<std::size_t> views;  // as many of each kind
+  for (std::size_t v = 0; v < std::min(kOverlayViews, evidence.depth_views.size()); ++v) views.push_back(v);
+  for (std::size_t v = 0; v < std::min(kOverlayViews, evidence.keypoint_views.size()); ++v)
+    views.push_back(evidence.depth_views.size() + v);
   const int frame = clip.fitted.motion->frame_count() / 2;
   std::string html = "<div class=\"overlays\">\n";
-  for (std::size_t v = 0; v < std::min(kOverlayViews, views.size()); ++v) {
-    const std::string view = "view " + EscapeHtml(views[v].camera.name) + ", frame " + std::to_string(frame);
-    const auto png = BodyOverlayPng(clip.fitted, clip.evidence.evidence, static_cast<int>(v), frame);
+  for (const std::size_t v : views) {
+    const auto index = static_cast<int>(v);
+    const std::size_t depth = evidence.depth_views.size();
+    const Camera& camera = v < depth ? evidence.depth_views[v].camera : evidence.keypoint_views[v - depth].camera;
+    const std::string view = "view " + EscapeHtml(camera.name) + ", frame " + std::to_string(frame);
+    const auto png = BodyOverlayPng(clip.fitted, evidence, index, frame);
     if (!png) {
       html += Paragraph("Not drawn over " + view + ": " + EscapeHtml(png.error().Message()), "soft");
       continue;
     }
-    html += "<figure><img alt=\"Fitted body outlined over the depth picture of " + view +
-            "\" src=\"data:image/png;base64," + Base64(*png) + "\"><figcaption>Fit over " + view +
-            "</figcaption></figure>\n";
+    html += "<figure><img alt=\"Fitted body outlined over what " + view + "\" src=\"data:image/png;base64," +
+            Base64(*png) + "\"><figcaption>Fit over " + view + "</figcaption></figure>\n";
   }
   return html + "</div>\n" +
          Paragraph("White: outline of the body as it was fitted; colours: depth, near is bright.", "soft");

@@ -190,8 +190,8 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("camera_from_world", kF8, {"V", "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
       .Add("metres_per_unit", kF8, {"V"}, "m", AtLeast(0), "depth of one unit of the images")
       .Add("count", kI8, {"V"}, "", ViewCounts("/depth/path"), "images of each view")
-      .Add("path", kText, {"D"}, "", NotEmpty(),
-           "16-bit PNG files of view 0, then view 1, ...; bytes as the system has them")
+      .Add("path", kText, {"D"}, "", Anything(),
+           "16-bit PNG files of view 0, then view 1, ...; bytes as the system has them; empty: no image was taken then")
       .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty")
       .Add("time_s", kF8, {"D"}, "s", RisingPerView(), "time of each image");
   Group(fields, "/depth_masks", Presence::kGroup)

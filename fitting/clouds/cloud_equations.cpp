@@ -57,7 +57,7 @@ double CloudEquations::Cost() const {
     twice += HuberValue(Square(terms_.weight * (distance - body_.capsules[match.capsule].radius)), terms_.huber);
   }
   for (const SeenJoint& seen : terms_.joints) {
-    const Vector3d error = seen.weight * (state_.position(frame_, seen.joint) - seen.position);
+    const Vector3d error = seen.whitening * (state_.position(frame_, seen.joint) - seen.position);
     twice += HuberValue(error.squaredNorm(), options_.huber_sigmas);
   }
   for (int j = 0; j < state_.joints(); ++j) {
@@ -111,10 +111,10 @@ void CloudEquations::SumJoints() {
   for (const SeenJoint& seen : terms_.joints) {
     const Vector3d& position = state_.position(frame_, seen.joint);
     const Vector3d error = position - seen.position;
-    const double weight = Square(seen.weight);
-    const double slope = HuberSlope(weight * error.squaredNorm(), options_.huber_sigmas);
-    subtree_[std::max(0, state_.parent(seen.joint))].AddPoint(position - origin, slope * weight,
-                                                              slope * weight * error);
+    const Vector3d white = seen.whitening * error;
+    const double slope = HuberSlope(white.squaredNorm(), options_.huber_sigmas);
+    const Matrix3d weight = slope * seen.whitening.transpose() * seen.whitening;
+    subtree_[std::max(0, state_.parent(seen.joint))].AddPoint(position - origin, weight, weight * error);
   }
 }
 

@@ -43,8 +43,7 @@ CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const FrameT
     problem_.AddResidualBlock(cost, &point_loss_, cost->Blocks(state_));
   }
   for (const SeenJoint& seen : terms.joints) {
-    auto* cost =
-        new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.weight * Matrix3d::Identity(), false);
+    auto* cost = new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.whitening, false);
     problem_.AddResidualBlock(cost, &joint_loss_, cost->Blocks(state_));
   }
   AddPriors(options);

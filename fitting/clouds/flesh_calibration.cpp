@@ -47,10 +47,22 @@ void AddPriors(const Change& now, Sums& sums) {
   }
 }
 
+/// All points of a capsule share the error of its pose: however many there are, they tell no more of the flesh than
+/// that. Returns the share of the flesh's usual variance that is left.
+double SharePosesInError(double pose_variance, Sums& sums) {
+  const double information =
+      (sums.matrix.topLeftCorner<6, 6>().trace() + 2.0 * sums.matrix.block<3, 3>(0, 3).trace()) / 3.0;
+  const double factor = 1.0 / (1.0 + information * pose_variance);
+  sums.matrix *= factor;
+  sums.right *= factor;
+  return 1.0 / (1.0 + kUsualOffset * kUsualOffset * factor * information);
+}
+
 }  // namespace
 
-void CalibrateFlesh(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
-                    double max_distance, FleshBody& body) {
+double CalibrateFlesh(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
+                      double max_distance, const std::vector<double>& pose_variance, FleshBody& body) {
+  double left = 1.0;
   const double weight = 1.0 / (kPatchPoints * kPointError * kPointError * std::max<double>(1.0, frames.size()));
   std::vector<Change> changed(body.capsules.size(), Change::Zero());
   for (int round = 0; round < kRounds; ++round) {
@@ -74,16 +86,21 @@ void CalibrateFlesh(const std::vector<FusedCloud>& clouds, const PoseState& stat
         sums[capsule.mirror].right += weight * match.distance * row;
       }
     }
+    left = 0.0;
     for (std::size_t c = 0; c < sums.size(); ++c) {
+      FleshCapsule& capsule = body.capsules[c];
+      const double variance = 0.5 * (pose_variance[static_cast<std::size_t>(capsule.frame)] +
+                                     pose_variance[static_cast<std::size_t>(capsule.end_joint)]);
+      left += SharePosesInError(variance, sums[c]) / static_cast<double>(sums.size());
       AddPriors(changed[c], sums[c]);
       const Change step = sums[c].matrix.ldlt().solve(sums[c].right);
-      FleshCapsule& capsule = body.capsules[c];
       changed[c] += step;
       capsule.begin_offset += step.head<3>();
       capsule.end_offset += step.segment<3>(3);
       capsule.radius = std::max(kThinnest * capsule.radius, capsule.radius + step[6]);
     }
   }
+  return left;
 }
 
 }  // namespace mocurate

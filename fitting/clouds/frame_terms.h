@@ -12,11 +12,11 @@ struct HeldFrame {
   double seconds = 0.0;  ///< between them
 };
 
-/// Where other evidence says that a joint lies. Robust as points are: beyond huber_sigmas / weight it pulls linearly.
+/// Where other evidence says that a joint lies. Robust as points are: beyond huber_sigmas it pulls linearly.
 struct SeenJoint {
   int joint = 0;
-  Vector3d position = Vector3d::Zero();  ///< world, metres
-  double weight = 0.0;                   ///< 1/m, per axis
+  Vector3d position = Vector3d::Zero();   ///< world, metres
+  Matrix3d whitening = Matrix3d::Zero();  ///< W, 1/m: W'W is the information; of a ray nothing is known along it
 };
 
 /// What holds one frame of a state beside its priors.

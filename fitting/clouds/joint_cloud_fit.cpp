@@ -1,5 +1,6 @@
 #include "fitting/clouds/joint_cloud_fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,6 +10,7 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/flesh_calibration.h"
 #include "fitting/clouds/uncertain_motion.h"
+#include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/frames_without_evidence.h"
 
@@ -23,6 +25,9 @@ constexpr double kFarShare = 0.5;     ///< of the points within reach of the bod
 /// their errors stay from frame to frame. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1).
 constexpr double kSharedErrors = 3.4;
 constexpr double kSmallestSpread = 1e-3;  ///< m
+constexpr double kContradiction = 6.25;   ///< squared distance, three whitened components: nine of ten lie within
+constexpr double kMostBlame = 2.0;        ///< times the template's usual variance: more is not the flesh's fault
+constexpr double kClear = 4.0;            ///< factor on a joint's variance from which on both kinds disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   const float* c = values.data() + 6 * at;
@@ -31,51 +36,61 @@ Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return covariance;
 }
 
-/// The motion's pose; joints that move no capsule keep the rotation that it gives them.
-PoseState StateOf(const Motion& motion, const FleshBody& body) {
-  const std::vector<bool> all(static_cast<std::size_t>(motion.joint_count()), true);
-  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, all);
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    Eigen::Map<Vector3d>(state.translation(f)) = motion.root_translation[static_cast<std::size_t>(f)];
-    for (int j = 0; j < motion.joint_count(); ++j) {
-      Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
-    }
+/// Joints at or below which something was ever seen: where the others lie the tracks' fit does not know, whatever it
+/// states. (J)
+std::vector<bool> KnownJoints(const Motion& motion) {
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  std::vector<bool> known(joints, motion.state.empty());
+  for (std::size_t at = 0; at < motion.state.size(); ++at) {
+    if (motion.state[at] != JointState::kInferred) known[at % joints] = true;
   }
-  state.Update(0, motion.frame_count(), false);
-  state.SetActive(body.MovingJoints());
-  return state;
+  for (std::size_t j = joints - 1; j > 0; --j) {
+    if (known[j]) known[static_cast<std::size_t>(motion.skeleton->joints[j].parent)] = true;
+  }
+  return known;
 }
 
-std::vector<SeenJoint> JointsOf(const Motion& motion, int frame) {
+/// The joints of the tracks' fit, each as sure along every direction as that fit is, but for a factor on the variance
+/// of each joint (J); 0: nothing is known of it.
+std::vector<SeenJoint> JointsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
   std::vector<SeenJoint> joints;
   for (int j = 0; j < motion.joint_count(); ++j) {
+    if (factor[static_cast<std::size_t>(j)] <= 0.0) continue;
     const std::size_t at = static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(j);
-    const double spread = std::max(kSmallestSpread, std::sqrt(CovarianceAt(motion.position_cov, at).trace() / 3.0));
-    joints.push_back({j, motion.joints.at(frame, j), 1.0 / spread});
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(factor[static_cast<std::size_t>(j)] *
+                                                       CovarianceAt(motion.position_cov, at));
+    const Vector3d spread = axes.eigenvalues().cwiseMax(kSmallestSpread * kSmallestSpread).cwiseSqrt();
+    joints.push_back(
+        {j, motion.joints.at(frame, j), spread.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
   }
   return joints;
 }
 
-/// Evenly spread frames that have points.
-std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
-  std::vector<int> with_points;
-  for (std::size_t f = 0; f < clouds.size(); ++f) {
-    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
+/// Variance of each joint of the motion per axis, mean over frames; 1 m^2 of one that is not known. (J)
+std::vector<double> MeanVariance(const Motion& motion, const std::vector<int>& frames, const std::vector<bool>& known) {
+  std::vector<double> variance(known.size(), 0.0);
+  for (std::size_t j = 0; j < variance.size(); ++j) variance[j] = known[j] ? 0.0 : 1.0;
+  for (const int f : frames) {
+    for (std::size_t j = 0; j < variance.size(); ++j) {
+      if (!known[j]) continue;
+      const std::size_t at = static_cast<std::size_t>(f) * variance.size() + j;
+      variance[j] += CovarianceAt(motion.position_cov, at).trace() / (3.0 * static_cast<double>(frames.size()));
+    }
   }
-  const auto available = static_cast<int>(with_points.size());
-  const int count = std::min(available, kShownFrames);
-  std::vector<int> shown;
-  for (int i = 0; i < count; ++i) shown.push_back(with_points[static_cast<std::size_t>(i * available / count)]);
-  return shown;
+  return variance;
 }
 
 /// Factor on the weight of points that makes poses of the clouds alone as uncertain as they are wrong: the squared
-/// distance of their joints from the tracks', less the variance of the tracks, against the variance that they claim.
+/// distance of their joints from the tracks', less the variance of the tracks, and no less than what is not known of
+/// the flesh (the share `unknown` of its `usual` variance, m^2), against the variance that they claim. With poses of
+/// the clouds `alone` the tracks may be wrong too: no more than the usual is blamed on the flesh.
 Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedCloud>& clouds,
                                const std::vector<int>& frames, const FleshBody& body, PoseState state,
+                               const PoseState* alone, const std::vector<bool>& known, double unknown, double usual,
                                const PointCloudOptions& options) {
   std::vector<double> apart, claimed, of_tracks;
   for (const int f : frames) {
+    if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
     FrameFit fit;
     fit.frame = f;
     fit.iterations = static_cast<int>(options.iterations);
@@ -84,6 +99,7 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
     const auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);
     for (int j = 0; j < state.joints(); ++j) {
+      if (!known[static_cast<std::size_t>(j)]) continue;
       const std::size_t at = static_cast<std::size_t>(f) * state.joints() + static_cast<std::size_t>(j);
       apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
       claimed.push_back(uncertainty->position[j].trace());
@@ -91,8 +107,67 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
     }
   }
   if (apart.empty()) return 1.0;
-  const double real = std::max(Median(apart) - Median(of_tracks), 0.1 * Median(apart));
+  const double least = unknown * usual;
+  double real = std::max({Median(apart) - Median(of_tracks), 0.1 * Median(apart), least});
+  if (alone != nullptr) real = std::min(real, kMostBlame * usual);
   return std::clamp(std::sqrt(Median(claimed) / real), kLeastTrust, 1.0);
+}
+
+/// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where a joint lies farther
+/// off in most frames than both explain, the tracks claim too much. (J) at least 1.
+std::vector<double> Overclaimed(const Motion& motion, const std::vector<int>& frames, const FleshBody& body,
+                                PoseState alone) {
+  const std::vector<double> error = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  std::vector<double> factor(static_cast<std::size_t>(motion.joint_count()), 1.0);
+  alone.SetActive(body.MovingJoints());
+  alone.Update(0, alone.frames(), false);
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    std::vector<double> squares;
+    for (const int f : frames) {
+      const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
+      const double of_body = error[static_cast<std::size_t>(j)];
+      const Matrix3d both = CovarianceAt(motion.position_cov, at) + of_body * of_body * Matrix3d::Identity();
+      const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
+      squares.push_back(apart.dot(both.ldlt().solve(apart)));
+    }
+    factor[static_cast<std::size_t>(j)] = std::max(1.0, Median(squares) / kContradiction);
+  }
+  return factor;
+}
+
+/// Squared distance of joints of a body of template flesh from the person's, median.
+double FleshVariance(const Skeleton& skeleton, double scale) {
+  std::vector<double> squares;
+  for (const double error : BodyErrors(skeleton, scale)) squares.push_back(3.0 * error * error);
+  return Median(squares);
+}
+
+/// What a pose costs with points and joints, weighted alike for all poses.
+double MixedCost(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
+                 const PointCloudOptions& options) {
+  double twice = 0.0;
+  for (const SeenJoint& seen : fit.joints) {
+    const Vector3d error = seen.whitening * (state.position(fit.frame, seen.joint) - seen.position);
+    twice += HuberValue(error.squaredNorm(), options.huber_sigmas);
+  }
+  return fit.trust * fit.trust * PoseCost(body, cloud, state, fit.frame, options) + 0.5 * twice;
+}
+
+/// From the pose in the state, and from `alone` where it is given; the cheaper stays.
+Expected<CapsuleFitOutcome> FitFromBoth(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                        PoseState& state, const PoseState* alone, const PointCloudOptions& options) {
+  const auto first = FitCloudFrame(body, cloud, fit, state, options);
+  if (!first || alone == nullptr) return first;
+  const double cost = MixedCost(body, cloud, fit, state, options);
+  const std::vector<double> pose = state.FrameParameters(fit.frame);
+  state.SetFrameParameters(fit.frame, alone->FrameParameters(fit.frame));
+  auto second = FitCloudFrame(body, cloud, fit, state, options);
+  if (!second) return second;
+  second->iterations += first->iterations;
+  if (MixedCost(body, cloud, fit, state, options) < cost) return second;
+  state.SetFrameParameters(fit.frame, pose);
+  state.Update(fit.frame, fit.frame + 1, false);
+  return first;
 }
 
 Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clouds, const std::vector<int>& frames,
@@ -109,6 +184,19 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
               motion.skeleton->name, "are tracks and depth views of one person, one clock and one world?");
 }
 
+/// Joints of which both kinds say different things, each sure of it.
+void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
+  const auto clear = std::count_if(factor.begin(), factor.end(), [](double f) { return f > kClear; });
+  if (3 * clear < static_cast<std::ptrdiff_t>(factor.size())) return;
+  Finding finding;
+  finding.code = "kinds_disagree";
+  finding.value = static_cast<double>(clear);
+  finding.message = std::to_string(clear) + " of " + std::to_string(factor.size()) +
+                    " joints lie elsewhere in the depth views than the other evidence says, by more than both explain";
+  finding.action = "depth views followed there";
+  result.findings.push_back(std::move(finding));
+}
+
 void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult& result) {
   std::vector<bool> without;
   for (const FusedCloud& cloud : clouds) without.push_back(cloud.size() < kFewestPoints);
@@ -116,6 +204,32 @@ void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult&
 }
 
 }  // namespace
+
+std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
+  std::vector<int> with_points;
+  for (std::size_t f = 0; f < clouds.size(); ++f) {
+    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
+  }
+  const auto available = static_cast<int>(with_points.size());
+  const int count = std::min(available, kShownFrames);
+  std::vector<int> shown;
+  for (int i = 0; i < count; ++i) shown.push_back(with_points[static_cast<std::size_t>(i * available / count)]);
+  return shown;
+}
+
+PoseState StateOf(const Motion& motion, const FleshBody& body) {
+  const std::vector<bool> all(static_cast<std::size_t>(motion.joint_count()), true);
+  PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, all);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    Eigen::Map<Vector3d>(state.translation(f)) = motion.root_translation[static_cast<std::size_t>(f)];
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(motion.rotation_at(f, j));
+    }
+  }
+  state.Update(0, motion.frame_count(), false);
+  state.SetActive(body.MovingJoints());
+  return state;
+}
 
 Status CheckOneClock(const std::vector<double>& track_s, const std::vector<double>& depth_s, double step_s,
                      const std::string& clip) {
@@ -135,7 +249,7 @@ Status CheckOneClock(const std::vector<double>& track_s, const std::vector<doubl
 }
 
 Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
-                                       const PointCloudOptions& options) {
+                                       const PointCloudOptions& options, const PoseState* alone) {
   const Motion& motion = tracks.motion;
   if (static_cast<int>(clouds.size()) != motion.frame_count()) {
     return Fail(ErrorCode::kInconsistent,
@@ -156,19 +270,26 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
                 "depth views", "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
   }
   if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
-  CalibrateFlesh(clouds, state, shown, options.max_distance, body);
-  const auto trust = TrustInClouds(motion, clouds, shown, body, state, options);
+  const std::vector<bool> known = KnownJoints(motion);
+  const double unknown =
+      CalibrateFlesh(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);
+  const double usual = FleshVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  const auto trust = TrustInClouds(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
   if (!trust) return Forward(trust);
 
   const std::vector<bool> turned = body.MovingJoints();
+  std::vector<double> factor(known.size(), 1.0);
+  if (alone != nullptr) factor = Overclaimed(motion, shown, body, *alone);
+  for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
   FitResult result = tracks;
+  ReportDisagreement(factor, result);
   UncertainMotion uncertain(motion);
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestPoints) continue;
-    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), JointsOf(motion, f), *trust};
-    const auto fitted = FitCloudFrame(body, clouds[f], fit, state, options);
+    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), JointsOf(motion, f, factor), *trust};
+    const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);

@@ -109,6 +109,10 @@ SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<st
 }
 
 SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& skeleton) {
+  if (std::equal(skeleton->joints.begin(), skeleton->joints.end(), body->joints.begin(),
+                 [](const Joint& a, const Joint& b) { return a.rest_offset == b.rest_offset; })) {
+    return skeleton;
+  }
   auto own = std::make_shared<Skeleton>(*skeleton);
   for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = body->joints[j].rest_offset;
   return own;
@@ -117,7 +121,7 @@ SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& sk
 SkeletonTracks WithoutDetectorPoints(const SkeletonTracks& tracks, const SkeletonPtr& skeleton) {
   SkeletonTracks cut = tracks;
   const int kept = skeleton->joint_count();
-  cut.skeleton = skeleton;
+  cut.skeleton = WithoutDetectorPoints(tracks.skeleton, skeleton);
   cut.positions = JointPositions(tracks.frames(), kept);
   cut.positions.xyz = FirstJoints(tracks.positions.xyz, tracks.frames(), tracks.joints(), kept, 3);
   cut.confidence = FirstJoints(tracks.confidence, tracks.frames(), tracks.joints(), kept, 1);
@@ -130,7 +134,7 @@ Motion WithoutDetectorPoints(const Motion& motion, const SkeletonPtr& skeleton) 
   const int frames = motion.frame_count();
   const int joints = motion.joint_count();
   const int kept = skeleton->joint_count();
-  cut.skeleton = skeleton;
+  cut.skeleton = WithoutDetectorPoints(motion.skeleton, skeleton);
   cut.joints = JointPositions(frames, kept);
   cut.joints.xyz = FirstJoints(motion.joints.xyz, frames, joints, kept, 3);
   cut.rotation = FirstJoints(motion.rotation, frames, joints, kept, 1);

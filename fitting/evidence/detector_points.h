@@ -21,7 +21,7 @@ SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<st
 /// `skeleton` with the rest offsets of `body`, which has the joints of WithDetectorPoints besides.
 SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& skeleton);
 
-/// The tracks, or the motion, without the joints that WithDetectorPoints appended to `skeleton`.
+/// The tracks, or the motion, on that skeleton, without the joints that WithDetectorPoints appended to `skeleton`.
 SkeletonTracks WithoutDetectorPoints(const SkeletonTracks& tracks, const SkeletonPtr& skeleton);
 Motion WithoutDetectorPoints(const Motion& motion, const SkeletonPtr& skeleton);
 

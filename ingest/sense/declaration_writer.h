@@ -96,6 +96,10 @@ void WriteGathered(const ClipVotes& source, const nlohmann::json& inspection, co
 std::string GuessImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,
                         const std::string& field);
 
+/// Pattern of depth images beside a detector's keypoints: {camera} of the inspection's cameras and {frame}, in the
+/// folder of each {recording} where the keypoints are. Empty where there are none.
+std::string GuessDepthBeside(const nlohmann::json& inspection, const std::filesystem::path& path, bool by_recording);
+
 /// Pattern of the depth images of a sequence whose JSON is `file` below `path`; empty where there are none.
 std::string GuessDepthFiles(const std::filesystem::path& path, const std::string& file);
 

@@ -119,6 +119,14 @@ bool IsDepthViews(const Json& inspection) {
   });
 }
 
+std::string GuessDepthBeside(const Json& inspection, const std::filesystem::path& path, bool by_recording) {
+  if (!IsDepthViews(inspection)) return "";
+  std::string pattern = GuessImages(ImagesBelow(path, true), CamerasOf(inspection), "camera");
+  const std::size_t slash = pattern.find('/');
+  if (pattern.find("{frame") == std::string::npos || (by_recording && slash == std::string::npos)) return "";
+  return by_recording ? "{recording}" + pattern.substr(slash) : pattern;
+}
+
 void WriteDepthViews(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
   const std::vector<std::string> cameras = CamerasOf(inspection);
   const std::vector<std::string> images = ImagesBelow(path, true);

@@ -119,6 +119,11 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
                                   : "the names of the files have no form in common");
     writer.Unknown("recording", "what the files of a clip have in common");
   }
+  const std::string depth = guessed && views ? GuessDepthBeside(inspection, path, guessed->recording) : std::string();
+  if (!depth.empty()) {
+    writer.Value("depth_files", Quoted(prefix + depth), "guessed from the names: depth cameras beside the others");
+    writer.Value("depth_unit", "1 mm", "a choice: images do not say it; most sensors write millimetres");
+  }
   const int most = source.Ask("people").value.is_number() ? source.Ask("people").value.get<int>() : 1;
   writer.Value("person", Quoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
   writer.Value("subjects", views ? "1" : std::to_string(std::max(1, most)),

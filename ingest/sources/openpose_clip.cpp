@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
 #include "ingest/sense/keypoint_layout_sense.h"
+#include "ingest/sources/depth_beside.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/source_file.h"
 
@@ -163,9 +164,13 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   ingested.content = rig->content;
   const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
   if (!cameras) return Forward(cameras);
-  const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings);
+  const auto depth = HasDepthBeside(file.source)
+                         ? SortByCamera(file.source.depth_files, "ingest.source.depth_files", file.depth_files)
+                         : Expected<std::map<std::string, FilesOfCamera>>();
+  if (!depth) return Forward(depth);
+  const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings, *depth);
   if (!partners) return Forward(partners);
-  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  const Expected<FrameSpan> span = SpanOfBoth(*cameras, *depth, file.name);
   if (!span) return Forward(span);
   std::vector<ViewFrames> views;
   for (const auto& [name, camera] : *partners) {
@@ -188,6 +193,7 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
         std::to_string(odd) + " people have another number of keypoints than " + (*layout)->name, "taken as not seen"));
   }
   NoteMissingPeople(file, clip.evidence, ingested.findings);
+  if (Status added = AddDepthBeside(file, *rig, *depth, *cameras, *span, ingested); !added) return Forward(added);
   clip.provenance["calibration"] = rig->meaning;
   if (Status checked = CheckKeypoints(clip.evidence); !checked) return Forward(checked);
   return ingested;

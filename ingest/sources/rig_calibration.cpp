@@ -246,7 +246,8 @@ Expected<FrameSpan> SpanOf(const std::map<std::string, FilesOfCamera>& cameras, 
 }
 
 Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
-                              const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings) {
+                              const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings,
+                              const std::map<std::string, FilesOfCamera>& others) {
   Partners partners;
   std::vector<std::string> uncalibrated, unused;
   for (const auto& [name, files] : cameras) {
@@ -258,7 +259,9 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
   }
   for (const Camera& camera : rig.cameras) {
     const bool used =
-        std::any_of(partners.begin(), partners.end(), [&](const auto& partner) { return partner.second == &camera; });
+        std::any_of(partners.begin(), partners.end(), [&](const auto& partner) { return partner.second == &camera; }) ||
+        std::any_of(others.begin(), others.end(),
+                    [&](const auto& other) { return rig.Find(file.source, other.first) == &camera; });
     if (!used) unused.push_back(camera.name);
   }
   if (!uncalibrated.empty()) {

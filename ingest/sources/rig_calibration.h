@@ -42,10 +42,12 @@ struct FrameSpan {
 Expected<FrameSpan> SpanOf(const std::map<std::string, FilesOfCamera>& cameras, const std::string& name);
 
 /// Names of cameras in the files, each with its calibration. Those without a partner are findings
-/// "camera_not_calibrated" and "camera_without_files"; without any partner error kInconsistent.
+/// "camera_not_calibrated" and "camera_without_files" (those of `others`, files of another kind, have files too);
+/// without any partner error kInconsistent.
 using Partners = std::vector<std::pair<std::string, const Camera*>>;
 Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
-                              const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings);
+                              const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings,
+                              const std::map<std::string, FilesOfCamera>& others = {});
 
 /// A finding about one camera that lacks files or images.
 Finding CameraFinding(const std::string& code, double value, const std::string& message, const std::string& action);

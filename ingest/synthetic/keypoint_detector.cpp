@@ -8,6 +8,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kOwnFlesh = 0.14;  ///< m in front of a point that belong to it
+
 double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
 }  // namespace
@@ -40,6 +42,28 @@ OpenPosePerson Detected(const std::vector<ImagePoint>& points, const KeypointOpt
         {Rounded(pixel.x(), exact ? 1e6 : 1e3), Rounded(pixel.y(), exact ? 1e6 : 1e3), Rounded(confidence, 1e6)});
   }
   return person;
+}
+
+std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCapsule>& flesh,
+                                 const JointPositions& places, int frame) {
+  std::vector<PosedCapsule> in_camera;
+  for (const PosedCapsule& capsule : flesh) {
+    in_camera.push_back(
+        {camera.camera_from_world * capsule.begin, camera.camera_from_world * capsule.end, capsule.radius});
+  }
+  std::vector<ImagePoint> points;
+  for (int k = 0; k < places.joints; ++k) {
+    const Vector3d at = camera.camera_from_world * places.at(frame, k);
+    ImagePoint point;
+    point.pixel = camera.Project(at);
+    const auto inside = [](double value, int size) { return value >= 0.0 && value <= size - 1.0; };
+    if (point.pixel && !(inside(point.pixel->x(), camera.width) && inside(point.pixel->y(), camera.height))) {
+      point.pixel.reset();
+    }
+    point.hidden = FirstEntry(in_camera, at) < 1.0 - kOwnFlesh / at.norm();
+    points.push_back(point);
+  }
+  return points;
 }
 
 }  // namespace mocurate

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "core/body/capsule_body.h"
 #include "core/formats/openpose.h"
 #include "core/geometry/camera.h"
+#include "core/motion/motion.h"
 #include "ingest/synthetic/studio_options.h"
 
 namespace mocurate {
@@ -15,6 +17,10 @@ struct ImagePoint {
   std::optional<Vector2d> pixel;
   bool hidden = false;
 };
+
+/// Points of a motion's frame, (F,K,3), in an image, hidden where flesh lies in front of them.
+std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCapsule>& flesh,
+                                 const JointPositions& places, int frame);
 
 /// What a detector says of a person: points near the true ones, the less sure the farther off, some missed (0, 0, 0),
 /// some in another place with a confidence that does not tell. Rounded as OpenPose writes them. `item` keys the

@@ -1,9 +1,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/random.h"
+#include "core/formats/png.h"
 #include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/body_view.h"
+#include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/keypoint_detector.h"
 #include "ingest/synthetic/layout.h"
@@ -14,7 +16,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::int64_t kRateHz = 30;
-constexpr double kOwnFlesh = 0.14;  // metres in front of a point that belong to it
 
 /// Cameras as plain JSON: world-to-camera in metres, the studio's world.
 std::string CalibrationText(const std::vector<Camera>& cameras) {
@@ -45,31 +46,9 @@ std::vector<SetClass> Classes() {
   return classes;
 }
 
-std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCapsule>& flesh,
-                                 const JointPositions& places, int frame) {
-  std::vector<PosedCapsule> in_camera;
-  for (const PosedCapsule& capsule : flesh) {
-    in_camera.push_back(
-        {camera.camera_from_world * capsule.begin, camera.camera_from_world * capsule.end, capsule.radius});
-  }
-  std::vector<ImagePoint> points;
-  for (int k = 0; k < places.joints; ++k) {
-    const Vector3d at = camera.camera_from_world * places.at(frame, k);
-    ImagePoint point;
-    point.pixel = camera.Project(at);
-    const auto inside = [](double value, int size) { return value >= 0.0 && value <= size - 1.0; };
-    if (point.pixel && !(inside(point.pixel->x(), camera.width) && inside(point.pixel->y(), camera.height))) {
-      point.pixel.reset();
-    }
-    point.hidden = FirstEntry(in_camera, at) < 1.0 - kOwnFlesh / at.norm();
-    points.push_back(point);
-  }
-  return points;
-}
-
-/// What one camera's detector says of a take, frame by frame.
-Status WriteView(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
-                 const std::string& take, StudioFolder& folder) {
+/// What one camera's detector says of a take, frame by frame; `take` is its folder.
+Status WriteKeypoints(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                      const std::string& folder_name, const std::string& take, StudioFolder& folder) {
   const BodyView body(actor);
   const JointPositions places = PlacesOf(motion, Body25Places());
   // Somebody else stands behind the subject all the time and is found now and then.
@@ -86,21 +65,38 @@ Status WriteView(const StudioOptions& options, const Actor& actor, const Motion&
           Detected(PointsIn(camera, {}, other_places, 0), options.keypoints, options.seed, item + "/bystander"));
     }
     const std::string name =
-        "openpose/" + take + "/" + camera.name + "_json/" + camera.name + "." + Digits(f, 4) + ".json";
+        folder_name + "/" + take + "/" + camera.name + "_json/" + camera.name + "." + Digits(f, 4) + ".json";
     if (Status written = folder.Write(name, WriteOpenPose(frame)); !written) return written;
   }
   return {};
 }
 
-}  // namespace
+/// TAKE/depth/CAMERA_NNNN.png of one depth camera, millimetres, the person alone.
+Status WriteDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                  const std::string& folder_name, const std::string& take, StudioFolder& folder) {
+  const std::vector<Vector2d> rays = PixelRays(camera);
+  const BodyView body(actor);
+  for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
+    const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
+    const Expected<std::string> png =
+        EncodePng(SensedMasked(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item));
+    if (!png) return Forward(png);
+    const std::string name = folder_name + "/" + take + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
+    if (Status written = folder.Write(name, *png); !written) return written;
+  }
+  return {};
+}
 
-Status WriteOpenPoseLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const std::vector<SetClass> classes = Classes();
-  const auto takes = PlanTakes(options, classes, {2, 1, static_cast<double>(kRateHz), 0.3, 0.6});
+/// Takes before colour cameras, and depth cameras where there are any; one calibration of all.
+Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors, const std::string& source,
+                  const std::vector<Camera>& depth, StudioFolder& folder) {
+  const Expected<std::vector<PlannedTake>> takes = PlanOpenPoseTakes(options);
   if (!takes) return Forward(takes);
-  const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
+  std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
+  const std::size_t colour = rig.size();
+  rig.insert(rig.end(), depth.begin(), depth.end());
   const RigFaults faults = FaultsOf(options.rig, rig, options.seed);
-  Status calibrated = folder.Write("openpose/calib.json", CalibrationText(rig));
+  Status calibrated = folder.Write(source + "/calib.json", CalibrationText(rig));
   if (!calibrated) return calibrated;
   return folder.ForEach(takes->size() * rig.size(), [&](std::size_t i) -> Status {
     const PlannedTake& take = (*takes)[i / rig.size()];
@@ -111,14 +107,32 @@ Status WriteOpenPoseLayout(const StudioOptions& options, const std::vector<Actor
     const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
     if (view == 0) {
       ClipIdentity identity;
-      identity.source = "openpose";
+      identity.source = source;
       identity.person = person;
       identity.recording = name;
       identity.end_frame = motion.frame_count();
       folder.AddTruth(person, identity.id(), motion);
     }
-    return WriteView(options, actor, Later(motion, faults.clock_s[view]), faults.real[view], name, folder);
+    const Motion seen = Later(motion, faults.clock_s[view]);
+    return view < colour ? WriteKeypoints(options, actor, seen, faults.real[view], source, name, folder)
+                         : WriteDepth(options, actor, seen, faults.real[view], source, name, folder);
   });
+}
+
+}  // namespace
+
+Expected<std::vector<PlannedTake>> PlanOpenPoseTakes(const StudioOptions& options) {
+  static const std::vector<SetClass> classes = Classes();
+  return PlanTakes(options, classes, {2, 1, static_cast<double>(kRateHz), 0.3, 0.6});
+}
+
+Status WriteOpenPoseLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  return WriteTakes(options, actors, "openpose", {}, folder);
+}
+
+Status WriteOpenPoseDepthLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  const std::vector<Camera> depth = RigOf({}, SensorKind::kDepth);
+  return WriteTakes(options, actors, "openpose_depth", options.depth.enabled ? depth : std::vector<Camera>(), folder);
 }
 
 }  // namespace mocurate

@@ -34,6 +34,7 @@ constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subject
                                   {StudioLayout::kUestcVibe, 118, WriteUestcVibeLayout},
                                   {StudioLayout::kNtuVibe, 40, WriteNtuVibeLayout},
                                   {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
+                                  {StudioLayout::kOpenPoseDepth, 2, WriteOpenPoseDepthLayout},
                                   {StudioLayout::kAmass, 4, WriteAmassLayout},
                                   {StudioLayout::kDepthSequence, 2, WriteDepthSequenceLayout}};
 
@@ -94,6 +95,10 @@ std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
          PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions})) {
       add(recording.script.frames, options.depth.every);
     }
+  } else if (options.layout == StudioLayout::kOpenPoseDepth && options.depth.enabled) {
+    const auto takes = PlanOpenPoseTakes(options);
+    if (!takes) return 0;  // writing says why
+    for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
   } else if (options.layout == StudioLayout::kNtu && options.depth.enabled) {
     const auto takes = PlanNtuTakes(options);
     if (!takes) return 0;  // writing says why
@@ -156,6 +161,8 @@ std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth) {
       return {{"ntu13_vibe", "ntu13"}};
     case StudioLayout::kOpenPose:
       return {{"studio_keypoints", "openpose"}};
+    case StudioLayout::kOpenPoseDepth:
+      return {{"studio_keypoints_depth", "openpose_depth"}};
     case StudioLayout::kAmass:
       return {{"amass", "amass"}};
     case StudioLayout::kDepthSequence:

@@ -13,6 +13,7 @@ const std::vector<std::pair<std::string, StudioLayout>>& Layouts() {
       {"uestc_vibe", StudioLayout::kUestcVibe},
       {"ntu_vibe", StudioLayout::kNtuVibe},
       {"openpose", StudioLayout::kOpenPose},
+      {"openpose_depth", StudioLayout::kOpenPoseDepth},
       {"amass", StudioLayout::kAmass},
       {"rendered_seq", StudioLayout::kDepthSequence}};
   return layouts;
@@ -30,7 +31,8 @@ void RigOptions::Declare(OptionVisitor& v) {
   v.Choice(
       "kind", kind,
       {{"own", RigKind::kOwn}, {"phspd", RigKind::kPhspd}, {"human36m", RigKind::kHuman36m}, {"ring", RigKind::kRing}},
-      "openpose, rendered_seq: PHSPD's three depth or colour cameras, Human3.6M's four, or a ring; own: PHSPD's for "
+      "openpose, openpose_depth (colour; depth cameras are PHSPD's), rendered_seq: PHSPD's three depth or colour "
+      "cameras, Human3.6M's four, or a ring; own: PHSPD's for "
       "depth, a ring for keypoints");
   v.Integer("cameras", cameras, {1.0, 64.0}, "ring: number of cameras");
   v.Number("radius", radius, Unit::kMetre, {0.5, 100.0}, "ring: distance of the cameras from the subject");
@@ -86,8 +88,8 @@ void StudioOptions::Declare(OptionVisitor& v) {
            "bystander, in which the performer is lost and found again under another id");
   v.Group("tracker", tracker, "ntu, kard, uestc, uestc_vibe, ntu_vibe: errors of the joints");
   v.Group("rig", rig, "cameras");
-  v.Group("depth", depth, "phspd, ntu, rendered_seq: errors of the depth images");
-  v.Group("keypoints", keypoints, "openpose: errors of the keypoints");
+  v.Group("depth", depth, "phspd, ntu, rendered_seq, openpose_depth: errors of the depth images");
+  v.Group("keypoints", keypoints, "openpose, openpose_depth: errors of the keypoints");
 }
 
 }  // namespace mocurate

@@ -20,6 +20,7 @@ enum class StudioLayout {
   kUestcVibe,
   kNtuVibe,
   kOpenPose,
+  kOpenPoseDepth,
   kAmass,
   kDepthSequence
 };
@@ -80,9 +81,9 @@ struct StudioOptions {
   double missing_share = 0.0225;     ///< HumanAct12, PHSPD: frames without annotation
   double ghost_share = 0.0;          ///< ntu: files with a second body that is nobody; uestc_vibe: with a bystander
   TrackerOptions tracker = KinectTracker();  ///< ntu, kard, uestc, uestc_vibe, ntu_vibe
-  RigOptions rig;                            ///< openpose, rendered_seq; clocks and the moved camera also phspd, ntu
-  DepthSensorOptions depth;                  ///< phspd, ntu, rendered_seq
-  KeypointOptions keypoints;                 ///< openpose
+  RigOptions rig;             ///< openpose, openpose_depth, rendered_seq; clocks and the moved camera also phspd, ntu
+  DepthSensorOptions depth;   ///< phspd, ntu, rendered_seq, openpose_depth
+  KeypointOptions keypoints;  ///< openpose, openpose_depth
 
   void Declare(OptionVisitor& v);
 };

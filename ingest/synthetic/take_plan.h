@@ -52,6 +52,9 @@ Expected<std::vector<PlannedTake>> PlanTakes(const StudioOptions& options, const
 /// The takes of layout ntu, 30 Hz.
 Expected<std::vector<PlannedTake>> PlanNtuTakes(const StudioOptions& options);
 
+/// The takes of layouts openpose and openpose_depth, 30 Hz.
+Expected<std::vector<PlannedTake>> PlanOpenPoseTakes(const StudioOptions& options);
+
 /// How an action is performed once, and its seconds.
 Manner NaturalManner(const std::string& action, double seated_share, Random& random);
 

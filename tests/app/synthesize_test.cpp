@@ -47,8 +47,9 @@ TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
 TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
   const Folder folder;
   const std::vector<std::pair<std::string, std::string>> layouts = {
-      {"humanact12", "[walk]"}, {"phspd", "[walk]"},           {"ntu", "[drink_water]"}, {"kard", "[walk]"},
-      {"uestc", "[squatting]"}, {"uestc_vibe", "[squatting]"}, {"ntu_vibe", "[throw]"},  {"openpose", "[walk]"},
+      {"humanact12", "[walk]"}, {"phspd", "[walk]"},       {"ntu", "[drink_water]"},
+      {"kard", "[walk]"},       {"uestc", "[squatting]"},  {"uestc_vibe", "[squatting]"},
+      {"ntu_vibe", "[throw]"},  {"openpose", "[walk]"},    {"openpose_depth", "[walk]"},
       {"amass", "[]"},          {"rendered_seq", "[walk]"}};
   for (const auto& [layout, actions] : layouts) {
     const std::string studio = (folder / layout).string();

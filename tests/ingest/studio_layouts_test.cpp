@@ -295,16 +295,16 @@ TEST_F(Layouts, AmassAndBabelAreReadBackToTheTruth) {
 }
 
 TEST_F(Layouts, TheSameSeedGivesTheSameBytesForAnyNumberOfJobs) {
-  for (const StudioLayout layout :
-       {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard, StudioLayout::kNtuVibe,
-        StudioLayout::kUestcVibe, StudioLayout::kOpenPose, StudioLayout::kAmass, StudioLayout::kDepthSequence}) {
+  for (const StudioLayout layout : {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard,
+                                    StudioLayout::kNtuVibe, StudioLayout::kUestcVibe, StudioLayout::kOpenPose,
+                                    StudioLayout::kOpenPoseDepth, StudioLayout::kAmass, StudioLayout::kDepthSequence}) {
     StudioOptions options;
     options.layout = layout;
     options.subjects = 1;
     options.rig.cameras = 2;
     options.depth.every = 50;
     if (layout == StudioLayout::kNtu) options.actions = {"throw"};
-    if (layout == StudioLayout::kOpenPose) options.actions = {"throw"};
+    if (layout == StudioLayout::kOpenPose || layout == StudioLayout::kOpenPoseDepth) options.actions = {"throw"};
     if (layout == StudioLayout::kDepthSequence) options.actions = {"throw"};
     const fs::path again = folder.string() + "_again", other = folder.string() + "_other";
     for (const fs::path& path : {folder, again, other}) fs::remove_all(path);

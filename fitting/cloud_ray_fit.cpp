@@ -1,0 +1,145 @@
+#include "fitting/cloud_ray_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/base/text.h"
+#include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/cloud_rig_audit.h"
+#include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/cloud_uncertainty.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/joint_cloud_fit.h"
+#include "fitting/clouds/uncertain_motion.h"
+#include "fitting/evidence/detector_points.h"
+#include "fitting/keypoint_rays.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kLeastShare = 0.3;  ///< of the frames in which the camera sees the person
+constexpr double kOtherWay = 0.7;    ///< of the distance, when sides are exchanged: the person faces the other way
+constexpr double kHalfTurn = 3.14159265358979323846;
+constexpr double kPixelsOfModel = 4.0;   ///< px, that points fixed to joints are off in any case
+constexpr double kMedianOfTwo = 1.1774;  ///< median distance over the standard deviation per axis
+
+/// Bones of the body: those of the skeleton as given, points at rest offsets of the person's size.
+std::vector<double> BonesOf(const Skeleton& body, const Skeleton& skeleton, const std::vector<double>& given) {
+  std::vector<double> bones = given.empty() ? skeleton.RestBoneLengths() : given;
+  bones.resize(skeleton.joints.size());
+  const double scale = BodyScale(skeleton, bones);
+  const std::vector<double> rest = body.RestBoneLengths();
+  for (std::size_t j = bones.size(); j < rest.size(); ++j) bones.push_back(scale * rest[j]);
+  return bones;
+}
+
+Finding OneView(const RayAgreement& rays, const std::string& camera, bool used) {
+  Finding finding;
+  finding.code = kOneKeypointView;
+  finding.value = rays.median_px;
+  finding.message = "camera '" + camera + "' alone has keypoints: it sees the person in " +
+                    std::to_string(std::lround(100.0 * rays.share)) + " % of its frames, in the median " +
+                    RoundedText(rays.median_px, 3) + " px from where the depth views put the joints";
+  finding.action = used ? "keypoints taken as rays" : "keypoints left out";
+  if (used) finding.severity = Severity::kInfo;
+  return finding;
+}
+
+/// The heading of a motion's root, radians about y from +z.
+double HeadingOf(const Motion& motion) {
+  const Vector3d front = motion.rotation_at(0, 0) * Vector3d::UnitZ();
+  return std::atan2(front.x(), front.z());
+}
+
+Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view, const std::vector<int>& joint_of,
+                 const RayAgreement& rays, const FleshBody& body, const FittingOptions& options, FitResult& fit) {
+  const PointCloudOptions& cloud_options = options.point_clouds;
+  const TriangulationOptions& detections = options.keypoints.triangulation;
+  const double noise = std::max(kPixelsOfModel, std::min(rays.median_px / kMedianOfTwo, 2.0 * detections.noise));
+  PoseState state = StateOf(fit.motion, body);
+  UncertainMotion uncertain(fit.motion);
+  const bool stated = !fit.motion.position_cov.empty();
+  const std::vector<double> error =
+      BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
+  std::vector<double> residuals;
+  for (int f = 0; f < fit.motion.frame_count(); ++f) {
+    const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
+    const auto at = static_cast<std::size_t>(f);
+    if (cloud.size() < 100) continue;
+    if (rays.person[at] >= 0) {
+      FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
+      if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
+      frame.joints =
+          RaysOf(view, joint_of, rays.image[at], rays.person[at], noise, detections.min_confidence, state, f);
+      const auto fitted = FitCloudFrame(body, cloud, frame, state, cloud_options);
+      if (!fitted) return Forward(fitted);
+      fit.iterations += fitted->iterations;
+      if (stated) {
+        frame.held.clear();
+        const auto uncertainty = UncertaintyOfFrame(body, cloud, frame, fitted->sigma, state, cloud_options);
+        if (!uncertainty) return Forward(uncertainty);
+        uncertain.Set(f, *uncertainty, error);
+      }
+    }
+    for (const CloudMatch& match : MatchPoints(body, state, f, cloud, cloud_options.max_distance))
+      residuals.push_back(std::abs(match.distance));
+  }
+  const Motion given = std::move(fit.motion);
+  fit.motion = MotionOf(state, given.skeleton, given.rate);
+  fit.motion.state = given.state;
+  if (stated) uncertain.Write(fit.motion);
+  SetResiduals(std::move(residuals), fit);
+  return {};
+}
+
+}  // namespace
+
+SkeletonPtr WithBarePoints(const SkeletonPtr& body, const SkeletonPtr& skeleton) {
+  auto bare = std::make_shared<Skeleton>(*body);
+  for (int j = skeleton->joint_count(); j < bare->joint_count(); ++j) bare->joints[j].radius = 0.0;
+  return bare;
+}
+
+Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view, const SkeletonPtr& skeleton,
+                                     const SkeletonPtr& body, const std::vector<double>& bone_length,
+                                     const FittingOptions& options) {
+  DepthRigReport report;
+  const Expected<Clip> audited = WithAuditedRig(clip, options.point_clouds.audit, report);
+  if (!audited) return Forward(audited);
+  const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
+  if (!clouds) return Forward(clouds);
+  const SkeletonPtr bare = WithBarePoints(body, skeleton);
+  const std::vector<double> bones = BonesOf(*bare, *skeleton, bone_length);
+  const CloudClock clock{clip.rate, clip.evidence.depth_views[0].time_s};
+  PointCloudOptions cloud_options = options.point_clouds;
+  Expected<FitResult> fit = FitFusedClouds(*clouds, clock, bare, bones, cloud_options);
+  if (!fit) return fit;
+  const std::vector<int> joint_of = BodyJointsOfKeypoints(*bare, clip.evidence.keypoint_names);
+  RayAgreement rays = CompareRays(view, joint_of, fit->motion);
+  if (rays.seen > 0 && rays.median_exchanged_px < kOtherWay * rays.median_px) {
+    cloud_options.start.facing = std::remainder(HeadingOf(fit->motion) + kHalfTurn, 2.0 * kHalfTurn);
+    Expected<FitResult> turned = FitFusedClouds(*clouds, clock, bare, bones, cloud_options);
+    if (!turned) return turned;
+    const RayAgreement other = CompareRays(view, joint_of, turned->motion);
+    if (other.seen > 0 && other.median_px < rays.median_px) {
+      fit = std::move(turned);
+      rays = other;
+    }
+  }
+  const bool used = rays.share >= kLeastShare;
+  if (used) {
+    const std::optional<FleshBody> flesh = BodyFromRadii(bare, fit->motion.bone_length, fit->capsule_radii);
+    if (!flesh) return Fail(ErrorCode::kInternal, "the body of the depth fit cannot be made again", clip.id());
+    if (Status fitted = FitFrames(*clouds, view, joint_of, rays, *flesh, options, *fit); !fitted)
+      return Forward(fitted);
+  }
+  fit->motion = WithoutDetectorPoints(fit->motion, skeleton);
+  TellOfRig(std::move(report), *fit);
+  fit->findings.push_back(OneView(rays, view.camera.name, used));
+  return fit;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,315 @@
+#include "fitting/keypoint_cloud_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/motion/kinematics.h"
+#include "fitting/cloud_ray_fit.h"
+#include "fitting/clouds/cloud_rig_audit.h"
+#include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/joint_cloud_fit.h"
+#include "fitting/clouds/kinds_alignment.h"
+#include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/noise.h"
+#include "fitting/keypoint_fit.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kSure = 4.0;          ///< standard deviations
+constexpr double kNotableMove = 0.03;  ///< m; a body that is not the person's looks moved by less
+constexpr double kNotableTurn = 0.05;  ///< rad
+constexpr double kHalfPerson = 0.5;    ///< m, from the middle of a person to the ends
+constexpr double kFarthestMove = 0.3;  ///< m; farther apart are two people, or two worlds
+constexpr double kFarthestTurn = 0.25;
+constexpr double kLeastGain = 0.08;  ///< of the loss, or nothing is told
+constexpr double kNearShare = 0.5;   ///< of the points within reach of the body, or both are not of one person
+constexpr double kUnsure = 0.012;    ///< m, stated of joints; depth alone is about as sure, and tried as a start
+constexpr double kMillimetres = 1e3;
+
+Finding Told(const char* code, double value, std::string message, std::string action) {
+  Finding finding;
+  finding.code = code;
+  finding.value = value;
+  finding.message = std::move(message);
+  finding.action = std::move(action);
+  return finding;
+}
+
+/// Views in which anybody is ever seen.
+std::vector<const KeypointView*> SeeingViews(const std::vector<KeypointView>& views) {
+  std::vector<const KeypointView*> seeing;
+  for (const KeypointView& view : views) {
+    bool seen = false;
+    for (std::size_t i = 2; i < view.values.size() && !seen; i += 3) seen = view.values[i] > 0.0;
+    if (seen) seeing.push_back(&view);
+  }
+  return seeing;
+}
+
+/// Moments of which no camera has an image are left out.
+void DropEmptyMoments(std::vector<DepthView>& views) {
+  std::size_t most = 0;
+  for (const DepthView& view : views) most = std::max(most, view.files.size());
+  for (const DepthView& view : views) {
+    if (view.files.size() != most) return;  // FuseClip tells
+  }
+  std::vector<DepthView> kept = views;
+  for (DepthView& view : kept) view.files.clear(), view.sha256.clear(), view.time_s.clear();
+  for (DepthView& view : kept) view.masks.clear(), view.mask_sha256.clear();
+  for (std::size_t f = 0; f < most; ++f) {
+    if (std::all_of(views.begin(), views.end(), [&](const DepthView& view) { return view.files[f].empty(); })) continue;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      kept[v].files.push_back(views[v].files[f]);
+      kept[v].time_s.push_back(views[v].time_s[f]);
+      if (f < views[v].sha256.size()) kept[v].sha256.push_back(views[v].sha256[f]);
+      if (f < views[v].masks.size()) kept[v].masks.push_back(views[v].masks[f]);
+      if (f < views[v].mask_sha256.size()) kept[v].mask_sha256.push_back(views[v].mask_sha256[f]);
+    }
+  }
+  views = std::move(kept);
+}
+
+/// Which clouds belong to the frames of a motion.
+struct Pairing {
+  std::vector<int> cloud;  ///< (F) -1: none
+  double shift_s = 0.0;    ///< the clouds show what happens so long after the frames, median
+  int paired = 0;
+};
+
+/// A cloud shows what happened `late_s` before its stamp.
+Pairing PairFrames(const Motion& motion, const std::vector<double>& cloud_s, double late_s) {
+  Pairing pairing;
+  std::vector<double> shifts;
+  const double step = motion.rate.FrameTime(1);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const double wanted = motion.rate.FrameTime(f) + late_s;
+    const auto after = std::lower_bound(cloud_s.begin(), cloud_s.end(), wanted);
+    auto nearest = after == cloud_s.end() && !cloud_s.empty() ? after - 1 : after;
+    if (nearest != cloud_s.begin() && nearest != cloud_s.end() && wanted - *(nearest - 1) < *nearest - wanted)
+      --nearest;
+    const bool has = nearest != cloud_s.end() && std::abs(*nearest - wanted) <= 0.5 * step + 1e-9;
+    pairing.cloud.push_back(has ? static_cast<int>(nearest - cloud_s.begin()) : -1);
+    if (has) shifts.push_back(*nearest - wanted);
+  }
+  pairing.paired = static_cast<int>(shifts.size());
+  if (!shifts.empty()) pairing.shift_s = Median(shifts);
+  return pairing;
+}
+
+std::vector<FusedCloud> Paired(const Pairing& pairing, const std::vector<FusedCloud>& clouds) {
+  std::vector<FusedCloud> paired;
+  for (const int i : pairing.cloud) {
+    paired.push_back(i >= 0 ? clouds[static_cast<std::size_t>(i)]
+                            : FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0});
+  }
+  return paired;
+}
+
+/// What happens `seconds` after the frames: on a line, rotations by slerp. Uncertainty and states stay.
+void ReadLater(double seconds, Motion& motion) {
+  if (std::abs(seconds) < 1e-4) return;
+  const Motion given = motion;
+  const int last = given.frame_count() - 1;
+  for (int f = 0; f <= last; ++f) {
+    const double at = std::clamp(f + seconds * given.rate.hz(), 0.0, static_cast<double>(last));
+    const int before = std::min(static_cast<int>(at), std::max(0, last - 1));
+    const int after = std::min(before + 1, last);
+    const double part = at - before;
+    const auto b = static_cast<std::size_t>(before), a = static_cast<std::size_t>(after);
+    motion.root_translation[static_cast<std::size_t>(f)] =
+        (1.0 - part) * given.root_translation[b] + part * given.root_translation[a];
+    const std::size_t first = static_cast<std::size_t>(f) * static_cast<std::size_t>(given.joint_count());
+    for (int j = 0; j < given.joint_count(); ++j) {
+      motion.rotation[first + static_cast<std::size_t>(j)] =
+          given.rotation_at(before, j).slerp(part, given.rotation_at(after, j)).normalized();
+    }
+  }
+  Motion moved = MakeMotion(motion.skeleton, motion.rate, motion.root_translation, motion.rotation, motion.bone_length);
+  motion.rotation = std::move(moved.rotation);
+  motion.joints = std::move(moved.joints);
+}
+
+std::string Mm(double metres) { return RoundedText(kMillimetres * metres, 3) + " mm"; }
+
+Status CheckOnePerson(const KindsAlignment& kinds, const std::string& clip) {
+  const bool one = kinds.near_after >= kNearShare && kinds.moved <= kFarthestMove && kinds.turned <= kFarthestTurn;
+  if (one) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "keypoints and depth views do not show one person in one world: " +
+                  std::to_string(std::lround(100.0 * kinds.near)) +
+                  " % of the depth points lie near the keypoints' body, its middle is " + RoundedText(kinds.apart, 3) +
+                  " m from that of the points, which are " + RoundedText(kinds.size_ratio, 3) + " times its size",
+              clip,
+              "check axes, units and calibration of both kinds of cameras, and ingest.source.subjects; or fit one kind "
+              "alone: fitting.method keypoints or point_clouds");
+}
+
+/// What is told of the two rigs against each other, and done about it.
+struct KindsVerdict {
+  bool move = false;   ///< the clouds
+  bool delay = false;  ///< read the clouds later
+  std::vector<Finding> findings;
+};
+
+/// `pose_sigma`: m per axis, of a joint of the keypoints' fit.
+KindsVerdict Judge(const KindsAlignment& kinds, double step_s, double pose_sigma, const RigAuditOptions& audit) {
+  KindsVerdict verdict;
+  const bool late =
+      kinds.gain_late >= kLeastGain && std::abs(kinds.late_s) > std::max(0.5 * step_s, kSure * kinds.late_spread);
+  const double notable = std::max({kNotableMove, kSure * kinds.moved_spread, kSure * pose_sigma});
+  const double notable_turn = std::max(kNotableTurn, kSure * pose_sigma / kHalfPerson);
+  const bool moved = kinds.gain_moved >= kLeastGain && (kinds.moved > notable || kinds.turned > notable_turn);
+  if (moved && audit.moved != AuditAction::kOff) {
+    verdict.move = audit.moved == AuditAction::kCorrect;
+    verdict.findings.push_back(Told(kKindsApart, kMillimetres * kinds.moved,
+                                    "the depth cameras as a whole stand " + Mm(kinds.moved) + " and " +
+                                        RoundedText(57.29577951308232 * kinds.turned, 2) +
+                                        " degrees off the keypoint cameras' world",
+                                    verdict.move ? "depth points moved" : "flagged"));
+  }
+  if (late && audit.clocks != AuditAction::kOff) {
+    verdict.delay = audit.clocks == AuditAction::kCorrect;
+    verdict.findings.push_back(Told(kKindsClock, kMillimetres * kinds.late_s,
+                                    "the depth cameras' clock is " + RoundedText(kMillimetres * kinds.late_s, 3) +
+                                        " ms off the keypoint cameras' (positive: images are stamped late)",
+                                    verdict.delay ? "depth images taken by the keypoints' clock" : "flagged"));
+  }
+  return verdict;
+}
+
+/// Standard deviation of joints per axis that a motion states, root mean square over the frames.
+double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
+  double sum = 0.0;
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  for (const int f : frames) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(f) * joints + j);
+      sum += (static_cast<double>(c[0]) + c[3] + c[5]) / (3.0 * static_cast<double>(joints * frames.size()));
+    }
+  }
+  return std::sqrt(sum);
+}
+
+/// Poses of the clouds alone, that begin facing as the keypoints do: a second start where keypoints are unsure.
+std::optional<PoseState> TrackAlone(const Motion& motion, const std::vector<FusedCloud>& clouds, int first,
+                                    PointCloudOptions options) {
+  if (!options.start.facing) {
+    const Vector3d front = motion.rotation_at(first, 0) * Vector3d::UnitZ();
+    options.start.facing = std::atan2(front.x(), front.z());
+  }
+  std::vector<double> time_s;
+  for (int f = 0; f < motion.frame_count(); ++f) time_s.push_back(motion.rate.FrameTime(f));
+  Expected<CloudTrack> track = TrackClouds(clouds, motion.skeleton, motion.bone_length, time_s, options);
+  if (!track) return std::nullopt;
+  return std::move(track->state);
+}
+
+Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
+  keypoints.motion = WithoutDetectorPoints(keypoints.motion, skeleton);
+  keypoints.findings.push_back(
+      Told(kKindMissing, keypoints.motion.frame_count(), std::move(why), "fitted to the keypoints alone"));
+  return keypoints;
+}
+
+Expected<FitResult> CloudsAlone(const Clip& clip, const SkeletonPtr& skeleton, std::vector<double> bone_length,
+                                const PointCloudOptions& options, std::string why) {
+  bone_length.resize(bone_length.empty() ? 0 : skeleton->joints.size());
+  Expected<FitResult> fit = FitClouds(clip, skeleton, bone_length, options);
+  if (!fit) return fit;
+  fit->findings.push_back(
+      Told(kKindMissing, fit->motion.frame_count(), std::move(why), "fitted to the depth views alone"));
+  return fit;
+}
+
+/// Both kinds, with the points of the detector.
+Expected<FitResult> FitBoth(const Clip& clip, FitResult keypoints, const std::vector<FusedCloud>& clouds,
+                            const std::vector<double>& cloud_s, const PointCloudOptions& options) {
+  if (keypoints.motion.position_cov.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the fit of the keypoints has no uncertainty", clip.id(),
+                "set fitting.joint_tracks.uncertainty to true");
+  }
+  const double step = keypoints.motion.rate.FrameTime(1);
+  Pairing pairing = PairFrames(keypoints.motion, cloud_s, 0.0);
+  std::vector<FusedCloud> paired = Paired(pairing, clouds);
+  const std::vector<int> shown = ShownFrames(paired);
+  if (shown.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                "no depth image lies within half a step (" + RoundedText(0.5 * kMillimetres * step, 3) +
+                    " ms) of a frame of the keypoints: images are from " + RoundedText(cloud_s.front(), 4) + " to " +
+                    RoundedText(cloud_s.back(), 4) + " s, keypoints to " +
+                    RoundedText(keypoints.motion.rate.FrameTime(keypoints.motion.frame_count() - 1), 4) + " s",
+                clip.id(), "give both by one clock, or fit one kind alone: fitting.method keypoints or point_clouds");
+  }
+  const Motion& motion = keypoints.motion;
+  const FleshBody body =
+      FleshBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
+  const KindsAlignment kinds =
+      AlignKinds(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
+  if (Status one = CheckOnePerson(kinds, clip.id()); !one) return Forward(one);
+  const double sigma = StatedSigma(motion, shown);
+  const KindsVerdict verdict = Judge(kinds, step, sigma, options.audit);
+  if (verdict.delay) {
+    pairing = PairFrames(keypoints.motion, cloud_s, kinds.late_s);
+    paired = Paired(pairing, clouds);
+  }
+  if (verdict.move) {
+    const RigidTransform& moved = verdict.delay ? kinds.world_from_late_clouds : kinds.world_from_clouds;
+    for (FusedCloud& cloud : paired) cloud = Moved(cloud, moved);
+  }
+  ReadLater(pairing.shift_s, keypoints.motion);
+  keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());
+  std::optional<PoseState> alone;
+  if (sigma > kUnsure) alone = TrackAlone(keypoints.motion, paired, shown.front(), options);
+  return FitTracksAndClouds(keypoints, paired, options, alone ? &*alone : nullptr);
+}
+
+}  // namespace
+
+Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
+                                          const std::vector<double>& bone_length, const FittingOptions& options) {
+  Clip given = clip;
+  DropEmptyMoments(given.evidence.depth_views);
+  const std::vector<DepthView>& views = given.evidence.depth_views;
+  const bool depth = !views.empty() && !views[0].files.empty();
+  const std::vector<const KeypointView*> seeing = SeeingViews(clip.evidence.keypoint_views);
+  if (seeing.empty() && depth) {
+    return CloudsAlone(clip, WithoutDetectorPoints(body, skeleton), bone_length, options.point_clouds,
+                       "no keypoint camera sees anybody");
+  }
+  if (seeing.size() == 1 && depth) {
+    return FitCloudsAndRays(clip, *seeing[0], skeleton, body, bone_length, options);
+  }
+  Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, options);
+  if (!keypoints) {
+    Error error = keypoints.error();
+    error.where = clip.id() + ": " + error.where;
+    return tl::unexpected<Error>(error);
+  }
+  if (!depth) return KeypointsAlone(std::move(*keypoints), skeleton, "the clip has no depth images");
+  DepthRigReport report;
+  const Expected<Clip> audited = WithAuditedRig(given, options.point_clouds.audit, report);
+  if (!audited) return Forward(audited);
+  const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
+  if (!clouds) return Forward(clouds);
+  if (ShownFrames(*clouds).empty()) {
+    return KeypointsAlone(std::move(*keypoints), skeleton, "the depth images show nobody: no frame has 100 points");
+  }
+  keypoints->motion.skeleton = WithBarePoints(keypoints->motion.skeleton, skeleton);
+  Expected<FitResult> both = FitBoth(clip, std::move(*keypoints), *clouds, views[0].time_s, options.point_clouds);
+  if (!both) return both;
+  both->motion = WithoutDetectorPoints(both->motion, skeleton);
+  std::vector<RigFault> faults = both->keypoints->faults;
+  faults.insert(faults.end(), report.faults.begin(), report.faults.end());
+  TellOfRig(std::move(report), *both);
+  both->rig_audit = faults.empty() ? std::string() : FaultsText(faults);
+  return both;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,146 @@
+// bench_fit_keypoints_clouds [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: studio clips of HumanAct12's 12
+// classes as PHSPD's three depth cameras and colour cameras beside them see them: depth images with a Kinect's errors,
+// BODY_25 with a detector's; bodies unknown to the fitter. Keypoints alone, depth alone (facing told within 45 degrees)
+// and both together: joint and rotation error, coverage. Images stay in FOLDER for the next time. Options: views, noise
+// (px), miss, wrong (shares), ring (1: a ring of so many `views` instead of PHSPD's), late (s), off (m), subjects.
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/evidence/detector_points.h"
+#include "fitting/keypoint_cloud_fit.h"
+#include "fitting/keypoint_fit.h"
+#include "fitting/proportions.h"
+#include "tests/benchmarks/given_numbers.h"
+#include "tests/fitting/fit_score.h"
+#include "tests/fitting/mixed_takes.h"
+
+namespace mocurate {
+namespace {
+
+struct Scores {
+  FitScore keypoints, clouds, both;
+  double seconds_keypoints = 0.0, seconds_clouds = 0.0, seconds_both = 0.0;
+  int told = 0;
+};
+
+double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+void Print(const char* name, const FitScore& score, double seconds) {
+  std::printf(
+      "{\"name\": \"%s\", \"frames\": %d, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, \"within_sigma\": %.3f, "
+      "\"within_two\": %.3f, \"frames_per_s_with_decoding\": %.1f}\n",
+      name, score.frames, score.joint_mm(), score.rotation_deg(), score.within_one(), score.within_two(),
+      score.frames / seconds);
+}
+
+Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr& body,
+           const std::vector<double>& bones, const std::vector<double>& cloud_bones, FittingOptions options,
+           Scores& scores) {
+  Clip clip;
+  clip.identity.recording = take.clip.name;
+  clip.rate = take.clip.truth.rate;
+  clip.evidence = take.evidence;
+  options.point_clouds.start.facing = take.told_heading;
+  double begin = CpuSeconds();
+  const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
+  if (!keypoints) return Forward(keypoints);
+  scores.seconds_keypoints += CpuSeconds() - begin;
+  begin = CpuSeconds();
+  const auto clouds = FitClouds(clip, skeleton, cloud_bones, options.point_clouds);
+  if (!clouds) return Forward(clouds);
+  scores.seconds_clouds += CpuSeconds() - begin;
+  begin = CpuSeconds();
+  const auto both = FitKeypointsAndClouds(clip, skeleton, body, bones, options);
+  if (!both) return Forward(both);
+  scores.seconds_both += CpuSeconds() - begin;
+  FitScore k, c, b;
+  k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
+  c.Add(*clouds, take.clip), scores.clouds.Add(*clouds, take.clip);
+  b.Add(*both, take.clip), scores.both.Add(*both, take.clip);
+  std::fprintf(stderr,
+               "%-24s keypoints %5.1f mm %4.1f deg, clouds %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, trust %.3f\n",
+               take.clip.name.c_str(), k.joint_mm(), k.rotation_deg(), c.joint_mm(), c.rotation_deg(), b.joint_mm(),
+               b.rotation_deg(), both->cloud_trust.value_or(0.0));
+  for (const Finding& finding : both->findings) {
+    if (finding.severity == Severity::kInfo) continue;
+    std::fprintf(stderr, "    %s %.3g: %s\n", finding.code.c_str(), finding.value, finding.message.c_str());
+    ++scores.told;
+  }
+  return {};
+}
+
+}  // namespace
+}  // namespace mocurate
+
+int main(int argc, char** argv) {
+  using namespace mocurate;
+  CloudTakeOptions wanted;
+  MixedTakeOptions mixed;
+  mixed.rig.kind = RigKind::kPhspd;
+  if (argc > 1) wanted.clips = std::atoi(argv[1]);
+  if (argc > 2) wanted.frames = std::atoi(argv[2]);
+  if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
+  const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_keypoints_clouds";
+  for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
+    if (name == "views") mixed.views = static_cast<int>(value);
+    if (name == "noise") mixed.keypoints.noise = value;
+    if (name == "miss") mixed.keypoints.miss_share = value;
+    if (name == "wrong") mixed.keypoints.wrong_share = value;
+    if (name == "ring") mixed.rig.kind = value != 0.0 ? RigKind::kRing : RigKind::kPhspd;
+    if (name == "late") mixed.later_s = value;
+    if (name == "off") mixed.world_off.translation = value / std::sqrt(3.0) * Vector3d::Ones();
+    if (name == "subjects") wanted.subjects = static_cast<int>(value);
+  }
+  mixed.rig.cameras = mixed.views;
+  std::vector<CloudTake> takes = CloudTakes(wanted, folder);
+  if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
+  const auto shape =
+      ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / "body_cc0/body_cc0.h5");
+  const std::vector<Actor> actors = ActorsOfTakes(wanted, *shape);
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  FittingOptions options;
+  options.joint_tracks.solver = TrackSolver::kBanded;
+  options.point_clouds.solver = TrackSolver::kBanded;
+  Scores scores;
+  for (int person = 1; person <= wanted.subjects; ++person) {
+    std::vector<Clip> clips;
+    std::vector<SkeletonTracks> tracks;
+    SkeletonPtr body;
+    for (CloudTake& take : takes) {
+      if (take.clip.subject != person) continue;
+      AddKeypointViews(mixed, actors[static_cast<std::size_t>(person - 1)], static_cast<std::int64_t>(wanted.seed),
+                       take);
+      clips.emplace_back();
+      clips.back().evidence = take.evidence;
+      body = WithDetectorPoints(skeleton, DetectorNames(take.evidence.keypoint_names));
+      auto found = TracksOnBody(take.evidence, *skeleton, body, options.keypoints);
+      if (found) tracks.push_back(std::move(found->tracks));
+    }
+    if (clips.empty()) continue;
+    const auto cloud_bones = BoneLengthsFromClouds(clips, skeleton, options.point_clouds);
+    if (!cloud_bones) return std::fprintf(stderr, "%s\n", cloud_bones.error().Message().c_str()), 1;
+    const auto proportions = EstimateProportions(tracks, body, ProportionsOptions{});
+    if (!proportions) return std::fprintf(stderr, "%s\n", proportions.error().Message().c_str()), 1;
+    double off_keypoints = 0.0, off_clouds = 0.0, joints = 0.0;
+    for (const CloudTake& take : takes) {
+      if (take.clip.subject != person) continue;
+      if (joints == 0.0) {
+        for (std::size_t j = 1; j < cloud_bones->size(); ++j, joints += 1.0) {
+          off_keypoints += std::abs(proportions->bone_length[j] - take.clip.truth.bone_length[j]);
+          off_clouds += std::abs((*cloud_bones)[j] - take.clip.truth.bone_length[j]);
+        }
+        std::fprintf(stderr, "person %d: bones off %.1f mm by keypoints, %.1f mm by clouds\n", person,
+                     1e3 * off_keypoints / joints, 1e3 * off_clouds / joints);
+      }
+      const Status fitted = Fit(take, skeleton, body, proportions->bone_length, *cloud_bones, options, scores);
+      if (!fitted) std::fprintf(stderr, "%s: %s\n", take.clip.name.c_str(), fitted.error().Message().c_str());
+    }
+  }
+  Print("keypoints", scores.keypoints, scores.seconds_keypoints);
+  Print("clouds", scores.clouds, scores.seconds_clouds);
+  Print("keypoints_and_clouds", scores.both, scores.seconds_both);
+}

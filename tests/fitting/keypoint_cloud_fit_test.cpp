@@ -1,0 +1,288 @@
+// Keypoints of colour cameras and depth views of other cameras fitted together: better than either alone where
+// keypoints are few and noisy; what is wrong between the two kinds is told.
+
+#include "fitting/keypoint_cloud_fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "fitting/cloud_ray_fit.h"
+#include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/fit_clouds.h"
+#include "fitting/evidence/detector_points.h"
+#include "fitting/fit_outcome.h"
+#include "fitting/keypoint_fit.h"
+#include "fitting/proportions.h"
+#include "tests/fitting/fit_score.h"
+#include "tests/fitting/mixed_takes.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kSeed = 1733;
+
+/// One of the studio's people before PHSPD's depth cameras and two colour cameras beside two of them.
+class MixedTakes : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const char* data = std::getenv("MOCURATE_TEST_DATA");
+    if (data == nullptr) return;
+    shape_ = new BodyTemplate(*ReadBodyTemplate(std::filesystem::path(data) / "body_cc0" / "body_cc0.h5"));
+    CloudTakeOptions wanted;
+    wanted.seed = static_cast<std::uint64_t>(kSeed);
+    wanted.subjects = 1;
+    wanted.clips = 6;
+    wanted.frames = 24;
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / ("mocurate_mixed_takes_" + std::to_string(getpid()));
+    takes_ = new std::vector<CloudTake>(CloudTakes(wanted, folder));
+    actors_ = new std::vector<Actor>(ActorsOfTakes(wanted, *shape_));
+    skeleton_ = *LoadSkeleton("smpl24");
+    options_.method = FitMethod::kKeypointsAndClouds;
+    options_.joint_tracks.solver = TrackSolver::kBanded;
+    options_.point_clouds.solver = TrackSolver::kBanded;
+    // What both need to know of the person, from noisy takes.
+    std::vector<SkeletonTracks> tracks;
+    std::vector<Clip> clips;
+    for (std::size_t i = 0; i < takes_->size(); ++i) {
+      clips.push_back(ClipOf(i, Noisy()));
+      body_ = WithDetectorPoints(skeleton_, DetectorNames(clips.back().evidence.keypoint_names));
+      tracks.push_back(TracksOnBody(clips.back().evidence, *skeleton_, body_, options_.keypoints)->tracks);
+    }
+    bones_ = EstimateProportions(tracks, body_, ProportionsOptions{})->bone_length;
+    cloud_bones_ = *BoneLengthsFromClouds(clips, skeleton_, options_.point_clouds);
+  }
+
+  void SetUp() override {
+    if (takes_ == nullptr || takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+
+  /// Two views, 8 px, 20 % missed.
+  static MixedTakeOptions Noisy() {
+    MixedTakeOptions mixed;
+    mixed.rig.kind = RigKind::kPhspd;
+    mixed.views = 2;
+    mixed.keypoints.noise = 8.0;
+    mixed.keypoints.miss_share = 0.2;
+    return mixed;
+  }
+
+  static Clip ClipOf(std::size_t take, const MixedTakeOptions& mixed) {
+    AddKeypointViews(mixed, (*actors_)[0], kSeed, (*takes_)[take]);
+    Clip clip;
+    clip.identity.recording = (*takes_)[take].clip.name;
+    clip.rate = (*takes_)[take].clip.truth.rate;
+    clip.evidence = (*takes_)[take].evidence;
+    return clip;
+  }
+
+  static Expected<FitResult> Both(const Clip& clip, const FittingOptions& options = options_) {
+    return FitKeypointsAndClouds(clip, skeleton_, body_, bones_, options);
+  }
+
+  static FitScore Score(const FitResult& fit, std::size_t take) {
+    FitScore score;
+    score.Add(fit, (*takes_)[take].clip);
+    return score;
+  }
+
+  static const Finding* Find(const FitResult& fit, const std::string& code) {
+    for (const Finding& finding : fit.findings) {
+      if (finding.code == code) return &finding;
+    }
+    return nullptr;
+  }
+
+  static BodyTemplate* shape_;
+  static std::vector<CloudTake>* takes_;
+  static std::vector<Actor>* actors_;
+  static SkeletonPtr skeleton_;
+  static SkeletonPtr body_;
+  static std::vector<double> bones_;
+  static std::vector<double> cloud_bones_;
+  static FittingOptions options_;
+};
+
+BodyTemplate* MixedTakes::shape_ = nullptr;
+std::vector<CloudTake>* MixedTakes::takes_ = nullptr;
+std::vector<Actor>* MixedTakes::actors_ = nullptr;
+SkeletonPtr MixedTakes::skeleton_;
+SkeletonPtr MixedTakes::body_;
+std::vector<double> MixedTakes::bones_;
+std::vector<double> MixedTakes::cloud_bones_;
+FittingOptions MixedTakes::options_;
+
+TEST_F(MixedTakes, FewAndNoisyKeypointsWithDepthAreATenthBetterThanTheBetterOneAlone) {
+  FitScore of_keypoints, of_clouds, of_both;
+  for (std::size_t i = 0; i < takes_->size(); ++i) {
+    const Clip clip = ClipOf(i, Noisy());
+    const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton_, body_, bones_, options_);
+    ASSERT_TRUE(keypoints) << keypoints.error().Message();
+    PointCloudOptions cloud_options = options_.point_clouds;
+    cloud_options.start.facing = (*takes_)[i].told_heading;
+    const auto clouds = FitClouds(clip, skeleton_, cloud_bones_, cloud_options);
+    ASSERT_TRUE(clouds) << clouds.error().Message();
+    const auto both = Both(clip);
+    ASSERT_TRUE(both) << both.error().Message();
+    EXPECT_EQ(both->motion.joint_count(), 24);
+    EXPECT_EQ(Find(*both, kKindsApart), nullptr);
+    EXPECT_EQ(Find(*both, kKindsClock), nullptr);
+    EXPECT_TRUE(both->depth_rig.has_value());
+    EXPECT_TRUE(both->keypoints.has_value());
+    of_keypoints.Add(*keypoints, (*takes_)[i].clip);
+    of_clouds.Add(*clouds, (*takes_)[i].clip);
+    of_both.Add(*both, (*takes_)[i].clip);
+  }
+  RecordProperty("keypoints_mm", std::to_string(of_keypoints.joint_mm()));
+  RecordProperty("clouds_mm", std::to_string(of_clouds.joint_mm()));
+  RecordProperty("both_mm", std::to_string(of_both.joint_mm()));
+  EXPECT_LT(of_both.joint_mm(), 0.9 * std::min(of_keypoints.joint_mm(), of_clouds.joint_mm()));
+  EXPECT_LT(of_both.rotation_deg(), 0.9 * std::min(of_keypoints.rotation_deg(), of_clouds.rotation_deg()));
+  EXPECT_GT(of_both.within_one(), 0.55);
+  EXPECT_LT(of_both.within_one(), 0.85);
+  EXPECT_GT(of_both.within_two(), 0.85);
+}
+
+TEST_F(MixedTakes, DepthCamerasThatStandElsewhereAsAWholeAreToldAndMoved) {
+  MixedTakeOptions mixed = Noisy();
+  const auto right = Both(ClipOf(0, mixed));
+  ASSERT_TRUE(right) << right.error().Message();
+  mixed.world_off.translation = Vector3d(0.08, 0.0, 0.04);
+  const Clip clip = ClipOf(0, mixed);
+  const auto fit = Both(clip);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  const Finding* apart = Find(*fit, kKindsApart);
+  ASSERT_NE(apart, nullptr);
+  EXPECT_NEAR(apart->value, 89.0, 20.0);
+  FitResult back = *fit;
+  for (int f = 0; f < back.motion.frame_count(); ++f) {
+    for (int j = 0; j < 24; ++j) back.motion.joints.at(f, j) -= mixed.world_off.translation;
+  }
+  EXPECT_LT(Score(back, 0).joint_mm(), Score(*right, 0).joint_mm() + 6.0);
+  FittingOptions tell = options_;
+  tell.point_clouds.audit.moved = AuditAction::kTell;
+  const auto told = Both(clip, tell);
+  ASSERT_TRUE(told) << told.error().Message();
+  EXPECT_NE(Find(*told, kKindsApart), nullptr);
+  EXPECT_GT(told->residual_rms, fit->residual_rms);
+}
+
+TEST_F(MixedTakes, DepthCamerasWithAClockOfTheirOwnAreToldAndRead) {
+  constexpr std::size_t kMoving = 2;
+  MixedTakeOptions mixed = Noisy();
+  mixed.later_s = 0.15;
+  const auto fit = Both(ClipOf(kMoving, mixed));
+  ASSERT_TRUE(fit) << fit.error().Message();
+  const Finding* clock = Find(*fit, kKindsClock);
+  ASSERT_NE(clock, nullptr);
+  EXPECT_NEAR(clock->value, 150.0, 20.0);
+}
+
+TEST_F(MixedTakes, AKindThatShowsNobodyLeavesTheOtherAloneAndSaysSo) {
+  Clip clip = ClipOf(0, Noisy());
+  const Clip whole = clip;
+  for (KeypointView& view : clip.evidence.keypoint_views) {
+    for (std::size_t i = 2; i < view.values.size(); i += 3) view.values[i] = 0.0;
+  }
+  FittingOptions options = options_;
+  options.point_clouds.start.facing = (*takes_)[0].told_heading;
+  const auto depth = Both(clip, options);
+  ASSERT_TRUE(depth) << depth.error().Message();
+  ASSERT_NE(Find(*depth, kKindMissing), nullptr);
+  EXPECT_THAT(Find(*depth, kKindMissing)->message, HasSubstr("no keypoint camera sees anybody"));
+  EXPECT_LT(Score(*depth, 0).joint_mm(), 40.0);
+
+  clip = whole;
+  clip.evidence.depth_views.clear();
+  const auto keypoints = Both(clip);
+  ASSERT_TRUE(keypoints) << keypoints.error().Message();
+  ASSERT_NE(Find(*keypoints, kKindMissing), nullptr);
+  EXPECT_EQ(keypoints->motion.joint_count(), 24);
+
+  clip.evidence.keypoint_views.clear();
+  clip.evidence.keypoint_names.clear();
+  EXPECT_FALSE(Both(clip)) << "nothing at all is no fit";
+}
+
+TEST_F(MixedTakes, OneKeypointCameraIsTakenAsRaysAndHelps) {
+  MixedTakeOptions mixed;
+  mixed.rig.kind = RigKind::kPhspd;
+  mixed.views = 1;
+  FitScore of_clouds, of_both;
+  for (std::size_t i = 0; i < takes_->size(); ++i) {
+    FittingOptions options = options_;
+    options.point_clouds.start.facing = (*takes_)[i].told_heading;
+    const Clip clip = ClipOf(i, mixed);
+    const auto clouds = FitClouds(clip, skeleton_, cloud_bones_, options.point_clouds);
+    ASSERT_TRUE(clouds) << clouds.error().Message();
+    const auto fit = FitKeypointsAndClouds(clip, skeleton_, body_, cloud_bones_, options);
+    ASSERT_TRUE(fit) << fit.error().Message();
+    ASSERT_NE(Find(*fit, kOneKeypointView), nullptr);
+    EXPECT_EQ(fit->motion.joint_count(), 24);
+    of_clouds.Add(*clouds, (*takes_)[i].clip);
+    of_both.Add(*fit, (*takes_)[i].clip);
+  }
+  RecordProperty("clouds_mm", std::to_string(of_clouds.joint_mm()));
+  RecordProperty("both_mm", std::to_string(of_both.joint_mm()));
+  EXPECT_LT(of_both.joint_mm(), of_clouds.joint_mm());
+  EXPECT_LT(of_both.rotation_deg(), of_clouds.rotation_deg());
+}
+
+TEST_F(MixedTakes, OneKeypointCameraTellsWhichWayThePersonFaces) {
+  MixedTakeOptions mixed;
+  mixed.rig.kind = RigKind::kPhspd;
+  mixed.views = 1;
+  FittingOptions options = options_;
+  options.point_clouds.start.facing = (*takes_)[0].heading + 3.141592653589793;
+  const auto fit = Both(ClipOf(0, mixed), options);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  EXPECT_LT(Score(*fit, 0).joint_mm(), 35.0);
+}
+
+TEST_F(MixedTakes, OneKeypointCameraOfAnotherWorldIsLeftOutAndTold) {
+  MixedTakeOptions mixed = Noisy();
+  mixed.views = 1;
+  mixed.world_off.translation = Vector3d(2.0, 0.0, 0.0);
+  FittingOptions options = options_;
+  options.point_clouds.start.facing = (*takes_)[0].told_heading;
+  const auto fit = Both(ClipOf(0, mixed), options);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  ASSERT_NE(Find(*fit, kOneKeypointView), nullptr);
+  EXPECT_EQ(Find(*fit, kOneKeypointView)->action, "keypoints left out");
+}
+
+TEST_F(MixedTakes, KindsOfDifferentWorldsAreRefusedWithNumbers) {
+  MixedTakeOptions mixed = Noisy();
+  mixed.world_off.translation = Vector3d(2.0, 0.0, 0.0);
+  const auto far = Both(ClipOf(0, mixed));
+  ASSERT_FALSE(far);
+  EXPECT_THAT(far.error().Message(), HasSubstr("do not show one person in one world"));
+  EXPECT_THAT(far.error().Message(), HasSubstr("is 2"));
+  mixed.world_off = {ExpQuaternion(Vector3d(1.5707963, 0.0, 0.0)), Vector3d::Zero()};  // z up
+  EXPECT_FALSE(Both(ClipOf(0, mixed)));
+}
+
+TEST_F(MixedTakes, DepthInAnotherUnitIsRefused) {
+  Clip clip = ClipOf(0, Noisy());
+  for (DepthView& view : clip.evidence.depth_views) view.metres_per_unit *= 0.1;
+  const auto fit = Both(clip);
+  ASSERT_FALSE(fit);
+}
+
+TEST_F(MixedTakes, DepthAtHalfTheRateCountsWhereItIs) {
+  Clip clip = ClipOf(0, Noisy());
+  const auto all = Both(clip);
+  for (DepthView& view : clip.evidence.depth_views) {
+    for (std::size_t f = 1; f < view.files.size(); f += 2) view.files[f].clear();
+  }
+  const auto half = Both(clip);
+  ASSERT_TRUE(all && half) << half.error().Message();
+  const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton_, body_, bones_, options_);
+  EXPECT_LT(Score(*half, 0).joint_mm(), 0.9 * Score(*keypoints, 0).joint_mm());
+}
+
+}  // namespace
+}  // namespace mocurate
