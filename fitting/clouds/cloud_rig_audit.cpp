@@ -96,11 +96,13 @@ class Auditor {
 
   void SetWithoutPerson() {
     report_.without_person.assign(late_.size(), 0.0);
+    double peopled = 0.0;
     for (const SeenMoment& moment : rig_.moments) {
-      for (std::size_t v = 0; v < moment.size(); ++v) {
-        if (moment[v] == nullptr) report_.without_person[v] += 1.0 / static_cast<double>(rig_.moments.size());
-      }
+      if (std::all_of(moment.begin(), moment.end(), [](const ViewSurface* seen) { return seen == nullptr; })) continue;
+      peopled += 1.0;
+      for (std::size_t v = 0; v < moment.size(); ++v) report_.without_person[v] += moment[v] == nullptr ? 1.0 : 0.0;
     }
+    for (double& share : report_.without_person) share /= std::max(peopled, 1.0);
   }
 
   /// Of two views nobody can tell which one is where it should be.

@@ -19,7 +19,7 @@ struct DepthRigReport {
   std::vector<std::vector<double>> residual_mm;
   std::vector<double> loss;            ///< (cameras) mean loss of the comparisons with others, as given, in [0, 1]
   std::vector<double> loss_after;      ///< and as corrected
-  std::vector<double> without_person;  ///< (cameras) share of the moments looked at that show nobody
+  std::vector<double> without_person;  ///< (cameras) share of the moments in which another camera shows somebody
   std::vector<RigFault> faults;
   std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
 

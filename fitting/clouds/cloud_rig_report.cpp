@@ -32,7 +32,7 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
     finding.severity = Severity::kWarning;
     finding.value = report.without_person[v];
     finding.message = "depth camera " + report.cameras[v] + " shows nobody in " +
-                      RoundedText(100.0 * report.without_person[v], 3) + " % of the frames looked at";
+                      RoundedText(100.0 * report.without_person[v], 3) + " % of the frames in which others do";
     finding.action = "fitted without it there";
     findings.push_back(std::move(finding));
   }

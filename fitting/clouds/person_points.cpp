@@ -1,12 +1,16 @@
 #include "fitting/clouds/person_points.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include "core/base/random.h"
 
 namespace mocurate {
 namespace {
@@ -15,6 +19,14 @@ constexpr double kLayer = 0.02;     ///< m, heights that are counted together
 constexpr double kLevel = 0.85;     ///< cosine to the vertical of a level surface
 constexpr double kFloorArea = 0.4;  ///< m^2 within two layers: more than a person lying down has at one height
 constexpr double kFloorMargin = 0.02;
+constexpr double kUprightNormal = 0.5;  ///< cosine to the vertical, at most, of a surface that may be a wall's
+constexpr double kUprightPlane = 0.15;
+constexpr double kWallReach = 0.05;   ///< m from a wall's plane: depth is noisy far away
+constexpr double kWallMargin = 0.12;  ///< m from a wall's plane, what goes with it
+constexpr double kWallArea = 1.0;     ///< m^2: more than people have in one upright plane
+constexpr double kWallSide = 1.2;     ///< m, of what is seen of a wall, each way
+constexpr double kPersonReach = 2.4;  ///< m, from the lowest to the highest point, or across spread arms
+constexpr int kMostWalls = 6;
 constexpr double kCell = 0.06;     ///< m; points in touching cells are connected
 constexpr double kNear = 0.15;     ///< m from the person to another part of the person
 constexpr int kFewestOfPart = 10;  ///< points; smaller parts are stray
@@ -33,6 +45,104 @@ std::optional<double> FloorOf(const FusedCloud& cloud, double voxel_size) {
       return (static_cast<double>(layer) + (both > count && above->second > count ? 1.0 : 0.0)) * kLayer;
   }
   return std::nullopt;
+}
+
+/// Points x with normal . x = offset.
+struct Plane {
+  Vector3d normal = Vector3d::Zero();
+  double offset = 0.0;
+
+  double Away(const FusedCloud& cloud, int i) const { return std::abs(cloud.points.col(i).dot(normal) - offset); }
+};
+
+/// Of some points the least-squares plane.
+Plane PlaneThrough(const FusedCloud& cloud, const std::vector<int>& points) {
+  Vector3d mean = Vector3d::Zero();
+  for (const int i : points) mean += cloud.points.col(i);
+  mean /= static_cast<double>(points.size());
+  Matrix3d scatter = Matrix3d::Zero();
+  for (const int i : points) {
+    const Vector3d away = cloud.points.col(i) - mean;
+    scatter += away * away.transpose();
+  }
+  const Vector3d normal = Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvectors().col(0);
+  return {normal, normal.dot(mean)};
+}
+
+std::vector<int> On(const Plane& plane, const FusedCloud& cloud, const std::vector<int>& points, double reach) {
+  std::vector<int> on;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(on),
+               [&](int i) { return plane.Away(cloud, i) <= reach; });
+  return on;
+}
+
+/// The upright plane that most of some points lie on, if it is larger than a person: of planes through three points
+/// drawn by chance (always the same ones). Normals of noisy walls lean towards the camera: points decide, not normals.
+std::optional<Plane> WallOf(const FusedCloud& cloud, const std::vector<int>& points, double voxel_size) {
+  constexpr int kDraws = 150;
+  constexpr std::size_t kCounted = 3000;
+  std::vector<int> upright;
+  for (const int i : points) {
+    if (std::abs(cloud.normals(1, i)) < kUprightNormal) upright.push_back(i);
+  }
+  const auto fewest = static_cast<std::size_t>(kWallArea / (voxel_size * voxel_size));
+  if (upright.size() < fewest) return std::nullopt;
+  std::vector<int> counted;
+  for (std::size_t k = 0; k < upright.size(); k += upright.size() / kCounted + 1) counted.push_back(upright[k]);
+  Random random(1, "walls");
+  const auto any = [&] {
+    return counted[static_cast<std::size_t>(random.Uniform() * static_cast<double>(counted.size()))];
+  };
+  std::size_t most = 0;
+  Plane best;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const int a = any(), b = any(), c = any();
+    const Vector3d across =
+        Vector3d(cloud.points.col(b) - cloud.points.col(a)).cross(Vector3d(cloud.points.col(c) - cloud.points.col(a)));
+    if (across.norm() < 0.05) continue;  // in one line, or close together
+    const Plane plane{across.normalized(), across.normalized().dot(cloud.points.col(a))};
+    if (std::abs(plane.normal.y()) > kUprightPlane) continue;
+    const auto on = static_cast<std::size_t>(
+        std::count_if(counted.begin(), counted.end(), [&](int i) { return plane.Away(cloud, i) <= kWallReach; }));
+    if (on <= most) continue;
+    most = on;
+    best = plane;
+  }
+  if (most == 0) return std::nullopt;
+  for (int turn = 0; turn < 2; ++turn) best = PlaneThrough(cloud, On(best, cloud, upright, kWallReach));
+  const std::vector<int> wall = On(best, cloud, upright, kWallReach);
+  if (wall.size() < fewest || std::abs(best.normal.y()) > kUprightPlane) return std::nullopt;
+  const Vector3d along = best.normal.cross(Vector3d::UnitY()).normalized();
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
+  for (const int i : wall) {
+    const Eigen::Vector2d place(cloud.points.col(i).dot(along), cloud.points(1, i));
+    low = low.cwiseMin(place);
+    high = high.cwiseMax(place);
+  }
+  if ((high - low).minCoeff() < kWallSide) return std::nullopt;
+  return best;
+}
+
+/// Whether some points reach farther than a person does.
+bool AreWiderThanAPerson(const FusedCloud& cloud, const std::vector<int>& points) {
+  Vector3d low = Vector3d::Constant(1e9), high = -low;
+  for (const int i : points) {
+    low = low.cwiseMin(cloud.points.col(i));
+    high = high.cwiseMax(cloud.points.col(i));
+  }
+  return !points.empty() && (high - low).maxCoeff() > kPersonReach;
+}
+
+/// Leaves out walls: they would be the largest part.
+std::vector<int> WithoutWalls(const FusedCloud& cloud, std::vector<int> points, double voxel_size) {
+  for (int n = 0; n < kMostWalls && AreWiderThanAPerson(cloud, points); ++n) {
+    const std::optional<Plane> wall = WallOf(cloud, points, voxel_size);
+    if (!wall) break;
+    points.erase(
+        std::remove_if(points.begin(), points.end(), [&](int i) { return wall->Away(cloud, i) <= kWallMargin; }),
+        points.end());
+  }
+  return points;
 }
 
 using Cell = std::array<long, 3>;
@@ -93,7 +203,7 @@ FusedCloud PersonPoints(const FusedCloud& cloud, double voxel_size) {
   for (int i = 0; i < cloud.size(); ++i) {
     if (!floor || cloud.points(1, i) > *floor + kFloorMargin) above.push_back(i);
   }
-  const std::vector<Part> parts = PartsOf(cloud, above);
+  const std::vector<Part> parts = PartsOf(cloud, WithoutWalls(cloud, std::move(above), voxel_size));
   std::vector<int> kept;
   if (!parts.empty()) {
     const Part& person = *std::max_element(

@@ -125,8 +125,9 @@ Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double 
   if (!cloud) return Forward(cloud);
   surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
   const FusedCloud person = PersonPoints(*cloud, voxel_size);
-  if (person.size() < kFewestPoints) return surface;
-  if (IsFlat(person.points)) {
+  const bool nobody = person.size() < kFewestPoints;
+  if (nobody && cloud->size() < kFewestPoints) return surface;
+  if (nobody || IsFlat(person.points)) {
     surface.flat = true;
     return surface;
   }

@@ -322,6 +322,19 @@ TEST_F(NoisyDepthRig, ThatIsWellIsLeftAlone) {
   for (const CloudTake& take : *takes_) ExpectLeftAlone(take.evidence.depth_views);
 }
 
+/// Floor and wall are in the images, as of captures that nobody masked.
+TEST(DepthRigInARoom, ThatIsWellIsLeftAlone) {
+  CloudTakeOptions options;
+  options.seed = 812;
+  options.subjects = 1;
+  options.clips = 3;
+  options.frames = 12;
+  options.room = true;
+  const std::vector<CloudTake> takes = CloudTakes(options, Folder("room"));
+  if (takes.empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  for (const CloudTake& take : takes) ExpectLeftAlone(take.evidence.depth_views);
+}
+
 TEST_F(NoisyDepthRig, ExchangedFilesAreExchangedBackAndAMovedCameraIsPutBack) {
   for (const CloudTake& take : *takes_) {
     const std::vector<DepthView>& good = take.evidence.depth_views;
