@@ -63,7 +63,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration CanonDeclaration() { return {"canon", 10, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 7, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

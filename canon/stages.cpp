@@ -1,5 +1,6 @@
 #include "canon/stages.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -104,18 +105,51 @@ bool SameTree(const Skeleton& a, const Skeleton& b) {
                     [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
 }
 
-/// How far apart two rest poses of the same tree point bones that are alone at their joint, radians, at most. Such
-/// directions are what rotations are counted from. Those of several bones at one joint are the person's, and a file
-/// keeps them of each clip.
+/// How far the rest poses of two skeletons of the same tree are turned against each other at a joint, radians, at most:
+/// what rotations are counted from. A bone alone at its joint is turned by the angle between its directions; of
+/// several, whose directions among themselves are the person's, counts what a common turn would bring nearer.
 double RestPosesApart(const Skeleton& a, const Skeleton& b) {
   double farthest = 0.0;
   for (const std::vector<int>& children : a.Children()) {
-    if (children.size() != 1) continue;
-    const Vector3d& u = a.joints[static_cast<std::size_t>(children[0])].rest_offset;
-    const Vector3d& v = b.joints[static_cast<std::size_t>(children[0])].rest_offset;
-    farthest = std::max(farthest, std::atan2(u.cross(v).norm(), u.dot(v)));
+    Matrix3d shared = Matrix3d::Zero();
+    double size = 0.0;
+    for (const int child : children) {
+      const Vector3d& u = a.joints[static_cast<std::size_t>(child)].rest_offset;
+      const Vector3d& v = b.joints[static_cast<std::size_t>(child)].rest_offset;
+      shared += u * v.transpose();
+      size += u.norm() * v.norm();
+      if (children.size() == 1) farthest = std::max(farthest, std::atan2(u.cross(v).norm(), u.dot(v)));
+    }
+    if (children.size() < 2 || size == 0.0) continue;
+    const Eigen::JacobiSVD<Matrix3d> svd(shared, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const bool mirrored = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0;
+    const Vector3d& values = svd.singularValues();
+    const double best = values.x() + values.y() + (mirrored ? -values.z() : values.z());
+    farthest = std::max(farthest, std::sqrt(2.0 * std::max(0.0, best - shared.trace()) / size));
   }
   return farthest;
+}
+
+/// Whether two skeletons are the same but for their rest offsets.
+bool SameButRest(const Skeleton& a, const Skeleton& b) {
+  const auto same_limits = [](const Joint& x, const Joint& y) {
+    if (!x.limits || !y.limits) return x.limits.has_value() == y.limits.has_value();
+    return x.limits->min == y.limits->min && x.limits->max == y.limits->max;
+  };
+  const bool same_lie = a.lie.has_value() == b.lie.has_value() &&
+                        (!a.lie || (a.lie->chains == b.lie->chains && a.lie->raw_offsets == b.lie->raw_offsets));
+  return a.name == b.name && same_lie && SameTree(a, b) &&
+         std::equal(
+             a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), [&](const Joint& x, const Joint& y) {
+               return x.mirror == y.mirror && x.radius == y.radius && x.landmark == y.landmark && same_limits(x, y);
+             });
+}
+
+/// `skeleton` with the rest offsets of another of the same tree.
+SkeletonPtr WithRestOf(const Skeleton& skeleton, const Skeleton& other) {
+  auto own = std::make_shared<Skeleton>(skeleton);
+  for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = other.joints[j].rest_offset;
+  return own;
 }
 
 bool SameRest(const Skeleton& a, const Skeleton& b) {
@@ -147,8 +181,9 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
   const bool one_rest = std::all_of(dataset.clips.begin(), dataset.clips.end(), [&](const Clip& clip) {
     return SameRest(*clip.motion->skeleton, *dataset.skeleton);
   });
-  if (const auto built_in = LoadSkeleton(dataset.skeleton->name);
-      !one_rest && built_in && SameTree(**built_in, *dataset.skeleton) &&
+  const bool is_name = dataset.skeleton->name.find_first_of("/.") == std::string::npos;  // of no file
+  if (const auto built_in = one_rest || !is_name ? Expected<SkeletonPtr>() : LoadSkeleton(dataset.skeleton->name);
+      built_in && *built_in && SameButRest(**built_in, *dataset.skeleton) &&
       RestPosesApart(**built_in, *dataset.skeleton) <= kSame) {
     dataset.skeleton = *built_in;
   }
@@ -158,8 +193,8 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
     const double apart =
         same && !clip.motion->joints_only() ? RestPosesApart(*dataset.skeleton, *clip.motion->skeleton) : 0.0;
     if (same && apart <= kSame) {
-      if (clip.motion->joints_only() || SameRest(*clip.motion->skeleton, *dataset.skeleton))
-        clip.motion->skeleton = dataset.skeleton;
+      const bool shared = clip.motion->joints_only() || SameRest(*clip.motion->skeleton, *dataset.skeleton);
+      clip.motion->skeleton = shared ? dataset.skeleton : WithRestOf(*dataset.skeleton, *clip.motion->skeleton);
       kept.push_back(std::move(clip));
       continue;
     }

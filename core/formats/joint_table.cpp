@@ -219,18 +219,23 @@ class Parser {
 
   void Report(const char* code, const LeftOut& left_out, const std::string& way) {
     if (left_out.numbers == 0) return;
-    Report(code, left_out.first_frame, static_cast<double>(left_out.numbers),
-           name_ + ":" + std::to_string(left_out.first_line) + ": " + left_out.first +
-               (left_out.numbers > 1 ? ", and " + Counted(left_out.numbers - 1, "more such number") : "") +
-               "; a point is taken for missing where one of its numbers is" + way);
+    Tell(code, left_out.first_frame, static_cast<double>(left_out.numbers),
+         name_ + ":" + std::to_string(left_out.first_line) + ": " + left_out.first +
+             (left_out.numbers > 1 ? ", and " + Counted(left_out.numbers - 1, "more such number") : "") +
+             "; a point is taken for missing where one of its numbers is" + way);
     table_.findings.back().frame_end =
         static_cast<int>(std::min<long long>(left_out.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
     table_.findings.back().action = "missing";
   }
 
+  /// Of damaged rows the first thousand are told one by one.
   void Report(const char* code, long long frame, double value, std::string message) {
     constexpr std::size_t kMostFindings = 1000;
     if (table_.findings.size() >= kMostFindings) return;
+    Tell(code, frame, value, std::move(message));
+  }
+
+  void Tell(const char* code, long long frame, double value, std::string message) {
     Finding finding;
     finding.code = code;
     finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
@@ -252,7 +257,7 @@ class Parser {
       if (layout_.damaged_rows == DamagedRows::kRefuse || frames == 0) {
         return Bad(what, scanner_.line(), "check rows_per_frame, or the file is cut off");
       }
-      Report("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
+      Tell("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
       table_.findings.back().severity = Severity::kError;
     } else if (short_line_ == last_line_ && !table_.findings.empty()) {
       // A last row that is too short is where the file was cut.

@@ -35,6 +35,10 @@ Problem JointsProblem(const RuleContext& c, const SkeletonPtr& of_file) {
     const auto end = begin + static_cast<std::uint64_t>(counts[clip]);
     if (begin > F || end > F || end < begin) return std::nullopt;  // the rule of /clips/offset speaks of that
     const SkeletonPtr skeleton = WithRestOffsets(c.content, c.prefix, clip, of_file);
+    if (skeleton != of_file) {
+      if (const Status sound = skeleton->Check(); !sound)
+        return "of a skeleton whose /clips/rest_offset is none: " + sound.error().what;
+    }
     for (std::size_t f = begin; f < end; ++f) {
       for (std::size_t j = 0; j < J; ++j) {
         const float* q = &rotations[4 * (f * J + j)];

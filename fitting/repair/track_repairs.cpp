@@ -9,11 +9,10 @@
 #include "core/quality/repeats.h"
 #include "core/quality/teleports.h"
 #include "fitting/repair/exchanges.h"
+#include "fitting/solver/bone_lengths.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kShortBone = 0.01;  ///< metres; joints of a skeleton that lie in one place may stand in one place
 
 class Repairs {
  public:
@@ -43,28 +42,29 @@ class Repairs {
     }
   }
 
-  /// Samples that stand exactly where the joint's parent stands, though the skeleton has a bone between them: what
-  /// trackers write who do not see the joint.
   void LeaveOutCollapsed() {
+    const SkeletonTracks given = result_.tracks;  // of a chain in one place every joint is told
     SkeletonTracks& tracks = result_.tracks;
+    int seen = 0, collapsed = 0;
+    for (int f = 0; f < given.frames(); ++f) {
+      for (int j = 0; j < given.joints(); ++j) {
+        seen += given.seen(f, j) ? 1 : 0;
+        collapsed += StandsForAnother(given, f, j) ? 1 : 0;
+      }
+    }
+    if (2 * collapsed > seen) return;  // that is no person, which the fit has to say
     for (int j = 1; j < tracks.joints(); ++j) {
-      const int parent = tracks.skeleton->joints[j].parent;
-      if (tracks.skeleton->joints[j].rest_offset.norm() < kShortBone) continue;
-      const auto collapsed = [&](int f) {
-        return tracks.seen(f, j) && tracks.seen(f, parent) &&
-               (tracks.positions.at(f, j) - tracks.positions.at(f, parent)).isZero(0.0);
-      };
       for (int f = 0; f < tracks.frames(); ++f) {
-        if (!collapsed(f)) continue;
+        if (!StandsForAnother(given, f, j)) continue;
         TrackRepair repair;
         repair.code = "zero_length_bone";
         repair.frame_begin = f;
-        while (f < tracks.frames() && collapsed(f)) tracks.confidence[At(f++, j)] = 0.0;
+        while (f < tracks.frames() && StandsForAnother(given, f, j)) tracks.confidence[At(f++, j)] = 0.0;
         repair.frame_end = f;
         repair.joints = {j};
         repair.value = repair.frame_end - repair.frame_begin;
-        repair.message = names_[j] + " stands exactly where " + names_[parent] + " does in " +
-                         Counted(repair.frame_end - repair.frame_begin, "frame");
+        repair.message = names_[j] + " stands exactly where " + names_[tracks.skeleton->joints[j].parent] +
+                         " does in " + Counted(repair.frame_end - repair.frame_begin, "frame");
         result_.repairs.push_back(std::move(repair));
       }
     }

@@ -46,32 +46,37 @@ double WeightedMedian(std::vector<std::pair<double, double>>& weighted) {
 
 }  // namespace
 
+/// Whether a joint stands exactly where its parent does, though the skeleton has a bone between them.
+bool StandsForAnother(const SkeletonTracks& clip, int frame, int joint) {
+  constexpr double kShortBone = 0.01;  // metres; joints of a skeleton that lie in one place may stand in one place
+  const Joint& of = clip.skeleton->joints[joint];
+  return of.parent >= 0 && of.rest_offset.norm() >= kShortBone && clip.seen(frame, joint) &&
+         clip.seen(frame, of.parent) &&
+         (clip.positions.at(frame, joint) - clip.positions.at(frame, of.parent)).isZero(0.0);
+}
+
 BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b) {
   std::vector<std::pair<double, double>> lengths;  // and how much each counts
-  double sure = 0.0;
+  BoneDistance distance;
   for (std::size_t c = 0; c < clips.size(); ++c) {
-    const std::vector<Joint>& joints = clips[c].skeleton->joints;
-    const bool bone = joints[a].parent == b || joints[b].parent == a;
     for (int f = 0; f < clips[c].frames(); ++f) {
       if (!clips[c].seen(f, a) || !clips[c].seen(f, b)) continue;
       const Vector3d seen = clips[c].positions.at(f, a) - clips[c].positions.at(f, b);
-      if (bone && seen.isZero(0.0)) continue;  // one of them was not seen and stands for the other
+      if (StandsForAnother(clips[c], f, a) || StandsForAnother(clips[c], f, b)) continue;
       const Matrix3d unit = UnitCovariance(clips[c], f, a) + UnitCovariance(clips[c], f, b);
       // Weights by the variance along a bone that is seen would make those count less whose noise points that way.
       const double confidence = std::min(clips[c].confidence_at(f, a), clips[c].confidence_at(f, b));
-      sure += confidence * confidence;
+      distance.sure += confidence * confidence;
       lengths.emplace_back(std::sqrt(SquareWithoutNoise(seen, white[c] * white[c] * unit)),
                            confidence / std::sqrt(unit.trace()));
     }
   }
-  BoneDistance distance;
   distance.samples = static_cast<int>(lengths.size());
   if (lengths.empty()) return distance;
   distance.length = WeightedMedian(lengths);
   std::vector<double> departures;
   for (const auto& [length, weight] : lengths) departures.push_back(std::abs(length - distance.length));
   distance.spread = kMadToSigma * Median(departures);
-  distance.sigma = distance.spread / std::sqrt(sure);
   return distance;
 }
 

@@ -14,15 +14,20 @@ struct BoneEstimate {
   double scale = 1.0;          ///< of the person against the rest skeleton
 };
 
+/// Whether a seen joint stands exactly where its parent does, though the skeleton has a bone (of 1 cm or more) between
+/// them: what trackers write who do not see it.
+bool StandsForAnother(const SkeletonTracks& clip, int frame, int joint);
+
 /// Robust distance between two joints over all clips, freed of what noise adds.
 struct BoneDistance {
   double length = 0.0;  ///< metres
   double spread = 0.0;  ///< robust standard deviation over frames, metres
   int samples = 0;      ///< frames that show both
-  double sigma = 0.0;   ///< of the length, metres: the spread over the frames as far as they are sure
+  double sure = 0.0;    ///< sum of the squares of their confidence
 };
 
-/// `white`: of each clip, the noise of a typical sample per axis, metres (NoiseEstimate).
+/// Frames in which either end stands exactly where its parent does are left out: it was not seen there. `white`: of
+/// each clip, the noise of a typical sample per axis, metres (NoiseEstimate).
 BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b);
 
 /// Median of the observed lengths of each bone, freed of what noise adds (with noise of sigma per axis at both ends the

@@ -1,5 +1,6 @@
 #include "fitting/solver/rest_directions.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -12,52 +13,54 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRestSpread = 0.25;  ///< of the distances of the rest skeleton, as a share of the bones
+constexpr double kRestSpread = 0.25;  ///< of the ends of the rest skeleton's bones, as a share of the bones
 constexpr double kLeastSigma = 2e-3;  ///< metres: tracked joints wander with the pose, however many samples there are
+constexpr double kFramesAlike = 5.0;  ///< on end, which say the same
 constexpr double kRounding = 1e-4;
+constexpr int kSteps = 60;
 
 /// Bones that start at one joint, by the joints they end at.
 using Star = std::vector<int>;
 
-/// Distances between the ends, metres; none where two are never seen together, or noise reaches across a bone.
-std::optional<Eigen::MatrixXd> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
-                                           const std::vector<SkeletonTracks>& clips, const std::vector<double>& white) {
-  const double across = std::sqrt(6.0) * *std::max_element(white.begin(), white.end());  // of two points, three axes
+/// Distances between the ends and how sure they are, metres.
+struct Distances {
+  Eigen::MatrixXd length;
+  Eigen::MatrixXd sigma;
+};
+
+/// `noise`: of one coordinate. None where two ends are never seen together, or noise reaches across a bone.
+std::optional<Distances> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
+                                     const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
+                                     bool symmetric) {
+  const std::vector<Joint>& joints = clips.front().skeleton->joints;
+  std::vector<double> noises = white;
+  const double noise = Median(noises);
+  const double across = std::sqrt(6.0) * noise;  // of two points, three axes
   const auto count = static_cast<Eigen::Index>(star.size());
-  Eigen::MatrixXd distances = Eigen::MatrixXd::Zero(count, count);
+  Distances distances{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Ones(count, count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     if (rest.col(i).norm() <= across) return std::nullopt;
     for (Eigen::Index k = i + 1; k < count; ++k) {
-      const BoneDistance seen =
-          DistanceOver(clips, white, star[static_cast<std::size_t>(i)], star[static_cast<std::size_t>(k)]);
-      const double expected = (rest.col(i) - rest.col(k)).norm();
+      const int a = star[static_cast<std::size_t>(i)], b = star[static_cast<std::size_t>(k)];
+      BoneDistance seen = DistanceOver(clips, white, a, b);
       if (seen.samples == 0) return std::nullopt;
-      const double sigma = std::max(kLeastSigma, seen.sigma);
-      const double trust = std::pow(0.5 * kRestSpread * (rest.col(i).norm() + rest.col(k).norm()) / sigma, 2.0);
+      if (symmetric) {
+        const BoneDistance mirrored = DistanceOver(clips, white, joints[a].mirror, joints[b].mirror);
+        if (mirrored.samples > 0) seen.length = 0.5 * (seen.length + mirrored.length);
+      }
+      const double expected = (rest.col(i) - rest.col(k)).norm();
       const bool near = std::max(seen.length, expected) <= across;  // no more is known than that
-      distances(i, k) = distances(k, i) = near ? expected : (trust * seen.length + expected) / (trust + 1.0);
+      const double spread = std::max(seen.spread, std::sqrt(2.0) * noise);
+      const double independent = std::max(1.0, seen.sure / kFramesAlike);
+      distances.length(i, k) = distances.length(k, i) = near ? expected : seen.length;
+      distances.sigma(i, k) = distances.sigma(k, i) = std::max(kLeastSigma, spread / std::sqrt(independent));
     }
   }
   return distances;
 }
 
-void ShareBetweenSides(const Star& star, const Skeleton& skeleton, Eigen::MatrixXd& distances) {
-  std::vector<Eigen::Index> partner;
-  for (const int end : star) {
-    const auto found = std::find(star.begin(), star.end(), skeleton.joints[end].mirror);
-    if (found == star.end()) return;
-    partner.push_back(found - star.begin());
-  }
-  const Eigen::MatrixXd seen = distances;
-  for (Eigen::Index i = 0; i < seen.rows(); ++i) {
-    for (Eigen::Index k = 0; k < seen.cols(); ++k) {
-      distances(i, k) =
-          0.5 * (seen(i, k) + seen(partner[static_cast<std::size_t>(i)], partner[static_cast<std::size_t>(k)]));
-    }
-  }
-}
-
-/// (3, n), one column per bone: what has these lengths and distances, however it is turned, or mirrored.
+/// (3, n), one column per bone: what has these lengths and distances, however it is turned, or mirrored (classical
+/// scaling).
 Eigen::MatrixXd Arranged(const Eigen::MatrixXd& distances, const Eigen::MatrixXd& near) {
   const Eigen::Index count = near.cols();
   Eigen::MatrixXd gram(count, count);
@@ -75,37 +78,48 @@ Eigen::MatrixXd Arranged(const Eigen::MatrixXd& distances, const Eigen::MatrixXd
   return points;
 }
 
-/// Distances do not tell a body from its mirror image; frames do: whether most of them have the three bones that span
-/// the most the other way round.
-bool IsMirrored(const Eigen::MatrixXd& points, const Star& star, int parent, const std::vector<SkeletonTracks>& clips) {
-  const auto volume = [](const Vector3d& a, const Vector3d& b, const Vector3d& c) { return a.cross(b).dot(c); };
-  double most = 0.0;
+double Volume(const Vector3d& a, const Vector3d& b, const Vector3d& c) { return a.cross(b).dot(c); }
+
+/// Columns of three bones that span the most; none where all lie in a plane.
+std::optional<std::array<Eigen::Index, 3>> Spanning(const Eigen::MatrixXd& points) {
   std::array<Eigen::Index, 3> spanning = {0, 0, 0};
+  double most = 0.0;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     for (Eigen::Index k = i + 1; k < points.cols(); ++k) {
       for (Eigen::Index l = k + 1; l < points.cols(); ++l) {
-        const double spanned = volume(points.col(i), points.col(k), points.col(l));
-        if (std::abs(spanned) <= std::abs(most)) continue;
+        const double spanned = std::abs(Volume(points.col(i), points.col(k), points.col(l)));
+        if (spanned <= most) continue;
         most = spanned;
         spanning = {i, k, l};
       }
     }
   }
-  if (most == 0.0) return false;  // flat: its mirror image is itself, turned
-  double alike = 0.0;
+  if (most == 0.0) return std::nullopt;
+  return spanning;
+}
+
+/// Of frames that show three bones: how many more have them turning one way, and how many there are, by confidence.
+struct Votes {
+  double surplus = 0.0;
+  double frames = 0.0;
+};
+
+Votes VotesOf(const std::vector<SkeletonTracks>& clips, int parent, const std::array<int, 3>& ends) {
+  Votes votes;
   for (const SkeletonTracks& clip : clips) {
     for (int f = 0; f < clip.frames(); ++f) {
       double confidence = clip.confidence_at(f, parent);
       std::array<Vector3d, 3> bone;
       for (std::size_t i = 0; i < 3; ++i) {
-        const int end = star[static_cast<std::size_t>(spanning[i])];
-        confidence = std::min(confidence, clip.confidence_at(f, end));
-        bone[i] = clip.positions.at(f, end) - clip.positions.at(f, parent);
+        confidence = std::min(confidence, clip.confidence_at(f, ends[i]));
+        bone[i] = clip.positions.at(f, ends[i]) - clip.positions.at(f, parent);
       }
-      if (confidence > 0.0) alike += std::copysign(confidence, most * volume(bone[0], bone[1], bone[2]));
+      if (!(confidence > 0.0)) continue;
+      votes.surplus += std::copysign(confidence, Volume(bone[0], bone[1], bone[2]));
+      votes.frames += confidence;
     }
   }
-  return alike < 0.0;
+  return votes;
 }
 
 /// The points turned (not mirrored) as near to `near` as they go.
@@ -114,6 +128,112 @@ Eigen::MatrixXd TurnedTo(const Eigen::MatrixXd& near, const Eigen::MatrixXd& poi
   Vector3d sign = Vector3d::Ones();
   sign.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
   return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose() * points;
+}
+
+bool IsOtherImage(const Eigen::MatrixXd& points, const Eigen::MatrixXd& start) {
+  const auto spanning = Spanning(start);
+  if (!spanning) return false;
+  const auto volume = [&](const Eigen::MatrixXd& of) {
+    return Volume(of.col((*spanning)[0]), of.col((*spanning)[1]), of.col((*spanning)[2]));
+  };
+  return volume(points) * volume(start) < 0.0;
+}
+
+/// Distances do not tell a body from its mirror image; frames do. Where they do not either, the image nearer to the
+/// rest skeleton's.
+Eigen::MatrixXd OfTwoImages(const Eigen::MatrixXd& points, const Eigen::MatrixXd& near, const Star& star, int parent,
+                            const std::vector<SkeletonTracks>& clips, bool symmetric) {
+  Eigen::MatrixXd mirrored = points;
+  mirrored.row(2) = -mirrored.row(2);
+  const Eigen::MatrixXd as_is = TurnedTo(near, points);
+  mirrored = TurnedTo(near, mirrored);
+  const auto spanning = Spanning(points);
+  if (!spanning) return as_is;
+  std::array<int, 3> ends{}, partners{};
+  const std::vector<Joint>& joints = clips.front().skeleton->joints;
+  for (std::size_t i = 0; i < 3; ++i) {
+    ends[i] = star[static_cast<std::size_t>((*spanning)[i])];
+    partners[i] = joints[ends[i]].mirror;
+  }
+  Votes votes = VotesOf(clips, parent, ends);
+  if (symmetric) {  // the other side's bones turn the other way
+    const Votes other = VotesOf(clips, joints[parent].mirror, partners);
+    votes = {votes.surplus - other.surplus, votes.frames + other.frames};
+  }
+  const bool told = std::abs(votes.surplus) > 3.0 * std::sqrt(kFramesAlike * votes.frames);
+  if (!told) return (as_is - near).squaredNorm() <= (mirrored - near).squaredNorm() ? as_is : mirrored;
+  const double is = Volume(as_is.col((*spanning)[0]), as_is.col((*spanning)[1]), as_is.col((*spanning)[2]));
+  return is * votes.surplus > 0.0 ? as_is : mirrored;
+}
+
+/// Twice the negative log likelihood of ends of bones, with its gradient and Gauss-Newton matrix.
+struct StarCost {
+  double value = 0.0;
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd gradient;
+};
+
+StarCost CostOf(const Distances& distances, const Eigen::MatrixXd& near, const Eigen::MatrixXd& points) {
+  const Eigen::Index count = near.cols();
+  StarCost cost{0.0, Eigen::MatrixXd::Zero(3 * count, 3 * count), Eigen::VectorXd::Zero(3 * count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double length = near.col(i).norm();
+    const double rest = 1.0 / std::pow(kRestSpread * length, 2.0);
+    const double sure = 1.0 / (kLeastSigma * kLeastSigma);
+    const Vector3d away = points.col(i) - near.col(i);
+    const Vector3d along = Vector3d(points.col(i)).stableNormalized();
+    const double longer = points.col(i).norm() - length;
+    cost.value += rest * away.squaredNorm() + sure * longer * longer;
+    cost.normal.block<3, 3>(3 * i, 3 * i) += rest * Matrix3d::Identity() + sure * along * along.transpose();
+    cost.gradient.segment<3>(3 * i) += rest * away + sure * longer * along;
+    for (Eigen::Index k = i + 1; k < count; ++k) {
+      const Vector3d apart = points.col(i) - points.col(k);
+      const Vector3d direction = apart.stableNormalized();
+      const double trust = 1.0 / (distances.sigma(i, k) * distances.sigma(i, k));
+      const double farther = apart.norm() - distances.length(i, k);
+      const Matrix3d block = trust * direction * direction.transpose();
+      cost.value += trust * farther * farther;
+      cost.normal.block<3, 3>(3 * i, 3 * i) += block;
+      cost.normal.block<3, 3>(3 * k, 3 * k) += block;
+      cost.normal.block<3, 3>(3 * i, 3 * k) -= block;
+      cost.normal.block<3, 3>(3 * k, 3 * i) -= block;
+      cost.gradient.segment<3>(3 * i) += trust * farther * direction;
+      cost.gradient.segment<3>(3 * k) -= trust * farther * direction;
+    }
+  }
+  return cost;
+}
+
+/// The ends that distances, lengths of the bones and the rest skeleton make likeliest, from a start
+/// (Levenberg-Marquardt). What distances hardly tell, how far a flat star is from flat, stays with the rest skeleton.
+Eigen::MatrixXd Likeliest(const Distances& distances, const Eigen::MatrixXd& near, Eigen::MatrixXd points) {
+  double damping = 1e-3;
+  StarCost cost = CostOf(distances, near, points);
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::MatrixXd damped = cost.normal;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::VectorXd move = damped.ldlt().solve(cost.gradient);
+    Eigen::MatrixXd moved = points;
+    for (Eigen::Index i = 0; i < points.cols(); ++i) moved.col(i) -= move.segment<3>(3 * i);
+    StarCost there = CostOf(distances, near, moved);
+    if (!(there.value < cost.value)) {
+      damping *= 10.0;
+      continue;
+    }
+    damping = std::max(1e-6, 0.1 * damping);
+    points = std::move(moved);
+    cost = std::move(there);
+  }
+  return points;
+}
+
+bool IsSeen(int joint, const std::vector<SkeletonTracks>& clips) {
+  for (const SkeletonTracks& clip : clips) {
+    for (int f = 0; f < clip.frames(); ++f) {
+      if (clip.seen(f, joint)) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -135,22 +255,24 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
     for (const int child : children[parent]) {
       if (bones.samples[child] > 0 && !skeleton->joints[child].rest_offset.isZero()) star.push_back(child);
     }
-    if (star.size() < 2) continue;
-    Eigen::MatrixXd near(3, static_cast<Eigen::Index>(star.size()));
-    for (Eigen::Index i = 0; i < near.cols(); ++i) {
+    if (star.size() < 2 || !IsSeen(parent, clips)) continue;
+    const auto count = static_cast<Eigen::Index>(star.size());
+    Eigen::MatrixXd near(3, count), rest(3, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
       const int end = star[static_cast<std::size_t>(i)];
-      near.col(i) = bones.length[end] * skeleton->joints[end].rest_offset.normalized();
+      rest.col(i) = skeleton->joints[end].rest_offset;
+      near.col(i) = bones.length[end] * rest.col(i).normalized();
     }
-    std::optional<Eigen::MatrixXd> distances = DistancesOf(star, near, clips, white);
+    const std::optional<Distances> distances = DistancesOf(star, near, clips, white, symmetric);
     if (!distances) continue;
-    if (symmetric) ShareBetweenSides(star, *skeleton, *distances);
-    Eigen::MatrixXd points = Arranged(*distances, near);
-    if (IsMirrored(points, star, parent, clips)) points.row(2) = -points.row(2);
-    const Eigen::MatrixXd arranged = TurnedTo(near, points);
-    for (Eigen::Index i = 0; i < arranged.cols(); ++i) {
-      Vector3d& offset = own->joints[star[static_cast<std::size_t>(i)]].rest_offset;
-      const Vector3d turned = arranged.col(i);
-      if (!turned.isZero()) offset = RoundedDirection(turned.normalized() * offset.norm());
+    const Eigen::MatrixXd start = OfTwoImages(Arranged(distances->length, near), near, star, parent, clips, symmetric);
+    Eigen::MatrixXd offsets = Likeliest(*distances, near, start);
+    if (IsOtherImage(offsets, start)) offsets = start;  // the rest skeleton does not outvote frames
+    for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) *= rest.col(i).norm() / offsets.col(i).norm();
+    offsets = TurnedTo(rest, offsets);  // rotations are counted from the rest pose of `skeleton`
+    if (!offsets.allFinite()) continue;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      own->joints[star[static_cast<std::size_t>(i)]].rest_offset = RoundedDirection(offsets.col(i));
     }
   }
   return own;

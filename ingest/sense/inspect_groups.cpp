@@ -103,7 +103,8 @@ void TellUnits(const std::vector<Json*>& group, Json& findings) {
     if (!MeasuredMetres(*clip)) continue;
     const std::string& unit = clip->at("units").at("value").get_ref<const std::string&>();
     ++told;
-    if (++votes[unit] > votes[usual]) usual = unit;
+    const std::size_t count = ++votes[unit];
+    if (count > votes[usual]) usual = unit;
   }
   for (const Json* clip : group) {
     const std::optional<double> metres = MeasuredMetres(*clip);

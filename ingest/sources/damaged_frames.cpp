@@ -43,15 +43,16 @@ void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::
   if (bridged.empty()) return;
   const auto joints = static_cast<std::size_t>(motion.joint_count());
   motion.state.assign(static_cast<std::size_t>(motion.frame_count()) * joints, JointState::kObserved);
+  std::vector<bool> is_bridged(static_cast<std::size_t>(motion.frame_count()), false);
   for (const DamagedFrame& damaged : bridged) {
+    is_bridged[static_cast<std::size_t>(damaged.frame)] = true;
     std::fill_n(motion.state.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(damaged.frame) * joints),
                 joints, JointState::kInterpolated);
-    for (Finding& finding : findings) {
-      if (finding.action == "dropped" && finding.frame_begin == damaged.frame &&
-          finding.frame_end == damaged.frame + 1) {
-        finding.action = "interpolated";
-      }
-    }
+  }
+  for (Finding& finding : findings) {
+    const bool one = finding.action == "dropped" && finding.frame_end == finding.frame_begin + 1;
+    const auto frame = static_cast<std::size_t>(finding.frame_begin);
+    if (one && frame < is_bridged.size() && is_bridged[frame]) finding.action = "interpolated";
   }
 }
 

