@@ -30,6 +30,7 @@ struct Amc {
   std::vector<int> frame_numbers;     ///< (frames) as written: not always 1, 2, 3
   std::vector<double> values;         ///< (frames, channel_count); 0 where the bone is missing in that frame
   std::vector<std::uint8_t> present;  ///< (frames, bones)
+  std::vector<int> damaged;           ///< with kReport, rising: frames with a row that is damaged or cut, no pose
   std::vector<Finding> findings;      ///< "frame_number", "bone_missing"; with kReport "row_length", "cut_off"
 
   double value(int frame, int channel) const {

@@ -66,6 +66,10 @@ class Parser {
   std::string Place(int line) const { return name_ + ":" + std::to_string(line); }
 
   void Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
+    const std::string_view kind = code;
+    const bool damage = kind == "row_length" || kind == "number_too_large" || kind == "cut_off";
+    if (damage && (amc_.damaged.empty() || amc_.damaged.back() != amc_.frames - 1))
+      amc_.damaged.push_back(amc_.frames - 1);
     if (amc_.findings.size() >= kMostFindings) return;
     Finding finding;
     finding.code = code;
@@ -74,7 +78,7 @@ class Parser {
     finding.frame_end = finding.frame_begin + 1;
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = "kept";
+    finding.action = damage ? "dropped" : "kept";
     amc_.findings.push_back(std::move(finding));
   }
 

@@ -7,6 +7,7 @@
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
 #include "ingest/sources/bvh_skeleton.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -120,11 +121,15 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local[j] * world_from_file.transpose())).normalized();
     }
   }
+  const auto bridged = BridgeFrames(amc->damaged, amc->frames, ingested.clip.rate.hz(), file.name);
+  if (!bridged) return Forward(bridged);
+  Bridge(*bridged, static_cast<int>(joints), root_translation, rotation);
   for (std::size_t j = 0; j < joints; ++j) {
     MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(amc->frames), joints);
   }
   ingested.clip.motion =
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
+  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   ingested.clip.provenance["skeleton_file"] = file.skeleton_name;
   return ingested;
 }

@@ -69,17 +69,6 @@ Error UnitsOr(const Error& otherwise, const SourceFile& file) {
   return otherwise;
 }
 
-/// Rotations on the shortest way from the whole frame before to that after, the root on a straight line.
-void Bridge(const DamagedFrame& damaged, int joints, std::vector<Vector3d>& root, std::vector<Quaterniond>& rotation) {
-  const auto at = [&](int frame) { return static_cast<std::size_t>(frame); };
-  root[at(damaged.frame)] = (1.0 - damaged.share) * root[at(damaged.before)] + damaged.share * root[at(damaged.after)];
-  for (int j = 0; j < joints; ++j) {
-    const auto of = [&](int frame) { return static_cast<std::size_t>(frame) * joints + j; };
-    rotation[of(damaged.frame)] =
-        rotation[of(damaged.before)].slerp(damaged.share, rotation[of(damaged.after)]).normalized();
-  }
-}
-
 }  // namespace
 
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
@@ -114,7 +103,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   }
   const auto bridged = BridgeFrames(bvh->damaged, bvh->frames, ingested.clip.rate.hz(), file.name);
   if (!bridged) return Forward(bridged);
-  for (const DamagedFrame& damaged : *bridged) Bridge(damaged, joints, root_translation, rotation);
+  Bridge(*bridged, joints, root_translation, rotation);
   for (int j = 0; j < joints; ++j) {
     MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
   }

@@ -39,6 +39,22 @@ Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged
   return bridged;
 }
 
+void Bridge(const std::vector<DamagedFrame>& bridged, int joints, std::vector<Vector3d>& root,
+            std::vector<Quaterniond>& rotation) {
+  const auto at = [](int frame) { return static_cast<std::size_t>(frame); };
+  for (const DamagedFrame& damaged : bridged) {
+    root[at(damaged.frame)] =
+        (1.0 - damaged.share) * root[at(damaged.before)] + damaged.share * root[at(damaged.after)];
+    for (int j = 0; j < joints; ++j) {
+      const auto of = [&](int frame) {
+        return at(frame) * static_cast<std::size_t>(joints) + static_cast<std::size_t>(j);
+      };
+      rotation[of(damaged.frame)] =
+          rotation[of(damaged.before)].slerp(damaged.share, rotation[of(damaged.after)]).normalized();
+    }
+  }
+}
+
 void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::vector<Finding>& findings) {
   if (bridged.empty()) return;
   const auto joints = static_cast<std::size_t>(motion.joint_count());

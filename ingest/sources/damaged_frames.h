@@ -24,6 +24,11 @@ struct DamagedFrame {
 Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, double rate_hz,
                                                  const std::string& name);
 
+/// Fills these frames of a motion's parameters, `root` (F) and `rotation` (F*joints): rotations on the shortest way
+/// from the whole frame before to that after, the root on a straight line.
+void Bridge(const std::vector<DamagedFrame>& bridged, int joints, std::vector<Vector3d>& root,
+            std::vector<Quaterniond>& rotation);
+
 /// Says so: `motion.state` is kInterpolated there, and findings of these frames have the action "interpolated".
 void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::vector<Finding>& findings);
 

@@ -63,6 +63,37 @@ TEST_F(Acclaim, JointsStandWhereTheBonesOfTheFileStart) {
   EXPECT_EQ(ingested.clip.provenance.at("skeleton_file"), "01.asf");
 }
 
+/// A number that is none, in one frame, and a file that ends within one: neither is a pose of anybody.
+TEST_F(Acclaim, ADamagedFrameComesFromItsNeighboursAndIsMarked) {
+  const auto discovery = Discover(Declared("cmu_amc"));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested whole = RunIngest(discovery->items.at(0), "amc_whole");
+  ASSERT_TRUE(whole.outcome) << whole.outcome.error().Message();
+  const std::string text = *ReadFile(TestData() + "/cmu/asf_amc/01_01.amc");
+  std::string large = text;
+  const std::size_t root = large.find("root ", large.find("\n20"));
+  large.replace(root, large.find('\n', root) - root, "root 1e300 0 0 0 0 0");
+  const std::string cut = text.substr(0, text.find("lfemur", text.size() / 2));
+  for (const auto& [damaged, frame] : {std::pair<std::string, int>{large, 19}, {cut, -1}}) {
+    const std::filesystem::path folder = FreshFolder("amc_damaged");
+    Put(folder / "01.asf", *ReadFile(TestData() + "/cmu/asf_amc/01.asf"));
+    Put(folder / "01_01.amc", damaged);
+    IngestOptions options = Declared("cmu_amc");
+    options.path = folder;
+    const auto found = Discover(options);
+    ASSERT_TRUE(found) << found.error().Message();
+    const Ingested ingested = RunIngest(found->items.at(0), "amc_damaged");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    const Motion& motion = *ingested.clip.motion;
+    const int at = frame < 0 ? motion.frame_count() - 1 : frame;
+    ASSERT_FALSE(motion.state.empty());
+    EXPECT_EQ(motion.state[static_cast<std::size_t>(at) * motion.joint_count()], JointState::kInterpolated);
+    EXPECT_EQ(motion.state[static_cast<std::size_t>(at - 1) * motion.joint_count()], JointState::kObserved);
+    for (int j = 0; j < motion.joint_count(); ++j)
+      EXPECT_LT((motion.joints.at(at, j) - whole.clip.motion->joints.at(at, j)).norm(), 0.02) << j;
+  }
+}
+
 TEST_F(Acclaim, TheLegsOfTheTakeAreThoseOfItsBvh) {
   IngestOptions bvh;
   bvh.path = TestData() + "/cmu/asf_amc";
