@@ -80,12 +80,17 @@ std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints
     if (BodyIn(points)) return std::nullopt;
     loose = Rigidity(points.positions, points.confidence) > kRigid;
   }
+  // A body says more than distances that are kept: frames that follow each other keep some too.
+  std::optional<AxisOrder> likeliest;
+  double least = kClearlyRigid;
   for (const Axes& axes : kExchanged) {
     if (!Possible(array, axes) || (joints > 0 && array.shape[axes[1]] != joints)) continue;
     const Points points = Read(array, axes);
     const std::optional<std::string> body = BodyIn(points);
-    const bool rigid = !body && loose && Rigidity(points.positions, points.confidence) < kClearlyRigid;
-    if (!body && !rigid && joints == 0) continue;
+    const double rigidity = body || !loose ? kClearlyRigid : Rigidity(points.positions, points.confidence);
+    const bool rigid = rigidity < least;
+    const bool declared = joints > 0 && !likeliest;
+    if (!body && !rigid && !declared) continue;
     AxisOrder order;
     order.words = "its axes are " + Held(axes) + ", not (frames, joints, 3): so " +
                   (body    ? "the points are a body in the order '" + *body + "', as they lie they are none"
@@ -93,9 +98,11 @@ std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints
                            : "it has the " + std::to_string(joints) + " joints that are declared");
     order.way_out = "write it with numpy's transpose(" + std::to_string(axes[0]) + ", " + std::to_string(axes[1]) +
                     ", " + std::to_string(axes[2]) + ")";
-    return order;
+    if (body) return order;
+    if (rigid) least = rigidity;
+    likeliest = std::move(order);
   }
-  return std::nullopt;
+  return likeliest;
 }
 
 std::vector<Finding> DamagedFramesOf(const double* xyz, int frames, int joints, const std::string& name) {

@@ -178,6 +178,7 @@ TEST_F(DamagedFrames, ExchangedAxesOfAnArrayAreNamedWithTheWayBack) {
   const std::vector<std::tuple<std::array<std::size_t, 3>, std::string, std::string>> cases = {
       {{1, 0, 2}, "(joints, frames, 3)", "transpose(1, 0, 2)"},
       {{0, 2, 1}, "(frames, 3, joints)", "transpose(0, 2, 1)"},
+      {{1, 2, 0}, "(joints, 3, frames)", "transpose(2, 0, 1)"},
       {{2, 0, 1}, "(3, frames, joints)", "transpose(1, 2, 0)"}};
   for (const auto& [axes, held, way_out] : cases) {
     const Json inspection = InspectPath(Written("walk.npy", WriteNpy(Transposed(Sample(), axes))), std::nullopt);
