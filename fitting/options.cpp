@@ -206,6 +206,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 19, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 25, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 26, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -4,6 +4,7 @@
 #include "fitting/solver/one_thread.h"
 #include "fitting/solver/track_equations.h"
 #include "fitting/solver/trust_region.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 
@@ -21,6 +22,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   if (!std::isfinite(cost)) return Fail(ErrorCode::kInternal, "the cost of the start is no number", "fitting");
   bool moved = true;
   while (solution.iterations < window.step.max_iterations && !region.exhausted()) {
+    if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);
     if (moved) track.Linearise(equations);
     moved = false;
     ++solution.iterations;

@@ -1,5 +1,6 @@
 #include "fitting/solver/closed_form_start.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -35,10 +36,15 @@ JointPositions FillInTime(const SkeletonTracks& tracks) {
   return filled;
 }
 
+/// Targets that spread across their common line by less than this share of their distance tell no turn about it.
+constexpr double kAcrossLine = 0.05;
+constexpr double kFartherWeight = 0.1;  ///< of a target beyond another joint, which may turn itself
+
 /// What a joint's rotation is read from: below each child the nearest seen joint, and where it lies at rest.
 struct Target {
   int joint;
   Vector3d rest_in_joint;
+  double weight = 1.0;
 };
 
 void AppendTarget(const Skeleton& skeleton, const std::vector<std::vector<int>>& children,
@@ -50,6 +56,14 @@ void AppendTarget(const Skeleton& skeleton, const std::vector<std::vector<int>>&
     return;
   }
   for (const int child : children[joint]) AppendTarget(skeleton, children, seen, state, child, here, targets);
+}
+
+/// Whether all targets lie on one line through the joint, as the collars of a chest from whose top they start.
+bool OnOneLine(const std::vector<Target>& targets) {
+  Matrix3d spread = Matrix3d::Zero();
+  for (const Target& target : targets) spread += target.rest_in_joint * target.rest_in_joint.transpose();
+  const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  return values[1] <= kAcrossLine * kAcrossLine * values[2];
 }
 
 class StartPose {
@@ -66,6 +80,15 @@ class StartPose {
       for (const int child : children[j]) {
         AppendTarget(skeleton_, children, seen_, state, child, Vector3d::Zero(), targets_[j]);
       }
+      const std::size_t near = targets_[j].size();
+      if (near < 2 || !OnOneLine(targets_[j])) continue;
+      for (std::size_t i = 0; i < near; ++i) {
+        const Target target = targets_[j][i];
+        for (const int child : children[target.joint]) {
+          AppendTarget(skeleton_, children, seen_, state, child, target.rest_in_joint, targets_[j]);
+        }
+      }
+      for (std::size_t i = near; i < targets_[j].size(); ++i) targets_[j][i].weight = kFartherWeight;
     }
   }
 
@@ -112,6 +135,7 @@ class StartPose {
     for (Eigen::Index i = 0; i < count; ++i) {
       source.col(i) = above * targets[i].rest_in_joint;
       target.col(i) = filled.at(frame, targets[i].joint);
+      weights[i] = targets[i].weight;
     }
     const RigidTransform world_from_rest = AlignPoints(source, target, weights);
     if (free_root) position_[0] = world_from_rest.translation;

@@ -1,11 +1,13 @@
 #include "fitting/solver/track_problem.h"
 
+#include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <string>
 
+#include "core/pipeline/worker.h"
 #include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
@@ -14,6 +16,7 @@
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
 #include "fitting/solver/one_thread.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 namespace {
@@ -89,6 +92,14 @@ void TrackProblem::AddBonePriors() {
 
 namespace {
 
+/// Ends the solver once the worker was asked to stop.
+class StopOnRequest : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return StopRequested() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
+
 ceres::Solver::Options SolverOptions(const TrackStep& step) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -108,7 +119,11 @@ Expected<WindowSolution> SolveWithCeres(const TrackWindow& window) {
   TrackProblem problem(window);
   ceres::Solver::Summary summary;
   const OneThread one_thread;
-  ceres::Solve(SolverOptions(window.step), &problem.problem(), &summary);
+  StopOnRequest stop;
+  ceres::Solver::Options options = SolverOptions(window.step);
+  options.callbacks = {&stop};
+  ceres::Solve(options, &problem.problem(), &summary);
+  if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);
   if (!summary.IsSolutionUsable()) {
     return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message,
                 "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end));

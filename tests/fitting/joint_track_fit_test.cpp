@@ -57,6 +57,30 @@ TEST(JointTrackFit, FollowsAPersonThatSpinsSeveralTimes) {
   EXPECT_LT(LargestError(Fit(take, Tight()).motion.joints, take.truth.joints), 5e-4);
 }
 
+// As of mocap bodies: neck and collars begin at one point, so that only what hangs on them tells how the chest is
+// turned.
+TEST(JointTrackFit, ShouldersTurnAChestWhoseCollarsBeginAtItsTop) {
+  auto body = std::make_shared<Skeleton>(**LoadSkeleton("smpl24"));
+  const int chest = *body->FindJoint("spine3");
+  body->joints[*body->FindJoint("neck")].rest_offset = {0.0, 0.2, 0.001};
+  body->joints[*body->FindJoint("left_collar")].rest_offset = {0.001, 0.2, 0.0};
+  body->joints[*body->FindJoint("right_collar")].rest_offset = {-0.001, 0.2, 0.0};
+  Take take = SmoothTake(60, Quaterniond::Identity(), 30.0, 0.4, body);
+  AddNoise(take.tracks, 0.01, 5);
+  JointTrackOptions closed_form;
+  closed_form.steps.clear();
+  const FitResult start = Fit(take, closed_form);
+  const std::vector<int> above{0, *body->FindJoint("spine1"), *body->FindJoint("spine2"), chest};
+  const auto turn = [&](const Motion& motion, int f) {
+    Quaterniond world = Quaterniond::Identity();
+    for (const int joint : above) world = world * motion.rotation_at(f, joint);
+    return world;
+  };
+  for (int f = 0; f < 60; ++f) EXPECT_LT(AngleBetween(turn(start.motion, f), turn(take.truth, f)), 0.7) << f;
+  const FitResult fit = Fit(take);
+  EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 8e-3);
+}
+
 TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
   Take take = SmoothTake(90);
   Random random(1, "half");

@@ -47,8 +47,7 @@ struct Take {
 
 /// Every joint swings; `world_from_root` turns the whole person.
 inline Take SmoothTake(int frames, const Quaterniond& world_from_root = Quaterniond::Identity(), double rate_hz = 30.0,
-                       double turn_speed = 0.4) {
-  const SkeletonPtr body = TestSkeleton();
+                       double turn_speed = 0.4, const SkeletonPtr& body = TestSkeleton()) {
   Random random(3, "take");
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation;
