@@ -11,6 +11,7 @@
 #include "fitting/keypoint_fit.h"
 #include "fitting/repair/track_repairs.h"
 #include "fitting/solver/joint_track_fit.h"
+#include "fitting/uncertainty/given_uncertainty.h"
 
 namespace mocurate {
 namespace {
@@ -157,7 +158,9 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   if (!tracks) return Forward(tracks);
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
-  if (fit && !left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
+  if (!fit) return fit;
+  if (!left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
+  if (!clip.evidence.tracks && clip.motion) AddGivenUncertainty(*clip.motion, fit->motion);
   return fit;
 }
 

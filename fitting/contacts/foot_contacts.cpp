@@ -150,6 +150,36 @@ void MeasureChange(const Motion& before, const Motion& after, SlidingRemoval& re
   }
 }
 
+constexpr double kMoved = 1e-3;  ///< metres; a joint that is moved farther is a repaired one
+
+/// What was moved is known less well than stated, by as much as it was moved: shifts and turns count as errors of
+/// unknown sign.
+void StateChange(const Motion& before, Motion& after) {
+  const std::size_t samples = after.joints.xyz.size() / 3;
+  const auto joints = static_cast<std::size_t>(after.joint_count());
+  for (std::size_t i = 0; i < samples; ++i) {
+    const auto frame = static_cast<int>(i / joints);
+    const auto joint = static_cast<int>(i % joints);
+    const Vector3d shift = after.joints.at(frame, joint) - before.joints.at(frame, joint);
+    if (!after.position_cov.empty()) {
+      float* cov = &after.position_cov[6 * i];
+      for (int row = 0; row < 3; ++row) {
+        for (int column = row; column < 3; ++column) *cov++ += static_cast<float>(shift[row] * shift[column]);
+      }
+    }
+    if (!after.rotation_sigma.empty()) {
+      const Vector3d turn = LogQuaternion(before.rotation[i].conjugate() * after.rotation[i]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        float& sigma = after.rotation_sigma[3 * i + axis];
+        sigma = static_cast<float>(std::hypot(static_cast<double>(sigma), turn[static_cast<Eigen::Index>(axis)]));
+      }
+    }
+    if (!after.state.empty() && after.state[i] == JointState::kObserved && shift.norm() > kMoved) {
+      after.state[i] = JointState::kRepaired;
+    }
+  }
+}
+
 }  // namespace
 
 Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton) {
@@ -236,6 +266,7 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
   }
   ComputeJoints(motion);
   MeasureChange(before, motion, removal);
+  StateChange(before, motion);
   removal.sliding_before = Sliding(before, stands);
   removal.sliding_after = Sliding(motion, stands);
   removal.contact_share = frames > 0 ? static_cast<double>(contacts) / (2.0 * frames) : 0.0;

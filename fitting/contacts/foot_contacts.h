@@ -39,8 +39,9 @@ struct SlidingRemoval {
 
 /// Holds each foot, while it stands on the floor, at the middle of where it stood: hip, knee and ankle of its leg turn
 /// (two-bone inverse kinematics in the plane of the leg; the foot keeps its orientation), all else stays. The shift
-/// fades in and out over `blend` seconds. Fills motion.contact (left, right). Needs rotations. Error kUnsupported of
-/// LegsOf.
+/// fades in and out over `blend` seconds. Fills motion.contact (left, right). Where the motion states uncertainties,
+/// what was moved is added to them, and an observed joint that was moved by more than a millimetre is a repaired one.
+/// Needs rotations. Error kUnsupported of LegsOf.
 Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion& motion);
 
 /// {"sliding_before", "sliding_after" (m/s), "contact_share", "largest_shift_mm", "largest_turn_deg", "frame",

@@ -75,6 +75,26 @@ TEST(FootContacts, AStandingPersonIsLeftAlone) {
   EXPECT_EQ(motion.joints.xyz, before.joints.xyz);
 }
 
+TEST(FootContacts, WhatIsMovedIsLessSureAndSaidToBeRepaired) {
+  Motion motion = Swaying(0.06);
+  const auto samples = static_cast<std::size_t>(motion.frame_count()) * motion.joint_count();
+  motion.state.assign(samples, JointState::kObserved);
+  motion.position_cov.assign(6 * samples, 0.0F);
+  motion.rotation_sigma.assign(3 * samples, 0.01F);
+  const Motion before = motion;
+  ASSERT_TRUE(RemoveFootSliding(ContactOptions(), motion).has_value());
+  const int ankle = *motion.skeleton->FindJoint("left_ankle"), head = *motion.skeleton->FindJoint("head");
+  const int knee = *motion.skeleton->FindJoint("left_knee"), frame = 8;  // swayed farthest
+  const auto at = [&](int joint) { return static_cast<std::size_t>(frame) * motion.joint_count() + joint; };
+  const double shift = (motion.joints.at(frame, ankle) - before.joints.at(frame, ankle)).norm();
+  ASSERT_GT(shift, 0.03);
+  EXPECT_NEAR(std::sqrt(motion.position_cov[6 * at(ankle)]), shift, 1e-3);  // along x, as it swayed
+  EXPECT_EQ(motion.state[at(ankle)], JointState::kRepaired);
+  EXPECT_GT(motion.rotation_sigma[3 * at(knee)], 0.01F);
+  EXPECT_EQ(motion.position_cov[6 * at(head)], 0.0F);
+  EXPECT_EQ(motion.state[at(head)], JointState::kObserved);
+}
+
 TEST(FootContacts, AFootInTheAirIsNotHeld) {
   Motion motion = Swaying(0.06);
   for (int f = 0; f < motion.frame_count(); ++f) motion.root_translation[f].y() += f < 30 ? 0.0 : 0.5;

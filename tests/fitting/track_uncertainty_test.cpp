@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_problem.h"
 #include "tests/fitting/takes.h"
@@ -173,6 +174,23 @@ TEST(TrackUncertainty, NeverExceedsThatOfAnAngleOfWhichNothingIsKnown) {
   for (const float sigma : motion.rotation_sigma) EXPECT_LE(sigma, 1.8139F);
   for (const float observed : motion.rotation_observed) EXPECT_LT(observed, 0.01F);
   EXPECT_TRUE(motion.Check().has_value());
+}
+
+/// Fitted to the joints of a motion that was fitted itself: those lie smoothly, and their own error is in none of them.
+TEST(StatedUncertainty, OfAFitToAFittedMotionIsNoLessThanThatOfTheFirst) {
+  Take take = SmoothTake(60);
+  AddNoise(take.tracks, 0.02, 5);
+  Clip clip;
+  clip.rate = take.truth.rate;
+  clip.motion = Fit(take).motion;
+  clip.motion->state[7] = JointState::kInferred;
+  const auto again = FitTracksOfClip(clip, take.tracks.skeleton, take.truth.bone_length, FittingOptions{});
+  ASSERT_TRUE(again.has_value()) << again.error().Message();
+  for (const int joint : {0, 5, 12}) {
+    EXPECT_GE(CovarianceAt(again->motion, 30, joint).trace(), CovarianceAt(*clip.motion, 30, joint).trace());
+  }
+  EXPECT_EQ(again->motion.state[7], JointState::kInferred);
+  EXPECT_EQ(again->motion.state[8], JointState::kObserved);
 }
 
 /// 68.3 and 95.4 % are right. Motion and noise of these problems are not those that the calibration was made with; of
