@@ -9,6 +9,7 @@
 
 #include "app/usage.h"
 #include "app/verbs.h"
+#include "canon/exports/motion_arrays.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
@@ -122,6 +123,29 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
       "  mocurate fit clips.npz --clip '[walk]' --set ingest.source.rate='30 Hz' -o walk.h5\n"
       "  mocurate fit generated.h5 --contacts -o standing.h5");
   fit->callback([&common, &verb, arguments] { verb = [&common, arguments] { return FitVerb(common, *arguments); }; });
+}
+
+void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* verb_export = app.add_subcommand("export", "Write motions as arrays of numpy, one .npz per clip");
+  verb_export->add_option("path", arguments->path, "dataset or MotionSet")->required();
+  verb_export->add_option("-o,--output", arguments->output, "FILE.npz for one clip, or a folder")->required();
+  std::vector<std::string> names;
+  std::string help = "rotations as:";
+  for (const RotationArraysName& name : kRotationArraysNames) {
+    names.emplace_back(name.name);
+    help += " " + std::string(name.name) + (name.value == RotationArrays::kNone ? "" : ",");
+  }
+  arguments->rotations = names.front();
+  verb_export->add_option("--as", arguments->rotations, help)->check(CLI::IsMember(names))->type_name("REPRESENTATION");
+  verb_export->add_option("--clip", arguments->clips, "which clip, by its id or the end of it (default: all)")
+      ->allow_extra_args(false);
+  verb_export->add_flag("--force", arguments->force, "overwrite");
+  verb_export->footer(
+      "Examples:\n  mocurate export walk.h5 -o walk.npz --as axis_angle\n"
+      "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows");
+  verb_export->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return ExportVerb(common, *arguments); }; });
 }
 
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
@@ -246,6 +270,7 @@ int Run(int argc, char** argv) {
   app.footer(kFooter);
   AddRun(app, common, verb);
   AddFit(app, common, verb);
+  AddExport(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);
   AddConfig(app, common, verb);

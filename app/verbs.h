@@ -40,6 +40,14 @@ struct FitArguments {
   bool force = false;     ///< overwrite
 };
 
+struct ExportArguments {
+  std::filesystem::path path;      ///< dataset or MotionSet
+  std::filesystem::path output;    ///< FILE.npz of one clip, or a folder
+  std::string rotations;           ///< a name of kRotationArraysNames
+  std::vector<std::string> clips;  ///< which of them; empty: all
+  bool force = false;              ///< overwrite
+};
+
 struct InspectArguments {
   std::filesystem::path path;
   std::filesystem::path source;  ///< recipe or config with a source declaration, or empty
@@ -82,6 +90,7 @@ struct CacheArguments {
 /// Each verb prints its result and returns how it went. Runs end with the exit code of that.
 Status RunVerb(CommonArguments& common, const RunArguments& arguments);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
+Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);

@@ -1,0 +1,96 @@
+// `mocurate export`: motions of a store as arrays of numpy.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/formats/npz.h"
+#include "core/motion/kinematics.h"
+#include "core/store/store.h"
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using ::testing::HasSubstr;
+
+class ExportVerbs : public ::testing::Test {
+ protected:
+  /// Two clips of a person who stands.
+  void SetUp() override {
+    Dataset dataset;
+    auto skeleton = std::make_shared<Skeleton>();
+    skeleton->name = "stick";
+    skeleton->joints.resize(2);
+    skeleton->joints[0].name = "pelvis";
+    skeleton->joints[0].mirror = 0;
+    skeleton->joints[1].name = "head";
+    skeleton->joints[1].parent = 0;
+    skeleton->joints[1].rest_offset = {0.0, 0.7, 0.0};
+    skeleton->joints[1].mirror = 1;
+    dataset.skeleton = skeleton;
+    dataset.recipe = "test";
+    dataset.created_by = "test";
+    for (const char* recording : {"a/b", "c"}) {
+      Clip clip;
+      clip.identity = {"set", "anna", recording, "", "", "", 0, 3};
+      clip.rate = FrameRate{30, 1};
+      clip.motion =
+          MakeMotion(dataset.skeleton, clip.rate, std::vector<Vector3d>(3, Vector3d(0, 0.9, 0)),
+                     std::vector<Quaterniond>(6, Quaterniond::Identity()), dataset.skeleton->RestBoneLengths());
+      clip.evidence_sha256 = std::string(64, '0');
+      dataset.clips.push_back(std::move(clip));
+    }
+    const Status written = WriteDataset(dataset, folder_ / "motions.h5");
+    ASSERT_TRUE(written.has_value()) << written.error().Message();
+  }
+
+  Result Export(std::vector<std::string> words) {
+    words.insert(words.begin(), {"export", (folder_ / "motions.h5").string()});
+    return RunProgram(folder_, words);
+  }
+
+  Folder folder_;
+};
+
+TEST_F(ExportVerbs, WritesAFileForEachClip) {
+  const Result result = Export({"-o", (folder_ / "arrays").string(), "--as", "axis_angle", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json answer = result.Json();
+  ASSERT_EQ(answer["files"].size(), 2u);
+  for (const nlohmann::json& file : answer["files"]) {
+    const auto arrays = ParseNpz(ReadText(file["path"].get<std::string>()), "exported");
+    ASSERT_TRUE(arrays.has_value()) << arrays.error().Message();
+    ASSERT_NE(arrays->Find("poses"), nullptr);
+    EXPECT_EQ(arrays->Find("poses")->shape, (std::vector<std::size_t>{3, 2, 3}));
+    EXPECT_EQ(arrays->Find("clip")->texts.at(0), file["clip"]);
+  }
+}
+
+TEST_F(ExportVerbs, OneFileHoldsOneClip) {
+  const std::string file = (folder_ / "one.npz").string();
+  const Result both = Export({"-o", file});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("--clip 'set/anna/a/b#0-3'"));
+  EXPECT_EQ(Export({"-o", file, "--clip", "c#0-3"}).exit_code, 0);
+  const Result again = Export({"-o", file, "--clip", "c#0-3"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("--force"));
+  EXPECT_EQ(Export({"-o", file, "--clip", "c#0-3", "--force"}).exit_code, 0);
+}
+
+TEST_F(ExportVerbs, NamesWhatItDoesNotKnow) {
+  const std::string output = (folder_ / "arrays").string();
+  const Result clip = Export({"-o", output, "--clip", "d"});
+  EXPECT_EQ(clip.exit_code, 2);
+  EXPECT_THAT(clip.err, HasSubstr("no clip is called 'd'"));
+  EXPECT_EQ(Export({"-o", output, "--as", "euler"}).exit_code, 2);
+  const Result none = RunProgram(folder_, {"export", (folder_ / "none.h5").string(), "-o", output});
+  EXPECT_EQ(none.exit_code, 3);
+}
+
+}  // namespace
+}  // namespace mocurate
