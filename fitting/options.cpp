@@ -204,7 +204,7 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 19, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 20, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration FittingDeclaration() { return {"fitting", 26, "mocurate-annotate", SolverLimits()}; }
 

@@ -157,28 +157,6 @@ void TransformMotion(const RigidTransform& transform, Motion& motion) {
 
 }  // namespace
 
-std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target) {
-  std::vector<int> match(target.joints.size(), -1);
-  std::vector<bool> used(source.joints.size(), false);
-  const auto bare = [](const Skeleton& skeleton) {
-    Skeleton names = skeleton;
-    for (Joint& joint : names.joints) joint.synonyms.clear();
-    return names;
-  };
-  const Skeleton source_names = bare(source);
-  const auto take = [&](int t, const std::optional<int>& s) {
-    if (match[t] >= 0 || !s || used[*s]) return;
-    match[t] = *s;
-    used[*s] = true;
-  };
-  for (int t = 0; t < target.joint_count(); ++t) take(t, source_names.FindJoint(target.joints[t].name));
-  for (int t = 0; t < target.joint_count(); ++t) take(t, source.FindJoint(target.joints[t].name));
-  for (int t = 0; t < target.joint_count(); ++t) {
-    for (const std::string& synonym : target.joints[t].synonyms) take(t, source_names.FindJoint(synonym));
-  }
-  return match;
-}
-
 Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
   const int frames = FrameCount(clip);
   if (begin_frame < 0 || end_frame > frames || begin_frame >= end_frame) {

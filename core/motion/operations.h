@@ -33,8 +33,10 @@ void Transform(const RigidTransform& world_from_clip, Clip& clip);
 /// C <- map C map^T for every covariance (xx xy xz yy yz zz, six numbers each); `map` a rotation or a reflection.
 void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances);
 
-/// For each joint of `target` the joint of `source` that is it: by names, then by the synonyms of `source`, then by
-/// those of `target`, among the joints left over; -1 for one without a counterpart. (target J)
+/// For each joint of `target` the joint of `source` that is it; -1 for one without a counterpart. (target J) Arms and
+/// legs by how they hang from elbows and knees (LimbsOf), for one name means other joints in other trees; the trunk,
+/// where both arms hang from it by collars, by how far along joints lie; all else by names, then by the synonyms of
+/// `source`, then by those of `target`, among the joints left over.
 std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target);
 
 /// Joints renamed and reordered to another skeleton by names, then by synonyms among the joints left over; joints only,

@@ -6,6 +6,7 @@
 
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/limbs.h"
 
 namespace mocurate {
 namespace {
@@ -183,22 +184,20 @@ void StateChange(const Motion& before, Motion& after) {
 }  // namespace
 
 Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton) {
+  const Limbs limbs = LimbsOf(skeleton);
   std::vector<Leg> legs;
-  for (const char* side : {"left", "right"}) {
-    const auto find = [&](const char* joint) {
-      return skeleton.FindJoint(std::string(side) + "_" + joint).value_or(-1);
-    };
-    const Leg leg{find("hip"), find("knee"), find("ankle"), find("foot")};
-    const bool chain = leg.hip >= 0 && leg.knee >= 0 && leg.ankle >= 0 && skeleton.joints[leg.knee].parent == leg.hip &&
-                       skeleton.joints[leg.ankle].parent == leg.knee;
+  for (const Limb& limb : limbs.leg) {
+    const bool chain = limb.root >= 0 && limb.end >= 0 && skeleton.joints[limb.middle].parent == limb.root &&
+                       skeleton.joints[limb.end].parent == limb.middle;
     if (!chain) {
+      const char* side = legs.empty() ? "left" : "right";
       return Fail(
           ErrorCode::kUnsupported,
           std::string("hip, knee and ankle of the ") + side + " leg are no chain of skeleton '" + skeleton.name + "'",
           "fitting.contacts", "choose a skeleton that has them, e.g. smpl24, or take remove_sliding out");
     }
-    legs.push_back(leg);
-    if (leg.toe >= 0 && skeleton.joints[leg.toe].parent != leg.ankle) legs.back().toe = -1;
+    legs.push_back({limb.root, limb.middle, limb.end, limb.tip});
+    if (limb.tip >= 0 && skeleton.joints[limb.tip].parent != limb.end) legs.back().toe = -1;
   }
   return legs;
 }

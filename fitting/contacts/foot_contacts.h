@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// The joints of one leg, each the parent of the next; `toe` (the joint named foot) is -1 where the skeleton has none.
+/// The joints of one leg, each the parent of the next; `toe` (LimbsOf's tip) is -1 where the skeleton has none.
 struct Leg {
   int hip = -1;
   int knee = -1;

@@ -55,6 +55,19 @@ bool StandsForAnother(const SkeletonTracks& clip, int frame, int joint) {
          (clip.positions.at(frame, joint) - clip.positions.at(frame, of.parent)).isZero(0.0);
 }
 
+std::vector<bool> ShownJoints(const std::vector<SkeletonTracks>& clips) {
+  std::vector<bool> shown(clips.empty() ? 0 : clips.front().skeleton->joints.size(), false);
+  for (std::size_t j = 0; j < shown.size(); ++j) {
+    const int joint = static_cast<int>(j);
+    for (const SkeletonTracks& clip : clips) {
+      for (int f = 0; f < clip.frames() && !shown[j]; ++f) {
+        shown[j] = clip.seen(f, joint) && !StandsForAnother(clip, f, joint);
+      }
+    }
+  }
+  return shown;
+}
+
 BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b) {
   std::vector<std::pair<double, double>> lengths;  // and how much each counts
   BoneDistance distance;
@@ -174,12 +187,9 @@ void MakeSymmetric(const Skeleton& skeleton, const std::vector<double>& weight, 
 BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const Skeleton& skeleton, bool symmetric) {
   const int joints = skeleton.joint_count();
   std::vector<double> white;
-  std::vector<bool> seen(joints, false);
-  for (const SkeletonTracks& clip : clips) {
-    white.push_back(EstimateNoise(clip, {}).white);
-    const std::vector<bool> in_clip = clip.SeenJoints();
-    for (int j = 0; j < joints; ++j) seen[j] = seen[j] || in_clip[j];
-  }
+  for (const SkeletonTracks& clip : clips) white.push_back(EstimateNoise(clip, {}).white);
+  std::vector<bool> seen = ShownJoints(clips);
+  seen.resize(joints, false);
   BoneEstimate bones;
   bones.length = skeleton.RestBoneLengths();
   bones.samples.assign(joints, 0);

@@ -18,6 +18,9 @@ struct BoneEstimate {
 /// them: what trackers write who do not see it.
 bool StandsForAnother(const SkeletonTracks& clip, int frame, int joint);
 
+/// Which joints any frame of any clip shows, elsewhere than exactly where their parent is. (J)
+std::vector<bool> ShownJoints(const std::vector<SkeletonTracks>& clips);
+
 /// Robust distance between two joints over all clips, freed of what noise adds.
 struct BoneDistance {
   double length = 0.0;  ///< metres

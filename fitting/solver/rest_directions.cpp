@@ -15,11 +15,13 @@ namespace {
 
 constexpr double kRestSpread = 0.25;  ///< of the ends of the rest skeleton's bones, as a share of the bones
 constexpr double kLeastSigma = 2e-3;  ///< metres: tracked joints wander with the pose, however many samples there are
+constexpr double kBendSigma = 2e-2;   ///< metres: of distances to an end beyond a joint that nobody sees, which bends
 constexpr double kFramesAlike = 5.0;  ///< on end, which say the same
 constexpr double kRounding = 1e-4;
 constexpr int kSteps = 60;
 
-/// Bones that start at one joint, by the joints they end at.
+/// Bones that start at one joint, by the seen joints they end at: the children, or, below a child that nobody sees, the
+/// joint that follows it.
 using Star = std::vector<int>;
 
 /// Distances between the ends and how sure they are, metres.
@@ -52,8 +54,9 @@ std::optional<Distances> DistancesOf(const Star& star, const Eigen::MatrixXd& re
       const bool near = std::max(seen.length, expected) <= across;  // no more is known than that
       const double spread = std::max(seen.spread, std::sqrt(2.0) * noise);
       const double independent = std::max(1.0, seen.sure / kFramesAlike);
+      const double least = joints[a].parent == joints[b].parent ? kLeastSigma : kBendSigma;
       distances.length(i, k) = distances.length(k, i) = near ? expected : seen.length;
-      distances.sigma(i, k) = distances.sigma(k, i) = std::max(kLeastSigma, spread / std::sqrt(independent));
+      distances.sigma(i, k) = distances.sigma(k, i) = std::max(least, spread / std::sqrt(independent));
     }
   }
   return distances;
@@ -227,13 +230,22 @@ Eigen::MatrixXd Likeliest(const Distances& distances, const Eigen::MatrixXd& nea
   return points;
 }
 
-bool IsSeen(int joint, const std::vector<SkeletonTracks>& clips) {
-  for (const SkeletonTracks& clip : clips) {
-    for (int f = 0; f < clip.frames(); ++f) {
-      if (clip.seen(f, joint)) return true;
-    }
+/// From the start of the first bone to the end of the last, in the rest pose.
+Vector3d OffsetOver(const std::vector<int>& way, const Skeleton& skeleton) {
+  Vector3d offset = Vector3d::Zero();
+  for (const int joint : way) offset += skeleton.joints[joint].rest_offset;
+  return offset;
+}
+
+/// A child of a joint and, where nobody sees it, what follows, as long as one bone alone goes on: down to a joint that
+/// is seen. Empty where none is.
+std::vector<int> WayToSeen(int child, const std::vector<bool>& seen, const std::vector<std::vector<int>>& children) {
+  std::vector<int> way{child};
+  while (!seen[way.back()]) {
+    if (children[way.back()].size() != 1) return {};
+    way.push_back(children[way.back()].front());
   }
-  return false;
+  return way;
 }
 
 }  // namespace
@@ -250,18 +262,27 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
   for (const SkeletonTracks& clip : clips) white.push_back(EstimateNoise(clip, {}).white);
   auto own = std::make_shared<Skeleton>(*skeleton);
   const std::vector<std::vector<int>> children = skeleton->Children();
+  const std::vector<bool> seen = ShownJoints(clips);
   for (int parent = 0; parent < skeleton->joint_count(); ++parent) {
+    if (!seen[parent]) continue;
     Star star;
+    std::vector<std::vector<int>> ways;  // to each end
     for (const int child : children[parent]) {
-      if (bones.samples[child] > 0 && !skeleton->joints[child].rest_offset.isZero()) star.push_back(child);
+      const std::vector<int> way = WayToSeen(child, seen, children);
+      if (way.empty() || OffsetOver(way, *skeleton).isZero()) continue;
+      if (way.size() == 1 && bones.samples[child] == 0) continue;
+      star.push_back(way.back());
+      ways.push_back(way);
     }
-    if (star.size() < 2 || !IsSeen(parent, clips)) continue;
+    if (star.size() < 2) continue;
     const auto count = static_cast<Eigen::Index>(star.size());
     Eigen::MatrixXd near(3, count), rest(3, count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      const int end = star[static_cast<std::size_t>(i)];
-      rest.col(i) = skeleton->joints[end].rest_offset;
-      near.col(i) = bones.length[end] * rest.col(i).normalized();
+      const auto at = static_cast<std::size_t>(i);
+      const int end = star[at];
+      rest.col(i) = OffsetOver(ways[at], *skeleton);
+      const double length = ways[at].size() == 1 ? bones.length[end] : DistanceOver(clips, white, parent, end).length;
+      near.col(i) = length * rest.col(i).normalized();
     }
     const std::optional<Distances> distances = DistancesOf(star, near, clips, white, symmetric);
     if (!distances) continue;
@@ -272,7 +293,10 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
     offsets = TurnedTo(rest, offsets);  // rotations are counted from the rest pose of `skeleton`
     if (!offsets.allFinite()) continue;
     for (Eigen::Index i = 0; i < count; ++i) {
-      own->joints[star[static_cast<std::size_t>(i)]].rest_offset = RoundedDirection(offsets.col(i));
+      const Quaterniond swing = SwingBetween(rest.col(i), offsets.col(i));
+      for (const int joint : ways[static_cast<std::size_t>(i)]) {
+        own->joints[joint].rest_offset = RoundedDirection(swing * skeleton->joints[joint].rest_offset);
+      }
     }
   }
   return own;

@@ -211,6 +211,49 @@ TEST(Proportions, OfFewSamplesAndOfUnseenJointsKeepTheSkeletonsDirections) {
   }
 }
 
+/// The distance between two hips does not tell whether they lie above or below the root; what is seen of the back
+/// beyond a joint that nobody sees does.
+TEST(Proportions, OfHipsAreFoundByTheBackBeyondAnUnseenJoint) {
+  const SkeletonPtr nominal = *LoadSkeleton("smpl24");
+  auto body = std::make_shared<Skeleton>(*nominal);
+  const int left = *body->FindJoint("left_hip"), right = *body->FindJoint("right_hip");
+  body->joints[left].rest_offset = {0.088, 0.044, 0.012};
+  body->joints[right].rest_offset = {-0.088, 0.044, 0.012};
+  Take take = SmoothTake(400, Quaterniond::Identity(), 30.0, 0.4, body);
+  take.tracks.skeleton = nominal;
+  const int unseen = *body->FindJoint("spine1");
+  for (int f = 0; f < 400; ++f) Hide(take.tracks, f, unseen);
+  AddNoise(take.tracks, 0.005, 5);
+  const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  EXPECT_GT(person->skeleton->joints[left].rest_offset.y(), 0.02);
+  EXPECT_GT(person->skeleton->joints[right].rest_offset.y(), 0.02);
+  EXPECT_NEAR(AngleBetween(*person->skeleton, left, right), AngleBetween(*body, left, right), 4.0);
+}
+
+/// Collars and neck that stand where the chest does are not seen, and have lengths with which head and shoulders, which
+/// are, are reached.
+TEST(Proportions, OfJointsThatStandForTheirParentSpanToWhatFollows) {
+  const SkeletonPtr nominal = *LoadSkeleton("smpl24");
+  auto body = std::make_shared<Skeleton>(*nominal);
+  const int collar = *body->FindJoint("left_collar"), shoulder = *body->FindJoint("left_shoulder");
+  const int chest = *body->FindJoint("spine3");
+  body->joints[collar].rest_offset.setZero();
+  body->joints[body->joints[collar].mirror].rest_offset.setZero();
+  body->joints[shoulder].rest_offset = {0.18, 0.07, -0.02};
+  body->joints[body->joints[shoulder].mirror].rest_offset = {-0.18, 0.07, -0.02};
+  Take take = SmoothTake(300, Quaterniond::Identity(), 30.0, 0.4, body);
+  take.tracks.skeleton = nominal;
+  const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  ASSERT_TRUE(ShownJoints({take.tracks})[chest]);
+  EXPECT_FALSE(ShownJoints({take.tracks})[collar]);
+  const Skeleton& own = *person->skeleton;
+  const Vector3d reached = person->bone_length[collar] * own.joints[collar].rest_offset.normalized() +
+                           person->bone_length[shoulder] * own.joints[shoulder].rest_offset.normalized();
+  EXPECT_NEAR(reached.norm(), 0.194, 0.02);
+}
+
 /// Hips that stand for the pelvis in most frames: nobody saw them there.
 TEST(Proportions, AreOfFramesInWhichJointsAreSeen) {
   Take take = LargerPerson(300);
