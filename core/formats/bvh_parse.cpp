@@ -42,7 +42,9 @@ class Parser {
     const std::string_view first = lines_.Next();
     if (first.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_, "copy it again");
     if (!SameWord(first, "HIERARCHY")) {
-      return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'");
+      const bool wide = first.substr(0, 2) == "\xFF\xFE" || first.substr(0, 2) == "\xFE\xFF";
+      return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'", 0,
+                 wide ? "the text is UTF-16: save it as UTF-8" : "is it a BVH file, and whole?");
     }
     if (Status read = Hierarchy(); !read) return Forward(read);
     if (Status read = Header(); !read) return Forward(read);

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <set>
 
+#include "core/motion/joint_namespace.h"
 #include "core/motion/skeleton.h"
 #include "ingest/sense/observed_clip.h"
 
 namespace mocurate {
 namespace {
 
-/// A name without what exporters put before it, without case and separators: "mixamorig:LeftUpLeg" -> "leftupleg".
+/// A name without case and separators: "Left_UpLeg" -> "leftupleg".
 std::string PlainName(const std::string& name) {
   std::string plain;
-  for (const char c : name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1)) {
+  for (const char c : name) {
     if (c >= 'A' && c <= 'Z')
       plain += static_cast<char>(c - 'A' + 'a');
     else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
@@ -41,7 +42,7 @@ int SideOf(const std::string& name, std::string& rest) {
       return side;
     }
     const bool camel = name.size() > 1 && name[0] == (side == 0 ? 'L' : 'R') && name[1] >= 'A' && name[1] <= 'Z';
-    if (plain[0] == letter && (camel || (name.size() > 1 && name[1] == '_'))) {
+    if (plain[0] == letter && (camel || (name.size() > 1 && (name[1] == '_' || name[1] == ' ')))) {
       rest.erase(0, 1);
       return side;
     }
@@ -64,7 +65,8 @@ std::string Listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
-HandednessPoints PointsOfTree(const std::vector<std::string>& names, const std::vector<int>& parents) {
+HandednessPoints PointsOfTree(const std::vector<std::string>& whole_names, const std::vector<int>& parents) {
+  const std::vector<std::string> names = WithoutNamespace(whole_names);
   HandednessPoints points;
   const auto child = [&](int joint) {
     for (std::size_t j = 0; j < names.size(); ++j) {
@@ -130,11 +132,12 @@ void CompareTree(const SourceOptions& source, ObservedClip& clip) {
     clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
     return;
   }
+  const std::vector<std::string> names = NamesIn(**skeleton, clip.names);
   std::vector<std::string> missing, others, elsewhere;
   std::vector<int> joint_of(clip.names.size(), -1);
   std::set<int> found;
   for (std::size_t j = 0; j < clip.names.size(); ++j) {
-    const std::optional<int> joint = (*skeleton)->FindJoint(clip.names[j]);
+    const std::optional<int> joint = (*skeleton)->FindJoint(names[j]);
     if (!joint || !found.insert(*joint).second) {
       others.push_back(clip.names[j]);
       continue;
@@ -180,15 +183,16 @@ void FollowTree(const std::vector<int>& parents, const std::string& evidence, Ob
   for (const char* known : {"bandai22", "cmu31", "smpl24"}) {
     const auto skeleton = KnownSkeleton(known);
     if (!skeleton || (*skeleton)->joint_count() != clip.joints) continue;
-    const bool same = std::all_of(clip.names.begin(), clip.names.end(),
+    const std::vector<std::string> names = NamesIn(**skeleton, clip.names);
+    const bool same = std::all_of(names.begin(), names.end(),
                                   [&](const std::string& joint) { return (*skeleton)->FindJoint(joint).has_value(); });
     if (!same) continue;
-    if (HangsAlike(clip.names, parents, **skeleton)) {
+    if (HangsAlike(names, parents, **skeleton)) {
       clip.skeleton = known;
     } else {
       clip.skeleton_evidence = evidence + ": joints named as in '" + known + "', some hang from others than there";
     }
-    if (clip.points.knee[0] < 0) FollowFormat(known, clip.names, evidence, clip);
+    if (clip.points.knee[0] < 0) FollowFormat(known, names, evidence, clip);
   }
 }
 

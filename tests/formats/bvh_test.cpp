@@ -125,6 +125,7 @@ TEST(Bvh, EveryRefusalSaysAWayOut) {
     EXPECT_FALSE(bvh.error().hint.empty()) << to << ": " << bvh.error().what;
   }
   EXPECT_THAT(Fails(text.substr(0, text.find("MOTION") - 20)), HasSubstr("it is cut off"));
+  EXPECT_THAT(Fails(std::string("\xFF\xFEH\0I\0", 6)), HasSubstr("the text is UTF-16: save it as UTF-8"));
   EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "MOTION")),
               HasSubstr("a '}' is missing before it, with 1 joint still"));
   EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "}\n}\nMOTION")), HasSubstr("one '}' too many"));
