@@ -54,6 +54,11 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
   return findings;
 }
 
+bool SpoilsPoses(const std::vector<Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) { return finding.code == "angle_unit_contradiction"; });
+}
+
 void BlameDeclaration(std::vector<Finding>& findings) {
   for (Finding& finding : findings) {
     if (finding.code != "rate_doubtful") continue;
@@ -83,6 +88,22 @@ FindingAction ActionFor(const CheckOptions& options, const std::string& code, co
   const bool unsaid = options.actions.count(code) == 0;
   if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return FindingAction::kReport;
   return options.ActionFor(code);
+}
+
+/// Frames that were taken from their neighbours are equal to them because of that.
+void LeaveOutBridged(const Clip& clip, std::vector<Finding>& findings) {
+  if (!clip.motion || clip.motion->state.empty()) return;
+  const Motion& motion = *clip.motion;
+  const auto observed = [&](int f) {
+    const auto first = static_cast<std::size_t>(f) * static_cast<std::size_t>(motion.joint_count());
+    return motion.state[first] != JointState::kInterpolated;
+  };
+  const auto bridged = [&](const Finding& finding) {
+    int frames = 0;
+    for (int f = finding.frame_begin; f < finding.frame_end; ++f) frames += observed(f) ? 1 : 0;
+    return finding.code == "frozen_frames" && frames < 2;
+  };
+  findings.erase(std::remove_if(findings.begin(), findings.end(), bridged), findings.end());
 }
 
 void TakeAsMissing(const Finding& finding, JointTracks& tracks) {
@@ -135,6 +156,11 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
     if (finding.code == "units_contradiction" || finding.code == "up_contradiction") metres = false;
   }
   std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres);
+  if (SpoilsPoses(ingested.findings)) {
+    const auto shown = [](const Finding& finding) { return finding.code != "frozen_frames"; };
+    findings.erase(std::remove_if(findings.begin(), findings.end(), shown), findings.end());
+  }
+  LeaveOutBridged(ingested.clip, findings);
   if (source.rate_hz) BlameDeclaration(findings);
   JudgeName(source, named, points.positions->frames, findings);
   std::optional<DroppedClip> dropped;

@@ -7,6 +7,10 @@
 
 namespace mocurate {
 
+/// Whether a cause is known that makes a pose of every frame wrong, so that what the body shows is its consequence:
+/// angles of another unit than the file says.
+bool SpoilsPoses(const std::vector<Finding>& findings);
+
 /// The points of a clip: its tracks, else the joints of its motion. Nothing for clips without either.
 struct ClipPoints {
   explicit ClipPoints(const Clip& clip, const SkeletonPtr& skeleton);

@@ -281,7 +281,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   Expected<IngestedClip> ingested = ReadClip(file, facts.array);
   if (!ingested) return Unusable(*source, ingested.error(), request.item);
   if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
-  CheckBody(*source, *ingested);
+  if (!SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested);
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
@@ -303,6 +303,8 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     outcome.summary["threshold"] = ContradictionThreshold(finding.code, finding.value, *source);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,
                           "set ingest.source.on_contradiction: flag to keep such clips"};
+    // Its message says the place and the ways out.
+    if (finding.code == "rate_implausible") outcome.error = {ErrorCode::kInconsistent, finding.message, "", ""};
     return outcome;
   }
   if (Status written = WriteEvidence(ingested->clip, request.output, outcome.findings); !written)

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/array_elements.h"
 #include "core/formats/array_fields.h"
 #include "core/formats/npz.h"
 
@@ -32,10 +34,12 @@ class Reader {
   Reader(const Npz& npz, const std::string& name) : npz_(npz), name_(name) {}
 
   Expected<Amass> Read() {
+    if (Status s = CheckAxes(); !s) return Forward(s);
+    if (Status s = CheckCounts(); !s) return Forward(s);
     if (Status s = Poses(); !s) return Forward(s);
     const std::size_t n = amass_.frames;
     if (Status s = Take("trans", {n, 3}, true, amass_.translation_m); !s) return Forward(s);
-    if (Status s = Take("betas", {kAnyExtent}, true, amass_.betas); !s) return Forward(s);
+    if (Status s = Betas(); !s) return Forward(s);
     if (Status s = Rate(); !s) return Forward(s);
     if (Status s = TakeText("gender", amass_.gender); !s) return Forward(s);
     if (Status s = TakeText("surface_model_type", amass_.surface_model); !s) return Forward(s);
@@ -47,17 +51,68 @@ class Reader {
 
  private:
   std::string Where(const std::string& key) const { return name_ + ":" + key; }
-  tl::unexpected<Error> Bad(const std::string& key, const std::string& what,
-                            ErrorCode code = ErrorCode::kMalformed) const {
-    return Fail(code, what, Where(key));
+  tl::unexpected<Error> Bad(const std::string& key, const std::string& what, ErrorCode code = ErrorCode::kMalformed,
+                            const std::string& hint = "mend the array, or leave the file out") const {
+    return Fail(code, what, Where(key), hint);
+  }
+
+  /// Arrays of one row a frame that do not have the same count of rows. One that differs from at least two others is
+  /// the one that is named.
+  Status CheckCounts() const {
+    std::string said, odd;
+    std::map<std::size_t, std::vector<std::string>> keys;
+    for (const char* key :
+         {"poses", "root_orient", "pose_body", "pose_hand", "pose_jaw", "pose_eye", "trans", "dmpls", "marker_data"}) {
+      const NpyArray* array = npz_.Find(key);
+      if (array == nullptr || array->shape.size() < 2) continue;
+      said += (said.empty() ? "" : ", ") + ("'" + std::string(key) + "' has ") + std::to_string(array->shape[0]);
+      keys[array->shape[0]].emplace_back(key);
+    }
+    if (keys.size() < 2) return {};
+    const std::vector<std::string>& fewer = keys.begin()->second;
+    const std::vector<std::string>& more = keys.rbegin()->second;
+    if (keys.size() == 2 && fewer.size() == 1 && more.size() > 1) odd = fewer.front();
+    if (keys.size() == 2 && more.size() == 1 && fewer.size() > 1) odd = more.front();
+    return Fail(ErrorCode::kInconsistent, "the arrays disagree about the frames: " + said,
+                odd.empty() ? name_ : Where(odd),
+                (odd.empty() ? "one of them" : "'" + odd + "'") +
+                    " is cut off, or of another motion: export the file " + "again, or cut all to the same frames");
+  }
+
+  static bool IsKnown(std::size_t columns) {
+    return columns == 66 || columns == 72 || columns == 156 || columns == 165;
+  }
+
+  /// The way back where the numbers of 'poses' are all there in another shape.
+  Status CheckAxes() const {
+    const NpyArray* poses = npz_.Find("poses");
+    if (poses == nullptr || !poses->texts.empty()) return {};
+    const std::vector<std::size_t>& shape = poses->shape;
+    std::string way;
+    if (shape.size() == 2 && !IsKnown(shape[1]) && IsKnown(shape[0])) way = "its axes are exchanged: numpy's poses.T";
+    if (shape.size() == 3 && shape[2] == 3 && IsKnown(3 * shape[1])) way = "numpy's poses.reshape(len(poses), -1)";
+    if (way.empty()) return {};
+    return Bad("poses", "numbers of shape " + ShapeText(shape) + " where (frames, 66, 72, 156 or 165) are expected",
+               ErrorCode::kInconsistent, way + " mends it");
   }
 
   Status Take(const char* key, const std::vector<std::size_t>& shape, bool needed, std::vector<double>& values) {
     const NpyArray* array = npz_.Find(key);
-    if (array == nullptr) return needed ? Status(Bad(key, "the array is missing")) : Status{};
+    if (array == nullptr) {
+      return needed
+                 ? Status(Bad(key, "the array is missing", ErrorCode::kMalformed, "download or export the file again"))
+                 : Status{};
+    }
     if (Status s = CheckField(*array, shape, Where(key)); !s) return s;
     values = array->values;
     return {};
+  }
+
+  /// Some exporters leave an axis of one person before them.
+  Status Betas() {
+    const NpyArray* betas = npz_.Find("betas");
+    const bool one = betas != nullptr && betas->shape.size() == 2 && betas->shape[0] == 1;
+    return one ? Take("betas", {1, kAnyExtent}, true, amass_.betas) : Take("betas", {kAnyExtent}, true, amass_.betas);
   }
 
   Status TakeText(const char* key, std::string& text) {
@@ -76,7 +131,8 @@ class Reader {
     std::transform(text.begin(), text.end(), text.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (std::string_view(key) == "gender" && text != "male" && text != "female" && text != "neutral") {
-      return Bad(key, "'" + text + "' is none of male, female, neutral");
+      return Bad(key, "'" + text + "' is none of male, female, neutral", ErrorCode::kMalformed,
+                 "write 'neutral' where it is not known");
     }
     return {};
   }
@@ -88,14 +144,19 @@ class Reader {
       if (array == nullptr) continue;
       if (array->values.size() != 1) return Bad(key, "one number is expected");
       const double hz = array->values[0];
-      if (!(hz > 0.0 && hz <= 10000.0)) return Bad(key, FormatDouble(hz) + " is no rate in frames per second");
+      if (!(hz > 0.0 && hz <= 10000.0))
+        return Bad(key, FormatDouble(hz) + " is no rate in frames per second", ErrorCode::kMalformed,
+                   "write the frames per second, above 0 and up to 10000");
       if (rate != nullptr && rate->values != array->values) {
         return Bad(key, "the rate differs from that of 'mocap_framerate'", ErrorCode::kInconsistent);
       }
       rate = array;
       amass_.rate_hz = hz;
     }
-    if (rate == nullptr) return Bad("mocap_framerate", "the rate is missing, under this key and 'mocap_frame_rate'");
+    if (rate == nullptr) {
+      return Bad("mocap_framerate", "the rate is missing, under this key and 'mocap_frame_rate'", ErrorCode::kMalformed,
+                 "add it to the archive: frames per second, one number");
+    }
     const NpyArray* length = npz_.Find("mocap_time_length");
     if (length == nullptr) return {};
     if (length->values.size() != 1 || !std::isfinite(length->values[0])) {
@@ -129,7 +190,7 @@ class Reader {
     if (whole != nullptr) {
       if (Status s = CheckField(*whole, {kAnyExtent, kAnyExtent}, Where("poses")); !s) return s;
       const std::size_t columns = whole->shape[1];
-      if (columns != 66 && columns != 72 && columns != 156 && columns != 165) {
+      if (!IsKnown(columns)) {
         return Bad("poses", std::to_string(columns) + " columns; known are 66, 72, 156 (SMPL+H) and 165 (SMPL-X)");
       }
       amass_.frames = whole->shape[0];

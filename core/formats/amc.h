@@ -30,8 +30,9 @@ struct Amc {
   std::vector<int> frame_numbers;     ///< (frames) as written: not always 1, 2, 3
   std::vector<double> values;         ///< (frames, channel_count); 0 where the bone is missing in that frame
   std::vector<std::uint8_t> present;  ///< (frames, bones)
-  std::vector<int> damaged;           ///< with kReport, rising: frames with a row that is damaged or cut, no pose
-  std::vector<Finding> findings;      ///< "frame_number", "bone_missing"; with kReport "row_length", "cut_off"
+  std::vector<int> damaged;           ///< with kReport, rising: frames with a row that is damaged or missing, no pose
+  std::vector<Finding> findings;      ///< "frame_number", "bone_missing"; with kReport "row_length", "cut_off",
+                                      ///< "number_too_large", "bone_unknown", "bone_twice"
 
   double value(int frame, int channel) const {
     return values[static_cast<std::size_t>(frame) * static_cast<std::size_t>(channel_count) +
@@ -50,9 +51,10 @@ struct AmcOptions {
 
 /// Comments in any encoding, LF or CRLF or both in one file, keywords in any letter case. Without a skeleton the first
 /// frame says which bones there are. Error kMalformed "name:line" naming frame and bone: an unknown keyword or bone, a
-/// bone twice in a frame, a row of another length than the dof, no finite number, no whole frame number; a last frame
-/// that lacks bones of the one before it (cut off). With kReport such a row counts as missing, keeps its frame, and is
-/// reported, and so is a last frame that lacks bones.
+/// bone twice in a frame, a row of another length than the dof, no finite number, no whole frame number; a frame that
+/// lacks a bone which most frames have; a last frame that lacks the last bone of the one before it (cut off). With
+/// kReport a frame with such a row keeps its place, stands in `damaged` and is reported, and a last frame that was cut
+/// off is left out, with one finding. A bone that most frames lack is missing there, and told once.
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
 
 std::string WriteAmc(const Amc& amc);

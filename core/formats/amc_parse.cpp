@@ -49,15 +49,18 @@ class Parser {
       if (!read) return Forward(read);
       more = *read;
     }
-    if (amc_.frames == 0) return Fail(ErrorCode::kMalformed, "the file holds no frame", name_, "is it cut off?");
-    if (Status closed = CloseFrame(); !closed) return Forward(closed);
+    if (amc_.frames == 0) {
+      return Fail(ErrorCode::kMalformed, "the file holds no frame", name_, "is it cut off? Copy it again");
+    }
+    if (Status closed = CloseFrame(true); !closed) return Forward(closed);
     if (Status whole = LastFrame(); !whole) return Forward(whole);
-    ReportMissing();
+    if (Status missing = JudgeMissing(); !missing) return Forward(missing);
     return std::move(amc_);
   }
 
  private:
-  tl::unexpected<Error> Bad(const std::string& what, const std::string& hint = {}, int line = 0) const {
+  tl::unexpected<Error> Bad(const std::string& what, const std::string& hint = "mend the line, or leave the file out",
+                            int line = 0) const {
     const std::string frame =
         amc_.frames > 0 ? ", frame " + std::to_string(amc_.frame_numbers.back()) : std::string(", before any frame");
     return Fail(ErrorCode::kMalformed, what + frame, Place(line > 0 ? line : line_), hint);
@@ -65,12 +68,11 @@ class Parser {
 
   std::string Place(int line) const { return name_ + ":" + std::to_string(line); }
 
-  void Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
-    const std::string_view kind = code;
-    const bool damage = kind == "row_length" || kind == "number_too_large" || kind == "cut_off";
-    if (damage && (amc_.damaged.empty() || amc_.damaged.back() != amc_.frames - 1))
-      amc_.damaged.push_back(amc_.frames - 1);
-    if (amc_.findings.size() >= kMostFindings) return;
+  /// Null where so many are told already that this one is not.
+  Finding* Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
+    const bool damage = std::string_view(code) != "frame_number" && frame < 0;
+    if (damage && !Damaged()) amc_.damaged.push_back(amc_.frames - 1);
+    if (amc_.findings.size() >= kMostFindings) return nullptr;
     Finding finding;
     finding.code = code;
     finding.joint = Shown(bone);
@@ -80,7 +82,12 @@ class Parser {
     finding.message = std::move(message);
     finding.action = damage ? "dropped" : "kept";
     amc_.findings.push_back(std::move(finding));
+    return &amc_.findings.back();
   }
+
+  /// The frame that is being read.
+  bool Damaged() const { return !amc_.damaged.empty() && amc_.damaged.back() == amc_.frames - 1; }
+  bool Reports() const { return options_.damaged_rows == DamagedRows::kReport; }
 
   std::size_t Add(const std::string& name, std::size_t channels) {
     const std::size_t bone = amc_.bones.size();
@@ -104,18 +111,21 @@ class Parser {
     if (SameWord(key, "samples-per-second")) {
       const bool number = scanner_.Next() == Token::kNumber;
       if (!number || !(scanner_.value() >= 1e-6 && scanner_.value() <= 1e6)) {
-        return Bad(":SAMPLES-PER-SECOND needs a rate");
+        return Bad(":SAMPLES-PER-SECOND needs a rate from 1e-6 to 1e6",
+                   "write frames per second behind it, or leave the line out and declare ingest.source.rate");
       }
       amc_.hz = scanner_.value();
     } else if (SameWord(key, "degrees") || SameWord(key, "radians")) {
       const bool degrees = SameWord(key, "degrees");
-      if (amc_.degrees && *amc_.degrees != degrees) return Bad("the file says both :DEGREES and :RADIANS");
+      if (amc_.degrees && *amc_.degrees != degrees)
+        return Bad("the file says both :DEGREES and :RADIANS", "leave out the one that is wrong");
       amc_.degrees = degrees;
     } else if (SameWord(key, "fully-specified")) {
       amc_.fully_specified = true;
     } else {
       const auto nearest = Nearest(key, {"FULLY-SPECIFIED", "DEGREES", "RADIANS", "SAMPLES-PER-SECOND"});
-      return Bad("unknown keyword '" + Shown(word) + "'", nearest ? "did you mean ':" + *nearest + "'?" : "");
+      return Bad("unknown keyword '" + Shown(word) + "'",
+                 nearest ? "did you mean ':" + *nearest + "'?" : "leave the line out");
     }
     return LineEnds("'" + Shown(word) + "'");
   }
@@ -134,11 +144,13 @@ class Parser {
     const std::string text(scanner_.text());
     const Expected<bool> more = LineEnds("frame number " + Shown(text));
     if (!more) return more;
-    if (Status closed = CloseFrame(); !closed) return Forward(closed);
+    if (Status closed = CloseFrame(false); !closed) return Forward(closed);
     if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
     const int before = amc_.frames > 0 ? amc_.frame_numbers.back() : 0;
     amc_.frame_numbers.push_back(static_cast<int>(number));
     ++amc_.frames;
+    frame_lines_.push_back(line_);
+    last_before_ = last_;
     row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
     here_.assign(amc_.bones.size(), 0);
     if (amc_.frames > 1 && number != before + 1.0) {
@@ -157,12 +169,17 @@ class Parser {
     const bool whole = token == Token::kLineEnd || token == Token::kEnd;
     auto found = index_.find(bone);
     const bool learns = options_.skeleton == nullptr && amc_.frames == 1;
+    if (found == index_.end() && !learns && Reports() && amc_.frames > 1) {
+      Report("bone_unknown", bone, static_cast<double>(numbers_.size()),
+             Place(line_) + ": unknown " + called + " in frame " + std::to_string(amc_.frame_numbers.back()));
+      return whole ? token == Token::kLineEnd : SkipLine();
+    }
     if (found == index_.end() && !learns) {
       return Bad("unknown " + called, options_.skeleton != nullptr
                                           ? "the skeleton has no such bone with dof; is it the right skeleton?"
                                           : "the first frame does not have it");
     }
-    if (!whole && (learns || options_.damaged_rows == DamagedRows::kRefuse)) {
+    if (!whole && (learns || !Reports())) {
       return Bad("'" + Shown(scanner_.text()) + "' is no finite number: " + called + ", number " +
                  std::to_string(numbers_.size() + 1));
     }
@@ -174,12 +191,18 @@ class Parser {
       found = index_.find(bone);
     }
     const AmcBone& known = amc_.bones[found->second];
-    if (here_[found->second] != 0) return Bad(called + " stands twice");
+    last_ = found->second;
+    if (here_[found->second] != 0) {
+      if (!Reports() || amc_.frames < 2) return Bad(called + " stands twice");
+      Report("bone_twice", bone, 2.0,
+             Place(line_) + ": " + called + " stands twice in frame " + std::to_string(amc_.frame_numbers.back()));
+      return whole ? token == Token::kLineEnd : SkipLine();
+    }
     const auto large =
         std::find_if(numbers_.begin(), numbers_.end(), [](double number) { return std::abs(number) > kLargestNumber; });
     if (large != numbers_.end()) {
       const std::string what = called + " has " + FormatDouble(*large) + ", which is no number of a person";
-      if (learns || options_.damaged_rows == DamagedRows::kRefuse) return Bad(what, "the row is damaged");
+      if (learns || !Reports()) return Bad(what, "the row is damaged");
       Report("number_too_large", bone, static_cast<double>(large - numbers_.begin()), Place(line_) + ": " + what);
       return whole ? token == Token::kLineEnd : SkipLine();
     }
@@ -188,7 +211,7 @@ class Parser {
       const std::string what = called + (whole ? " has " + std::to_string(numbers_.size()) + " numbers, not " +
                                                      std::to_string(known.channels)
                                                : " has '" + Shown(scanner_.text()) + "' for a number");
-      if (options_.damaged_rows == DamagedRows::kRefuse) return Bad(what, "the row is damaged, or cut off");
+      if (!Reports()) return Bad(what, "the row is damaged, or cut off");
       Report("row_length", bone, static_cast<double>(numbers_.size()), Place(line_) + ": " + what);
       return whole ? token == Token::kLineEnd : SkipLine();
     }
@@ -197,10 +220,17 @@ class Parser {
     return token == Token::kLineEnd;
   }
 
-  Status CloseFrame() {
+  /// `last`: of the file. A frame without a bone is damaged, or where the file was cut off.
+  Status CloseFrame(bool last) {
     if (amc_.frames == 0) return {};
     if (std::none_of(here_.begin(), here_.end(), [](std::uint8_t here) { return here != 0; })) {
-      return Bad("the frame holds no bone", "the file is cut off, or damaged");
+      if (!Reports() || amc_.frames < 2) {
+        return Bad("the frame holds no bone", "the file is cut off, or damaged: copy it again");
+      }
+      if (!last && !Damaged()) {
+        Report("bone_missing", "", static_cast<double>(amc_.bones.size()),
+               Place(frame_lines_.back()) + ": frame " + std::to_string(amc_.frame_numbers.back()) + " holds no bone");
+      }
     }
     // Every number takes two bytes at least: a file with more places than bytes lacks most of what it announces.
     if (amc_.values.size() + row_.size() > bytes_ + kFewPlaces) {
@@ -211,35 +241,90 @@ class Parser {
     return {};
   }
 
-  /// A last frame with fewer bones than the one before it is the mark of a file that was cut off.
+  /// A last frame that lacks the bone with which the one before it ends is the mark of a file that was cut off: it is
+  /// left out, as what is left of its last row cannot be told from a whole one.
   Status LastFrame() {
-    if (amc_.frames < 2) return {};
+    const int last = amc_.frames - 1;
+    if (last < 1 || here_[last_before_] != 0) return {};
+    int lacking = 0;
+    std::string first;
     for (std::size_t bone = 0; bone < amc_.bones.size(); ++bone) {
       const int b = static_cast<int>(bone);
-      if (amc_.has(amc_.frames - 1, b) || !amc_.has(amc_.frames - 2, b)) continue;
-      const std::string what = "the last frame lacks bone '" + Shown(amc_.bones[bone].name) + "'";
-      if (options_.damaged_rows == DamagedRows::kRefuse) return Bad(what, "the file is cut off: copy it again");
-      Report("cut_off", amc_.bones[bone].name, 1.0, Place(line_) + ": " + what);
+      if (amc_.has(last, b) || !amc_.has(last - 1, b)) continue;
+      if (++lacking == 1) first = "'" + Shown(amc_.bones[bone].name) + "'";
+    }
+    if (lacking == 0) return {};
+    const std::string lacks = "lacks bone " + first + (lacking > 1 ? " and " + Counted(lacking - 1, "other") : "");
+    if (!Reports()) return Bad("the last frame " + lacks, "the file is cut off: copy it again");
+    const std::string what = Place(line_) + ": the file is cut off within frame " +
+                             std::to_string(amc_.frame_numbers.back()) + ", which begins at line " +
+                             std::to_string(frame_lines_.back()) + " and " + lacks;
+    LeaveOutLast();
+    if (Finding* told = Report("cut_off", "", lacking, what, last)) {
+      told->severity = Severity::kError;
+      told->action = "dropped";
     }
     return {};
   }
 
-  void ReportMissing() {
-    for (std::size_t bone = 0; bone < amc_.bones.size(); ++bone) {
-      int missing = 0, first = -1;
-      for (int frame = 0; frame < amc_.frames; ++frame) {
-        if (amc_.has(frame, static_cast<int>(bone))) continue;
-        if (first < 0) first = frame;
-        ++missing;
-      }
-      if (missing == 0) continue;
-      const std::string& name = amc_.bones[bone].name;
-      Report("bone_missing", name, missing,
-             name_ + ": bone '" + Shown(name) + "' is missing in " + std::to_string(missing) + " of " +
-                 std::to_string(amc_.frames) + " frames, first in frame " +
-                 std::to_string(amc_.frame_numbers[static_cast<std::size_t>(first)]),
-             first);
+  /// With what was said of it.
+  void LeaveOutLast() {
+    const int last = amc_.frames - 1;
+    if (Damaged()) amc_.damaged.pop_back();
+    while (!amc_.findings.empty() &&
+           (amc_.findings.back().frame_begin == last || amc_.findings.size() >= kMostFindings))
+      amc_.findings.pop_back();
+    amc_.values.resize(amc_.values.size() - row_.size());
+    amc_.present.resize(amc_.present.size() - here_.size());
+    amc_.frame_numbers.pop_back();
+    frame_lines_.pop_back();
+    --amc_.frames;
+  }
+
+  /// A bone that most frames have is damage where it is missing; one that most lack is not animated.
+  Status JudgeMissing() {
+    const auto frames = static_cast<std::size_t>(amc_.frames), bones = amc_.bones.size();
+    std::vector<std::uint8_t> damaged(frames, 0);
+    for (const int frame : amc_.damaged) damaged[static_cast<std::size_t>(frame)] = 1;
+    const std::size_t whole = frames - amc_.damaged.size();
+    std::vector<std::size_t> there(bones, 0);
+    for (std::size_t f = 0; f < frames; ++f) {
+      for (std::size_t b = 0; b < bones && damaged[f] == 0; ++b) there[b] += amc_.present[f * bones + b];
     }
+    for (std::size_t f = 0; f < frames; ++f) {
+      if (damaged[f] != 0) continue;
+      std::string first;
+      int lacking = 0;
+      for (std::size_t b = 0; b < bones; ++b) {
+        if (amc_.present[f * bones + b] != 0 || 2 * there[b] <= whole) continue;
+        if (++lacking == 1) first = amc_.bones[b].name;
+      }
+      if (lacking == 0) continue;
+      const std::string what = "frame " + std::to_string(amc_.frame_numbers[f]) + " lacks bone '" + Shown(first) + "'" +
+                               (lacking > 1 ? " and " + Counted(lacking - 1, "other") : "") +
+                               ", which most frames have";
+      if (!Reports()) {
+        return Fail(ErrorCode::kMalformed, what, Place(frame_lines_[f]),
+                    "mend or cut the frame, or copy the file again");
+      }
+      damaged[f] = 1;
+      Finding* told = Report("bone_missing", first, lacking, Place(frame_lines_[f]) + ": " + what, static_cast<int>(f));
+      if (told != nullptr) told->action = "dropped";
+    }
+    for (std::size_t b = 0; b < bones; ++b) {
+      if (there[b] == whole || 2 * there[b] > whole) continue;
+      const std::string& name = amc_.bones[b].name;
+      Finding* told = Report("bone_missing", name, static_cast<double>(whole - there[b]),
+                             name_ + ": bone '" + Shown(name) + "' is missing in " + std::to_string(whole - there[b]) +
+                                 " of " + std::to_string(frames) + " frames: it is left as at rest there",
+                             0);
+      if (told != nullptr) told->frame_end = 0;
+    }
+    amc_.damaged.clear();
+    for (std::size_t f = 0; f < frames; ++f) {
+      if (damaged[f] != 0) amc_.damaged.push_back(static_cast<int>(f));
+    }
+    return {};
   }
 
   NumberScanner scanner_;
@@ -250,6 +335,8 @@ class Parser {
   std::unordered_map<std::string, std::size_t> index_;
   std::vector<double> numbers_, row_;
   std::vector<std::uint8_t> here_;
+  std::vector<int> frame_lines_;            ///< (frames) of the frame numbers
+  std::size_t last_ = 0, last_before_ = 0;  ///< bones with which this frame and the one before it ended
   int line_ = 1;
 };
 

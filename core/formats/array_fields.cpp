@@ -37,17 +37,19 @@ Status CheckField(const NpyArray& array, const std::vector<std::size_t>& wanted,
     return Fail(ErrorCode::kMalformed,
                 (array.texts.empty() ? "numbers of shape " + ShapeText(array.shape) : std::string("texts")) +
                     " where numbers of shape (" + text + ") are expected",
-                where);
+                where, "is it the file that its name says? Export it again in that shape");
   }
   for (std::size_t i = 0; i < array.values.size(); ++i) {
     if (!std::isfinite(array.values[i])) {
-      return Fail(ErrorCode::kMalformed, "the value at " + PlaceText(i, array.shape) + " is not finite", where);
+      return Fail(ErrorCode::kMalformed, "the value at " + PlaceText(i, array.shape) + " is not finite", where,
+                  "mend or cut what holds it, or leave the file out");
     }
     if (std::abs(array.values[i]) > kLargestNumber) {
       return Fail(ErrorCode::kMalformed,
                   "the value at " + PlaceText(i, array.shape) + ", " + FormatDouble(array.values[i]) +
                       ", is no number of a person",
-                  where, "numbers reach to " + FormatDouble(kLargestNumber));
+                  where,
+                  "numbers reach to " + FormatDouble(kLargestNumber) + ": mend or cut it, or leave the file out");
     }
   }
   return {};

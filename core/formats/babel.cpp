@@ -12,6 +12,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr double kLongestOver_s = 0.1;  // that a label ends after its sequence: durations are rounded
+
 /// A JSON value with the path that leads to it, for messages.
 struct Place {
   const ordered_json* value = nullptr;
@@ -19,7 +21,8 @@ struct Place {
   const std::string* file = nullptr;
 
   tl::unexpected<Error> Bad(const std::string& rule) const {
-    return Fail(ErrorCode::kMalformed, rule, *file + ":" + DisplayPath(path));
+    return Fail(ErrorCode::kMalformed, rule, *file + ":" + DisplayPath(path),
+                "mend it, or leave the file out of ingest.source.annotations");
   }
   /// Null stands for a key that is absent.
   Place Find(const char* key) const {
@@ -171,14 +174,15 @@ ordered_json ToJson(const std::vector<BabelAnnotation>& annotations, bool timed,
 }  // namespace
 
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name) {
-  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name, "copy it again");
   ordered_json root;
   try {
     root = ordered_json::parse(bytes);
   } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, std::string("no JSON: ") + error.what(), name);
+    return Fail(ErrorCode::kMalformed, std::string("no JSON: ") + error.what(), name, "copy it again, or mend it");
   }
-  if (!root.is_object()) return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name);
+  if (!root.is_object())
+    return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name, "is it a file of BABEL?");
   std::vector<BabelSequence> sequences;
   for (const auto& [key, value] : root.items()) {
     Expected<BabelSequence> sequence = Sequence(Place{&value, "/" + key, &name}, key);
@@ -204,6 +208,9 @@ std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence) {
       } else if (*label.end_t <= *label.start_t) {
         what = "the label ends at " + FormatDouble(*label.end_t) + " s, not after its start at " +
                FormatDouble(*label.start_t) + " s";
+      } else if (*label.end_t > sequence.dur + kLongestOver_s) {
+        what = "the label ends at " + FormatDouble(*label.end_t) + " s, the sequence lasts " +
+               FormatDouble(sequence.dur) + " s";
       }
       if (!what.empty()) problems.push_back({path + std::to_string(i), what});
     }

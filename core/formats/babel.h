@@ -40,7 +40,8 @@ struct BabelSequence {
   std::vector<BabelAnnotation> frame_anns;  ///< none: the action spans the sequence
 };
 
-/// A label whose times cannot be: start missing or negative, end not after start.
+/// A label whose times cannot be: start missing or negative, end not after start, or more than 0.1 s after
+/// the end of the sequence.
 struct BabelProblem {
   std::string where;  ///< "7692/frame_ann/labels/2"
   std::string what;

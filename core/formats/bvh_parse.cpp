@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr int kMaxDepth = 512;  // no body is deeper; bounds what a hostile file can make a reader of ours do
 constexpr double kShortestFrame = 1e-6;
 constexpr double kLongestFrame = 1e6;  // seconds
+constexpr const char* kFrameTimeHint = "write the seconds from frame to frame, 0.0333333 for 30 frames a second";
 
 std::optional<BvhChannel> ChannelOf(std::string_view word) {
   constexpr std::string_view kNames[] = {"Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation"};
@@ -23,6 +25,12 @@ std::optional<BvhChannel> ChannelOf(std::string_view word) {
     if (SameWord(word, kNames[i])) return static_cast<BvhChannel>(i);
   }
   return std::nullopt;
+}
+
+/// Numbers of a program whose language has a comma there; else empty.
+std::string CommaHint(std::string_view text) {
+  if (text.find(',') == std::string_view::npos) return "";
+  return "numbers have a decimal point, not a comma: export the file again, or replace the commas";
 }
 
 class Parser {
@@ -34,7 +42,9 @@ class Parser {
     const std::string_view first = lines_.Next();
     if (first.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_, "copy it again");
     if (!SameWord(first, "HIERARCHY")) {
-      return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'");
+      const bool wide = first.substr(0, 2) == "\xFF\xFE" || first.substr(0, 2) == "\xFE\xFF";
+      return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'", 0,
+                 wide ? "the text is UTF-16: save it as UTF-8" : "is it a BVH file, and whole?");
     }
     if (Status read = Hierarchy(); !read) return Forward(read);
     if (Status read = Header(); !read) return Forward(read);
@@ -43,7 +53,12 @@ class Parser {
   }
 
  private:
+  /// Without a hint of its own: the way out of any damaged line.
   tl::unexpected<Error> Bad(std::string what, int line = 0, std::string hint = {}) const {
+    if (hint.empty()) {
+      hint = line == 0 && Trim(lines_.rest()).empty() ? "the file ends there: it is cut off, copy it again"
+                                                      : "mend the line, or export the file again";
+    }
     return Fail(ErrorCode::kMalformed, std::move(what), name_ + ":" + std::to_string(line > 0 ? line : lines_.number()),
                 std::move(hint));
   }
@@ -53,9 +68,12 @@ class Parser {
     if (words.size() != 4) return Bad("OFFSET needs 3 numbers, found " + std::to_string(words.size() - 1));
     for (int i = 0; i < 3; ++i) {
       const std::optional<double> value = ParseDouble(words[i + 1]);
-      if (!value || !std::isfinite(*value)) return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no finite number");
+      if (!value || !std::isfinite(*value)) {
+        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no finite number", 0, CommaHint(words[i + 1]));
+      }
       if (std::abs(*value) > kLargestNumber)
-        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no length of a body");
+        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no length of a body", 0,
+                   "numbers reach to " + FormatDouble(kLargestNumber) + ": mend it, or export the file again");
       offset[i] = *value;
     }
     return offset;
@@ -64,7 +82,8 @@ class Parser {
   Status Channels(BvhJoint& joint, const std::vector<std::string_view>& words) {
     const std::optional<long long> count = words.size() > 1 ? ParseInteger(words[1]) : std::nullopt;
     if (!count || *count < 0 || static_cast<std::size_t>(*count) != words.size() - 2) {
-      return Bad("CHANNELS of '" + joint.name + "' must say how many names follow");
+      return Bad("CHANNELS of '" + joint.name + "' must say how many names follow, found " +
+                 std::to_string(words.size() > 1 ? words.size() - 2 : 0));
     }
     if (!joint.channels.empty()) return Bad("CHANNELS of '" + joint.name + "' stand twice");
     joint.first_channel = bvh_.channel_count;
@@ -90,6 +109,11 @@ class Parser {
     joint.name = std::string(name);
     joint.parent = stack_.empty() ? -1 : stack_.back();
     bvh_.joints.push_back(joint);
+    if (reports_ && !names_.insert(joint.name).second) {
+      Report("joint_twice", static_cast<double>(bvh_.joints.size() - 1), lines_.number(), 0,
+             "joint '" + Shown(name) + "' stands twice: which of them a name means cannot be told; rename one");
+      bvh_.findings.back().severity = Severity::kWarning;
+    }
     if (static_cast<int>(stack_.size()) >= kMaxDepth) return Bad("joints are nested too deeply");
     return Brace("'" + Shown(name) + "'");
   }
@@ -141,7 +165,9 @@ class Parser {
       } else if (line == "}") {
         stack_.pop_back();
       } else {
-        return Bad("'" + Shown(line) + "' is no part of a hierarchy");
+        const std::string open = Counted(static_cast<long long>(stack_.size()), "joint") + " still open";
+        return Bad("'" + Shown(line) + "' is no part of a hierarchy", 0,
+                   SameWord(line, "MOTION") ? "a '}' is missing before it, with " + open : std::string());
       }
     } while (!stack_.empty());
     return {};
@@ -150,30 +176,42 @@ class Parser {
   Status Header() {
     std::string_view line = lines_.Next();
     if (line.empty()) return lines_.CutOff("MOTION");
-    if (!SameWord(line, "MOTION")) return Bad("MOTION is expected, not '" + Shown(line) + "'");
+    if (!SameWord(line, "MOTION")) {
+      return Bad(
+          "MOTION is expected, not '" + Shown(line) + "'", 0,
+          line == "}" ? "there is one '}' too many: leave it out"
+          : SameWord(SplitBlanks(line)[0], "ROOT")
+              ? "a file has one ROOT: write each person into a file of its own"
+              : "a line MOTION stands between the hierarchy and 'Frames:': write it there, or export the file again");
+    }
     line = lines_.Next();
     if (line.empty()) return lines_.CutOff("'Frames:'");
     const std::size_t colon = std::min(line.find(':'), line.size() - 1);
     const std::optional<long long> frames = ParseInteger(Trim(line.substr(colon + 1)));
     if (!SameWord(Trim(line.substr(0, colon)), "Frames") || !frames) {
-      return Bad("'Frames: N' is expected, not '" + Shown(line) + "'");
+      return Bad("'Frames: N' is expected, not '" + Shown(line) + "'", 0,
+                 "write the count of rows that follow 'Frame Time:' for N, a whole number");
     }
-    if (*frames < 1) return Bad("the file holds " + std::to_string(*frames) + " frames");
     announced_ = *frames;
     announced_line_ = lines_.number();
     line = lines_.Next();
     if (line.empty()) return lines_.CutOff("'Frame Time:'");
     const std::size_t second = std::min(line.find(':'), line.size() - 1);
     const std::optional<double> time = ParseDouble(Trim(line.substr(second + 1)));
-    if (!SameWord(Trim(line.substr(0, second)), "Frame Time") || !time) {
-      return Bad("'Frame Time: S' is expected, not '" + Shown(line) + "'");
+    const std::vector<std::string_view> key = SplitBlanks(line.substr(0, second));
+    if (key.size() != 2 || !SameWord(key[0], "Frame") || !SameWord(key[1], "Time") || !time) {
+      const std::string comma = CommaHint(line.substr(second));
+      return Bad("'Frame Time: S' is expected, not '" + Shown(line) + "'", 0, comma.empty() ? kFrameTimeHint : comma);
     }
     if (!(*time >= kShortestFrame && *time <= kLongestFrame)) {
       return Bad("frame time " + FormatDouble(*time) + " s gives no frame rate", 0,
-                 "it must be from 1e-6 to 1e6 seconds");
+                 std::string("it must be from 1e-6 to 1e6 seconds; ") + kFrameTimeHint);
     }
-    if (bvh_.channel_count == 0) return Bad("no joint has a channel");
+    if (bvh_.channel_count == 0) {
+      return Bad("no joint has a channel", 0, "a line CHANNELS of each joint says which numbers of a row are its");
+    }
     bvh_.frame_time_s = *time;
+    bvh_.frame_time_line = lines_.number();
     return {};
   }
 
@@ -199,13 +237,30 @@ class Parser {
     bvh_.findings.back().action = "dropped";
   }
 
+  /// Where every row has the same count of numbers, and it is the hierarchy that has another; else empty.
+  std::string HintOfChannels() const {
+    const double count = bvh_.findings.back().value;
+    for (const Finding& finding : bvh_.findings) {
+      if (finding.code != "joint_twice" && (finding.code != "row_length" || finding.value != count)) return "";
+    }
+    const auto without = std::find_if(bvh_.joints.begin(), bvh_.joints.end(),
+                                      [](const BvhJoint& joint) { return joint.channels.empty(); });
+    return "every row has " + FormatDouble(count) + " numbers: mend the CHANNELS of the hierarchy" +
+           (without == bvh_.joints.end() ? "" : "; joint '" + Shown(without->name) + "' has none");
+  }
+
   /// Rows before the first whole one hold its numbers. Damage that may have split or joined rows has no place.
   Status PlaceDamage(long long rows) {
     if (bvh_.damaged.empty()) return {};
     const auto wide = static_cast<std::size_t>(bvh_.channel_count);
     const auto damaged = static_cast<long long>(bvh_.damaged.size());
     if (rows > announced_ || (joined_ && rows != announced_) || 2 * damaged > rows) {
-      const Finding& first = bvh_.findings.front();
+      const Finding& first = *std::find_if(bvh_.findings.begin(), bvh_.findings.end(),
+                                           [](const Finding& finding) { return finding.code != "joint_twice"; });
+      if (const std::string hint = HintOfChannels(); 2 * damaged > rows && !hint.empty()) {
+        return Fail(ErrorCode::kMalformed, first.message.substr(first.message.find(": ") + 2),
+                    first.message.substr(0, first.message.find(": ")), hint);
+      }
       return Fail(ErrorCode::kMalformed, first.message.substr(first.message.find(": ") + 2),
                   first.message.substr(0, first.message.find(": ")),
                   2 * damaged > rows ? "more rows are damaged than whole: mend the file, or leave it out"
@@ -226,7 +281,7 @@ class Parser {
     using Token = NumberScanner::Token;
     NumberScanner scanner(lines_.rest(), false, lines_.number() + 1);
     bvh_.values.reserve(std::min<std::size_t>(lines_.rest().size() / 2 + 1,
-                                              static_cast<std::size_t>(std::min<long long>(announced_, 1 << 24)) *
+                                              static_cast<std::size_t>(std::clamp<long long>(announced_, 0, 1 << 24)) *
                                                   static_cast<std::size_t>(bvh_.channel_count)));
     const auto wide = static_cast<std::size_t>(bvh_.channel_count);
     int line = scanner.line();
@@ -244,6 +299,8 @@ class Parser {
       if (token == Token::kNotFinite || token == Token::kWord) {
         const std::string what = "'" + Shown(scanner.text()) + "' in frame " + std::to_string(rows) + ", channel " +
                                  std::to_string(in_row) + " is no finite number";
+        const std::string comma = CommaHint(scanner.text());
+        if (!comma.empty() && rows == 0) return Bad(what, scanner.line(), comma);
         if (!reports_) return Bad(what, scanner.line(), "mend or cut the frame, or leave the file out");
         Damage("not_a_number", static_cast<double>(in_row), line, rows++, what, begin);
         while (token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
@@ -273,7 +330,12 @@ class Parser {
       if (in_row != 0) ++rows;
       line = scanner.line();
     }
-    if (rows == 0) return Bad("no frame follows", line, "the file is cut off: copy it again");
+    if (rows == 0) {
+      return Bad("no frame follows", line,
+                 announced_ > 0 ? "the file is cut off: copy it again"
+                                : "'Frames: " + std::to_string(announced_) +
+                                      "' says so as well: nothing was recorded; export it again, or leave it out");
+    }
     if (rows > std::numeric_limits<int>::max()) return Bad("too many frames");
     if (Status placed = PlaceDamage(rows); !placed) return placed;
     if (rows != announced_) {
@@ -281,7 +343,8 @@ class Parser {
           CountContradiction("Frames", static_cast<double>(announced_), static_cast<double>(rows),
                              name_ + ":" + std::to_string(announced_line_));
       if (!reports_) return contradiction;
-      Report("count_contradiction", static_cast<double>(announced_), announced_line_, 0, contradiction.value().what);
+      Report("count_contradiction", static_cast<double>(announced_), announced_line_, 0,
+             contradiction.value().what + ": the rows that are there are taken");
     }
     bvh_.frames = static_cast<int>(rows);
     return {};
@@ -311,6 +374,7 @@ class Parser {
   bool reports_;
   Bvh bvh_;
   std::vector<int> stack_;
+  std::set<std::string> names_;
   long long announced_ = 0;
   int announced_line_ = 0;
   bool joined_ = false;  ///< a row has more numbers than channels

@@ -10,7 +10,7 @@ namespace mocurate {
 std::string Shown(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   std::string shown;
-  for (const char c : text.substr(0, kLongest)) shown += (c >= ' ' && c < 127) ? c : '?';
+  for (const char c : text.substr(0, kLongest)) shown += c == '\t' ? ' ' : (c >= ' ' && c < 127) ? c : '?';
   return text.size() > kLongest ? shown + "..." : shown;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/binary_numbers.h"
+#include "core/formats/largest_number.h"
 
 namespace mocurate {
 namespace {
@@ -40,14 +41,16 @@ class ObjParser {
     }
     if (!joined.empty()) return Bad("the last line is to be continued, but the file ends");
     if (obj_.faces.empty() && !bytes_.empty() && bytes_.back() != '\n')
-      return Bad("the file ends within a line, before any face: it is cut off");
-    if (obj_.vertices.empty()) return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_);
+      return Bad("the file ends within a line, before any face: it is cut off", "copy it again");
+    if (obj_.vertices.empty())
+      return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_, "export the mesh again");
     return std::move(obj_);
   }
 
  private:
-  tl::unexpected<Error> Bad(const std::string& rule) const {
-    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+  tl::unexpected<Error> Bad(const std::string& rule,
+                            const std::string& hint = "mend the line, or export the mesh again") const {
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_), hint);
   }
 
   bool NextLine(std::string_view& line) {
@@ -70,7 +73,8 @@ class ObjParser {
     if (keyword == "vt") return Texture();
     if (keyword == "f") return Face();
     if (IsPassedOver(keyword)) return {};
-    return Bad("'" + ShownText(keyword) + "' is no keyword of the format");
+    return Bad("'" + ShownText(keyword) + "' is no keyword of the format",
+               "leave the line out, or export the mesh again");
   }
 
   /// SplitBlanks into words_, whose memory is used again.
@@ -99,7 +103,14 @@ class ObjParser {
     if (Status read = Numbers(); !read) return read;
     const std::size_t n = numbers_.size();
     if (n != 3 && n != 4 && n != 6 && n != 7) return Bad("a vertex has 3 numbers, not " + std::to_string(n));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (std::abs(numbers_[axis]) <= kLargestCoordinate) continue;
+      return Bad("'" + ShownText(words_[axis + 1]) + "' is no coordinate of a scan: vertex " +
+                     std::to_string(obj_.vertices.size() + 1) + ", " + "xyz"[axis],
+                 kCoordinateHint);
+    }
     obj_.vertices.emplace_back(numbers_[0], numbers_[1], numbers_[2]);
+    obj_.vertex_lines.push_back(line_);
     return {};
   }
 

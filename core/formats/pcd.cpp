@@ -8,6 +8,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/header_count.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/lzf.h"
 #include "core/formats/number_scanner.h"
 
@@ -52,7 +53,8 @@ class PcdParser {
 
  private:
   tl::unexpected<Error> BadLine(const std::string& rule) const {
-    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_),
+                "mend the line, or export the file again");
   }
 
   Status Header() {
@@ -188,7 +190,11 @@ class PcdParser {
       return {};
     }
     if (const std::string fault = NumberFault(*value, field.type); !fault.empty()) {
-      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " " + fault, where());
+      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " " + fault, where(), "mend the number");
+    }
+    if (IsAxis(field) && std::abs(*value) > kLargestCoordinate) {
+      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " is no coordinate of a scan", where(),
+                  kCoordinateHint);
     }
     field.values.push_back(field.PackedColour() ? ColourFromFloat(static_cast<float>(*value))
                                                 : RoundedTo(field.type, *value));

@@ -41,7 +41,8 @@ bool operator==(const PcdField& a, const PcdField& b);
 bool operator==(const Pcd& a, const Pcd& b);
 
 /// ascii, binary (little-endian) and binary_compressed (LZF). Error kMalformed or kInconsistent with "name:line"
-/// (header, ascii) or "name:point 12/x"; kUnsupported for 8-byte whole numbers.
+/// (header, ascii) or "name:point 12/x"; kUnsupported for 8-byte whole numbers. So are coordinates
+/// beyond kLargestCoordinate.
 Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name);
 
 /// In the file's encoding; compressed files are stored without compression.

@@ -45,7 +45,8 @@ bool operator==(const PlyElement& a, const PlyElement& b);
 bool operator==(const Ply& a, const Ply& b);
 
 /// Error kMalformed with "name:line" (header, ASCII) or "name:vertex 12/x" (binary) for anything that is not the
-/// format, is cut off or has bytes left over; values that are not finite are refused.
+/// format, is cut off or has bytes left over; values that are not finite are refused,
+/// and coordinates of vertices beyond kLargestCoordinate.
 Expected<Ply> ParsePly(std::string_view bytes, const std::string& name);
 
 /// In the file's encoding; values must fit their types.

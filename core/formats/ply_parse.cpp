@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "core/base/text.h"
 #include "core/formats/header_count.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/number_scanner.h"
 #include "core/formats/ply.h"
 
@@ -53,13 +55,16 @@ class PlyParser {
 
  private:
   tl::unexpected<Error> BadLine(const std::string& rule) const {
-    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_),
+                "mend the line, or export the file again");
   }
   tl::unexpected<Error> BadItem(const PlyElement& element, std::size_t item, const PlyProperty& property,
-                                const std::string& rule) const {
+                                const std::string& rule,
+                                const std::string& hint = "mend the number, or export the file again") const {
     std::string where = name_ + ":";
     if (ply_.encoding == Ply::Encoding::kAscii) where += std::to_string(line_) + ":";
-    return Fail(ErrorCode::kMalformed, rule, where + element.name + " " + std::to_string(item) + "/" + property.name);
+    return Fail(ErrorCode::kMalformed, rule, where + element.name + " " + std::to_string(item) + "/" + property.name,
+                hint);
   }
 
   /// The next header line without its end; false at the end of the file.
@@ -193,9 +198,16 @@ class PlyParser {
                               where, at_most);
   }
 
+  static bool IsCoordinate(const PlyElement& element, const PlyProperty& property) {
+    return element.name == "vertex" && (property.name == "x" || property.name == "y" || property.name == "z");
+  }
+
   Status Put(const PlyElement& element, std::size_t item, PlyProperty& property, double value) {
     if (const std::string fault = NumberFault(value, property.type); !fault.empty()) {
       return BadItem(element, item, property, FormatDouble(value) + " " + fault);
+    }
+    if (std::abs(value) > kLargestCoordinate && IsCoordinate(element, property)) {
+      return BadItem(element, item, property, FormatDouble(value) + " is no coordinate of a scan", kCoordinateHint);
     }
     property.values.push_back(RoundedTo(property.type, value));
     return {};

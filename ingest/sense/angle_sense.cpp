@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -74,7 +75,35 @@ bool RootTurnsInDegrees(const Amc& amc, const Asf* skeleton) {
   return false;
 }
 
+/// Of small numbers: those of a body that moves, were they radians.
+bool MayBeRadians(const Angles& angles) {
+  return angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
+}
+
 }  // namespace
+
+std::optional<Finding> DoubtAngles(const Bvh& bvh) {
+  Angles angles;
+  std::size_t turning = 0;
+  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+    const BvhJoint& joint = bvh.joints[j];
+    bool turns = false;
+    for (std::size_t c = 0; c < joint.channels.size(); ++c) {
+      if (IsPosition(joint.channels[c])) continue;
+      turns = true;
+      for (int f = 0; f < bvh.frames; ++f) {
+        const double angle = std::abs(bvh.value(f, joint.first_channel + static_cast<int>(c)));
+        if (j > 0) angles.Add(angle);
+        if (j == 0 && angle > 4.0 * kPi) return std::nullopt;  // who stands as at rest may face anywhere
+      }
+    }
+    turning += turns ? 1 : 0;
+  }
+  if (turning < kFewestBones || !MayBeRadians(angles)) return std::nullopt;
+  return Contradiction(angles.largest, "a BVH is in degrees, but no joint is turned by more than " +
+                                           Digits(angles.largest) + " in any of " + Counted(bvh.frames, "frame") +
+                                           ": they are radians; multiply them by 180 / pi = 57.2958");
+}
 
 std::optional<Finding> DoubtAngles(const Amass& amass) {
   const std::size_t joints = std::min(kBodyJoints, amass.pose_columns / 3);
@@ -100,8 +129,7 @@ std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {
     return Contradiction(angles.largest, who + ":RADIANS, but angles of bones are " + OverWords(angles) +
                                              ": they are degrees; write :DEGREES");
   }
-  const bool small = angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
-  if (degrees && small && !RootTurnsInDegrees(amc, skeleton)) {
+  if (degrees && MayBeRadians(angles) && !RootTurnsInDegrees(amc, skeleton)) {
     return Contradiction(angles.largest, who + ":DEGREES, but no bone is turned by more than " +
                                              Digits(angles.largest) + " in any of " + std::to_string(amc.frames) +
                                              " frames: they are radians; write :RADIANS");

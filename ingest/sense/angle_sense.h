@@ -5,6 +5,7 @@
 #include "core/base/finding.h"
 #include "core/formats/amass.h"
 #include "core/formats/amc.h"
+#include "core/formats/bvh.h"
 
 namespace mocurate {
 
@@ -12,6 +13,13 @@ namespace mocurate {
 /// AMASS, where at least one in twenty of the joints' is longer than a whole turn. Radians of people are not; degrees
 /// are. One in 22 may be: a root that is never wrapped.
 std::optional<Finding> DoubtAngles(const Amass& amass);
+
+/// The same of a BVH, which is in degrees: at least 10 joints that turn, and none of them but the root by more than
+/// what pi is in radians.
+std::optional<Finding> DoubtAngles(const Bvh& bvh);
+
+/// Why nothing is measured of poses whose angles are of another unit than their file says.
+inline constexpr const char* kSpoiledPoses = "the angles are of another unit than the file says";
 
 /// The same of angles in an AMC, whose header (else its skeleton, if any) says the unit: said to be radians, and more
 /// than whole turns; said to be degrees, and no joint of at least 10 turned by more than what pi is in radians, nor the

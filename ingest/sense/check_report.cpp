@@ -135,7 +135,7 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
                   const std::string& up, const std::string& where, nlohmann::json& findings) {
   if (clip.positions.empty() || clip.positions.frames < 2 || units == "px") return;
   const bool declared = source && source->rate_hz;
-  const std::optional<double> rate = declared ? source->rate_hz : clip.rate_hz;
+  const std::optional<double> rate = declared ? source->rate_hz : clip.rate_doubt ? std::nullopt : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
   metres.confidence = ConfidenceOf(clip);
   LeaveOutIdleRoot(clip, metres.confidence);

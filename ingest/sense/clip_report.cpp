@@ -200,6 +200,10 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   for (const Remark& remark : clip.remarks) {
     findings.push_back(InspectionFinding(remark.code, remark.severity, where, Rounded(remark.value), remark.message));
   }
+  if (clip.rate_doubt && !(source && source->rate_hz)) {
+    const Finding& doubt = *clip.rate_doubt;
+    findings.push_back(InspectionFinding(doubt.code, doubt.severity, where, doubt.value, doubt.message));
+  }
   if (m.missing_share > kManyMissing) {
     findings.push_back(
         InspectionFinding("many_missing", Severity::kWarning, where, Rounded(m.missing_share),

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "ingest/sense/rate_sense.h"
 
 namespace mocurate {
 namespace {
@@ -92,6 +93,7 @@ double ContradictionThreshold(const std::string& code, double value, const Sourc
   }
   if (code == "up_contradiction" || code == "handedness_contradiction") return kContradicts;
   if (code == "joint_order_contradiction") return kPlausibleOrder;
+  if (code == "rate_implausible") return value > kSlowestRecorded_hz ? kFastestRecorded_hz : kSlowestRecorded_hz;
   if (code == "rate_contradiction") return source.rate_hz.value_or(0.0);
   return 0.0;
 }

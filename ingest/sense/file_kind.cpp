@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/formats/line_reader.h"
 #include "core/formats/pickle_opcodes.h"
 
 namespace mocurate {
@@ -63,6 +64,26 @@ FileKind AcclaimKind(const std::vector<std::string_view>& lines) {
     return FileKind::kUnknown;
   }
   return FileKind::kUnknown;
+}
+
+/// An Acclaim motion whose header is gone: a frame number, then names with numbers behind them.
+bool IsBareAmc(const std::vector<std::string_view>& lines) {
+  constexpr std::size_t kFewestRows = 4;
+  std::size_t rows = 0;
+  bool numbered = false;
+  for (const std::string_view line : lines) {
+    if (line.empty() || line[0] == '#') continue;
+    const std::vector<std::string_view> words = SplitBlanks(line);
+    if (!numbered) {
+      if (words.size() != 1 || !ParseInteger(words[0])) return false;
+      numbered = true;
+      continue;
+    }
+    if (ParseDouble(words[0])) return rows >= kFewestRows && words.size() == 1;
+    if (words.size() < 2 || NumbersIn(line.substr(words[0].size())) != words.size() - 1) return false;
+    ++rows;
+  }
+  return rows >= kFewestRows;
 }
 
 bool IsObj(const std::vector<std::string_view>& lines) {
@@ -125,6 +146,16 @@ bool IsVideo(std::string_view bytes) {
   return StartsWith(bytes, "\x1A\x45\xDF\xA3") || StartsWith(bytes, std::string_view("\0\0\1\xBA", 4));
 }
 
+/// Text of two bytes a letter, which no reader takes: theirs says so.
+bool IsWideBvh(std::string_view bytes) {
+  if (!StartsWith(bytes, "\xFF\xFE") && !StartsWith(bytes, "\xFE\xFF")) return false;
+  std::string text;
+  for (const char c : bytes.substr(2, 64)) {
+    if (c > ' ') text += c;
+  }
+  return StartsWith(text, "HIERARCHY");
+}
+
 }  // namespace
 
 FileKind KindOf(std::string_view bytes) {
@@ -135,11 +166,12 @@ FileKind KindOf(std::string_view bytes) {
   if (StartsWith(bytes, "PK\x03\x04")) return FileKind::kZip;
   if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
   if (BeginsAsOldPickle(bytes.substr(0, kHead))) return FileKind::kPickle;
+  if (IsWideBvh(bytes)) return FileKind::kBvh;
   if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n\f\v");
   if (first == std::string_view::npos) return FileKind::kEmpty;
   bytes.remove_prefix(first);
-  if (StartsWith(bytes, "HIERARCHY")) return FileKind::kBvh;
+  if (SameWord(bytes.substr(0, std::string_view("HIERARCHY").size()), "HIERARCHY")) return FileKind::kBvh;
   if (StartsWith(bytes, "ply\n") || StartsWith(bytes, "ply\r")) return FileKind::kPly;
   if (StartsWith(bytes, "# .PCD") || StartsWith(bytes, "VERSION ")) return FileKind::kPcd;
   if (StartsWith(bytes, "%YAML:1.0")) return FileKind::kOpenCvYaml;
@@ -147,6 +179,7 @@ FileKind KindOf(std::string_view bytes) {
   if (bytes[0] == '<') return FileKind::kXml;
   const std::vector<std::string_view> lines = LinesOf(bytes);
   if (const FileKind acclaim = AcclaimKind(lines); acclaim != FileKind::kUnknown) return acclaim;
+  if (IsBareAmc(lines)) return FileKind::kAmc;
   if (bytes[0] == '[' && lines[0].back() == ']' && lines[0].find('"') == std::string_view::npos) return FileKind::kToml;
   if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
   if (IsObj(lines)) return FileKind::kObj;

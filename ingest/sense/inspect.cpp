@@ -197,7 +197,7 @@ void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
   for (const Calibration& calibration : file.calibrations) {
     ReportCameras(calibration, name, inspection["cameras"], findings());
   }
-  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name));
+  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name, findings()));
   for (const ObservedCompanion& companion : file.companions) {
     inspection["companions"].push_back(CompanionReport(companion));
   }
@@ -276,11 +276,12 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
   const ErrorCode code = error.code;
   if (code == ErrorCode::kUnreadable || code == ErrorCode::kNotFound)
     return AddError(error, file.name, "unreadable", findings());
-  // Text in brackets and XML may be anything, but not where it speaks of cameras.
+  // Text in brackets and XML may be anything, but not where it speaks of cameras or is BABEL's.
   bool common = kind == FileKind::kJson || kind == FileKind::kXml || kind == FileKind::kToml;
   if (common) {
     const Expected<std::string> bytes = ReadFile(file.path);
-    common = !bytes || !SpeaksOfCameras(*bytes);
+    const bool babel = bytes && kind == FileKind::kJson && JsonKindOf(*bytes) == JsonKind::kBabel;
+    common = !bytes || (!babel && !SpeaksOfCameras(*bytes));
   }
   if (folder_ && (code == ErrorCode::kUnsupported || common)) {
     others_.push_back(file.name);

@@ -20,6 +20,7 @@ namespace mocurate {
 struct ObservedCloud {
   std::string format;  ///< "ply", "pcd", "obj"
   std::vector<Vector3d> points;
+  std::vector<int> places;  ///< (points) in the file: the line of an OBJ, else the number from 0
   std::size_t triangles = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/rate_sense.h"
 
 namespace mocurate {
 namespace {
@@ -93,6 +94,9 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
       clip.positions.at(i, static_cast<int>(b) + 1) = parent < 0 ? root : ends[static_cast<std::size_t>(parent)];
     }
   }
+  if (!amc.damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : amc.damaged)
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
   FollowTree(parents, "hierarchy of the skeleton file", clip);
 }
 
@@ -123,15 +127,22 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
   if (amc->hz) {
     clip.rate_hz = amc->hz;
     clip.rate_evidence = ":SAMPLES-PER-SECOND of the file";
+    clip.rate_doubt = DoubtRate(*amc->hz, RateWord::kFramesPerSecond, file.name + ": :SAMPLES-PER-SECOND");
   } else if (const auto rate = RateOfName(file.path)) {
     clip.rate_hz = rate;
     clip.rate_evidence = "the name: HDM05's end with the rate";
   }
   AddRemarks(amc->findings, clip);
-  if (const auto angles = DoubtAngles(*amc, asf ? &*asf : nullptr)) AddRemarks({*angles}, clip);
+  const std::optional<Finding> angles = DoubtAngles(*amc, asf ? &*asf : nullptr);
+  if (angles) AddRemarks({*angles}, clip);
   if (asf) AddRemarks(DoubtLengths(*asf), clip);
   if (asf && amc->frames > 0) {
     AddPositions(*asf, *amc, clip);
+    if (angles) {
+      clip.positions = JointPositions();
+      clip.confidence.clear();
+      clip.silence = kSpoiledPoses;
+    }
   } else {
     clip.silence = "without its skeleton file (.asf) a motion has no lengths";
     clip.skeleton_evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";

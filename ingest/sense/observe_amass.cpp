@@ -6,6 +6,7 @@
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/rate_sense.h"
 #include "ingest/sense/tree_points.h"
 #include "ingest/sources/smpl_motion.h"
 
@@ -64,7 +65,7 @@ void StandOnTree(const Motion& motion, ObservedClip& clip) {
   clip.lengths_assumed = true;
 }
 
-ObservedClip AmassClip(const Amass& amass) {
+ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   ObservedClip clip;
   clip.format = "amass";
   clip.frames = static_cast<int>(amass.frames);
@@ -72,6 +73,7 @@ ObservedClip AmassClip(const Amass& amass) {
   clip.rate_hz = amass.rate_hz;
   clip.rate_evidence =
       amass.layout == Amass::Layout::kSplit ? "mocap_frame_rate of the file" : "mocap_framerate of the file";
+  clip.rate_doubt = DoubtRate(amass.rate_hz, RateWord::kFramesPerSecond, name + ":mocap_framerate");
   clip.layout_evidence = std::to_string(amass.pose_columns) + " pose numbers a frame";
   clip.skeleton = !amass.surface_model.empty() ? amass.surface_model
                   : amass.pose_columns == 156  ? "smplh"
@@ -85,15 +87,16 @@ ObservedClip AmassClip(const Amass& amass) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
-  if (const auto angles = DoubtAngles(amass))
-    clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
-  const Expected<Motion> posed = PoseTree(amass);
+  const std::optional<Finding> angles = DoubtAngles(amass);
+  if (angles) clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
+  // Poses of another unit show nothing; markers beside them do.
+  const Expected<Motion> posed = angles ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
   if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
   if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
     if (posed)
       StandOnTree(*posed, clip);
     else
-      clip.silence = posed.error().Message();
+      clip.silence = posed.error().what;
     return clip;
   }
   if (posed) clip.posed = posed->joints;
@@ -122,7 +125,7 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
   if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
     const Expected<Amass> amass = ParseAmass(file.bytes, file.name);
     if (!amass) return Forward(amass);
-    observed.clips.push_back(AmassClip(*amass));
+    observed.clips.push_back(AmassClip(*amass, file.name));
     return observed;
   }
   if (archive->Find("v_template") != nullptr) {

@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include "core/formats/bvh.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/rate_sense.h"
 
 namespace mocurate {
 
@@ -15,6 +17,7 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   clip.joints = static_cast<int>(bvh->joints.size());
   clip.rate_evidence = "Frame Time of the file";
   clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
+  clip.rate_doubt = DoubtRate(bvh->hz(), RateWord::kSecondsPerFrame, name + ":" + std::to_string(bvh->frame_time_line));
   for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
   clip.positions = JointPositions(bvh->frames, clip.joints);
   std::vector<Vector3d> positions;
@@ -30,6 +33,12 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
   FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
   clip.layout_evidence = "header of the file";
+  if (const auto angles = DoubtAngles(*bvh)) {
+    clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
+    clip.positions = JointPositions();
+    clip.confidence.clear();
+    clip.silence = kSpoiledPoses;
+  }
   for (const Finding& finding : bvh->findings) {
     clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
   }

@@ -140,17 +140,22 @@ Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& 
     const auto triangles = PlyTriangles(*ply, name);
     if (!triangles) return Forward(triangles);
     cloud.points = std::move(*points);
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) cloud.places.push_back(static_cast<int>(i));
     cloud.triangles = triangles->size();
   } else if (format == "pcd") {
     const auto pcd = ParsePcd(bytes, name);
     if (!pcd) return Forward(pcd);
     auto points = PcdPoints(*pcd, name);
     if (!points) return Forward(points);
+    for (std::size_t i = 0; i < pcd->point_count(); ++i) {
+      if (pcd->missing[i] == 0) cloud.places.push_back(static_cast<int>(i));
+    }
     cloud.points = std::move(*points);
   } else {
     const auto obj = ParseObj(bytes, name);
     if (!obj) return Forward(obj);
     cloud.points = obj->vertices;
+    cloud.places = obj->vertex_lines;
     cloud.triangles = ObjTriangles(*obj).size();
   }
   return cloud;

@@ -38,6 +38,7 @@ struct ObservedClip {
   std::vector<int> parents;        ///< (joints) where the file holds a tree; -1 for the root
   HandednessPoints points;
   std::optional<double> rate_hz;      ///< where the file says it
+  std::optional<Finding> rate_doubt;  ///< why that is none, where no source declares one
   std::string rate_evidence;          ///< where it says it, or what is known besides the file
   std::vector<double> frame_numbers;  ///< (frames) where the file counts its frames, rising; empty: one after another
   double set_rate_hz = 0.0;           ///< where only the set that the file is of tells it

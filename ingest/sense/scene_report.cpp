@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sense/clip_report.h"
+#include "ingest/sense/cloud_sense.h"
 
 namespace mocurate {
 namespace {
@@ -82,7 +83,12 @@ void ReportCameras(const Calibration& calibration, const std::string& file, Json
   }
 }
 
-Json CloudReport(const ObservedCloud& cloud, const std::string& file) {
+Json CloudReport(const ObservedCloud& cloud, const std::string& file, Json& findings) {
+  const Json units = UnitsOf(Extent(cloud.points, kStray));
+  const std::string unit = units.at("value").is_null() ? std::string() : units.at("value").get<std::string>();
+  if (const auto far = DoubtPoints(cloud, unit, file)) {
+    findings.push_back(InspectionFinding(far->code, far->severity, file, Rounded(far->value), far->message));
+  }
   const std::array<double, 3> extent = Extent(cloud.points, 0.0);
   return {{"id", file},
           {"file", file},
@@ -91,7 +97,7 @@ Json CloudReport(const ObservedCloud& cloud, const std::string& file) {
           {"triangles", cloud.triangles},
           {"extent", ReportValue(Json{Rounded(extent[0]), Rounded(extent[1]), Rounded(extent[2])}, "measured", 1.0,
                                  "x, y, z in the file's unit")},
-          {"units", UnitsOf(Extent(cloud.points, kStray))}};
+          {"units", units}};
 }
 
 Json CompanionReport(const ObservedCompanion& companion) {

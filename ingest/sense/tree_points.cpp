@@ -3,56 +3,13 @@
 #include <algorithm>
 #include <set>
 
+#include "core/motion/joint_namespace.h"
+#include "core/motion/limbs.h"
 #include "core/motion/skeleton.h"
 #include "ingest/sense/observed_clip.h"
 
 namespace mocurate {
 namespace {
-
-/// A name without what exporters put before it, without case and separators: "mixamorig:LeftUpLeg" -> "leftupleg".
-std::string PlainName(const std::string& name) {
-  std::string plain;
-  for (const char c : name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1)) {
-    if (c >= 'A' && c <= 'Z')
-      plain += static_cast<char>(c - 'A' + 'a');
-    else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
-      plain += c;
-  }
-  return plain;
-}
-
-/// 0 left, 1 right, -1 neither; `rest` is the name without its side.
-int SideOf(const std::string& name, std::string& rest) {
-  const std::string plain = PlainName(name);
-  rest = plain;
-  for (int side = 0; side < 2; ++side) {
-    const std::string word = side == 0 ? "left" : "right";
-    if (const std::size_t at = plain.find(word); at != std::string::npos) {
-      rest.erase(at, word.size());
-      return side;
-    }
-  }
-  if (plain.empty()) return -1;
-  const bool marked_end = name.size() > 2 && (name[name.size() - 2] == '_' || name[name.size() - 2] == '.');
-  for (int side = 0; side < 2; ++side) {
-    const char letter = side == 0 ? 'l' : 'r';
-    if (marked_end && plain.back() == letter) {
-      rest.pop_back();
-      return side;
-    }
-    const bool camel = name.size() > 1 && name[0] == (side == 0 ? 'L' : 'R') && name[1] >= 'A' && name[1] <= 'Z';
-    if (plain[0] == letter && (camel || (name.size() > 1 && name[1] == '_'))) {
-      rest.erase(0, 1);
-      return side;
-    }
-  }
-  return -1;
-}
-
-bool Contains(const std::string& text, const std::vector<const char*>& words) {
-  return std::any_of(words.begin(), words.end(),
-                     [&](const char* word) { return text.find(word) != std::string::npos; });
-}
 
 /// The first few of a list.
 std::string Listed(const std::vector<std::string>& names) {
@@ -64,34 +21,27 @@ std::string Listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
-HandednessPoints PointsOfTree(const std::vector<std::string>& names, const std::vector<int>& parents) {
+HandednessPoints PointsOfTree(const std::vector<std::string>& whole_names, const std::vector<int>& parents) {
+  const std::vector<std::string> names = WithoutNamespace(whole_names);
+  Skeleton tree;
   HandednessPoints points;
-  const auto child = [&](int joint) {
-    for (std::size_t j = 0; j < names.size(); ++j) {
-      if (parents[j] == joint) return static_cast<int>(j);
-    }
-    return -1;
-  };
   for (std::size_t j = 0; j < names.size(); ++j) {
-    std::string rest;
-    const int side = SideOf(names[j], rest);
-    const int joint = static_cast<int>(j);
-    if (side < 0) {
-      if (points.head < 0 && Contains(rest, {"head"})) points.head = joint;
-      continue;
-    }
-    const bool knee = rest == "leg" || Contains(rest, {"knee", "shin", "calf", "lowerleg", "lowleg"});
-    const bool elbow = Contains(rest, {"elbow", "forearm", "lowerarm", "lowarm"});
-    if (knee && points.knee[side] < 0) {
-      points.knee[side] = joint;
-      points.hip[side] = parents[j];
-      points.ankle[side] = child(joint);
-      if (points.ankle[side] >= 0) points.toe[side] = child(points.ankle[side]);
-    }
-    if (elbow && points.wrist[side] < 0) {
-      points.shoulder[side] = parents[j];
-      points.wrist[side] = child(joint);
-    }
+    Joint joint;
+    joint.name = names[j];
+    joint.parent = parents[j];
+    tree.joints.push_back(joint);
+    const bool head = names[j].find("head") != std::string::npos || names[j].find("Head") != std::string::npos;
+    if (points.head < 0 && head) points.head = static_cast<int>(j);
+  }
+  const Limbs limbs = LimbsOf(tree);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Limb& leg = limbs.leg[side];
+    points.knee[side] = leg.middle;
+    points.hip[side] = leg.root;
+    points.ankle[side] = leg.end;
+    points.toe[side] = leg.tip;
+    points.shoulder[side] = limbs.arm[side].root;
+    points.wrist[side] = limbs.arm[side].end;
   }
   return points;
 }
@@ -130,11 +80,12 @@ void CompareTree(const SourceOptions& source, ObservedClip& clip) {
     clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
     return;
   }
+  const std::vector<std::string> names = NamesIn(**skeleton, clip.names);
   std::vector<std::string> missing, others, elsewhere;
   std::vector<int> joint_of(clip.names.size(), -1);
   std::set<int> found;
   for (std::size_t j = 0; j < clip.names.size(); ++j) {
-    const std::optional<int> joint = (*skeleton)->FindJoint(clip.names[j]);
+    const std::optional<int> joint = (*skeleton)->FindJoint(names[j]);
     if (!joint || !found.insert(*joint).second) {
       others.push_back(clip.names[j]);
       continue;
@@ -180,15 +131,16 @@ void FollowTree(const std::vector<int>& parents, const std::string& evidence, Ob
   for (const char* known : {"bandai22", "cmu31", "smpl24"}) {
     const auto skeleton = KnownSkeleton(known);
     if (!skeleton || (*skeleton)->joint_count() != clip.joints) continue;
-    const bool same = std::all_of(clip.names.begin(), clip.names.end(),
+    const std::vector<std::string> names = NamesIn(**skeleton, clip.names);
+    const bool same = std::all_of(names.begin(), names.end(),
                                   [&](const std::string& joint) { return (*skeleton)->FindJoint(joint).has_value(); });
     if (!same) continue;
-    if (HangsAlike(clip.names, parents, **skeleton)) {
+    if (HangsAlike(names, parents, **skeleton)) {
       clip.skeleton = known;
     } else {
       clip.skeleton_evidence = evidence + ": joints named as in '" + known + "', some hang from others than there";
     }
-    if (clip.points.knee[0] < 0) FollowFormat(known, clip.names, evidence, clip);
+    if (clip.points.knee[0] < 0) FollowFormat(known, names, evidence, clip);
   }
 }
 

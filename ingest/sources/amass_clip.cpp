@@ -4,6 +4,7 @@
 #include "core/formats/amass.h"
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
+#include "ingest/sense/rate_sense.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -70,7 +71,8 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
 
   IngestedClip ingested;
   Clip& clip = ingested.clip;
-  clip.rate = RateOfFile(source, amass->rate_hz, ingested);
+  clip.rate = RateOfFile(source, amass->rate_hz, ingested,
+                         DoubtRate(amass->rate_hz, RateWord::kFramesPerSecond, file.name + ":mocap_framerate"));
   clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (auto angles = DoubtAngles(*amass)) ingested.findings.push_back(*std::move(angles));

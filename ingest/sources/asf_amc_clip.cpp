@@ -6,6 +6,7 @@
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
+#include "ingest/sense/rate_sense.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
@@ -100,7 +101,10 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   for (const std::vector<Finding>& more : {amc->findings, DoubtLengths(*asf)})
     ingested.findings.insert(ingested.findings.end(), more.begin(), more.end());
   if (auto angles = DoubtAngles(*amc, &*asf)) ingested.findings.push_back(*std::move(angles));
-  ingested.clip.rate = amc->hz ? RateOfFile(source, *amc->hz, ingested) : FrameRate::FromHz(*source.rate_hz);
+  ingested.clip.rate =
+      !amc->hz ? FrameRate::FromHz(*source.rate_hz)
+               : RateOfFile(source, *amc->hz, ingested,
+                            DoubtRate(*amc->hz, RateWord::kFramesPerSecond, file.name + ": :SAMPLES-PER-SECOND"));
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;
   const AsfTree made = TreeOf(*asf, metres_from_file);

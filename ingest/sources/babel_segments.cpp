@@ -10,6 +10,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kMostOff = 0.05, kMostOff_s = 0.25;  // that an annotated sequence differs from the motion's length
+
 /// Names of datasets before and after AMASS renamed them.
 const std::map<std::string, std::string>& NewNames() {
   static const std::map<std::string, std::string> names = {{"BioMotionLab_NTroje", "BMLrub"},
@@ -120,6 +122,13 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
     findings.push_back(Found("annotators", static_cast<double>(annotations.size()),
                              std::to_string(annotations.size()) + " annotators labelled the sequence",
                              "the first one's labels are taken"));
+  }
+  if (const double off_s = std::abs(sequence.dur - duration_s); off_s > kMostOff_s + kMostOff * duration_s) {
+    findings.push_back(Found("annotation_duration", sequence.dur,
+                             "the annotation is of a sequence of " + RoundedText(sequence.dur) +
+                                 " s, the motion lasts " + RoundedText(duration_s) +
+                                 " s: is it the file that feat_p names, whole, and its rate?",
+                             "its labels are kept where they can be"));
   }
   int withheld = 0;
   for (const BabelLabel& label : annotations[0].labels) {

@@ -4,8 +4,10 @@
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/rate_sense.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
@@ -82,7 +84,10 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = bvh->findings;
-  ingested.clip.rate = RateOfFile(source, bvh->hz(), ingested);
+  if (auto angles = DoubtAngles(*bvh)) ingested.findings.push_back(*std::move(angles));
+  ingested.clip.rate = RateOfFile(
+      source, bvh->hz(), ingested,
+      DoubtRate(bvh->hz(), RateWord::kSecondsPerFrame, file.name + ":" + std::to_string(bvh->frame_time_line)));
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;
   const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());

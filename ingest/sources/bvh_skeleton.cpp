@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/text.h"
+#include "core/motion/joint_namespace.h"
 
 namespace mocurate {
 namespace {
@@ -43,7 +44,7 @@ std::string Mirrored(const std::string& name) {
   const std::size_t size = name.size();
   if (size > 2 && name.compare(size - 2, 2, "_L") == 0) return name.substr(0, size - 1) + "R";
   if (size > 2 && name.compare(size - 2, 2, "_l") == 0) return name.substr(0, size - 1) + "r";
-  if (size > 1 && name[0] == 'L' && name[1] >= 'A' && name[1] <= 'Z') return "R" + name.substr(1);
+  if (size > 1 && name[0] == 'L' && ((name[1] >= 'A' && name[1] <= 'Z') || name[1] == ' ')) return "R" + name.substr(1);
   if (size > 1 && name[0] == 'l' && name[1] >= 'A' && name[1] <= 'Z') return "r" + name.substr(1);
   return name;
 }
@@ -64,10 +65,13 @@ SkeletonPtr FromFile(const Bvh& bvh, const BvhOffsets& offsets, const std::strin
     skeleton->joints.push_back(joint);
   }
   Skeleton paired = *skeleton;
+  std::vector<std::string> names_of;
+  for (const Joint& joint : skeleton->joints) names_of.push_back(joint.name);
+  names_of = WithoutNamespace(names_of);
   for (int j = 0; j < paired.joint_count(); ++j) {
-    const std::string partner = Mirrored(paired.joints[j].name);
+    const std::string partner = Mirrored(names_of[j]);
     for (int k = 0; k < paired.joint_count(); ++k) {
-      if (k == j || paired.joints[k].name != partner) continue;
+      if (k == j || names_of[k] != partner) continue;
       paired.joints[j].mirror = k;
       paired.joints[k].mirror = j;
     }
@@ -79,11 +83,13 @@ SkeletonPtr FromFile(const Bvh& bvh, const BvhOffsets& offsets, const std::strin
 /// Joint of the skeleton for each joint of the file.
 Expected<std::vector<int>> Targets(const Bvh& bvh, const Skeleton& skeleton, const std::string& file) {
   std::vector<int> target(bvh.joints.size(), -1);
-  std::vector<std::string> known;
+  std::vector<std::string> known, whole;
+  for (const BvhJoint& joint : bvh.joints) whole.push_back(joint.name);
+  const std::vector<std::string> names = NamesIn(skeleton, whole);
   for (const Joint& joint : skeleton.joints) known.push_back(joint.name);
   std::set<int> used;
   for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
-    const std::string& name = bvh.joints[j].name;
+    const std::string& name = names[j];
     const std::optional<int> found = skeleton.FindJoint(name);
     if (!found || !used.insert(*found).second) {
       const std::optional<std::string> near = Nearest(name, known);
@@ -126,11 +132,14 @@ BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, doub
     offsets.joints.push_back(MeasureJoint(bvh, static_cast<int>(j), metres_from_file));
     offsets.joints.back().moves = offsets.joints.back().slide > max_slide;
   }
+  std::vector<std::string> names;
+  for (const BvhJoint& joint : bvh.joints) names.push_back(joint.name);
+  if (declared != nullptr) names = NamesIn(*declared, names);
   const std::vector<std::vector<int>> children = ChildrenOf(bvh);
   for (int j = 0; children[j].size() == 1;) {
     j = children[j][0];
     BvhOffsets::Joint& joint = offsets.joints[j];
-    const auto known = declared != nullptr ? declared->FindJoint(bvh.joints[j].name) : std::nullopt;
+    const auto known = declared != nullptr ? declared->FindJoint(names[j]) : std::nullopt;
     const bool on_parent = known && declared->joints[*known].rest_offset.norm() <= kSameOffset;
     if (on_parent && joint.offset.norm() > max_slide) joint.moves = true;  // it carries the person, who stands still
     if (joint.moves) offsets.carrier = j;

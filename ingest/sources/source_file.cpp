@@ -131,7 +131,12 @@ Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {
   return {};
 }
 
-FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested) {
+FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
+                     std::optional<Finding> doubt) {
+  if (!source.rate_hz && doubt) {
+    doubt->action = "refused";
+    ingested.findings.push_back(*std::move(doubt));
+  }
   if (!source.rate_hz) return FrameRate::FromHz(file_hz);
   const std::optional<Comparison> differs = CompareRate(source, file_hz);
   ingested.shown["rate_contradiction"] = {differs.has_value(), 1.0};

@@ -156,8 +156,10 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file);
 Expected<IngestedClip> ReadPanopticClip(const SourceFile& file);
 
 /// The rate of a clip whose file says one: the declared rate if there is one. Where they differ that is a finding
-/// (error) "rate_contradiction".
-FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested);
+/// (error) "rate_contradiction". `doubt`: what is wrong with the file's (sense/rate_sense.h); without a declared one
+/// the clip is then refused.
+FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
+                     std::optional<Finding> doubt = std::nullopt);
 
 /// Compares what the body shows with the declaration, as `mocurate inspect` does: units, up, handedness and, where the
 /// declaration lists the joints, their order. Appends findings (error) "units_contradiction", "up_contradiction",

@@ -181,10 +181,61 @@ TEST(Amc, ARowOfWrongLengthNeverShiftsWhatFollows) {
 TEST(Amc, AFileThatIsCutOffIsRefused) {
   const Asf asf = Arm();
   EXPECT_THAT(Wave(Replaced(kWave, "upper 0 0\nlower 0\n", ""), asf).error().Message(),
-              HasSubstr("the last frame lacks bone 'upper', frame 2 (the file is cut off"));
+              HasSubstr("the last frame lacks bone 'upper' and 1 other, frame 2 (the file is cut off"));
   EXPECT_THAT(Wave(Replaced(kWave, "root 4 5 6 0 90 0\nupper 0 0\nlower 0\n", ""), asf).error().Message(),
               HasSubstr("the frame holds no bone"));
   EXPECT_THAT(Wave("", asf).error().Message(), HasSubstr("holds no frame"));
+}
+
+/// Five frames of the arm.
+std::string FiveFrames() {
+  std::string text = ":FULLY-SPECIFIED\n:DEGREES\n";
+  for (int frame = 1; frame <= 5; ++frame)
+    text += std::to_string(frame) + "\nroot 1 2 3 0 0 0\nupper 0 90\nlower " + std::to_string(10 * frame) + "\n";
+  return text;
+}
+
+TEST(Amc, AFileThatIsCutAnywhereKeepsItsWholeFramesAndIsToldOnce) {
+  const Asf asf = Arm();
+  const std::string text = FiveFrames();
+  const std::size_t fifth = text.find("\n5\n") + 1;
+  // Up to the name of its last row; within the last number nothing can tell.
+  for (std::size_t end = fifth + 2; end < text.size() - 4; ++end) {
+    const auto amc = Wave(text.substr(0, end), asf, DamagedRows::kReport);
+    ASSERT_TRUE(amc) << end << amc.error().Message();
+    EXPECT_EQ(amc->frames, 4) << text.substr(fifth, end - fifth);
+    EXPECT_EQ(amc->values.size(), 4u * 9u);
+    EXPECT_TRUE(amc->damaged.empty());
+    ASSERT_EQ(amc->findings.size(), 1u) << amc->findings[0].message;
+    EXPECT_EQ(amc->findings[0].code, "cut_off");
+    EXPECT_EQ(amc->findings[0].severity, Severity::kError);
+    EXPECT_THAT(amc->findings[0].message, HasSubstr("cut off within frame 5, which begins at line 19"));
+    EXPECT_FALSE(Wave(text.substr(0, end), asf)) << end;
+  }
+}
+
+TEST(Amc, AFrameThatLacksABoneWhichMostHaveIsDamagedWhateverBecameOfTheRow) {
+  const Asf asf = Arm();
+  const std::string text = FiveFrames();
+  const std::pair<const char*, const char*> damages[] = {{"", "bone_missing"},
+                                                         {"upperr 0 90\n", "bone_unknown"},
+                                                         {"upper 0 90 1\n", "row_length"},
+                                                         {"upper 0 90\nupper 0 90\n", "bone_twice"}};
+  for (const auto& [row, code] : damages) {
+    std::string damaged = text;
+    const std::size_t at = damaged.find("upper", damaged.find("\n3\n"));
+    damaged.replace(at, std::string("upper 0 90\n").size(), row);
+    const auto amc = Wave(damaged, asf, DamagedRows::kReport);
+    ASSERT_TRUE(amc) << code << amc.error().Message();
+    EXPECT_EQ(amc->frames, 5);
+    EXPECT_THAT(amc->damaged, ElementsAre(2)) << code;
+    ASSERT_EQ(amc->findings.size(), 1u) << code;
+    EXPECT_EQ(amc->findings[0].code, code);
+    EXPECT_EQ(amc->findings[0].frame_begin, 2);
+    EXPECT_EQ(amc->findings[0].action, "dropped");
+    EXPECT_THAT(amc->findings[0].message, HasSubstr("wave.amc:1")) << "lines 11 to 14";
+    EXPECT_FALSE(Wave(damaged, asf)) << code << " is refused where damage is";
+  }
 }
 
 TEST(Amc, FrameNumbersThatJumpAreKeptAndReported) {

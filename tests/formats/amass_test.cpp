@@ -110,6 +110,35 @@ TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
   EXPECT_THAT(amass.error().Message(), ::testing::HasSubstr("it has "));
 }
 
+TEST(Amass, ArraysOfDifferentLengthsDisagreeAndTheOneThatAloneDiffersIsNamed) {
+  for (const char* key : {"poses", "trans"}) {
+    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    NpyArray& array = At(npz, key);
+    array.values.resize(array.values.size() / 2);
+    array.shape[0] = 1;
+    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + key + ": the arrays disagree about the frames: "));
+    EXPECT_THAT(Fails(npz), HasSubstr(std::string("'") + key + "' has 1"));
+    EXPECT_THAT(Fails(npz), HasSubstr("'marker_data' has 2"));
+    EXPECT_THAT(Fails(npz), HasSubstr(std::string("'") + key + "' is cut off"));
+  }
+}
+
+TEST(Amass, PosesOfAnotherShapeAreToldTheWayBack) {
+  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  At(npz, "poses").shape = {156, 2};
+  EXPECT_THAT(Fails(npz), HasSubstr("poses.T"));
+  At(npz, "poses").shape = {2, 52, 3};
+  EXPECT_THAT(Fails(npz), HasSubstr("poses.reshape(len(poses), -1)"));
+}
+
+TEST(Amass, BetasWithAnAxisOfOnePersonAreTheSame) {
+  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  At(npz, "betas").shape = {1, 2};
+  const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+  ASSERT_TRUE(amass) << amass.error().Message();
+  EXPECT_EQ(amass->betas, Small(Amass::Layout::kLegacy, 156).betas);
+}
+
 TEST(Amass, AnyCorruptedFieldIsNamed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case {

@@ -77,6 +77,10 @@ TEST(Babel, TimesThatCannotBeAreListedAndRefuseNothing) {
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_EQ(problems[0].where, "7692/frame_ann/labels/2");
   EXPECT_THAT(problems[0].what, HasSubstr("ends at 2.5 s, not after its start"));
+  BabelSequence shorter = (*babel)[0];
+  shorter.dur = 1.0;
+  ASSERT_GT(FindBabelProblems(shorter).size(), 1u);
+  EXPECT_THAT(FindBabelProblems(shorter)[0].what, HasSubstr("s, the sequence lasts 1 s"));
 }
 
 TEST(Babel, AnyFieldOfAWrongKindIsNamed) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -85,6 +86,57 @@ TEST(Bvh, CarriageReturnsAndByteOrderMarkChangeNothing) {
   EXPECT_EQ(bvh->values, ParseBvh(TwoJoints(), "clip.bvh")->values);
 }
 
+TEST(Bvh, TabsBetweenAllWordsChangeNothing) {
+  std::string text = TwoJoints();
+  std::replace(text.begin(), text.end(), ' ', '\t');
+  const auto bvh = ParseBvh(text, "clip.bvh");
+  ASSERT_TRUE(bvh) << bvh.error().Message();
+  EXPECT_EQ(bvh->values, ParseBvh(TwoJoints(), "clip.bvh")->values);
+}
+
+TEST(Bvh, ACountOfFramesThatIsNoneIsAContradictionAsAnyOther) {
+  for (const char* count : {"0", "-5", "1", "3", "99999999999"}) {
+    const auto bvh =
+        ParseBvh(TwoJoints("1 2 3 0 0 90 7 0 0 0\n4 5 6 0 0 0 1 2 3 4\n", count), "clip.bvh", DamagedRows::kReport);
+    ASSERT_TRUE(bvh) << count << bvh.error().Message();
+    EXPECT_EQ(bvh->frames, 2);
+    ASSERT_EQ(bvh->findings.size(), 1u);
+    EXPECT_EQ(bvh->findings[0].code, "count_contradiction");
+    EXPECT_THAT(bvh->findings[0].message,
+                HasSubstr("clip.bvh:13: Frames announces " + std::string(count).substr(0, 9)));
+  }
+}
+
+TEST(Bvh, EveryRefusalSaysAWayOut) {
+  const std::string text = TwoJoints();
+  for (const auto& [from, to] : {std::pair{"Frames: 2", "Frames: two"},
+                                 {"Frame Time: ", "Frame Time: -"},
+                                 {"Frame Time: ", "Frame Time: nan"},
+                                 {"Frame Time: ", "Frame Time: 0,"},
+                                 {"Frame Time: ", "FrameTime: "},
+                                 {"MOTION\n", ""},
+                                 {"OFFSET 1 2 3", "OFFSET 1 2"},
+                                 {"OFFSET 1 2 3", "OFFSET 1 2 1e300"},
+                                 {"CHANNELS 4", "CHANNELS 3"},
+                                 {"JOINT", "JOINTS"}}) {
+    const auto bvh = ParseBvh(Replaced(text, from, to), "clip.bvh", DamagedRows::kReport);
+    ASSERT_FALSE(bvh) << to;
+    EXPECT_THAT(bvh.error().where, HasSubstr("clip.bvh:")) << to;
+    EXPECT_FALSE(bvh.error().hint.empty()) << to << ": " << bvh.error().what;
+  }
+  EXPECT_THAT(Fails(text.substr(0, text.find("MOTION") - 20)), HasSubstr("it is cut off"));
+  EXPECT_THAT(Fails(std::string("\xFF\xFEH\0I\0", 6)), HasSubstr("the text is UTF-16: save it as UTF-8"));
+  EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "MOTION")),
+              HasSubstr("a '}' is missing before it, with 1 joint still"));
+  EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "}\n}\nMOTION")), HasSubstr("one '}' too many"));
+  EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "}\nROOT Other\n{\n}\nMOTION")), HasSubstr("a file has one ROOT"));
+  const auto lacks = ParseBvh(Replaced(text, "CHANNELS 4 Yposition Zrotation Yrotation Xrotation", ""), "clip.bvh",
+                              DamagedRows::kReport);
+  ASSERT_FALSE(lacks);
+  EXPECT_THAT(lacks.error().hint, HasSubstr("every row has 10 numbers: mend the CHANNELS"));
+  EXPECT_THAT(lacks.error().hint, HasSubstr("joint 'Knee Left' has none"));
+}
+
 TEST(Bvh, BadInputIsRefusedWithPlaceAndReason) {
   EXPECT_EQ(Fails(""), "clip.bvh: the file is empty (copy it again)");
   EXPECT_THAT(Fails("%PDF"), HasSubstr("clip.bvh:1: a BVH file begins with HIERARCHY, not '%PDF'"));
@@ -98,7 +150,7 @@ TEST(Bvh, BadInputIsRefusedWithPlaceAndReason) {
   EXPECT_THAT(Fails(Replaced(TwoJoints(), "Zrotation\n JOINT", "Wrotation\n JOINT")),
               HasSubstr("clip.bvh:5: unknown channel 'Wrotation' of joint 'Hips'"));
   EXPECT_THAT(Fails(Replaced(TwoJoints(), "CHANNELS 4", "CHANNELS 3")), HasSubstr("must say how many names follow"));
-  EXPECT_THAT(Fails(TwoJoints("", "0")), HasSubstr("holds 0 frames"));
+  EXPECT_THAT(Fails(TwoJoints("", "0")), HasSubstr("'Frames: 0' says so as well"));
   EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "0")), HasSubstr("frame time 0 s gives no frame rate"));
   EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "nan")), HasSubstr("gives no frame rate"));
   EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "1e-320")), HasSubstr("gives no frame rate"));

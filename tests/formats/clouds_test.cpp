@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/formats/lzf.h"
 #include "core/formats/obj.h"
 #include "core/formats/pcd.h"
@@ -265,6 +266,32 @@ TEST(PoseLog, ComesBackAndNamesTheLineOfWhatIsDamaged) {
   std::string mirrored = text;
   mirrored.replace(mirrored.find("1 0 0"), 1, "-1");
   EXPECT_THAT(ParsePoseLog(mirrored, "p.log").error().Message(), HasSubstr("p.log:1: the matrix is no rotation"));
+}
+
+TEST(Clouds, ACoordinateThatNoScanHasIsRefusedWithItsPlaceItsValueTheRuleAndAWayOut) {
+  const auto expect = [](const auto& read, const std::string& place, const std::string& value) {
+    ASSERT_FALSE(read) << place;
+    EXPECT_EQ(read.error().where, place);
+    EXPECT_THAT(read.error().what, HasSubstr(value));
+    EXPECT_FALSE(read.error().hint.empty()) << read.error().what;
+  };
+  for (const std::string value : {"1e300", "-1e38", "2e12"}) {
+    const std::string shown = FormatDouble(*ParseDouble(value));
+    expect(ParseObj("v 0 0 0\nv 1 " + value + " 0\n", "m.obj"), "m.obj:2", value);
+    expect(ParsePly("ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
+                    "end_header\n0 0 0\n1 " +
+                        value + " 0\n",
+                    "m.ply"),
+           "m.ply:9:vertex 1/y", shown);
+    expect(
+        ParsePcd("VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 0\n"
+                 "1 " +
+                     value + " 0\n",
+                 "m.pcd"),
+        "m.pcd:10:point 1/y", shown);
+  }
+  expect(ParseObj("v 0 0 0\nv 1 nan 0\n", "m.obj"), "m.obj:2", "'nan'");
+  EXPECT_TRUE(ParseObj("v 0 0 0\nv 1 6378137000 0\n", "m.obj")) << "millimetres from the middle of the earth";
 }
 
 }  // namespace

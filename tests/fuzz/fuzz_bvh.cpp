@@ -6,6 +6,7 @@
 #include "core/formats/bvh.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  (void)mocurate::ParseBvh({reinterpret_cast<const char*>(data), size}, "fuzz", mocurate::DamagedRows::kReport);
   const auto bvh = mocurate::ParseBvh({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!bvh) return 0;
   if (bvh->frames > 0) {

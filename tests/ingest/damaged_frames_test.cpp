@@ -101,6 +101,13 @@ TEST_F(DamagedFrames, OfABvhWhoseRowsMayBeSplitOrJoinedNothingAfterHasItsPlaceAn
   }
 }
 
+TEST_F(DamagedFrames, AFirstFrameThatIsThatOfTheNextIsNotToldAsFrozen) {
+  const Ingested damaged = Ingest(WithRow(0, [](const std::string& row) { return "x" + row; }));
+  ASSERT_TRUE(damaged.outcome) << damaged.outcome.error().Message();
+  ASSERT_EQ(damaged.outcome->findings.size(), 1u);
+  EXPECT_EQ(damaged.outcome->findings[0].code, "not_a_number");
+}
+
 TEST_F(DamagedFrames, MoreThanHalfASecondIsNotBridged) {
   std::string text = Recorded();
   for (int f = kFrame; f < kFrame + 16; ++f) text[RowOf(text, f).first] = 'x';

@@ -65,6 +65,7 @@ TEST_F(RecordedFormats, TurntableViewsAreOneRigAndImagesAreCounted) {
   ASSERT_EQ(inspection.at("clouds").size(), 2u);
   EXPECT_TRUE(Value(inspection.at("clouds")[0], "units").is_null());
   EXPECT_THAT(Codes(inspection, "error"), IsEmpty());
+  EXPECT_THAT(Codes(inspection, "warning"), ::testing::Contains("point_far")) << "65.535 m: nothing seen there";
 }
 
 TEST_F(RecordedFormats, MeshesTellTheirUnitByAPersonsHeight) {
