@@ -255,7 +255,8 @@ class Parser {
                                std::to_string(layout_.rows_per_frame) + " rows (" + std::to_string(left_over) +
                                " left over)";
       if (layout_.damaged_rows == DamagedRows::kRefuse || frames == 0) {
-        return Bad(what, scanner_.line(), "check rows_per_frame, or the file is cut off");
+        return Bad(what, scanner_.line(),
+                   "check rows_per_frame; or a row is missing or too many, or the file is cut off");
       }
       Tell("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
       table_.findings.back().severity = Severity::kError;
@@ -270,7 +271,9 @@ class Parser {
     table_.frames = static_cast<int>(frames);
     const std::size_t size =
         static_cast<std::size_t>(layout_.rows_per_frame) * static_cast<std::size_t>(table_.columns);
-    table_.values.resize(static_cast<std::size_t>(frames) * size);
+    const auto whole = table_.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(frames) * size);
+    table_.left_over.assign(whole, table_.values.end());
+    table_.values.erase(whole, table_.values.end());
     for (const long long frame : damaged_) {
       if (frame < frames) std::fill_n(table_.values.begin() + static_cast<std::ptrdiff_t>(frame * size), size, kNan);
     }

@@ -41,13 +41,18 @@ class ObjParser {
     if (!joined.empty()) return Bad("the last line is to be continued, but the file ends");
     if (obj_.faces.empty() && !bytes_.empty() && bytes_.back() != '\n')
       return Bad("the file ends within a line, before any face: it is cut off");
-    if (obj_.vertices.empty()) return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_);
+    if (obj_.vertices.empty())
+      return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_,
+                  "export the mesh again, or leave the file out");
     return std::move(obj_);
   }
 
  private:
   tl::unexpected<Error> Bad(const std::string& rule) const {
-    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_));
+    const bool last = at_ >= bytes_.size() && !bytes_.empty() && bytes_.back() != '\n';
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_),
+                last ? "the file ends within this line: it is cut off, copy it again"
+                     : "mend the line, or export the mesh again");
   }
 
   bool NextLine(std::string_view& line) {

@@ -127,7 +127,8 @@ Json MissingShare(const ObservedClip& clip, const ClipMeasures& m) {
     return ReportValue(Rounded(*clip.missing_share), "measured", 1.0, "of the numbers of the file");
   if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
   return ReportValue(Rounded(m.missing_share), "measured", 1.0,
-                     "joints that are zero, no numbers, or have confidence 0");
+                     clip.zeros.empty() ? "joints that are no numbers, or have confidence 0"
+                                        : "joints that are zero, no numbers, or have confidence 0");
 }
 
 /// Measures, with the reason where there was nothing to measure.

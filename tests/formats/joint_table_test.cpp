@@ -41,8 +41,8 @@ TEST(JointTable, BadInputIsRefusedWithPlaceAndReason) {
   EXPECT_EQ(Fails("\n \n", Rows(2)), "a.txt: the file holds no numbers (is the file empty?)");
   EXPECT_EQ(
       Fails("1 2\n3 4\n5 6\n", Rows(2)),
-      "a.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame, or the file "
-      "is cut off)");
+      "a.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame; or a row is "
+      "missing or too many, or the file is cut off)");
   EXPECT_THAT(Fails("1 2\n3\n", Rows(2)), HasSubstr("a.txt:2: row has 1 numbers, not 2"));
   EXPECT_THAT(Fails("1 2\n3 4 5\n", Rows(1, 3)), HasSubstr("a.txt:1: row has 2 numbers, not 3"));
   EXPECT_THAT(Fails("1 2\nx 4\n", Rows(1)), HasSubstr("a.txt:2: 'x' is not a number"));
