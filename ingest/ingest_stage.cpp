@@ -266,6 +266,8 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
   const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
+  if (whole && Trim(*bytes).empty())
+    return Fail(ErrorCode::kMalformed, "the file is empty", name, "was it copied whole?");
   SourceFile file{*source, *named, name, *bytes, {}};
   file.annotation = facts.annotation;
   file.container = input->path;

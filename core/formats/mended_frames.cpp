@@ -55,6 +55,17 @@ class FramesMended {
       return {};
     }
     const std::vector<FrameOfRows> frames = FramesOfRows(rows.rows, joints, *breaks);
+    const auto odd_frames = std::count_if(frames.begin(), frames.end(),
+                                          [joints](const FrameOfRows& frame) { return frame.rows != joints; });
+    if (2 * odd_frames > static_cast<std::ptrdiff_t>(frames.size())) {
+      const FrameOfRows& first = *std::find_if(frames.begin(), frames.end(),
+                                               [joints](const FrameOfRows& frame) { return frame.rows != joints; });
+      return Fail(ErrorCode::kInconsistent,
+                  std::to_string(odd_frames) + " of " + Counted(static_cast<long long>(frames.size()), "frame") +
+                      " have another count of rows than " + std::to_string(joints) + ", the first " +
+                      std::to_string(first.rows),
+                  Place(first.first), "mend rows_per_frame and joints: the table is of another count of joints");
+    }
     if (said_.damaged_rows == DamagedRows::kRefuse) return Refusal(breaks->front(), frames);
     const bool cut = frames.back().rows != joints && breaks->back().row < frames.back().first;
     Rebuild(frames, cut, FirstIsDoubted(breaks->front()));

@@ -87,7 +87,7 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
   Finding finding = FrameFinding(
       "not_joint_positions", 0, 0, "", proportion > limits.proportion ? proportion : spread,
       why + ": joints in another order, or no joint positions" +
-          (LooksLikeRotations(points) ? " but rotations (Lie parameters): all numbers lie within pi" : ""));
+          (LooksLikeRotations(points) ? " (rotations? all numbers lie within pi, as Lie parameters do)" : ""));
   finding.severity = Severity::kError;
   return {finding};
 }

@@ -19,6 +19,7 @@
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/pattern.h"
 #include "ingest/sources/source_file.h"
+#include "ingest/sources/table_rows.h"
 
 namespace mocurate {
 namespace {
@@ -269,6 +270,13 @@ void Inspector::Look(const FileToInspect& file) {
 }
 
 void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& error) {
+  const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);
+  if (kind == FileKind::kUnknown && table) {  // by its name it is one: what a run says of it
+    const Expected<std::string> bytes = ReadFile(file.path);
+    const Expected<JointRows> rows = bytes ? ReadTableRows(*source_, *bytes, file.name) : Forward(bytes);
+    const Error& told = rows ? error : rows.error();
+    return AddError(told, file.name, FaultCode(told, "joint_table"), findings());
+  }
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
     return;

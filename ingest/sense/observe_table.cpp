@@ -159,6 +159,12 @@ JointTable InFrames(const JointTable& rows, int joints) {
   return framed;
 }
 
+/// Whether rows have another count of numbers than the source declares.
+bool OtherColumns(const JointTable& rows, const SourceOptions& source) {
+  const int per_row = static_cast<int>(source.joints.size()) / RowsPerFrame(source);
+  return rows.columns != per_row * static_cast<int>(source.columns.size());
+}
+
 /// Whether a row is missing or too many for what the source declares, anywhere.
 bool Shifted(const JointTable& rows, std::string_view bytes, const SourceOptions& source, const std::string& name) {
   const int per_frame = RowsPerFrame(source);
@@ -234,7 +240,8 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
                         std::all_of(std::begin(kAxisColumns), std::end(kAxisColumns), [&](const char* column) {
                           return std::count(source->columns.begin(), source->columns.end(), column) == 1;
                         });
-  const bool as_ingested = by_layout || (declared && (damaged || Shifted(*rows, bytes, *source, name)));
+  const bool as_ingested =
+      by_layout || (declared && (damaged || OtherColumns(*rows, *source) || Shifted(*rows, bytes, *source, name)));
   Expected<ObservedClip> clip = as_ingested ? LayoutReading(bytes, *source, name)
                                 : declared  ? DeclaredReading(*rows, *source, name)
                                             : BestReading(*rows, name);

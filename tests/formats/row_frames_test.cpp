@@ -139,5 +139,14 @@ TEST(RowFrames, WhereDamageIsRefusedTheErrorNamesLineAndFrame) {
   EXPECT_THAT(rows.error().hint, HasSubstr("damaged_rows"));
 }
 
+TEST(RowFrames, ATableOfAnotherCountOfJointsIsRefusedWithTheCount) {
+  std::vector<std::string> lines = Lines(10);
+  for (int f = 9; f >= 0; --f) lines.erase(lines.begin() + f * kJoints + 5);
+  const Expected<JointRows> rows = Read(lines);
+  ASSERT_FALSE(rows);
+  EXPECT_THAT(rows.error().Message(), HasSubstr("have another count of rows than 12, the first 11"));
+  EXPECT_THAT(rows.error().hint, HasSubstr("rows_per_frame"));
+}
+
 }  // namespace
 }  // namespace mocurate

@@ -24,7 +24,7 @@ std::string ConfigRefusal(const IngestOptions& options) {
 
 TEST(BadInput, AnEmptyFile) {
   const IngestOptions options = OneFile("empty", "");
-  EXPECT_EQ(RefusalOf(options, "empty"), "a1_s2.txt: the file holds no numbers (is the file empty?)");
+  EXPECT_EQ(RefusalOf(options, "empty"), "a1_s2.txt: the file is empty (was it copied whole?)");
 }
 
 TEST(BadInput, RowsThatDoNotDivide) {
