@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "app/recipes.h"
 #include "core/base/file.h"
 #include "core/base/problem_list.h"
 #include "core/base/resources.h"
@@ -163,6 +164,7 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
     return LoadJob(ConfigSource{std::string(*text), "resource:demo.yaml", std::filesystem::current_path()},
                    assignments);
   }
+  if (const std::optional<ConfigSource> recipe = NamedRecipe(config.string())) return LoadJob(*recipe, assignments);
   auto node = LoadConfig(config, assignments);
   if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
     return tl::unexpected<Error>(NoConfig(config, node.error()));

@@ -11,6 +11,7 @@
 #include "core/base/version.h"
 #include "ingest/discover.h"
 #include "ingest/files_check.h"
+#include "ingest/sense/fault_codes.h"
 
 namespace mocurate {
 namespace {
@@ -54,7 +55,14 @@ std::string ClipRecord::reason() const {
   const ItemResult* stage = ended();
   if (stage == nullptr) return "";
   const bool ruled = stage->outcome.kind == OutcomeKind::kLeftOut && !stage->outcome.findings.empty();
-  return ruled ? stage->outcome.findings.back().code : std::string(Name(stage->outcome.error.code));
+  if (ruled) return stage->outcome.findings.back().code;
+  for (const Finding& finding : stage->outcome.findings) {
+    if (finding.action == "refused") return finding.code;
+  }
+  if (stage == &evidence && stage->outcome.kind == OutcomeKind::kRefused) {
+    return FaultCode(stage->outcome.error, format);
+  }
+  return std::string(Name(stage->outcome.error.code));
 }
 
 std::set<std::string> FindingCodes(const ClipRecord& clip) {
@@ -156,6 +164,7 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std:
     ClipRecord clip;
     clip.item = ingested[i].item;
     clip.evidence = ingested[i];
+    clip.format = specs[i].options.value("format", std::string());
     if (IsFailure(clip.evidence.outcome.kind)) AddSourceHash(specs[i], clip.evidence);
     for (const StageInput& input : specs[i].inputs) {
       if (input.role == "depth") clip.depth.push_back(input);

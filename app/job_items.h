@@ -23,6 +23,7 @@ struct ClipRecord {
   ItemResult motion;              ///< stage fitting (or ingest, when nothing is fitted)
   ItemResult canonical;           ///< stage canon
   ItemResult baseline;            ///< stage canon on the unfitted tracks
+  std::string format;             ///< of its file, as the source declares it
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
   bool kept() const { return !canonical.artifact.empty(); }
@@ -36,7 +37,8 @@ struct ClipRecord {
   /// It went on, with a finding of severity error.
   bool doubtful() const;
   bool left_out() const { return ended() != nullptr && !failed(); }
-  /// The reason in one word: the rule (code of its finding) or the error's code. Empty when nothing ended it.
+  /// The reason in one word: the rule (code of its finding), or the code that an inspection gives such a
+  /// file. Empty when nothing ended it.
   std::string reason() const;
 };
 

@@ -84,7 +84,10 @@ int Ended(int exit_code) {
 void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, evaluate, report");
-  run->add_option("config", arguments->config, "YAML file; without one the embedded synthetic capture runs");
+  run->add_option("config", arguments->config,
+                  "YAML file, or the name of a recipe of configs/sources, which goes before a file of that name "
+                  "(./NAME); without one "
+                  "the embedded synthetic capture runs");
   run->add_option("-o,--output", arguments->output, "run folder (default runs/NAME)");
   run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")
       ->type_name("KEY=VALUE")
@@ -108,7 +111,9 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   fit->add_option("-o,--output", arguments->output, "dataset to write (HDF5)")->required();
   fit->add_option("--skeleton", arguments->skeleton,
                   "of the fitted motion (default: one that has the tracked joints; rotations are kept)");
-  fit->add_option("--source", arguments->source, "recipe of configs/sources or config that declares the files");
+  fit->add_option(
+      "--source", arguments->source,
+      "recipe of configs/sources or config that declares the files; a recipe's name goes before a file of that name");
   fit->add_option("--clip", arguments->clips, "which clip, as `inspect` names it: a file, '[3]' in a file of several")
       ->allow_extra_args(false);
   fit->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'")
@@ -152,7 +157,10 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
   inspect->add_option("path", arguments->path, "file or folder")->required();
-  inspect->add_option("--source", arguments->source, "recipe or config whose ingest.source declares the format");
+  inspect->add_option(
+      "--source", arguments->source,
+      "recipe or config whose ingest.source declares the format; a recipe's name goes before a file or folder of "
+      "that name (./NAME)");
   inspect->footer(
       "Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
       "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");
@@ -196,7 +204,8 @@ void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& 
       app.add_subcommand("config", "Show a resolved config, write one for captures, its JSON Schema, all options");
   config->require_subcommand(1);
   CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
-  show->add_option("config", arguments->config, "YAML file; without one the embedded default");
+  show->add_option("config", arguments->config,
+                   "YAML file, or the name of a recipe of configs/sources; without one the embedded default");
   show->add_option("--set", arguments->assignments, "override an option")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);

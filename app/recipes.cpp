@@ -24,16 +24,25 @@ std::vector<std::string> Recipes() {
 
 }  // namespace
 
+std::optional<ConfigSource> NamedRecipe(const std::string& name) {
+  if (name.empty() || name.find('/') != std::string::npos) return std::nullopt;
+  const auto text = FindResource(kFolder + name + ".yaml");
+  if (!text) return std::nullopt;
+  // By its place among the embedded files, so that a recipe may include another that lies beside it.
+  return ConfigSource{std::string(*text), "resource:" + std::string(kFolder) + name + ".yaml", {}};
+}
+
 Expected<ConfigSource> RecipeOf(const std::string& name) {
-  if (const auto text = FindResource(kFolder + name + ".yaml")) {
-    // By its place among the embedded files, so that a recipe may include another that lies beside it.
-    return ConfigSource{std::string(*text), "resource:" + std::string(kFolder) + name + ".yaml", {}};
-  }
+  if (std::optional<ConfigSource> recipe = NamedRecipe(name)) return *std::move(recipe);
   std::error_code unknown;
   if (std::filesystem::is_regular_file(name, unknown)) {
     const Expected<std::string> text = ReadFile(name);
     if (!text) return Forward(text);
     return ConfigSource{*text, name, std::filesystem::absolute(name, unknown).parent_path()};
+  }
+  if (std::filesystem::is_directory(name, unknown)) {
+    return Fail(ErrorCode::kUsage, "is a folder, not a config file", name,
+                "`mocurate config init " + name + "` writes one from what it holds");
   }
   std::string list;
   for (const std::string& known : Recipes()) list += (list.empty() ? "" : ", ") + known;

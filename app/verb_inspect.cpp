@@ -58,12 +58,14 @@ Status Unreadable(CommonArguments& common, const std::filesystem::path& path, co
 /// A config, or a recipe by its name; a recipe whose folder nothing tells is of the files that are looked at.
 Expected<SourceOptions> LoadSource(const InspectArguments& arguments) {
   std::error_code ignored;
-  if (std::filesystem::exists(arguments.source, ignored)) {
+  const std::string name = arguments.source.string();
+  const bool path = !NamedRecipe(name) && std::filesystem::is_regular_file(arguments.source, ignored);
+  if (path) {
     const auto job = LoadJob(arguments.source, {});
     if (!job) return Forward(job);
     return job->options.ingest.source;
   }
-  const Expected<ConfigSource> recipe = RecipeOf(arguments.source.string());
+  const Expected<ConfigSource> recipe = RecipeOf(name);
   if (!recipe) return Forward(recipe);
   auto job = LoadJob(*recipe, {});
   if (!job) job = LoadJob(*recipe, {"ingest.path=."});

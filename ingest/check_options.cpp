@@ -29,6 +29,8 @@ const std::map<std::string, std::string>& CheckCodes() {
       {"swapped_sides", "left and right exchanged"},
       {"rate_doubtful", "bodies in the air that do not fall as bodies do"},
       {"not_joint_positions", "numbers that are no body"},
+      {"flat_body", "points of a plane"},
+      {"single_frame", "a clip of one frame"},
       {"lifeless_clip", "nobody moves or is there in nearly all frames"},
       {"name_contradiction", "the name says something else than the content"},
       {"duplicate", "the content of another clip, frame for frame"},

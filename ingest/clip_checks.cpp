@@ -32,9 +32,20 @@ void JudgeLife(const CheckOptions& options, int frames, std::vector<Finding>& fi
   }
   const double share = CoveredShare(dead, "lifeless_clip", frames);
   if (frames < kFewestFrames || share < options.lifeless_share) return;
-  Finding finding = FrameFinding(
-      "lifeless_clip", 0, 0, "", share,
-      "nobody moves or is there in " + Digits(100.0 * share) + " % of " + std::to_string(frames) + " frames");
+  std::string what = "nobody moves or is there";
+  for (const auto& [code, words] : {std::pair{"zero_frames", "all joints are at 0 0 0"},
+                                    {"collapsed_frames", "all joints lie in one point"},
+                                    {"frozen_frames", "nobody moves"}}) {
+    if (CoveredShare(findings, code, frames) >= share) what = words;
+  }
+  // One cause is told once: the spans that say the same of its frames are beside it.
+  for (Finding& told : findings) {
+    if (CoveredShare({told}, told.code, frames) > 0.0 &&
+        (told.code == "zero_frames" || told.code == "collapsed_frames" || told.code == "frozen_frames"))
+      told.severity = Severity::kInfo;
+  }
+  Finding finding = FrameFinding("lifeless_clip", 0, 0, "", share,
+                                 what + " in " + Digits(100.0 * share) + " % of " + std::to_string(frames) + " frames");
   finding.severity = Severity::kError;
   findings.push_back(std::move(finding));
 }
@@ -47,6 +58,11 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
   limits.metres = metres;
   std::vector<Finding> findings = CheckPoints(points, rate_hz.value_or(0.0), limits);
   JudgeLife(options, points.frames(), findings);
+  if (points.frames() == 1) {
+    Finding finding = FrameFinding("single_frame", 0, 0, "", 1.0, "the clip holds 1 frame: a pose, no motion");
+    finding.severity = Severity::kInfo;
+    findings.push_back(std::move(finding));
+  }
   for (Finding& finding : findings) {
     if (finding.code.rfind("zero_", 0) != 0) continue;
     finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
@@ -176,7 +192,12 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
     }
     if (action == FindingAction::kDrop) {
       finding.action = "dropped";
-      if (!dropped) dropped = DroppedClip{finding, options.Threshold(finding.code)};
+      if (!dropped) {
+        const double limit = finding.code == "not_joint_positions"
+                                 ? NoBodyLimit(finding, {options.bone_spread, options.bone_proportion})
+                                 : options.Threshold(finding.code);
+        dropped = DroppedClip{finding, limit};
+      }
     }
     ingested.findings.push_back(finding);
   }

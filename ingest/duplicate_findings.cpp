@@ -21,12 +21,13 @@ Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, c
                                Span(pair.frame_begin, pair.frame_end) + " there)");
   } else if (pair.kind == Duplicate::Kind::kMirrored) {
     finding = FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
-                           "the mirror image of '" + first_name + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
+                           "the mirror image of '" + first_name + "' (" + Digits(pair.distance) + " m apart)");
   } else if (whole) {
-    finding = FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first_name + "'");
+    finding =
+        FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first_name + "' (0 m apart)");
   } else {
     finding = FrameFinding("near_duplicate", 0, 0, "", pair.distance,
-                           "the same motion as '" + first_name + "' (" + Digits(1e3 * pair.distance) + " mm apart)");
+                           "the same motion as '" + first_name + "' (" + Digits(pair.distance) + " m apart)");
   }
   return finding;
 }

@@ -34,7 +34,8 @@ void CompareContent(const std::vector<Compared>& clips, std::vector<std::pair<st
     if (clips[i].signature.points > 0 || clips[i].sha256.empty()) continue;
     const auto [at, fresh] = first.emplace(clips[i].sha256, i);
     if (fresh) continue;
-    Finding finding = FrameFinding("duplicate", 0, 0, "", 0.0, "the same bytes as '" + clips[at->second].item + "'");
+    Finding finding =
+        FrameFinding("duplicate", 0, 0, "", 0.0, "the same bytes as '" + clips[at->second].item + "' (0 m apart)");
     finding.clip = clips[i].clip;
     found.emplace_back(i, std::move(finding));
   }

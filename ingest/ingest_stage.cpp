@@ -97,6 +97,17 @@ Status CheckExtent(const Clip& clip, const std::string& name) {
               "is ingest.source.units right? Captures reach at most 1000 m");
 }
 
+/// A unit that the body contradicts explains how far it is; the clip is refused for that.
+bool RefuseUnit(std::vector<Finding>& findings) {
+  bool refused = false;
+  for (Finding& finding : findings) {
+    if (finding.code != "units_contradiction") continue;
+    finding.action = "refused";
+    refused = true;
+  }
+  return refused;
+}
+
 int JointCount(const Clip& clip) {
   if (clip.evidence.tracks) return clip.evidence.tracks->positions.joints;
   if (!clip.evidence.keypoint_names.empty()) return static_cast<int>(clip.evidence.keypoint_names.size());
@@ -255,6 +266,8 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
   const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
+  if (whole && Trim(*bytes).empty())
+    return Fail(ErrorCode::kMalformed, "the file is empty", name, "was it copied whole?");
   SourceFile file{*source, *named, name, *bytes, {}};
   file.annotation = facts.annotation;
   file.container = input->path;
@@ -280,8 +293,8 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   }
   Expected<IngestedClip> ingested = ReadClip(file, facts.array);
   if (!ingested) return Unusable(*source, ingested.error(), request.item);
-  if (Status near = CheckExtent(ingested->clip, name); !near) return Forward(near);
   if (!SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
+  if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
   const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested);
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
@@ -302,7 +315,9 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     outcome.kind = OutcomeKind::kRefused;
     outcome.summary["threshold"] = ContradictionThreshold(finding.code, finding.value, *source);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,
-                          "set ingest.source.on_contradiction: flag to keep such clips"};
+                          source->on_contradiction == OnContradiction::kRefuse
+                              ? "set ingest.source.on_contradiction: flag to keep such clips"
+                              : "captures reach at most 1000 m from the origin"};
     // Its message says the place and the ways out.
     if (finding.code == "rate_implausible") outcome.error = {ErrorCode::kInconsistent, finding.message, "", ""};
     return outcome;

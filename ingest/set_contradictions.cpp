@@ -48,7 +48,7 @@ Finding Together(const std::string& code, const Votes& votes, std::size_t clips,
   finding.value = std::round(share * 1e4) / 1e4;
   finding.message = "the whole source contradicts its declaration: " + std::to_string(votes.against) + " of the " +
                     Counted(static_cast<long long>(votes.told), "clip") + " that tell, of " + std::to_string(clips) +
-                    " in all; the first: " + votes.message;
+                    " in all (" + RoundedText(100.0 * share) + " % of what they say); the first: " + votes.message;
   finding.action = refuse ? "all are refused" : "flagged";
   return finding;
 }

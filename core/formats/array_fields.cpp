@@ -41,8 +41,11 @@ Status CheckField(const NpyArray& array, const std::vector<std::size_t>& wanted,
   }
   for (std::size_t i = 0; i < array.values.size(); ++i) {
     if (!std::isfinite(array.values[i])) {
-      return Fail(ErrorCode::kMalformed, "the value at " + PlaceText(i, array.shape) + " is not finite", where,
-                  "mend or cut what holds it, or leave the file out");
+      return Fail(ErrorCode::kMalformed,
+                  "the value at " + PlaceText(i, array.shape) + " is not finite (" +
+                      (std::isnan(array.values[i]) ? "NaN" : "infinite") + ")",
+                  where,
+                  "cut the file to the frames before or after it, fill it from its neighbours, or leave the file out");
     }
     if (std::abs(array.values[i]) > kLargestNumber) {
       return Fail(ErrorCode::kMalformed,

@@ -271,6 +271,7 @@ bool SpeaksOfCameras(std::string_view bytes) {
 
 Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string& name) {
   const std::string_view content = Trim(bytes);
+  if (!content.empty() && content[0] == '\x80') return ParsePhspdRigPickle(bytes, name);
   if (!content.empty() && content[0] == '<') return ParseQualisys(bytes, name);
   if (!content.empty() && content[0] != '{') return ParsePose2SimToml(bytes, name);
   const Expected<json> document = ParseJson(bytes, name);

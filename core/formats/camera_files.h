@@ -34,6 +34,9 @@ Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::st
 /// boards p1w.. are the subject points; the image sizes are those of the sensors (Kinect v2, 1224 x 1024).
 Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name);
 
+/// The set's own pickle of one rig (CamParams0906.pkl), of the same content; the rig is called as the file is.
+Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::string& name);
+
 /// Whether a text, however damaged, was written as a calibration: by keys that nothing else has together.
 bool SpeaksOfCameras(std::string_view bytes);
 

@@ -16,7 +16,8 @@ tl::unexpected<Error> CountContradiction(const std::string& count, double announ
               count + std::string(kAnnounces) + FormatDouble(announced) + std::string(kHolds) +
                   (at_most ? "at most " : "") + FormatDouble(held),
               where,
-              announced > held ? "the file is cut off, or its header is wrong: copy it again" : "correct the header");
+              announced > held ? "the file is cut off, or its header is wrong: copy it again"
+                               : "more follows than is announced: copy it again, or correct the header");
 }
 
 std::optional<double> AnnouncedCount(const Error& error) {

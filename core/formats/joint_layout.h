@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/formats/joint_table.h"
+#include "core/formats/mended_frames.h"
 
 namespace mocurate {
 
@@ -36,18 +37,22 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
 struct JointRows {
   int frames = 0;
   int joints = 0;
+  int rows_left_over = 0;                   ///< after the last whole frame, where no break explains them
   std::vector<double> position;             ///< (frames, joints, 3)
   std::vector<double> confidence;           ///< (frames, joints) as written; empty: none declared
   std::vector<double> rotation;             ///< (frames, joints, 9) row by row; 0 where a joint has none; empty: none
   std::vector<double> rotation_confidence;  ///< (frames, joints); 0 where a joint has no rotation; empty: none
   std::vector<double> frame_number;         ///< (frames); empty: none declared
-  std::vector<Finding> findings;            ///< those of the table; "frame_number": not one more than the one before
+  std::vector<Finding> findings;            ///< those of the table; "frame_number": not one more than the one before;
+                                            ///< "frame_rows": a frame with a row too few or too many
 };
 
 /// `table` says how the text is cut into rows (separator, missing, END, damaged rows); its rows_per_frame must divide
 /// the numbers of a frame; its columns and names follow from the layout. Errors are those of ParseJointTable, and
-/// kUsage for a layout that does not fit rows_per_frame.
+/// kUsage for a layout that does not fit rows_per_frame. Where each joint has a row of its own, a row that is missing
+/// or too many is found by where the joints go on (row_frames.h): with DamagedRows::kReport its frame is NaN, in its
+/// place, with a finding, else an error.
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
-                                   const std::string& name);
+                                   const std::string& name, OddFrame odd = OddFrame::kLast);
 
 }  // namespace mocurate

@@ -37,6 +37,18 @@ bool HasDecimalCommas(std::string_view line) {
   return any;
 }
 
+/// ';' or '|' where the words between them are numbers; 0: neither.
+char OtherSeparator(std::string_view line) {
+  for (const char separator : {';', '|', ':'}) {
+    const std::vector<std::string_view> words = SplitText(Trim(line), separator);
+    const bool numbers = words.size() > 1 && std::all_of(words.begin(), words.end(), [](std::string_view word) {
+                           return Trim(word).empty() || ParseDouble(Trim(word)).has_value();
+                         });
+    if (numbers) return separator;
+  }
+  return 0;
+}
+
 /// Whether a number that is not finite is "nan", "-NaN", "nan(ind)": not "inf", nor digits beyond a double.
 bool SaysNan(std::string_view text) {
   const std::size_t first = text.find_first_not_of("+-");
@@ -144,12 +156,27 @@ class Parser {
   /// person are refused, or stand as NaN alone.
   Status Keep(const Row& row, std::size_t begin, int line) {
     if (table_.columns == 0) table_.columns = row.numbers;
+    const bool words = std::all_of(table_.values.begin() + static_cast<std::ptrdiff_t>(begin), table_.values.end(),
+                                   [](double value) { return std::isnan(value); });
+    const std::string_view text = line_begin_.substr(0, line_begin_.find_first_of("\r\n"));
+    const bool numbers = HasDecimalCommas(text) || OtherSeparator(text) != 0;
+    if (rows_ == 0 && words && !numbers && !row.damage.empty() && layout_.damaged_rows == DamagedRows::kReport &&
+        ++header_lines_ <= kFewRows) {
+      table_.values.resize(begin);
+      Tell("not_a_number", 0, row.numbers,
+           name_ + ":" + std::to_string(line) + ": " + Counted(row.numbers, "word") +
+               " before the first row of numbers: a header, passed over");
+      table_.findings.back().frame_end = 0;
+      table_.findings.back().severity = Severity::kInfo;
+      table_.findings.back().action = "passed over";
+      return {};
+    }
     std::string what = row.damage;
     std::string hint = "a joint table holds rows of numbers only, without a header";
     const char* code = "not_a_number";
     if (what.empty() && row.numbers != table_.columns) {
       code = "row_length";
-      what = "row has " + std::to_string(row.numbers) + " numbers, not " + std::to_string(table_.columns);
+      what = "row has " + Counted(row.numbers, "number") + ", not " + std::to_string(table_.columns);
       hint = "every row must have the declared columns; is the file cut off?";
     }
     const long long frame = rows_ / layout_.rows_per_frame;
@@ -157,11 +184,19 @@ class Parser {
       if (Status kept = KeepNumbers(row, begin, line, frame); !kept) return kept;
     } else {
       const bool commas = HasDecimalCommas(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
+      const char other = commas ? 0 : OtherSeparator(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
       if (commas) what += ": its numbers have a decimal comma";
+      if (other != 0) {
+        what += std::string(": its numbers stand between '") + other + "'";
+        hint = "write them with blanks or commas between them";
+        return Bad(what, line, hint);
+      }
       if (commas) hint = "write them with a decimal point (1.5, not 1,5) and blanks between them";
       if (commas || layout_.damaged_rows == DamagedRows::kRefuse) return Bad(what, line, hint);
+      if (first_damage_.empty()) first_damage_ = what, first_damaged_line_ = line;
       if (++damaged_rows_ > kFewRows && damaged_rows_ > rows_ / 2 + 1) {
-        return Bad(what, line, "more rows are damaged than whole: this is no table of such rows");
+        return Bad(first_damage_, first_damaged_line_,
+                   "more rows are damaged than whole: this is no table of such rows");
       }
       if (row.numbers < table_.columns) short_line_ = line;
       Report(code, frame, row.numbers, name_ + ":" + std::to_string(line) + ": " + what);
@@ -247,15 +282,22 @@ class Parser {
   }
 
   Expected<JointTable> Finish() {
+    if (rows_ == 0 && !table_.findings.empty()) {
+      return Fail(ErrorCode::kMalformed, "the file holds no row of numbers", name_, "this is no table of numbers");
+    }
     if (rows_ == 0) return Fail(ErrorCode::kMalformed, "the file holds no numbers", name_, "is the file empty?");
     const long long frames = rows_ / layout_.rows_per_frame;
     const long long left_over = rows_ % layout_.rows_per_frame;
     if (left_over != 0) {
-      const std::string what = std::to_string(rows_) + " rows are not a whole number of frames of " +
-                               std::to_string(layout_.rows_per_frame) + " rows (" + std::to_string(left_over) +
-                               " left over)";
+      const std::string what = Counted(rows_, "row") + (rows_ == 1 ? " is" : " are") +
+                               " not a whole number of frames of " + std::to_string(layout_.rows_per_frame) +
+                               " rows (" + std::to_string(left_over) + " left over)";
+      if (frames == 0 && !first_damage_.empty()) {
+        return Bad(first_damage_, first_damaged_line_, "no frame of the file is whole: this is no table of such rows");
+      }
       if (layout_.damaged_rows == DamagedRows::kRefuse || frames == 0) {
-        return Bad(what, scanner_.line(), "check rows_per_frame, or the file is cut off");
+        return Bad(what, scanner_.line(),
+                   "check rows_per_frame; or a row is missing or too many, or the file is cut off");
       }
       Tell("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
       table_.findings.back().severity = Severity::kError;
@@ -270,7 +312,9 @@ class Parser {
     table_.frames = static_cast<int>(frames);
     const std::size_t size =
         static_cast<std::size_t>(layout_.rows_per_frame) * static_cast<std::size_t>(table_.columns);
-    table_.values.resize(static_cast<std::size_t>(frames) * size);
+    const auto whole = table_.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(frames) * size);
+    table_.left_over.assign(whole, table_.values.end());
+    table_.values.erase(whole, table_.values.end());
     for (const long long frame : damaged_) {
       if (frame < frames) std::fill_n(table_.values.begin() + static_cast<std::ptrdiff_t>(frame * size), size, kNan);
     }
@@ -285,6 +329,9 @@ class Parser {
   long long rows_ = 0;
   long long damaged_rows_ = 0;
   int last_line_ = 0;
+  std::string first_damage_;  ///< of the first damaged row
+  int first_damaged_line_ = 0;
+  int header_lines_ = 0;
   int short_line_ = -1;  ///< the last one that had too few numbers
   std::vector<long long> damaged_;
   LeftOut not_finite_;
@@ -294,6 +341,9 @@ class Parser {
 }  // namespace
 
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name) {
+  if (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF") {
+    return Fail(ErrorCode::kMalformed, "the text is UTF-16", name + ":1", "save it as UTF-8 or plain ASCII");
+  }
   if (layout.rows_per_frame < 1) return Fail(ErrorCode::kUsage, "rows_per_frame must be at least 1", name);
   if (layout.damaged_rows == DamagedRows::kReport && layout.columns < 1) {
     return Fail(ErrorCode::kUsage, "damaged rows can be told from others only where the columns are declared", name);

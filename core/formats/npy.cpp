@@ -116,23 +116,32 @@ struct Parts {
   std::string_view data;
 };
 
+tl::unexpected<Error> CutHeader(std::string_view bytes, const std::string& name) {
+  return Fail(ErrorCode::kMalformed,
+              "the header is cut off: the file ends after " + Counted(static_cast<long long>(bytes.size()), "byte"),
+              name, "copy the file again");
+}
+
 Expected<Parts> Split(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
-  if (bytes.size() < 10 || bytes.substr(0, kMagic.size()) != kMagic) {
-    return Fail(ErrorCode::kMalformed, "the file does not begin as a numpy array", name, "it is no .npy file");
+  const bool begins = bytes.substr(0, kMagic.size()) == kMagic.substr(0, bytes.size());
+  if (!begins) {
+    return Fail(ErrorCode::kMalformed, "the file does not begin as a numpy array", name,
+                "it is no .npy file: write the array with numpy.save, or take the file out of the folder");
   }
+  if (bytes.size() < 10) return CutHeader(bytes, name);
   const int version = static_cast<unsigned char>(bytes[6]);
   if (version < 1 || version > 3) {
     return Fail(ErrorCode::kUnsupported, "npy format version " + std::to_string(version), name, "known are 1, 2 and 3");
   }
   const std::size_t length_bytes = version == 1 ? 2 : 4;
-  if (bytes.size() < 8 + length_bytes) return Fail(ErrorCode::kMalformed, "the header is cut off", name);
+  if (bytes.size() < 8 + length_bytes) return CutHeader(bytes, name);
   std::size_t length = 0;
   for (std::size_t i = 0; i < length_bytes; ++i) {
     length |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[8 + i])) << (8 * i);
   }
   const std::size_t begin = 8 + length_bytes;
-  if (length > bytes.size() - begin) return Fail(ErrorCode::kMalformed, "the header is cut off", name);
+  if (length > bytes.size() - begin) return CutHeader(bytes, name);
   Expected<Header> header = HeaderReader(bytes.substr(begin, length), name).Read();
   if (!header) return Forward(header);
   return Parts{std::move(*header), bytes.substr(begin + length)};

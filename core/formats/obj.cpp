@@ -43,14 +43,17 @@ class ObjParser {
     if (obj_.faces.empty() && !bytes_.empty() && bytes_.back() != '\n')
       return Bad("the file ends within a line, before any face: it is cut off", "copy it again");
     if (obj_.vertices.empty())
-      return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_, "export the mesh again");
+      return Fail(ErrorCode::kMalformed, "the file holds no vertices", name_,
+                  "export the mesh again, or leave the file out");
     return std::move(obj_);
   }
 
  private:
-  tl::unexpected<Error> Bad(const std::string& rule,
-                            const std::string& hint = "mend the line, or export the mesh again") const {
-    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_), hint);
+  tl::unexpected<Error> Bad(const std::string& rule, const std::string& hint = {}) const {
+    const bool last = at_ >= bytes_.size() && !bytes_.empty() && bytes_.back() != '\n';
+    const char* usual = last ? "the file ends within this line: it is cut off, copy it again"
+                             : "mend the line, or export the mesh again";
+    return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_), hint.empty() ? usual : hint);
   }
 
   bool NextLine(std::string_view& line) {

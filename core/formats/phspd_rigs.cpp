@@ -3,6 +3,7 @@
 #include "core/base/text.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/json_place.h"
+#include "core/formats/pickle.h"
 
 namespace mocurate {
 namespace {
@@ -84,6 +85,14 @@ Status AddRig(const JsonPlace& rig, const std::string& world, Calibration& calib
   return AddBoards(rig, world, calibration);
 }
 
+/// Numbers of an array as nested lists.
+nlohmann::json Nested(const NpyArray& array, std::size_t axis, std::size_t& next) {
+  if (axis == array.shape.size()) return array.values[next++];
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < array.shape[axis]; ++i) list.push_back(Nested(array, axis + 1, next));
+  return list;
+}
+
 }  // namespace
 
 Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name) {
@@ -107,6 +116,31 @@ Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& 
     if (Status status = AddRig(place, rig.key(), calibration); !status) return Forward(status);
   }
   return calibration;
+}
+
+Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::string& name) {
+  const Expected<Pickle> pickle = ParsePickle(bytes, name);
+  if (!pickle) return Forward(pickle);
+  const PickleRef top = pickle->top();
+  if (!top.Find("param_p") || !top.Find("d1p")) {
+    return Fail(ErrorCode::kUnsupported, "the pickle is no rig of PHSPD: it has no 'param_p' and 'd1p'", name,
+                "cameras are read from CamParams*.pkl of PHSPD, or from one of the text calibrations");
+  }
+  nlohmann::json rig = nlohmann::json::object();
+  for (std::size_t i = 0; i < top.size(); ++i) {
+    const Expected<std::string> key = top.KeyAt(i).Text();
+    if (!key) return Forward(key);
+    const Expected<NpyArray> array = top.ValueAt(i).Array();
+    if (!array) return Forward(array);
+    if (array->values.empty()) continue;
+    std::size_t next = 0;
+    rig[*key] = Nested(*array, 0, next);
+  }
+  const std::size_t slash = name.rfind('/');
+  const std::string file = name.substr(slash == std::string::npos ? 0 : slash + 1);
+  const nlohmann::json rigs = {{"units", "mm"},
+                               {"rig", {{file.substr(0, file.rfind('.')), rig}}}};  // millimetres by the set's own code
+  return ParsePhspdRigs(rigs.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), name);
 }
 
 }  // namespace mocurate

@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/quality/flat.h"
 #include "core/quality/rate.h"
 
 namespace mocurate {
@@ -63,6 +64,10 @@ std::vector<double> WithoutBlanks(const TrackedPoints& points, const std::vector
 
 std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, const CheckLimits& limits) {
   std::vector<Finding> findings = FindBlanks(given);
+  if (!limits.metres) {  // how small a body may be is not known
+    const auto collapsed = [](const Finding& finding) { return finding.code == "collapsed_frames"; };
+    findings.erase(std::remove_if(findings.begin(), findings.end(), collapsed), findings.end());
+  }
   const std::vector<double> confidence = WithoutBlanks(given, findings);
   const TrackedPoints points{given.positions, confidence,         given.time_s, given.names,
                              given.parents,   given.rest_lengths, given.body};
@@ -74,6 +79,7 @@ std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, con
     if (rate_hz > 0.0) Append(FindWrongRate(points, rate_hz), findings);
   }
   Append(std::move(no_body), findings);
+  Append(FindFlat(points), findings);
   return Fewer(std::move(findings), static_cast<std::size_t>(std::max(1, limits.most_per_code)));
 }
 

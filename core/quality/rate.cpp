@@ -172,8 +172,11 @@ std::vector<Finding> FindWrongRate(const TrackedPoints& points, double rate_hz) 
   const RateMeasure measure = MeasureRate(points);
   if (measure.Allows(rate_hz)) return {};
   const double nearest = rate_hz < measure.lowest ? measure.lowest : measure.highest;
-  return {FrameFinding("rate_doubtful", 0, 0, "", measure.rate_hz().value_or(nearest),
-                       "the motion fits " + measure.Range() + ", not " + Digits(rate_hz) + " Hz: " + measure.Words())};
+  const std::optional<double> likely = measure.rate_hz();
+  return {FrameFinding("rate_doubtful", 0, 0, "", likely.value_or(nearest),
+                       "the motion fits " + measure.Range() +
+                           (likely ? ", most likely " + Digits(*likely) + " Hz" : "") + ", not " + Digits(rate_hz) +
+                           " Hz: " + measure.Words())};
 }
 
 }  // namespace mocurate

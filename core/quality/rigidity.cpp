@@ -52,7 +52,13 @@ bool LooksLikeRotations(const TrackedPoints& points) {
   return true;
 }
 
+constexpr const char* kSpreadWords = "bones change";
+
 }  // namespace
+
+double NoBodyLimit(const Finding& finding, const RigidityLimits& limits) {
+  return finding.message.rfind(kSpreadWords, 0) == 0 ? limits.spread : limits.proportion;
+}
 
 std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits) {
   if (points.parents.empty()) return {};
@@ -73,14 +79,15 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
   }
   const double spread = spreads.size() >= kFewestBones ? Median(spreads) : 0.0;
   if (proportion <= limits.proportion && spread <= limits.spread) return {};
-  const std::string why =
-      proportion > limits.proportion
-          ? "the bones' proportions are off by " + Digits(100.0 * (std::exp(proportion) - 1.0)) + " % (mean)"
-          : "bones change their length by " + Digits(100.0 * spread) + " % (median)";
+  const std::string why = proportion > limits.proportion
+                              ? "the logarithms of bone lengths are " + Digits(proportion) +
+                                    " off the skeleton's (mean), a person's at most " + Digits(limits.proportion)
+                              : kSpreadWords + std::string(" their length by ") + Digits(spread) +
+                                    " of it (median), a person's at most " + Digits(limits.spread);
   Finding finding = FrameFinding(
       "not_joint_positions", 0, 0, "", proportion > limits.proportion ? proportion : spread,
-      why + ", those of a body do not: no joint positions" +
-          (LooksLikeRotations(points) ? "; all numbers lie within pi, as Lie parameters do" : ", or another order"));
+      why + ": joints in another order, or no joint positions" +
+          (LooksLikeRotations(points) ? " (rotations? all numbers lie within pi, as Lie parameters do)" : ""));
   finding.severity = Severity::kError;
   return {finding};
 }

@@ -224,7 +224,8 @@ std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& li
     findings.push_back(FrameFinding("swapped_sides", span.first, span.second, "", found.first,
                                     "left and right " + found.second + " are exchanged for " + std::to_string(frames) +
                                         (frames == 1 ? " frame" : " frames") +
-                                        ": within a frame each goes to where the other was"));
+                                        ": within a frame each goes to where the other was (squared steps are " +
+                                        Digits(found.first) + " of those without the exchange)"));
   }
   return findings;
 }

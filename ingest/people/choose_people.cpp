@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -150,10 +151,10 @@ void NoteOthers(const People& people, std::size_t wanted, std::vector<Finding>& 
   for (const PersonTrack& track : people.others) {
     which += (which.empty() ? "" : ", ") + track.Name() + " in " + std::to_string(track.frames.size()) + " frames";
   }
-  Finding finding =
-      FrameFinding("bodies_left_out", 0, 0, "", static_cast<double>(left),
-                   "the file holds " + std::to_string(left + people.chosen.size()) +
-                       " people, ingest.source.bodies asks for " + std::to_string(wanted) + "; not taken: " + which);
+  Finding finding = FrameFinding("bodies_left_out", 0, 0, "", static_cast<double>(left),
+                                 "the file holds " + std::to_string(left + people.chosen.size()) +
+                                     " people, ingest.source.bodies asks for " + std::to_string(wanted) + "; " +
+                                     std::to_string(left) + " not taken: " + which);
   finding.action = "left out";
   findings.push_back(std::move(finding));
 }
@@ -210,7 +211,8 @@ People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRu
     const bool taken = people.chosen.size() < wanted && people.ghosts[i].frames.size() > 1;
     Finding finding = FrameFinding("ghost_body", people.ghosts[i].frames.front(), people.ghosts[i].frames.back() + 1,
                                    "", static_cast<double>(people.ghosts[i].frames.size()),
-                                   "body " + people.ghosts[i].Name() + " is nobody (" + reasons[i] + ")");
+                                   "body " + people.ghosts[i].Name() + " is nobody (" + reasons[i] + "), in " +
+                                       Counted(static_cast<long long>(people.ghosts[i].frames.size()), "frame"));
     finding.action = taken ? "taken, for want of a better one" : "left out";
     people.findings.push_back(std::move(finding));
     (taken ? people.chosen : ghosts).push_back(std::move(people.ghosts[i]));

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -78,9 +79,10 @@ bool Interleaved(const PersonTrack& a, const PersonTrack& b, const std::vector<d
 }
 
 void NoteStitch(const PersonTrack& a, const PersonTrack& b, const char* how, std::vector<Finding>& findings) {
-  Finding finding = FrameFinding("ids_stitched", a.frames.back(), b.frames.front() + 1, "",
-                                 std::max(0, b.frames.front() - a.frames.back() - 1),
-                                 "body ids " + a.Name() + " and " + b.Name() + " are one person: " + how);
+  const int between = std::max(0, b.frames.front() - a.frames.back() - 1);
+  Finding finding = FrameFinding("ids_stitched", a.frames.back(), b.frames.front() + 1, "", between,
+                                 "body ids " + a.Name() + " and " + b.Name() + " are one person, " +
+                                     Counted(between, "frame") + " between them: " + how);
   if (finding.frame_end <= finding.frame_begin) finding.frame_begin = finding.frame_end = 0;
   finding.severity = Severity::kInfo;
   finding.action = "stitched";

@@ -105,25 +105,50 @@ std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints
   return likeliest;
 }
 
-std::vector<Finding> DamagedFramesOf(const double* xyz, int frames, int joints, const std::string& name) {
-  std::vector<Finding> findings;
+DamagedNumbers DamagedNumbersOf(const double* xyz, int frames, int joints, const std::string& name) {
+  struct Tally {
+    long long numbers = 0;
+    int frames = 0, first = 0, last = 0;
+    std::string place;
+  };
+  Tally not_finite, too_large;
+  DamagedNumbers damaged;
   const std::ptrdiff_t wide = static_cast<std::ptrdiff_t>(joints) * 3;
-  const auto damaged = [](double value) { return !std::isfinite(value) || std::abs(value) > kLargestNumber; };
   for (int f = 0; f < frames; ++f) {
     const double* row = xyz + f * wide;
-    const double* found = std::find_if(row, row + wide, damaged);
-    if (found == row + wide) continue;
-    const auto joint = static_cast<int>((found - row) / 3);
-    const bool number = std::isfinite(*found);
-    Finding finding = FrameFinding(number ? "number_too_large" : "not_a_number", f, f + 1, "", joint,
-                                   name + ": frame " + std::to_string(f) + ", joint " + std::to_string(joint) + ", " +
-                                       "xyz"[(found - row) % 3] + ": " +
-                                       (number ? FormatDouble(*found) + " is no coordinate of a person"
-                                               : std::string("this is no finite number")));
-    finding.action = "dropped";
-    findings.push_back(std::move(finding));
+    for (std::ptrdiff_t at = 0; at < wide; ++at) {
+      const double value = row[at];
+      if (std::isfinite(value) && std::abs(value) <= kLargestNumber) continue;
+      Tally& tally = std::isfinite(value) ? too_large : not_finite;
+      if (tally.numbers++ == 0) {
+        tally.first = f;
+        tally.place = "frame " + std::to_string(f) + ", joint " + std::to_string(at / 3) + ", " + "xyz"[at % 3] + ": " +
+                      (std::isnan(value) ? "NaN" : FormatDouble(value));
+      }
+      if (tally.frames == 0 || tally.last != f) ++tally.frames;
+      tally.last = f;
+      if (damaged.frames.empty() || damaged.frames.back() != f) damaged.frames.push_back(f);
+    }
   }
-  return findings;
+  const auto tell = [&](const char* code, const Tally& tally, const char* one, const char* many) {
+    if (tally.numbers == 0) return;
+    Finding finding =
+        FrameFinding(code, tally.first, tally.last + 1, "", static_cast<double>(tally.numbers),
+                     name + ": " + Counted(tally.numbers, "number") + " in " + std::to_string(tally.frames) + " of " +
+                         Counted(frames, "frame") + (tally.numbers == 1 ? one : many) +
+                         (tally.numbers == 1 ? ", in " : ", the first in ") + tally.place);
+    finding.action = "dropped";
+    damaged.findings.push_back(std::move(finding));
+  };
+  tell("not_a_number", not_finite, " is not finite", " are not finite");
+  tell("number_too_large", too_large, " is no coordinate of a person", " are no coordinates of a person");
+  return damaged;
+}
+
+tl::unexpected<Error> NobodySeen(std::size_t numbers, const std::string& name) {
+  return Fail(ErrorCode::kMalformed,
+              "all " + std::to_string(numbers) + " numbers are NaN or infinite, or beyond any person: no joint is seen",
+              name, "leave the file out");
 }
 
 }  // namespace mocurate

@@ -19,8 +19,16 @@ struct AxisOrder {
 /// `joints`: how many a source declares, which is enough where they lie along another axis; 0: not known.
 std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints);
 
-/// Frames of (frames, joints, 3) numbers of which one is none ("not_a_number") or beyond any person
-/// ("number_too_large"): a finding each, of the first such number; action "dropped".
-std::vector<Finding> DamagedFramesOf(const double* xyz, int frames, int joints, const std::string& name);
+/// Numbers of (frames, joints, 3) that are none, or beyond any person: frames that hold some, rising, and a finding for
+/// all that are not finite ("not_a_number") and for all that are too large ("number_too_large"), with their count as
+/// value and the place of the first; action "dropped".
+struct DamagedNumbers {
+  std::vector<int> frames;
+  std::vector<Finding> findings;
+};
+DamagedNumbers DamagedNumbersOf(const double* xyz, int frames, int joints, const std::string& name);
+
+/// The error of an array whose numbers are all damaged.
+tl::unexpected<Error> NobodySeen(std::size_t numbers, const std::string& name);
 
 }  // namespace mocurate

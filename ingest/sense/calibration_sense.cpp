@@ -236,7 +236,8 @@ class Judge {
       const std::string declared(Name(calibration_.reading));
       if (declared != reading.value && reading.confidence > kContradiction) {
         sense.remarks.push_back({"calibration_contradiction", Severity::kWarning, reading.confidence,
-                                 "the format says " + declared + ", but " + reading.evidence});
+                                 "the format says " + declared + ", but " + reading.evidence + " (" +
+                                     RoundedText(100.0 * reading.confidence, 3) + " % sure)"});
       }
       return {declared, 1.0, "the format says so; " + Words(scores_[IndexOf(declared)])};
     }
@@ -273,7 +274,8 @@ class Judge {
       }
       if (!unit.value.empty() && unit.value != declared && unit.confidence > kContradiction) {
         sense.remarks.push_back({"calibration_contradiction", Severity::kWarning, unit.confidence,
-                                 "the file says " + declared + ", but " + unit.evidence});
+                                 "the file says " + declared + ", but " + unit.evidence + " (" +
+                                     RoundedText(100.0 * unit.confidence, 3) + " % sure)"});
       }
       return {declared, 1.0, "the file or its format says so; " + unit.evidence};
     }

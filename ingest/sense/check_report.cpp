@@ -133,7 +133,7 @@ RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const 
 
 void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
                   const std::string& up, const std::string& where, nlohmann::json& findings) {
-  if (clip.positions.empty() || clip.positions.frames < 2 || units == "px") return;
+  if (clip.positions.empty() || units == "px") return;
   const bool declared = source && source->rate_hz;
   const std::optional<double> rate = declared ? source->rate_hz : clip.rate_doubt ? std::nullopt : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
@@ -142,7 +142,17 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   const CheckOptions options = source ? source->checks : CheckOptions();
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known);
   CheckPath(clip, options, metres, up, found);
-  if (!Remarked(clip, "no_joint_seen")) NoteEmptyFrames(metres.confidence, metres.positions.frames, found);
+  if (!Remarked(clip, "no_joint_seen")) {
+    std::vector<Finding> told;
+    for (const Remark& remark : clip.remarks) {
+      Finding finding = FrameFinding(remark.code.c_str(), remark.frame_begin, remark.frame_end, "", 0.0, "");
+      finding.action = "dropped";
+      told.push_back(std::move(finding));
+    }
+    const auto before = static_cast<std::ptrdiff_t>(told.size());
+    NoteEmptyFrames(metres.confidence, metres.positions.frames, told);
+    found.insert(found.end(), told.begin() + before, told.end());
+  }
   if (declared) BlameDeclaration(found);
   for (const Finding& finding : found) {
     if (options.ActionFor(finding.code) == FindingAction::kIgnore || Remarked(clip, finding.code)) continue;

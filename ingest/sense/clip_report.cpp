@@ -127,7 +127,8 @@ Json MissingShare(const ObservedClip& clip, const ClipMeasures& m) {
     return ReportValue(Rounded(*clip.missing_share), "measured", 1.0, "of the numbers of the file");
   if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
   return ReportValue(Rounded(m.missing_share), "measured", 1.0,
-                     "joints that are zero, no numbers, or have confidence 0");
+                     clip.zeros.empty() ? "joints that are no numbers, or have confidence 0"
+                                        : "joints that are zero, no numbers, or have confidence 0");
 }
 
 /// Measures, with the reason where there was nothing to measure.
@@ -213,9 +214,12 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   if (!said.units.empty() && !pixels && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
   std::string units = said.units.empty() ? m.units.value : said.units;
   std::string up = said.up.empty() ? m.up.value : said.up;
+  bool contradicted = false;
   for (const Comparison& comparison : CompareFrame(said, m)) {
     if (!comparison.contradicts) continue;
     // Otherwise one wrong word would make a defect of every frame.
+    contradicted = contradicted || comparison.code == std::string("units_contradiction") ||
+                   comparison.code == std::string("up_contradiction");
     if (comparison.code == std::string("units_contradiction")) units = m.units.value;
     if (comparison.code == std::string("up_contradiction")) up = m.up.value;
     findings.push_back(
@@ -226,7 +230,7 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   const bool no_body = std::any_of(clip.remarks.begin(), clip.remarks.end(),
                                    [](const Remark& remark) { return remark.code == "not_joint_positions"; });
   json["rate_hz"] = RateOf(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));
-  ReportChecks(clip, source, units, up, where, findings);
+  ReportChecks(clip, source, contradicted ? "" : units, contradicted ? "" : up, where, findings);
   return json;
 }
 

@@ -65,8 +65,8 @@ void Compare(const char* code, const char* what, const std::string& declared, co
   if (declared.empty() || measured.value.empty() || measured.confidence < kContradicts) return;
   comparisons.push_back({code, declared, measured.value, Rounded(measured.confidence), measured.confidence,
                          measured.value != declared,
-                         std::string(what) + " is declared " + declared + ", the motion says " + measured.value + " (" +
-                             measured.evidence + ")"});
+                         std::string(what) + " is declared " + declared + ", the motion says " + measured.value + ", " +
+                             RoundedText(100.0 * measured.confidence, 3) + " % sure (" + measured.evidence + ")"});
 }
 
 }  // namespace
@@ -116,8 +116,8 @@ bool RateDenials::OfTheSet() const {
 }
 
 std::string RateDenials::Words() const {
-  return std::to_string(std::max(too_fast, too_slow)) + " of " + Counted(static_cast<long long>(clips), "clip") +
-         " deny their rate, all as too " + (too_fast > 0 ? "fast" : "slow");
+  return std::to_string(std::max(too_fast, too_slow)) + " of " + Counted(static_cast<long long>(clips), "clip") + " (" +
+         RoundedText(100.0 * Share()) + " %) deny their rate, all as too " + (too_fast > 0 ? "fast" : "slow");
 }
 
 std::vector<Comparison> CompareFrame(const Statements& said, const ClipMeasures& measures) {

@@ -28,8 +28,23 @@ bool IsDepthPng(const std::filesystem::path& path) {
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-void ReplaceAll(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+bool IsAlnum(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
+
+/// Whether two characters that follow each other belong to one word or one number.
+bool OnePart(char a, char b) { return IsAlnum(a) && IsAlnum(b) && IsDigit(a) == IsDigit(b); }
+
+/// Where `part` next stands in `text` as whole words and numbers: "p" in "p_01" and "p01", not in "depth".
+std::size_t FindPart(const std::string& text, const std::string& part, std::size_t from) {
+  for (std::size_t at = text.find(part, from); at != std::string::npos; at = text.find(part, at + 1)) {
+    const std::size_t end = at + part.size();
+    const bool begins = at == 0 || !OnePart(text[at - 1], part.front());
+    if (begins && (end == text.size() || !OnePart(part.back(), text[end]))) return at;
+  }
+  return std::string::npos;
+}
+
+void ReplaceParts(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = FindPart(text, from, 0); at != std::string::npos; at = FindPart(text, from, at + to.size())) {
     text.replace(at, from.size(), to);
   }
 }
@@ -38,11 +53,11 @@ void ReplaceAll(std::string& text, const std::string& from, const std::string& t
 std::string PatternOf(const std::string& name, const std::vector<std::string>& cameras, const std::string& field) {
   std::string longest;
   for (const std::string& camera : cameras) {
-    if (camera.size() > longest.size() && name.find(camera) != std::string::npos) longest = camera;
+    if (camera.size() > longest.size() && FindPart(name, camera, 0) != std::string::npos) longest = camera;
   }
   if (longest.empty()) return "";
   std::string pattern = name;
-  ReplaceAll(pattern, longest, "{" + field + "}");
+  ReplaceParts(pattern, longest, "{" + field + "}");
   const std::size_t dot = pattern.rfind('.');
   std::size_t end = std::min(dot, pattern.size());
   const std::size_t begin_of_base = pattern.rfind('/') == std::string::npos ? 0 : pattern.rfind('/') + 1;

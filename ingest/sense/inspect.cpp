@@ -11,6 +11,7 @@
 #include "core/formats/png.h"
 #include "ingest/format_facts.h"
 #include "ingest/sense/clip_report.h"
+#include "ingest/sense/fault_codes.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
@@ -18,6 +19,7 @@
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/pattern.h"
 #include "ingest/sources/source_file.h"
+#include "ingest/sources/table_rows.h"
 
 namespace mocurate {
 namespace {
@@ -26,20 +28,19 @@ using Json = nlohmann::json;
 
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 
-void AddError(const Error& error, const std::string& file, const char* code, Json& findings) {
+void AddError(const Error& error, const std::string& file, const std::string& code, Json& findings) {
   findings.push_back(InspectionFinding(code, Severity::kError, error.where.empty() ? file : error.where, 0.0,
                                        error.what + (error.hint.empty() ? "" : " (" + error.hint + ")")));
 }
 
-const char* CodeOf(ErrorCode error, FileKind kind, bool declared) {
+std::string CodeOf(const Error& error, FileKind kind) {
   if (kind == FileKind::kEmpty) return "empty_file";
   if (kind == FileKind::kUnknown) return "unknown_format";
-  if (error == ErrorCode::kUnsupported) return "no_motion";
-  if (error == ErrorCode::kInconsistent && kind == FileKind::kNumbers)
-    return declared ? "layout_contradiction" : "no_joint_seen";
-  if (error == ErrorCode::kInconsistent && kind == FileKind::kNtuSkeleton) return "no_joint_seen";
-  if (error == ErrorCode::kInconsistent && kind == FileKind::kNpy) return "layout_contradiction";
-  return "malformed";
+  const char* format = kind == FileKind::kNumbers       ? "joint_table"
+                       : kind == FileKind::kNtuSkeleton ? "ntu_skeleton"
+                       : kind == FileKind::kNpy         ? "npy"
+                                                        : "";
+  return FaultCode(error, format);
 }
 
 /// What is being looked at, and what was found so far.
@@ -269,6 +270,13 @@ void Inspector::Look(const FileToInspect& file) {
 }
 
 void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& error) {
+  const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);
+  if (kind == FileKind::kUnknown && table) {  // by its name it is one: what a run says of it
+    const Expected<std::string> bytes = ReadFile(file.path);
+    const Expected<JointRows> rows = bytes ? ReadTableRows(*source_, *bytes, file.name) : Forward(bytes);
+    const Error& told = rows ? error : rows.error();
+    return AddError(told, file.name, FaultCode(told, "joint_table"), findings());
+  }
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
     return;
@@ -287,9 +295,8 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
     others_.push_back(file.name);
     return;
   }
-  AddError(error, file.name, CodeOf(code, kind, IsDeclared(file)), findings());
+  AddError(error, file.name, CodeOf(error, kind), findings());
   if (const std::optional<double> announced = AnnouncedCount(error)) {
-    findings().back()["code"] = "count_contradiction";
     findings().back()["value"] = *announced;
   }
 }

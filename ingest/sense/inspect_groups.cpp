@@ -173,10 +173,11 @@ void TellByGroup(Json& clips, Json& findings) {
       if (handedness.at("from") == "declared" || handedness.at("value") == pooled.at("value")) continue;
       const std::string own = handedness.at("evidence");
       if (!handedness.at("value").is_null()) {
-        findings.push_back(InspectionFinding("handedness_outlier", Severity::kWarning, clip->at("id"),
-                                             handedness.at("confidence"),
-                                             "this clip alone would be " + handedness.at("value").get<std::string>() +
-                                                 "-handed (" + own + "), the others of the folder are not"));
+        findings.push_back(
+            InspectionFinding("handedness_outlier", Severity::kWarning, clip->at("id"), handedness.at("confidence"),
+                              "this clip alone would be " + handedness.at("value").get<std::string>() + "-handed (" +
+                                  own + ", " + RoundedText(100.0 * handedness.at("confidence").get<double>(), 3) +
+                                  " % sure), the others of the folder are not"));
         for (const char* field : {"facing", "axes"}) {
           if ((*clip)[field].at("from") == "measured")
             (*clip)[field] = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder");

@@ -117,8 +117,10 @@ std::string FindingsText(const Json& findings) {
   for (const auto& [code, members] : by_code) {
     text += code + (members.size() > 1 ? " (" + std::to_string(members.size()) + " times)" : "") + "\n";
     for (std::size_t i = 0; i < members.size() && i < kMostPlaces; ++i) {
-      text += "  " + members[i]->at("where").get<std::string>() + ": " + members[i]->at("message").get<std::string>() +
-              "\n";
+      const auto where = members[i]->at("where").get<std::string>();
+      const auto message = members[i]->at("message").get<std::string>();
+      const bool names = message.rfind(where + ":", 0) == 0;  // a place in the file is told by its name too
+      text += "  " + (names ? "" : where + ": ") + message + "\n";
     }
     if (members.size() > kMostPlaces) text += "  and " + std::to_string(members.size() - kMostPlaces) + " more\n";
   }

@@ -31,6 +31,16 @@ std::string Words(const OrderScore& score) {
 }  // namespace
 
 bool RecogniseOrder(ObservedClip& clip) {
+  if (clip.frames < 2) {
+    clip.skeleton_evidence =
+        Counted(clip.frames, "frame") + " tells no order of joints: whether bones keep their length shows in two";
+    return false;
+  }
+  const auto zero = [](double value) { return value == 0.0; };
+  if (std::all_of(clip.positions.xyz.begin(), clip.positions.xyz.end(), zero)) {
+    clip.skeleton_evidence = "every number is zero";
+    return false;
+  }
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   if (scores.empty() || !scores[0].score.IsBody()) {
     clip.skeleton_evidence = scores.empty() ? "no known order has " + std::to_string(clip.joints) + " joints"
@@ -59,6 +69,9 @@ bool RecogniseOrder(ObservedClip& clip) {
 }
 
 void DoubtPositions(ObservedClip& clip) {
+  const auto zero = [](double value) { return value == 0.0; };
+  const bool nothing = std::all_of(clip.positions.xyz.begin(), clip.positions.xyz.end(), zero);
+  if (clip.frames < 2 || nothing) return;  // they show no bones, right or wrong
   const double rigidity = Rigidity(clip.positions, clip.confidence);
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   if (rigidity > kRigid) {
@@ -94,13 +107,16 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   }
   clip.points = PointsByName(clip.names, **skeleton);
   const BodyScore score = ScoreBody(clip.positions, clip.confidence, BonesOf(clip.names, **skeleton));
-  clip.skeleton_evidence = "bones change their length by " + Rounded(100.0 * score.spread) +
-                           " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
+  clip.skeleton_evidence = clip.frames < 2
+                               ? "1 frame does not tell whether bones keep their length"
+                               : "bones change their length by " + Rounded(100.0 * score.spread) +
+                                     " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   const bool better = !scores.empty() && scores[0].score.IsBody() && scores[0].score.total() < 0.6 * score.total();
   if (clip.frames < kFewestFrames || score.total() < kPlausibleOrder || !better) return;
   clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
-                          "read in the declared order, " + clip.skeleton_evidence + "; " + Words(scores[0])});
+                          "read in the declared order, " + clip.skeleton_evidence + " (" + RoundedText(score.total()) +
+                              ", the spread and half of that); " + Words(scores[0])});
 }
 
 void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/formats/largest_number.h"
 #include "core/formats/npy.h"
 #include "ingest/sense/array_sense.h"
@@ -16,15 +17,9 @@ std::size_t JointsDeclared(const SourceOptions& source) {
   return skeleton ? (*skeleton)->joints.size() : 0;
 }
 
-/// Numbers beyond any person cost their frame; what is no number is how many a file says that a joint is missing.
-void TakeDamaged(const std::vector<Finding>& damaged, ObservedClip& clip) {
-  for (const Finding& finding : damaged) {
-    if (finding.code != "number_too_large") continue;
-    const auto begin = static_cast<std::ptrdiff_t>(finding.frame_begin) * clip.joints;
-    std::fill_n(clip.confidence.begin() + begin, clip.joints, 0.0);
-    std::fill_n(clip.positions.xyz.begin() + 3 * begin, 3 * clip.joints, 0.0);
+void TellDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
+  for (const Finding& finding : damaged.findings)
     clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
-  }
 }
 
 }  // namespace
@@ -54,10 +49,7 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
   }
   const auto finite = [](double value) { return std::isfinite(value) && std::abs(value) <= kLargestNumber; };
   if (std::none_of(array.values.begin(), array.values.end(), finite)) {
-    return Fail(ErrorCode::kMalformed,
-                "all " + std::to_string(array.values.size()) +
-                    " numbers are NaN or infinite, or beyond any person: no joint is seen",
-                name, "leave the file out");
+    return NobodySeen(array.values.size(), name);
   }
   const auto frames = static_cast<int>(held->frames);
   const auto joints = static_cast<int>(held->joints);
@@ -76,11 +68,12 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
       if (!finite(value)) clip.confidence[i / 3] = 0.0;
     }
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
-    TakeDamaged(DamagedFramesOf(array.values.data() + c * clip.positions.xyz.size(), frames, joints, name), clip);
+    TellDamaged(DamagedNumbersOf(array.values.data() + c * clip.positions.xyz.size(), frames, joints, name), clip);
     if (declared)
       DeclareOrder(*source, clip);
     else if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
-      clip.remarks.push_back({"no_joint_seen", Severity::kError, 1.0, "every joint of every frame is missing"});
+      clip.remarks.push_back({"no_joint_seen", Severity::kError, static_cast<double>(frames),
+                              "no joint is seen in " + std::to_string(frames) + " of " + Counted(frames, "frame")});
     else if (!RecogniseOrder(clip))
       DoubtPositions(clip);
     observed.push_back(std::move(clip));

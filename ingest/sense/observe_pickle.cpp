@@ -90,29 +90,9 @@ Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
   return observed;
 }
 
-/// Numbers of an array as nested lists.
-nlohmann::json Nested(const NpyArray& array, std::size_t axis, std::size_t& next) {
-  if (axis == array.shape.size()) return array.values[next++];
-  nlohmann::json list = nlohmann::json::array();
-  for (std::size_t i = 0; i < array.shape[axis]; ++i) list.push_back(Nested(array, axis + 1, next));
-  return list;
-}
-
-/// The original pickle of one rig of PHSPD: what the JSON of all rigs holds under the rig's name.
-Expected<ObservedFile> PhspdRigIn(const PickleRef& top, const FileBytes& file) {
-  nlohmann::json rig = nlohmann::json::object();
-  for (std::size_t i = 0; i < top.size(); ++i) {
-    const Expected<std::string> key = top.KeyAt(i).Text();
-    if (!key) return Forward(key);
-    const Expected<NpyArray> array = top.ValueAt(i).Array();
-    if (!array) return Forward(array);
-    if (array->values.empty()) continue;
-    std::size_t next = 0;
-    rig[*key] = Nested(*array, 0, next);
-  }
-  const std::string name = DisplayPath(std::filesystem::path(file.name).stem());
-  const nlohmann::json rigs = {{"units", "mm"}, {"rig", {{name, rig}}}};  // millimetres by the set's own code
-  Expected<Calibration> calibration = ParsePhspdRigs(rigs.dump(), file.name);
+/// The original pickle of one rig of PHSPD.
+Expected<ObservedFile> PhspdRigIn(const FileBytes& file) {
+  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
   if (!calibration) return Forward(calibration);
   ObservedFile observed;
   observed.calibrations.push_back(std::move(*calibration));
@@ -142,7 +122,7 @@ Expected<ObservedFile> ObservePickle(const FileBytes& file) {
     observed.companions.push_back({file.name, "body_model", {}, {}});
     return observed;
   }
-  if (top.Find("param_p") && top.Find("d1p")) return PhspdRigIn(top, file);
+  if (top.Find("param_p") && top.Find("d1p")) return PhspdRigIn(file);
   const std::optional<PickleRef> joints = top.Find("joints3d");
   const std::optional<PickleRef> pose = joints ? joints : top.Find("pose");
   if (pose && (pose->kind() == PickleKind::kList)) return VibeCacheIn(file);

@@ -18,6 +18,8 @@ struct Remark {
   Severity severity = Severity::kWarning;
   double value = 0.0;
   std::string message;
+  int frame_begin = 0;  ///< frames that are missing for it
+  int frame_end = 0;
 };
 
 /// One clip as it stands in a file: file units, file axes.

@@ -34,7 +34,7 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
     finding.code = "bone_slides";
     finding.joint = bvh.joints[j].name;
     finding.value = slide;
-    finding.message = "the bone changes its length by " + Millimetres(slide) + " over the clip";
+    finding.message = "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip";
     finding.action = "middle of its range used";
     findings.push_back(finding);
   }

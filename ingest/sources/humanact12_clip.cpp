@@ -42,8 +42,8 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
   finding.code = "joints_displaced";
   finding.severity = Severity::kInfo;
   finding.value = *middle;
-  finding.message = "joints lie " + FormatDouble(std::round(1e4 * *middle) / 10.0) +
-                    " mm (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
+  finding.message = "joints lie " + RoundedText(*middle, 3) +
+                    " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
                     "the subject's body";
   finding.action = "rotations kept; the skeleton of joints alone (npy) keeps the places";
   findings.push_back(std::move(finding));

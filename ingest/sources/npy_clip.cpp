@@ -71,7 +71,7 @@ JointTracks TracksOf(const NpyArray& array, std::size_t wide, const FileOrder& o
 
 /// Joints-only motion in which points that are missing come from whole frames beside theirs.
 Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridged, const SkeletonPtr& skeleton,
-               const FrameRate& rate, std::vector<Finding>& findings) {
+               const FrameRate& rate) {
   JointPositions positions = tracks.positions;
   const auto seen = [&](int frame, int joint) {
     return tracks.confidence[static_cast<std::size_t>(frame) * skeleton->joints.size() + joint] > 0.0;
@@ -84,7 +84,8 @@ Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridg
     }
   }
   Motion motion = MakeJointsOnly(skeleton, rate, std::move(positions));
-  MarkBridged(bridged, motion, findings);
+  std::vector<Finding> none;
+  MarkBridged(bridged, motion, none);
   for (const DamagedFrame& at : bridged) {
     for (int j = 0; j < motion.joint_count(); ++j) {
       if (!seen(at.frame, j)) continue;
@@ -131,7 +132,8 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   }
   const int frames = static_cast<int>(array->shape[0]);
   IngestedClip ingested;
-  ingested.findings = DamagedFramesOf(array->values.data(), frames, static_cast<int>(wide), file.name);
+  DamagedNumbers damaged = DamagedNumbersOf(array->values.data(), frames, static_cast<int>(wide), file.name);
+  ingested.findings = std::move(damaged.findings);
   if (!ingested.findings.empty() && source.damaged_rows == DamagedRows::kRefuse) {
     return Fail(ErrorCode::kMalformed, ingested.findings[0].message, file.name,
                 "mend the file, or set ingest.source.damaged_rows: report");
@@ -141,13 +143,12 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   JointTracks tracks = TracksOf(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
   if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
       static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
-    return Fail(ErrorCode::kInconsistent, "no point of the array is a person's", file.name, "leave the file out");
+    return NobodySeen(array->values.size(), file.name);
   }
-  std::vector<int> damaged;
-  for (const Finding& finding : ingested.findings) damaged.push_back(finding.frame_begin);
-  const auto bridged = BridgeFrames(damaged, frames, *source.rate_hz, file.name);
+  const auto bridged = BridgeFrames(damaged.frames, frames, *source.rate_hz, file.name);
   if (bridged && order->joint.size() == (*skeleton)->joints.size()) {
-    ingested.clip.motion = Bridged(tracks, *bridged, *skeleton, ingested.clip.rate, ingested.findings);
+    ingested.clip.motion = Bridged(tracks, *bridged, *skeleton, ingested.clip.rate);
+    for (Finding& finding : ingested.findings) finding.action = "interpolated";
     return ingested;
   }
   for (Finding& finding : ingested.findings) finding.action = "missing";

@@ -136,7 +136,8 @@ void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Meas
   finding.value = up.confidence;
   finding.message = "with axes '" + source.axes +
                     "' the cameras lie on their sides or heads: the top of their images " + "points to " + up.value +
-                    " (" + up.evidence + "); mend ingest.source.axes";
+                    ", " + RoundedText(100.0 * up.confidence, 3) + " % sure (" + up.evidence +
+                    "); mend ingest.source.axes";
   finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
   findings.push_back(std::move(finding));
 }

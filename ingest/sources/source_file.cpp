@@ -164,12 +164,21 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
     const auto first = confidence.begin() + f * joints;
     return std::all_of(first, first + joints, [](double c) { return c == 0.0; });
   };
+  // Frames whose rows were damaged are told of already.
+  std::vector<char> told(static_cast<std::size_t>(frames), 0);
+  for (const Finding& finding : findings) {
+    const bool rows = finding.code == "frame_rows" || finding.code == "row_length" || finding.code == "not_a_number" ||
+                      finding.code == "cut_off";
+    if (!rows || finding.action != "dropped") continue;
+    for (int f = std::max(0, finding.frame_begin); f < std::min(frames, finding.frame_end); ++f)
+      told[static_cast<std::size_t>(f)] = 1;
+  }
   for (int f = 0; f < frames; ++f) {
-    if (!empty(f)) continue;
+    if (!empty(f) || told[static_cast<std::size_t>(f)] != 0) continue;
     Finding finding;
     finding.code = "no_joint_seen";
     finding.frame_begin = f;
-    while (f < frames && empty(f)) ++f;
+    while (f < frames && empty(f) && told[static_cast<std::size_t>(f)] == 0) ++f;
     finding.frame_end = f;
     finding.value = finding.frame_end - finding.frame_begin;
     finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +

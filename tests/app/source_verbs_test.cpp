@@ -351,5 +351,32 @@ TEST(DoctorOfASource, IsContentWithAFolderThatHasItAll) {
   EXPECT_THAT(result.out, HasSubstr("(432 files)"));
 }
 
+/// Starts the program in the folder of the test.
+Result RunThere(const Folder& folder, const std::vector<std::string>& arguments) {
+  program::Surroundings there;
+  there.before_start = [&folder] { std::filesystem::current_path(folder.path()); };
+  return RunProgram(folder, arguments, there);
+}
+
+TEST(RecipeNames, AreRecipesWhateverLiesInTheFolder) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "kard");
+  WriteText(folder / "kard/notes.txt", "nothing");
+  WriteText(folder / "florence3d", "nothing");
+  for (const char* name : {"kard", "florence3d"}) {
+    const Result inspected = RunThere(folder, {"inspect", "kard", "--source", name, "--json"});
+    EXPECT_THAT(inspected.err, ::testing::Not(HasSubstr("config"))) << inspected.err;
+    EXPECT_EQ(inspected.Json().at("path"), "kard");
+    const Result doctor = RunThere(folder, {"doctor", "--source", name});
+    EXPECT_THAT(doctor.out + doctor.err, HasSubstr(name));
+    EXPECT_THAT(doctor.out + doctor.err, ::testing::Not(HasSubstr("there is no recipe")));
+    const Result run = RunThere(folder, {"run", name, "--set", "ingest.path=kard", "--dry-run"});
+    EXPECT_THAT(run.err, ::testing::Not(HasSubstr("configuration cannot be read"))) << run.err;
+  }
+  const Result path = RunThere(folder, {"inspect", "kard", "--source", "./kard"});
+  EXPECT_EQ(path.exit_code, 2) << path.err;
+  EXPECT_THAT(path.err, HasSubstr("./kard: is a folder, not a config file"));
+}
+
 }  // namespace
 }  // namespace mocurate

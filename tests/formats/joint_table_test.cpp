@@ -41,9 +41,9 @@ TEST(JointTable, BadInputIsRefusedWithPlaceAndReason) {
   EXPECT_EQ(Fails("\n \n", Rows(2)), "a.txt: the file holds no numbers (is the file empty?)");
   EXPECT_EQ(
       Fails("1 2\n3 4\n5 6\n", Rows(2)),
-      "a.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame, or the file "
-      "is cut off)");
-  EXPECT_THAT(Fails("1 2\n3\n", Rows(2)), HasSubstr("a.txt:2: row has 1 numbers, not 2"));
+      "a.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame; or a row is "
+      "missing or too many, or the file is cut off)");
+  EXPECT_THAT(Fails("1 2\n3\n", Rows(2)), HasSubstr("a.txt:2: row has 1 number, not 2"));
   EXPECT_THAT(Fails("1 2\n3 4 5\n", Rows(1, 3)), HasSubstr("a.txt:1: row has 2 numbers, not 3"));
   EXPECT_THAT(Fails("1 2\nx 4\n", Rows(1)), HasSubstr("a.txt:2: 'x' is not a number"));
   EXPECT_THAT(Fails("1 2\n3 4z\n", Rows(1)), HasSubstr("'4z' is not a number"));
@@ -129,6 +129,30 @@ TEST(JointTable, ALargeFileIsReadFasterThanADiskGivesIt) {
   ASSERT_TRUE(table);
   RecordProperty("megabytes_per_second", FormatDouble(std::round(static_cast<double>(text.size()) / seconds / 1e6)));
   EXPECT_LT(seconds, 5.0);  // wide: other work and sanitizers; the figure is the property above
+}
+
+TEST(JointTable, AHeaderIsPassedOverAndShiftsNothing) {
+  JointTableLayout layout = Rows(2, 3);
+  layout.damaged_rows = DamagedRows::kReport;
+  const auto table = ParseJointTable("x y z\n1 2 3\n4 5 6\n", layout, "a.txt");
+  ASSERT_TRUE(table) << table.error().Message();
+  EXPECT_EQ(table->frames, 1);
+  EXPECT_EQ(table->at(0, 1, 2), 6.0);
+  ASSERT_EQ(table->findings.size(), 1u);
+  EXPECT_THAT(table->findings[0].message, HasSubstr("a.txt:1: 3 words before the first row"));
+}
+
+TEST(JointTable, OtherSeparatorsAndEncodingsAreNamed) {
+  JointTableLayout layout = Rows(1, 3);
+  layout.damaged_rows = DamagedRows::kReport;
+  EXPECT_THAT(Fails("1.5;2;3\n4;5;6\n", layout), HasSubstr("its numbers stand between ';' (write them with blanks"));
+  EXPECT_THAT(Fails("1|2|3\n", layout), HasSubstr("its numbers stand between '|'"));
+  EXPECT_THAT(Fails(std::string("\xFF\xFE"
+                                "1\0",
+                                4),
+                    layout),
+              HasSubstr("the text is UTF-16"));
+  EXPECT_THAT(Fails("<html>404</html>\n", layout), HasSubstr("holds no row of numbers"));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ std::string ConfigRefusal(const IngestOptions& options) {
 
 TEST(BadInput, AnEmptyFile) {
   const IngestOptions options = OneFile("empty", "");
-  EXPECT_EQ(RefusalOf(options, "empty"), "a1_s2.txt: the file holds no numbers (is the file empty?)");
+  EXPECT_EQ(RefusalOf(options, "empty"), "a1_s2.txt: the file is empty (was it copied whole?)");
 }
 
 TEST(BadInput, RowsThatDoNotDivide) {
@@ -33,8 +33,8 @@ TEST(BadInput, RowsThatDoNotDivide) {
   options.source.damaged_rows = DamagedRows::kRefuse;
   EXPECT_EQ(
       RefusalOf(options, "rows"),
-      "a1_s2.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame, or the "
-      "file is cut off)");
+      "a1_s2.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame; or a row "
+      "is missing or too many, or the file is cut off)");
 }
 
 TEST(BadInput, NanWithoutADeclarationAndWithOne) {
@@ -58,7 +58,7 @@ TEST(BadInput, ATableOfZerosIsNoMotionAndSingleZerosAreSaid) {
   EXPECT_THAT(RefusalOf(OneFile("zeros", "0 0 0\n0 0 0\n"), "zeros"), HasSubstr("every joint of every frame is 0 0 0"));
   const Ingested ingested = RunIngest(Discover(OneFile("zero", "1 2 3\n0 0 0\n"))->items[0], "zero");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+  ASSERT_EQ(ingested.outcome->findings.size(), 2u);
   EXPECT_EQ(ingested.outcome->findings[0].code, "zero_joint");
   EXPECT_EQ(ingested.outcome->findings[0].value, 1.0);
 }

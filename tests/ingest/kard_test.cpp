@@ -57,6 +57,7 @@ TEST_F(Kard, EveryClipIsReadInMetresAndRightHanded) {
 struct Shortened {
   std::vector<int> missing;
   std::vector<std::string> codes;
+  int frames = 0;
   bool read = false;
 };
 
@@ -79,23 +80,26 @@ Shortened WithoutRow(const std::string& recording, int frame, int row) {
   shortened.read = true;
   for (const Finding& finding : ingested.outcome->findings) shortened.codes.push_back(finding.code);
   const auto& tracks = ingested.clip.evidence.tracks;
+  if (tracks) shortened.frames = tracks->positions.frames;
   for (int f = 0; tracks && f < tracks->positions.frames; ++f) {
     if (tracks->confidence[static_cast<std::size_t>(f) * 15] == 0.0) shortened.missing.push_back(f);
   }
   return shortened;
 }
 
-TEST_F(Kard, AMissingRowNeverShiftsWhatFollows) {
-  const Shortened late = WithoutRow("a14_s01_e01", 190, 7);
-  ASSERT_TRUE(late.read);
-  EXPECT_THAT(late.codes, testing::Contains("rows_shifted"));
-  ASSERT_FALSE(late.missing.empty());
-  EXPECT_GE(late.missing.front(), 189);
-  EXPECT_LE(late.missing.front(), 190);
-  EXPECT_EQ(late.missing.back() - late.missing.front() + 1, static_cast<int>(late.missing.size()));
-  EXPECT_EQ(late.missing.back(), 204);
+TEST_F(Kard, AMissingRowCostsItsFrameAndNeverShiftsWhatFollows) {
+  for (const auto& [frame, row] : {std::pair{190, 7}, {3, 0}, {100, 14}, {0, 9}}) {
+    SCOPED_TRACE(std::to_string(frame) + ", " + std::to_string(row));
+    const Shortened late = WithoutRow("a14_s01_e01", frame, row);
+    ASSERT_TRUE(late.read);
+    EXPECT_THAT(late.codes, testing::Contains("frame_rows"));
+    EXPECT_THAT(late.codes, testing::Not(testing::Contains("cut_off")));
+    EXPECT_THAT(late.missing, testing::ElementsAre(frame));
+    EXPECT_EQ(late.frames, 206);
+  }
   const Shortened cut = WithoutRow("a14_s01_e01", 205, 14);  // the last row: nothing follows
-  EXPECT_THAT(cut.codes, testing::Not(testing::Contains("rows_shifted")));
+  EXPECT_THAT(cut.codes, testing::Contains("cut_off"));
+  EXPECT_THAT(cut.codes, testing::Not(testing::Contains("frame_rows")));
   EXPECT_TRUE(cut.missing.empty());
 }
 

@@ -1,0 +1,179 @@
+#include "ingest/sense/table_readings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kFewestJoints = 10;
+constexpr int kMostJoints = 60;
+
+constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
+
+/// How a source would declare the layout; a fourth number that lies in 0..1 throughout is a confidence.
+void AddLayoutFacts(const JointTable& rows, const RowLayout& layout, ObservedClip& clip) {
+  if (!layout.x_columns.empty()) {
+    clip.facts.emplace_back("layout", kCad60);
+    return;
+  }
+  std::string fourth;
+  if (layout.columns_per_joint == 4) {
+    bool confidence = true;
+    for (int row = 0; row < rows.frames && confidence; ++row) {
+      for (int c = layout.first_column + 3; c < rows.columns && confidence; c += 4) {
+        const double value = rows.at(row, 0, c);
+        confidence = value >= 0.0 && value <= 1.0;
+      }
+    }
+    fourth = confidence ? "confidence" : "skip";
+  }
+  if (layout.rows_per_frame > 1) {
+    clip.facts.emplace_back("columns", "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
+    return;
+  }
+  clip.facts.emplace_back("layout", std::string(layout.first_column > 0 ? "frame " : "") +
+                                        std::to_string(layout.joints) + "*(x y z" +
+                                        (fourth.empty() ? "" : " " + fourth) + ")");
+}
+
+/// The leading numbers, where they count the frames: whole, rising, mostly by one (by more, they are times).
+std::vector<double> FrameNumbers(const JointTable& rows, const RowLayout& layout) {
+  const bool leads = layout.rows_per_frame == 1 && (layout.first_column == 1 || !layout.x_columns.empty());
+  if (!leads) return {};
+  std::vector<double> numbers;
+  int by_one = 0;
+  for (int f = 0; f < rows.frames; ++f) {
+    const double number = rows.at(f, 0, 0);
+    if (!std::isfinite(number) || number != std::floor(number)) return {};
+    if (f > 0 && number <= numbers.back()) return {};
+    if (f > 0 && number == numbers.back() + 1.0) ++by_one;
+    numbers.push_back(number);
+  }
+  if (2 * by_one < rows.frames - 1) return {};
+  return numbers;
+}
+
+/// CAD-60: frame number; 11 joints with 9 orientation values, their confidence, x y z, confidence; 4 joints without.
+RowLayout Cad60RowLayout() {
+  RowLayout layout{15, 1, 0, 3, {}, "171 numbers a row: frame number, 11 joints with orientation, 4 without (CAD-60)"};
+  for (int j = 0; j < 11; ++j) layout.x_columns.push_back(1 + 14 * j + 10);
+  for (int j = 0; j < 4; ++j) layout.x_columns.push_back(1 + 14 * 11 + 4 * j);
+  return layout;
+}
+
+bool IsKnownCount(int joints) {
+  const std::vector<JointOrder>& orders = KnownJointOrders();
+  return std::any_of(orders.begin(), orders.end(),
+                     [&](const JointOrder& order) { return static_cast<int>(order.joints.size()) == joints; });
+}
+
+}  // namespace
+
+ObservedClip ReadRows(const JointTable& rows, const RowLayout& layout) {
+  ObservedClip clip;
+  clip.format = "joint_table";
+  clip.joints = layout.joints;
+  clip.frames = rows.frames / layout.rows_per_frame;
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  clip.confidence.assign(static_cast<std::size_t>(clip.frames) * clip.joints, 0.0);
+  clip.zeros.assign(clip.confidence.size(), 0);
+  const int per_row = layout.joints / layout.rows_per_frame;
+  for (int f = 0; f < clip.frames; ++f) {
+    for (int j = 0; j < clip.joints; ++j) {
+      const int row = f * layout.rows_per_frame + j / per_row;
+      const int column = layout.x_columns.empty() ? layout.first_column + (j % per_row) * layout.columns_per_joint
+                                                  : layout.x_columns[j];
+      const auto number = [&](int axis) { return rows.at(row, 0, column + layout.axis[axis]); };
+      const Vector3d value(number(0), number(1), number(2));
+      const std::size_t at =
+          static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);
+      clip.zeros[at] = value.isZero(0.0) ? 1 : 0;
+      if (!value.allFinite() || value.isZero(0.0)) continue;
+      clip.positions.at(f, j) = value;
+      clip.confidence[at] = 1.0;
+    }
+  }
+  clip.frame_numbers = FrameNumbers(rows, layout);
+  clip.layout_evidence = layout.words;
+  AddLayoutFacts(rows, layout, clip);
+  return clip;
+}
+
+std::string RowWords(int rows, int joints, int columns) {
+  return std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers = " + std::to_string(rows / joints) +
+         " frames of " + std::to_string(joints) + " joints, one a row";
+}
+
+std::vector<RowLayout> PossibleLayouts(int rows, int columns) {
+  std::vector<RowLayout> layouts;
+  if (columns == 171) layouts.push_back(Cad60RowLayout());
+  if (columns == 3 || columns == 4) {
+    for (int joints = kFewestJoints; joints <= kMostJoints; ++joints) {
+      if (rows % joints == 0) layouts.push_back({joints, joints, 0, columns, {}, RowWords(rows, joints, columns)});
+    }
+    return layouts;
+  }
+  for (const int leading : {0, 1}) {
+    for (const int per_joint : {3, 4}) {
+      const int rest = columns - leading;
+      const int joints = rest / per_joint;
+      if (rest % per_joint != 0 || joints < kFewestJoints || joints > kMostJoints) continue;
+      layouts.push_back({joints,
+                         1,
+                         leading,
+                         per_joint,
+                         {},
+                         "rows of " + std::to_string(columns) + " numbers: one frame of " + std::to_string(joints) +
+                             " joints with " + std::to_string(per_joint) + " each" +
+                             (leading > 0 ? " after one leading number" : "")});
+    }
+  }
+  return layouts;
+}
+
+double Roughness(const ObservedClip& clip) {
+  std::vector<double> steps, sizes;
+  const int step = std::max(1, clip.frames / 64);
+  const auto seen = [&](int f, int j) { return clip.confidence[static_cast<std::size_t>(f) * clip.joints + j] > 0.0; };
+  for (int f = 0; f + 1 < clip.frames; f += step) {
+    for (int j = 0; j < clip.joints; ++j) {
+      if (seen(f, j) && seen(f + 1, j)) steps.push_back((clip.positions.at(f + 1, j) - clip.positions.at(f, j)).norm());
+      if (seen(f, j) && seen(f, 0)) sizes.push_back((clip.positions.at(f, j) - clip.positions.at(f, 0)).norm());
+    }
+  }
+  if (steps.empty() || sizes.empty()) return 1.0;
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const double size = median(sizes);
+  return size > 0.0 ? median(steps) / size : 1.0;
+}
+
+std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vector<RowLayout>& layouts) {
+  std::optional<ObservedClip> best;
+  std::string others;
+  for (const RowLayout& layout : layouts) {
+    if (!IsKnownCount(layout.joints)) continue;
+    ObservedClip clip = ReadRows(rows, layout);
+    if (!RecogniseOrder(clip) || Roughness(clip) > kSmooth) continue;
+    const bool better = !best || clip.skeleton_confidence > best->skeleton_confidence;
+    if (best) {
+      others += (others.empty() ? "" : ", ") + std::to_string(better ? best->joints : clip.joints);
+    }
+    if (better) best = std::move(clip);
+  }
+  if (best && !others.empty()) {
+    best->remarks.push_back({"layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
+                             "the row count also allows " + others +
+                                 " joints, and bone lengths do not exclude it; this reading is " +
+                                 RoundedText(100.0 * best->skeleton_confidence, 3) + " % sure"});
+  }
+  return best;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/formats/joint_table.h"
+#include "ingest/sense/observed_clip.h"
+
+namespace mocurate {
+
+inline constexpr double kSmooth = 0.35;  ///< a frame's step against the size of the body: a body moves less
+
+/// Where the numbers of a table stand, if a frame is read in one way.
+struct RowLayout {
+  int joints = 0;
+  int rows_per_frame = 0;
+  int first_column = 0;  ///< of the first joint in a row
+  int columns_per_joint = 3;
+  std::vector<int> x_columns;  ///< (joints) where it is irregular: column of x
+  std::string words;
+  int axis[3] = {0, 1, 2};  ///< columns of x, y, z after the joint's first
+};
+
+ObservedClip ReadRows(const JointTable& rows, const RowLayout& layout);
+
+/// "1290 rows of 3 numbers = 86 frames of 15 joints, one a row".
+std::string RowWords(int rows, int joints, int columns);
+
+/// Every way to read the table that its counts allow.
+std::vector<RowLayout> PossibleLayouts(int rows, int columns);
+
+/// Median step of a joint between frames against the size of the body: small when frames are cut at the right rows.
+double Roughness(const ObservedClip& clip);
+
+/// The surest reading in a known order; a remark names the other counts that fit.
+std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vector<RowLayout>& layouts);
+
+}  // namespace mocurate

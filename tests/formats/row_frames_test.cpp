@@ -1,0 +1,152 @@
+#include "core/formats/row_frames.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/joint_layout.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int kJoints = 12;
+
+/// Lines of a body whose joints stand apart and move a little from frame to frame; the frame's number stands behind.
+std::vector<std::string> Lines(int frames) {
+  std::vector<std::string> lines;
+  for (int f = 0; f < frames; ++f) {
+    for (int j = 0; j < kJoints; ++j) {
+      const double x = 300.0 * std::cos(2.4 * j) + 10.0 * f, y = 150.0 * j, z = 300.0 * std::sin(2.4 * j);
+      lines.push_back(FormatDouble(x) + " " + FormatDouble(y) + " " + FormatDouble(z) + " " + std::to_string(f));
+    }
+  }
+  return lines;
+}
+
+std::string Text(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+Expected<JointRows> Read(const std::vector<std::string>& lines, OddFrame odd = OddFrame::kLast,
+                         DamagedRows damaged = DamagedRows::kReport) {
+  JointTableLayout table;
+  table.rows_per_frame = kJoints;
+  table.damaged_rows = damaged;
+  return ParseJointRows(Text(lines), ParseJointLayout("12*(x y z confidence)", "").value(), table, "t.txt", odd);
+}
+
+/// Frames that are missing; every other must hold its own number.
+std::vector<int> Missing(const JointRows& rows) {
+  std::vector<int> missing;
+  for (int f = 0; f < rows.frames; ++f) {
+    for (int j = 0; j < kJoints; ++j) {
+      const double number = rows.confidence[static_cast<std::size_t>(f * kJoints + j)];
+      if (std::isnan(number)) {
+        if (j == 0) missing.push_back(f);
+        continue;
+      }
+      EXPECT_EQ(number, f) << "joint " << j;
+    }
+  }
+  return missing;
+}
+
+TEST(RowFrames, ARowThatIsMissingCostsItsFrameAndShiftsNothing) {
+  for (const int row : {12, 40, 59, 60, 71, 100}) {
+    SCOPED_TRACE(row);
+    std::vector<std::string> lines = Lines(10);
+    lines.erase(lines.begin() + row);
+    const Expected<JointRows> rows = Read(lines);
+    ASSERT_TRUE(rows) << rows.error().Message();
+    EXPECT_EQ(rows->frames, 10);
+    EXPECT_THAT(Missing(*rows), ElementsAre(row / kJoints));
+    ASSERT_EQ(rows->findings.size(), 1U);
+    EXPECT_EQ(rows->findings[0].code, "frame_rows");
+    EXPECT_EQ(rows->findings[0].value, kJoints - 1);
+    EXPECT_THAT(rows->findings[0].message, HasSubstr("t.txt:" + std::to_string(row + 1) + ": frame " +
+                                                     std::to_string(row / kJoints) + " has 11 rows, not 12"));
+  }
+}
+
+TEST(RowFrames, ARowTooManyCostsItsFrameAndShiftsNothing) {
+  std::vector<std::string> lines = Lines(10);
+  lines.insert(lines.begin() + 40, lines[39]);
+  const Expected<JointRows> rows = Read(lines);
+  ASSERT_TRUE(rows) << rows.error().Message();
+  EXPECT_THAT(Missing(*rows), ElementsAre(3));
+  ASSERT_EQ(rows->findings.size(), 1U);
+  EXPECT_EQ(rows->findings[0].value, kJoints + 1);
+  EXPECT_THAT(rows->findings[0].message, HasSubstr("t.txt:41: frame 3 has 13 rows, not 12: a row too many"));
+}
+
+TEST(RowFrames, ARowTooManyInTheFirstFrameCostsBothFramesThatItMayStandIn) {
+  std::vector<std::string> lines = Lines(10);
+  lines.insert(lines.begin() + 10, lines[9]);
+  const Expected<JointRows> rows = Read(lines);
+  ASSERT_TRUE(rows) << rows.error().Message();
+  for (const int frame : Missing(*rows)) EXPECT_LE(frame, 1);
+}
+
+TEST(RowFrames, OneRowMissingAndOneTooManyAreSeenThoughTheCountIsRight) {
+  std::vector<std::string> lines = Lines(10);
+  lines.insert(lines.begin() + 90, lines[3]);
+  lines.erase(lines.begin() + 30);
+  const Expected<JointRows> rows = Read(lines);
+  ASSERT_TRUE(rows) << rows.error().Message();
+  EXPECT_THAT(Missing(*rows), ElementsAre(2, 7));
+  EXPECT_EQ(rows->findings.size(), 2U);
+}
+
+TEST(RowFrames, WhichEndOfATableIsNotWholeIsForTheCallerToSay) {
+  std::vector<std::string> lines = Lines(10);
+  lines.erase(lines.begin() + 5);
+  const Expected<JointRows> cut = Read(lines);
+  ASSERT_TRUE(cut);
+  EXPECT_EQ(cut->rows_left_over, kJoints - 1);
+  EXPECT_EQ(cut->findings.at(0).code, "cut_off");
+  const Expected<JointRows> first = Read(lines, OddFrame::kFirst);
+  ASSERT_TRUE(first);
+  EXPECT_THAT(Missing(*first), ElementsAre(0));
+  EXPECT_EQ(first->findings.at(0).code, "frame_rows");
+}
+
+TEST(RowFrames, AWholeTableHasNoBreaksHoweverFarTheBodyJumps) {
+  std::vector<std::string> lines = Lines(10);
+  const std::vector<std::string> later = Lines(500);
+  lines.insert(lines.end(), later.end() - 5 * kJoints, later.end());
+  for (int row = 0; row < 8; ++row) lines[static_cast<std::size_t>(50 + row)] = "0 0 0 0";
+  const Expected<JointRows> rows = Read(lines);
+  ASSERT_TRUE(rows);
+  EXPECT_THAT(rows->findings, IsEmpty());
+}
+
+TEST(RowFrames, WhereDamageIsRefusedTheErrorNamesLineAndFrame) {
+  std::vector<std::string> lines = Lines(10);
+  lines.insert(lines.begin() + 90, lines[3]);
+  lines.erase(lines.begin() + 30);
+  const Expected<JointRows> rows = Read(lines, OddFrame::kLast, DamagedRows::kRefuse);
+  ASSERT_FALSE(rows);
+  EXPECT_EQ(rows.error().where, "t.txt:31");
+  EXPECT_THAT(rows.error().what, HasSubstr("frame 2 has 11 rows, not 12"));
+  EXPECT_THAT(rows.error().hint, HasSubstr("damaged_rows"));
+}
+
+TEST(RowFrames, ATableOfAnotherCountOfJointsIsRefusedWithTheCount) {
+  std::vector<std::string> lines = Lines(10);
+  for (int f = 9; f >= 0; --f) lines.erase(lines.begin() + f * kJoints + 5);
+  const Expected<JointRows> rows = Read(lines);
+  ASSERT_FALSE(rows);
+  EXPECT_THAT(rows.error().Message(), HasSubstr("have another count of rows than 12, the first 11"));
+  EXPECT_THAT(rows.error().hint, HasSubstr("rows_per_frame"));
+}
+
+}  // namespace
+}  // namespace mocurate
