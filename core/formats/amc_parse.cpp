@@ -179,6 +179,11 @@ class Parser {
                                           ? "the skeleton has no such bone with dof; is it the right skeleton?"
                                           : "the first frame does not have it");
     }
+    const bool comma = scanner_.text().find(',') != std::string_view::npos;
+    if (!whole && comma && amc_.frames == 1) {
+      return Bad("'" + Shown(scanner_.text()) + "' is no finite number: " + called,
+                 "numbers have a decimal point, not a comma: export the file again, or replace the commas");
+    }
     if (!whole && (learns || !Reports())) {
       return Bad("'" + Shown(scanner_.text()) + "' is no finite number: " + called + ", number " +
                  std::to_string(numbers_.size() + 1));
@@ -291,25 +296,37 @@ class Parser {
     for (std::size_t f = 0; f < frames; ++f) {
       for (std::size_t b = 0; b < bones && damaged[f] == 0; ++b) there[b] += amc_.present[f * bones + b];
     }
-    for (std::size_t f = 0; f < frames; ++f) {
-      if (damaged[f] != 0) continue;
-      std::string first;
-      int lacking = 0;
-      for (std::size_t b = 0; b < bones; ++b) {
-        if (amc_.present[f * bones + b] != 0 || 2 * there[b] <= whole) continue;
-        if (++lacking == 1) first = amc_.bones[b].name;
+    const auto lacks = [&](std::size_t frame) {
+      std::vector<std::size_t> lacking;
+      for (std::size_t b = 0; b < bones && damaged[frame] == 0; ++b) {
+        if (amc_.present[frame * bones + b] == 0 && 2 * there[b] > whole) lacking.push_back(b);
       }
-      if (lacking == 0) continue;
-      const std::string what = "frame " + std::to_string(amc_.frame_numbers[f]) + " lacks bone '" + Shown(first) + "'" +
-                               (lacking > 1 ? " and " + Counted(lacking - 1, "other") : "") +
+      return lacking;
+    };
+    for (std::size_t f = 0; f < frames; ++f) {
+      const std::vector<std::size_t> lacking = lacks(f);
+      if (lacking.empty()) continue;
+      std::size_t end = f + 1;
+      while (end < frames && lacks(end) == lacking) ++end;
+      const std::string& first = amc_.bones[lacking[0]].name;
+      const auto others = static_cast<long long>(lacking.size()) - 1;
+      const std::string what = (end == f + 1 ? "frame " + std::to_string(amc_.frame_numbers[f]) + " lacks"
+                                             : "frames " + std::to_string(amc_.frame_numbers[f]) + " to " +
+                                                   std::to_string(amc_.frame_numbers[end - 1]) + " lack") +
+                               " bone '" + Shown(first) + "'" + (others > 0 ? " and " + Counted(others, "other") : "") +
                                ", which most frames have";
       if (!Reports()) {
         return Fail(ErrorCode::kMalformed, what, Place(frame_lines_[f]),
                     "mend or cut the frame, or copy the file again");
       }
-      damaged[f] = 1;
-      Finding* told = Report("bone_missing", first, lacking, Place(frame_lines_[f]) + ": " + what, static_cast<int>(f));
-      if (told != nullptr) told->action = "dropped";
+      Finding* told = Report("bone_missing", first, static_cast<double>(end - f), Place(frame_lines_[f]) + ": " + what,
+                             static_cast<int>(f));
+      if (told != nullptr) {
+        told->frame_end = static_cast<int>(end);
+        told->action = "dropped";
+      }
+      for (; f < end; ++f) damaged[f] = 1;
+      --f;
     }
     for (std::size_t b = 0; b < bones; ++b) {
       if (there[b] == whole || 2 * there[b] > whole) continue;

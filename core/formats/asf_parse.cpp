@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/asf.h"
+#include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 
 namespace mocurate {
@@ -50,6 +51,7 @@ class Parser {
 
  private:
   tl::unexpected<Error> Bad(std::string what, std::string hint = {}) const {
+    if (hint.empty()) hint = "mend the line, or copy the skeleton file again";
     return lines_.Bad(std::move(what), std::move(hint));
   }
 
@@ -111,6 +113,10 @@ class Parser {
   Expected<double> Number(std::string_view word, const std::string& field) const {
     const std::optional<double> value = ParseDouble(word);
     if (!value || !std::isfinite(*value)) return Bad("'" + Shown(word) + "' is no finite number: " + field);
+    if (std::abs(*value) > kLargestNumber) {
+      return Bad("'" + Shown(word) + "' is no number of a skeleton: " + field,
+                 "numbers reach to " + FormatDouble(kLargestNumber) + ": mend it");
+    }
     return *value;
   }
 

@@ -14,7 +14,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMaxDepth = 512;  // no body is deeper; bounds what a hostile file can make a reader of ours do
+constexpr int kMaxDepth = 512;           // no body is deeper; bounds what a hostile file can make a reader of ours do
+constexpr std::size_t kMostTwins = 100;  // names that stand twice, each told; damaged rows are told besides
 constexpr double kShortestFrame = 1e-6;
 constexpr double kLongestFrame = 1e6;  // seconds
 constexpr const char* kFrameTimeHint = "write the seconds from frame to frame, 0.0333333 for 30 frames a second";
@@ -109,7 +110,7 @@ class Parser {
     joint.name = std::string(name);
     joint.parent = stack_.empty() ? -1 : stack_.back();
     bvh_.joints.push_back(joint);
-    if (reports_ && !names_.insert(joint.name).second) {
+    if (reports_ && !names_.insert(joint.name).second && bvh_.findings.size() < kMostTwins) {
       Report("joint_twice", static_cast<double>(bvh_.joints.size() - 1), lines_.number(), 0,
              "joint '" + Shown(name) + "' stands twice: which of them a name means cannot be told; rename one");
       bvh_.findings.back().severity = Severity::kWarning;

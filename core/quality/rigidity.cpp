@@ -57,7 +57,7 @@ constexpr const char* kSpreadWords = "bones change";
 }  // namespace
 
 double NoBodyLimit(const Finding& finding, const RigidityLimits& limits) {
-  return finding.message.rfind(kSpreadWords, 0) == 0 ? limits.spread : limits.proportion;
+  return finding.message.rfind(kSpreadWords, 0) == 0 ? limits.spread : std::exp(limits.proportion);
 }
 
 std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits) {
@@ -80,12 +80,13 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
   const double spread = spreads.size() >= kFewestBones ? Median(spreads) : 0.0;
   if (proportion <= limits.proportion && spread <= limits.spread) return {};
   const std::string why = proportion > limits.proportion
-                              ? "the logarithms of bone lengths are " + Digits(proportion) +
-                                    " off the skeleton's (mean), a person's at most " + Digits(limits.proportion)
+                              ? "bone lengths depart from the skeleton's proportions by a factor of " +
+                                    Digits(std::exp(proportion)) + " (mean), a person's by at most " +
+                                    Digits(std::exp(limits.proportion))
                               : kSpreadWords + std::string(" their length by ") + Digits(spread) +
                                     " of it (median), a person's at most " + Digits(limits.spread);
   Finding finding = FrameFinding(
-      "not_joint_positions", 0, 0, "", proportion > limits.proportion ? proportion : spread,
+      "not_joint_positions", 0, 0, "", proportion > limits.proportion ? std::exp(proportion) : spread,
       why + ": joints in another order, or no joint positions" +
           (LooksLikeRotations(points) ? " (rotations? all numbers lie within pi, as Lie parameters do)" : ""));
   finding.severity = Severity::kError;

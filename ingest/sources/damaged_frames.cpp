@@ -66,9 +66,10 @@ void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::
                 joints, JointState::kInterpolated);
   }
   for (Finding& finding : findings) {
-    const bool one = finding.action == "dropped" && finding.frame_end == finding.frame_begin + 1;
-    const auto frame = static_cast<std::size_t>(finding.frame_begin);
-    if (one && frame < is_bridged.size() && is_bridged[frame]) finding.action = "interpolated";
+    const int end = finding.frame_end;
+    bool all = finding.action == "dropped" && finding.frame_begin < end && end <= motion.frame_count();
+    for (int f = finding.frame_begin; all && f < end; ++f) all = is_bridged[static_cast<std::size_t>(f)];
+    if (all) finding.action = "interpolated";
   }
 }
 

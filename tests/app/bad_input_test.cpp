@@ -85,9 +85,9 @@ void ExpectError(const Result& result, int exit_code, const std::vector<std::str
 TEST(BadInput, AnEmptyFileIsNamed) {
   const Folder folder;
   WriteText(folder / "data/a01_s01.txt", "");
-  ExpectError(RunFolder(folder, TableConfig()), 3,
-              {(folder / "data").string(), "a01_s01.txt", "the file holds no numbers", "is the file empty?",
-               "curation_log.jsonl"});
+  ExpectError(
+      RunFolder(folder, TableConfig()), 3,
+      {(folder / "data").string(), "a01_s01.txt", "the file is empty", "was it copied whole?", "curation_log.jsonl"});
   WriteText(folder / "empty.bvh", "");
   ExpectError(RunProgram(folder, {"inspect", (folder / "empty.bvh").string(), "--json"}), 3,
               {"empty.bvh", "the file is empty", "was it copied whole?"});
@@ -98,7 +98,7 @@ TEST(BadInput, ARowCountThatDoesNotDivideNamesFileLineAndCounts) {
   WriteText(folder / "data/a01_s01.txt", Rows(7));
   ExpectError(RunFolder(folder, TableConfig("units: mm\n    damaged_rows: refuse")), 3,
               {"a01_s01.txt:8", "7 rows are not a whole number of frames of 3 rows (1 left over)",
-               "check rows_per_frame, or the file is cut off"});
+               "a row is missing or too many, or the file is cut off"});
 }
 
 TEST(BadInput, AMissingUnitIsAConfigErrorWithTheOptionToWrite) {

@@ -139,6 +139,8 @@ TEST(Acclaim, EveryDamagedFieldIsNamedWithItsLine) {
 TEST(Asf, ContradictionsAreRefusedWithPlaceAndReason) {
   EXPECT_THAT(AsfFails(""), HasSubstr("arm.asf: the file is empty"));
   EXPECT_THAT(AsfFails(Replaced(kArm, "(-inf inf)\n", "(-inf inf)\n (1 2)\n")), HasSubstr("has 2 dof and 3 limits"));
+  EXPECT_THAT(AsfFails(Replaced(kArm, "length 3", "length 1e300")),
+              HasSubstr("no number of a skeleton: length of bone"));
   EXPECT_THAT(AsfFails(Replaced(kArm, "    fixed lower\n", "")), HasSubstr("bone 'lower' is not in :hierarchy"));
   EXPECT_THAT(AsfFails(Replaced(kArm, "    root upper\n", "    lower upper\n")), HasSubstr("in a ring"));
   EXPECT_THAT(AsfFails(Replaced(kArm, "direction 1 0 0", "direction 0 0 0")), HasSubstr("a length, and no direction"));
@@ -236,6 +238,28 @@ TEST(Amc, AFrameThatLacksABoneWhichMostHaveIsDamagedWhateverBecameOfTheRow) {
     EXPECT_THAT(amc->findings[0].message, HasSubstr("wave.amc:1")) << "lines 11 to 14";
     EXPECT_FALSE(Wave(damaged, asf)) << code << " is refused where damage is";
   }
+}
+
+TEST(Amc, FramesOnEndThatLackTheSameBoneAreToldOnce) {
+  const Asf asf = Arm();
+  std::string text = FiveFrames();
+  for (const char* frame : {"\n2\n", "\n3\n"}) {
+    const std::size_t at = text.find("upper", text.find(frame));
+    text.erase(at, std::string("upper 0 90\n").size());
+  }
+  const auto amc = Wave(text, asf, DamagedRows::kReport);
+  ASSERT_TRUE(amc) << amc.error().Message();
+  EXPECT_THAT(amc->damaged, ElementsAre(1, 2));
+  ASSERT_EQ(amc->findings.size(), 1u);
+  EXPECT_EQ(amc->findings[0].frame_end, 3);
+  EXPECT_EQ(amc->findings[0].value, 2.0);
+  EXPECT_THAT(amc->findings[0].message, HasSubstr("wave.amc:7: frames 2 to 3 lack bone 'upper', which most"));
+}
+
+TEST(Amc, ACommaForTheDecimalPointIsNamed) {
+  const Asf asf = Arm();
+  EXPECT_THAT(Wave(Replaced(kWave, "root 1 2 3", "root 1,5 2,5 3"), asf, DamagedRows::kReport).error().Message(),
+              HasSubstr("numbers have a decimal point, not a comma"));
 }
 
 TEST(Amc, FrameNumbersThatJumpAreKeptAndReported) {

@@ -107,6 +107,15 @@ TEST(Bvh, ACountOfFramesThatIsNoneIsAContradictionAsAnyOther) {
   }
 }
 
+TEST(Bvh, ThousandsOfJointsOfOneNameHideNoDamage) {
+  std::string text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
+  for (int j = 0; j < 2000; ++j) text += "JOINT a\n{\nOFFSET 0 0 0\n}\n";
+  text += "}\nMOTION\nFrames: 2\nFrame Time: 0.1\nx\ny\n";
+  const auto bvh = ParseBvh(text, "clip.bvh", DamagedRows::kReport);
+  ASSERT_FALSE(bvh);
+  EXPECT_THAT(bvh.error().what, HasSubstr("'x' in frame 0"));
+}
+
 TEST(Bvh, EveryRefusalSaysAWayOut) {
   const std::string text = TwoJoints();
   for (const auto& [from, to] : {std::pair{"Frames: 2", "Frames: two"},

@@ -225,7 +225,7 @@ TEST(BvhSource, AMirroredPersonOnATreeOfItsOwnIsFlagged) {
     ASSERT_EQ(outcome.findings.size(), mirrored ? 1u : 0u);
     if (!mirrored) continue;
     EXPECT_EQ(outcome.findings[0].code, "handedness_contradiction");
-    EXPECT_THAT(outcome.findings[0].message, HasSubstr("the motion says right (knees bend forwards"));
+    EXPECT_THAT(outcome.findings[0].message, HasSubstr("the motion says right, 100 % sure (knees bend forwards"));
   }
 }
 
