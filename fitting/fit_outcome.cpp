@@ -139,11 +139,10 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
                                  const JointTrackOptions& options) {
   const RepairedTracks repaired = RepairTracks(given, bone_length, EstimateNoise(given, bone_length).sigma, repair);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, Bones::kFixed, options);
-  if (!fit || repaired.repairs.empty()) return fit;
-  for (std::size_t i = 0; i < repaired.exchanged.size(); ++i) {
-    JointState& state = fit->motion.state[i];
-    if (repaired.exchanged[i] && state == JointState::kObserved) state = JointState::kRepaired;
-  }
+  if (!fit) return fit;
+  fit->findings.insert(fit->findings.end(), repaired.told.begin(), repaired.told.end());
+  if (repaired.repairs.empty()) return fit;
+  MarkRepaired(repaired.exchanged, fit->motion);
   const std::vector<Finding> findings = FindingsOf(repaired.repairs, *given.skeleton);
   fit->findings.insert(fit->findings.end(), findings.begin(), findings.end());
   fit->track_repairs = RepairsText(repaired.repairs, *given.skeleton);
@@ -203,7 +202,10 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   }
   if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
   if (fit.depth_rig && fit.depth_rig->IsDoubtful()) outcome.kind = OutcomeKind::kDoubtful;
-  for (Finding& finding : outcome.findings) finding.clip = clip.id();
+  for (Finding& finding : outcome.findings) {
+    finding.clip = clip.id();
+    if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
+  }
 
   const Skeleton& skeleton = *fit.motion.skeleton;
   outcome.summary = {{"method", MethodName(options.method)},
