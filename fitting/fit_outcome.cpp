@@ -9,13 +9,17 @@
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/keypoint_fit.h"
+#include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
+#include "fitting/solver/body_size.h"
 #include "fitting/solver/joint_track_fit.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kLargeResidual = 0.15;  ///< metres RMS; beyond, skeleton and evidence hardly belong together
+constexpr double kNoFit = 0.3;           ///< metres, median of the joints: beyond, nothing is explained
+constexpr double kNoFitOfStature = 0.25;
 
 double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
 
@@ -154,9 +158,14 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   std::vector<std::string> left_out;
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
+  if (!bone_length.empty()) {
+    if (Status size = CheckSize(*tracks, bone_length, clip.id()); !size) return tl::unexpected<Error>(size.error());
+  }
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
-  if (fit && !left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
+  if (!fit) return fit;
+  if (const auto flat = FindFlatBody(*tracks)) fit->findings.push_back(*flat);
+  if (!left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
   return fit;
 }
 
@@ -184,6 +193,18 @@ Expected<FitResult> TakeGivenMotion(const Clip& clip) {
   result.converged = true;
   result.termination = "given";
   return result;
+}
+
+Status CheckExplained(const FitResult& fit, const std::string& where) {
+  if (fit.residual_median <= 0.0) return {};
+  const double stature = Stature(*fit.motion.skeleton, fit.motion.bone_length);
+  const double most = std::min(kNoFit, kNoFitOfStature * stature);
+  if (!(fit.residual_median > most)) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "no pose of the person explains the joints: they lie " + RoundedText(fit.residual_median, 3) +
+                  " m off in the median, " + RoundedText(fit.residual_p95, 3) + " m at 95 %, of a person of " +
+                  RoundedText(stature, 3) + " m",
+              where, "is it the right unit, order of joints and skeleton, and this person's clip?");
 }
 
 StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options) {

@@ -9,6 +9,7 @@
 #include "fitting/evidence/noise.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/track_repairs.h"
+#include "fitting/solver/body_size.h"
 #include "fitting/solver/bone_lengths.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "fitting/triangulation/keypoint_tracks.h"
@@ -101,6 +102,10 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
                                        const FittingOptions& options) {
   Expected<BodyTracks> found = TracksOnBody(evidence, *skeleton, body, options.keypoints);
   if (!found) return Forward(found);
+  if (!bone_length.empty()) {
+    if (Status size = CheckSize(found->tracks, bone_length, "keypoints"); !size)
+      return tl::unexpected<Error>(size.error());
+  }
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
   Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);

@@ -119,7 +119,7 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
 
 }  // namespace
 
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole) {
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double least_factor) {
   const auto numbers = static_cast<std::size_t>(whole.end) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
@@ -130,8 +130,10 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole) {
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });
   if (!visited) return tl::unexpected<Error>(visited.error());
-  if (freedom.numbers > 0.0)
-    Scale(whole.tracks, prior, std::max(freedom.squares / freedom.numbers, kSmallestFactor), uncertainty);
+  if (freedom.numbers > 0.0) {
+    const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
+    Scale(whole.tracks, prior, factor, uncertainty);
+  }
   return uncertainty;
 }
 
