@@ -10,6 +10,7 @@
 #include "core/quality/teleports.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/exchanges.h"
+#include "fitting/repair/torn_joints.h"
 #include "fitting/solver/bone_lengths.h"
 
 namespace mocurate {
@@ -69,6 +70,22 @@ class Repairs {
         result_.repairs.push_back(std::move(repair));
       }
     }
+  }
+
+  void LeaveOut(const TornJoint& torn, double longest_s) {
+    const SkeletonTracks& tracks = result_.tracks;
+    if (tracks.time_s[torn.frame_end - 1] - tracks.time_s[torn.frame_begin] > longest_s) return;
+    if (!LeaveOut(torn.joint, torn.frame_begin, torn.frame_end)) return;
+    TrackRepair repair;
+    repair.code = "joint_torn_off";
+    repair.frame_begin = torn.frame_begin;
+    repair.frame_end = torn.frame_end;
+    repair.joints = {torn.joint};
+    repair.value = torn.distance;
+    repair.message = names_[torn.joint] + " is elsewhere in " + Counted(torn.frame_end - torn.frame_begin, "frame") +
+                     (torn.jumped ? ": it jumps there and back by " + RoundedText(torn.distance, 3) + " m"
+                                  : ": bones would have to be longer by " + RoundedText(torn.distance, 3) + " m");
+    result_.repairs.push_back(std::move(repair));
   }
 
   void Exchange(const LimbExchange& limb) {
@@ -175,6 +192,10 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
     MendBodies(noise_sigma, options.swap_margin, repairs);
     for (const LimbExchange& limb : FindExchanges(repairs.tracks(), bone_length, noise_sigma, options.swap_margin))
       repairs.Exchange(limb);
+  }
+  if (options.torn) {  // not before: an exchanged hand tears the forearm
+    for (const TornJoint& torn : FindTornJoints(repairs.tracks(), bone_length, noise_sigma, options.longest_teleport_s))
+      repairs.LeaveOut(torn, options.longest_teleport_s);
   }
   return repairs.Take();
 }

@@ -119,6 +119,21 @@ TEST(BadTracks, WithoutAnybodyAreRefusedAndWithNobodyForAWhileSayHowLittleIsKnow
   EXPECT_NE(nothing.error().what.find("120 frames"), std::string::npos);
 }
 
+/// Somebody may go farther in two seconds than many independent steps would take him.
+TEST(BadTracks, WithNobodyForLongAreLessSureThanAWalkWouldBe) {
+  double sigma[2] = {};
+  for (const int longer : {0, 1}) {
+    Take take = SmoothTake(150);
+    AddNoise(take.tracks, 0.01, 3);
+    const int half = longer == 1 ? 30 : 7;
+    for (int f = 75 - half; f <= 75 + half; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+    }
+    sigma[longer] = SigmaAt(SoundFit(ClipOf(take), take.truth.bone_length), 75, 5);
+  }
+  EXPECT_GT(sigma[1], 4.0 * sigma[0]) << "a walk makes it twice as much";
+}
+
 /// What trackers write who do not see a hand: the wrist's place. It says nothing of the hand, nor of anybody's noise.
 TEST(BadTracks, OfAJointThatStandsInItsParentsPlaceAreMissingThere) {
   Take take = SmoothTake(120);
