@@ -9,7 +9,9 @@
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/keypoint_fit.h"
+#include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
+#include "fitting/solver/body_size.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "fitting/uncertainty/given_uncertainty.h"
 
@@ -17,6 +19,8 @@ namespace mocurate {
 namespace {
 
 constexpr double kLargeResidual = 0.15;  ///< metres RMS; beyond, skeleton and evidence hardly belong together
+constexpr double kNoFit = 0.3;           ///< metres, median of the joints: beyond, nothing is explained
+constexpr double kNoFitOfStature = 0.25;
 
 double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
 
@@ -140,11 +144,10 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
                                  const JointTrackOptions& options) {
   const RepairedTracks repaired = RepairTracks(given, bone_length, EstimateNoise(given, bone_length).sigma, repair);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, Bones::kFixed, options);
-  if (!fit || repaired.repairs.empty()) return fit;
-  for (std::size_t i = 0; i < repaired.exchanged.size(); ++i) {
-    JointState& state = fit->motion.state[i];
-    if (repaired.exchanged[i] && state == JointState::kObserved) state = JointState::kRepaired;
-  }
+  if (!fit) return fit;
+  fit->findings.insert(fit->findings.end(), repaired.told.begin(), repaired.told.end());
+  if (repaired.repairs.empty()) return fit;
+  MarkRepaired(repaired.exchanged, fit->motion);
   const std::vector<Finding> findings = FindingsOf(repaired.repairs, *given.skeleton);
   fit->findings.insert(fit->findings.end(), findings.begin(), findings.end());
   fit->track_repairs = RepairsText(repaired.repairs, *given.skeleton);
@@ -156,9 +159,13 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   std::vector<std::string> left_out;
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
+  if (!bone_length.empty()) {
+    if (Status size = CheckSize(*tracks, bone_length, clip.id()); !size) return tl::unexpected<Error>(size.error());
+  }
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (!fit) return fit;
+  if (const auto flat = FindFlatBody(*tracks)) fit->findings.push_back(*flat);
   if (!left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
   if (!clip.evidence.tracks && clip.motion) AddGivenUncertainty(*clip.motion, fit->motion);
   return fit;
@@ -190,6 +197,18 @@ Expected<FitResult> TakeGivenMotion(const Clip& clip) {
   return result;
 }
 
+Status CheckExplained(const FitResult& fit, const std::string& where) {
+  if (fit.residual_median <= 0.0) return {};
+  const double stature = Stature(*fit.motion.skeleton, fit.motion.bone_length);
+  const double most = std::min(kNoFit, kNoFitOfStature * stature);
+  if (!(fit.residual_median > most)) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "no pose of the person explains the joints: they lie " + RoundedText(fit.residual_median, 3) +
+                  " m off in the median, " + RoundedText(fit.residual_p95, 3) + " m at 95 %, of a person of " +
+                  RoundedText(stature, 3) + " m",
+              where, "is it the right unit, order of joints and skeleton, and this person's clip?");
+}
+
 StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options) {
   StageOutcome outcome;
   outcome.findings = fit.findings;
@@ -206,7 +225,10 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   }
   if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
   if (fit.depth_rig && fit.depth_rig->IsDoubtful()) outcome.kind = OutcomeKind::kDoubtful;
-  for (Finding& finding : outcome.findings) finding.clip = clip.id();
+  for (Finding& finding : outcome.findings) {
+    finding.clip = clip.id();
+    if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
+  }
 
   const Skeleton& skeleton = *fit.motion.skeleton;
   outcome.summary = {{"method", MethodName(options.method)},

@@ -16,7 +16,7 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
                                  const JointTrackOptions& options);
 
 /// Fit of a clip's joint tracks, or of the joints of its given motion, with given bones (J; empty: rest lengths).
-/// Errors of TracksOfClip and FitJointTracks.
+/// Errors of TracksOfClip, CheckSize (of given bones) and FitJointTracks.
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options);
 
@@ -29,8 +29,11 @@ Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skel
 /// Hands the motion of a clip on as a result. Error kInconsistent without one.
 Expected<FitResult> TakeGivenMotion(const Clip& clip);
 
+/// Error kInconsistent, with numbers, where the median joint lies 0.3 m or a quarter of the stature from its evidence.
+Status CheckExplained(const FitResult& fit, const std::string& where);
+
 /// What the stage tells about a fit: the summary of fitting/stages.h and findings with the clip's id. Doubtful when the
-/// solver did not converge or the residual is large. `clip` still has its evidence.
+/// solver did not converge, the residual is large or a finding is an error. `clip` still has its evidence.
 StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options);
 
 }  // namespace mocurate

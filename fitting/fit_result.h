@@ -20,6 +20,7 @@ struct FitResult {
   Motion motion;              ///< with rotations, bone lengths, joints and states
   double residual_rms = 0.0;  ///< evidence to body, observed samples only
   double residual_p95 = 0.0;
+  double residual_median = 0.0;  ///< of joints; 0 of a fit to points of surfaces
   double noise_sigma = 0.0;      ///< per axis, as estimated from the evidence
   double variance_factor = 1.0;  ///< a-posteriori variance over the assumed one; the uncertainty holds it
   int iterations = 0;            ///< all windows together

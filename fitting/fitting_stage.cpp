@@ -105,6 +105,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) return Forward(fit);
+  if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
 
   std::optional<SlidingRemoval> removal;
   if (options->contacts.remove_sliding) {

@@ -3,7 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/text.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/noise.h"
+#include "fitting/repair/body_sides.h"
+#include "fitting/repair/track_repairs.h"
+#include "fitting/solver/body_size.h"
 #include "fitting/solver/bone_lengths.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "fitting/triangulation/keypoint_tracks.h"
@@ -46,6 +52,37 @@ std::vector<Matrix3d> PrecisionOnBody(const KeypointTracks& found, const Skeleto
   return precision;
 }
 
+/// Views that agree with each other may all be wrong: rays of one label meet in one point whatever its name is.
+void MendSides(const KeypointAuditOptions& audit, BodyTracks& found) {
+  SkeletonTracks& tracks = found.tracks;
+  const std::vector<int> left = LeftJoints(*tracks.skeleton);
+  const double sigma = EstimateNoise(tracks, {}).sigma;
+  for (const BodyExchange& body : FindBodyExchanges(tracks, sigma, audit.side_margin)) {
+    RigFault fault;
+    fault.code = "views_swap_sides";
+    fault.limb = "body";
+    fault.frame_begin = body.frame_begin;
+    fault.frame_end = body.frame_end;
+    fault.value = fault.confidence = body.confidence;
+    fault.corrected = audit.sides == AuditAction::kCorrect;
+    fault.message = "all cameras list left as right in " + Counted(body.frame_end - body.frame_begin, "frame") + ": " +
+                    body.evidence;
+    found.findings.push_back(FindingOf(fault));
+    found.report.doubtful = found.report.doubtful || IsDoubtful(fault);
+    found.report.faults.push_back(fault);
+    if (!fault.corrected) continue;
+    ExchangeJoints(left, body.frame_begin, body.frame_end, tracks);
+    found.exchanged.resize(tracks.confidence.size(), false);
+    for (int f = body.frame_begin; f < body.frame_end; ++f) {
+      for (const int joint : left) {
+        const std::size_t first = static_cast<std::size_t>(f) * static_cast<std::size_t>(tracks.joints());
+        found.exchanged[first + static_cast<std::size_t>(joint)] = true;
+        found.exchanged[first + static_cast<std::size_t>(tracks.skeleton->joints[joint].mirror)] = true;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
@@ -55,7 +92,9 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
   Expected<SkeletonTracks> mapped = MapTracks(KnownTracks(found->tracks, *body), body);
   if (!mapped) return Forward(mapped);
   mapped->precision = PrecisionOnBody(*found, *body);
-  return BodyTracks{std::move(*mapped), std::move(found->report), std::move(found->findings)};
+  BodyTracks tracks{std::move(*mapped), std::move(found->report), std::move(found->findings), {}};
+  if (options.audit.sides != AuditAction::kOff) MendSides(options.audit, tracks);
+  return tracks;
 }
 
 Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate& rate, const SkeletonPtr& skeleton,
@@ -63,10 +102,15 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
                                        const FittingOptions& options) {
   Expected<BodyTracks> found = TracksOnBody(evidence, *skeleton, body, options.keypoints);
   if (!found) return Forward(found);
+  if (!bone_length.empty()) {
+    if (Status size = CheckSize(found->tracks, bone_length, "keypoints"); !size)
+      return tl::unexpected<Error>(size.error());
+  }
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
   Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
+  MarkRepaired(found->exchanged, fit->motion);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());

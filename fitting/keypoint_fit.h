@@ -14,9 +14,12 @@ struct BodyTracks {
   SkeletonTracks tracks;
   KeypointReport report;
   std::vector<Finding> findings;  ///< clip id left empty
+  std::vector<bool> exchanged;    ///< (F*J) or none: what all views call the other side
 };
 
-/// TriangulateKeypoints and MapTracks; keypoints that the body does not know are left out. Errors of both.
+/// TriangulateKeypoints and MapTracks; keypoints that the body does not know are left out. Where all views call left
+/// what anatomy has on the right (FindBodyExchanges), the sides are exchanged back as `audit.sides` says (fault
+/// "views_swap_sides"). Errors of both.
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
                                   const KeypointFitOptions& options);
 

@@ -84,6 +84,7 @@ void RepairOptions::Declare(OptionVisitor& v) {
            "by how much likelier an exchange must be, as a difference of log likelihoods");
   v.Bool("collapsed", collapsed, "take for missing joints that stand exactly where their parent stands");
   v.Bool("teleports", teleports, "take for missing a person or a joint that is suddenly where nobody can be");
+  v.Bool("torn", torn, "take for missing a joint that no bone reaches, or that jumps away and back");
   v.Number("longest_teleport", longest_teleport_s, Unit::kSecond, {0.0, 1e4}, "longer ones are left as they are");
   v.Bool("held", held, "take for missing joints or frames that repeat to the last digit");
   v.Integer("held_frames", held_frames, {2, 10000}, "equal frames on end, the first one included, from which on");
@@ -204,8 +205,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 20, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 21, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 26, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 27, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/store/store.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/evidence/depth_files.h"
@@ -11,6 +12,7 @@
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
+#include "fitting/solver/body_size.h"
 #include "fitting/stages.h"
 
 namespace mocurate {
@@ -23,6 +25,36 @@ Finding NothingFrom(const Clip& clip, const Error& error) {
   finding.message = error.Message();
   finding.action = "left out";
   return finding;
+}
+
+/// A person's clips and the ids behind them.
+struct PersonClips {
+  std::vector<SkeletonTracks> tracks;
+  std::vector<std::string> ids;
+};
+
+/// Leaves out clips of another size than the person's, and says so.
+void LeaveOutOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
+  std::vector<double> sizes;
+  for (const SkeletonTracks& clip : clips.tracks) sizes.push_back(SizeAgainst(clip, clip.skeleton->RestBoneLengths()));
+  const std::vector<bool> of_it = OfThePersonsSize(sizes);
+  PersonClips kept;
+  for (std::size_t i = 0; i < of_it.size(); ++i) {
+    if (of_it[i]) {
+      kept.tracks.push_back(std::move(clips.tracks[i]));
+      kept.ids.push_back(clips.ids[i]);
+      continue;
+    }
+    Finding finding;
+    finding.clip = clips.ids[i];
+    finding.code = "another_size";
+    finding.value = sizes[i];
+    finding.message = "its bones are " + RoundedText(sizes[i], 3) +
+                      " times the rest skeleton's, which is not the size of the person's other clips";
+    finding.action = "left out";
+    findings.push_back(std::move(finding));
+  }
+  clips = std::move(kept);
 }
 
 }  // namespace
@@ -40,7 +72,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     names.push_back(input.name);
   }
   StageOutcome outcome;
-  std::vector<SkeletonTracks> clips;
+  PersonClips clips;
   std::vector<Clip> cloud_clips;
   std::vector<Clip> keypoint_clips;
   std::set<std::string> points;
@@ -63,7 +95,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     if (options->method != FitMethod::kJointTracks && options->method != FitMethod::kJointsAndClouds) continue;
     Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton, options->other_joints);
     if (tracks) {
-      clips.push_back(std::move(*tracks));
+      clips.tracks.push_back(std::move(*tracks));
+      clips.ids.push_back(clip->id());
       continue;
     }
     outcome.findings.push_back(NothingFrom(*clip, tracks.error()));
@@ -73,17 +106,19 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   for (const Clip& clip : keypoint_clips) {
     Expected<BodyTracks> found = TracksOnBody(clip.evidence, **skeleton, body, options->keypoints);
     if (found) {
-      clips.push_back(std::move(found->tracks));
+      clips.tracks.push_back(std::move(found->tracks));
+      clips.ids.push_back(clip.id());
     } else {
       outcome.findings.push_back(NothingFrom(clip, found.error()));
     }
   }
-  if (clips.empty() && options->method == FitMethod::kKeypointsAndClouds) {
+  LeaveOutOtherSizes(clips, outcome.findings);
+  if (clips.tracks.empty() && options->method == FitMethod::kKeypointsAndClouds) {
     for (Clip& clip : keypoint_clips) {
       if (!clip.evidence.depth_views.empty()) cloud_clips.push_back(std::move(clip));
     }
   }
-  Expected<Proportions> person = EstimateProportions(clips, cloud_clips.empty() ? body : *skeleton, *options);
+  Expected<Proportions> person = EstimateProportions(clips.tracks, cloud_clips.empty() ? body : *skeleton, *options);
   if (!person) return Forward(person);
   if (!cloud_clips.empty()) {
     Expected<std::vector<double>> lengths = BoneLengthsFromClouds(cloud_clips, *skeleton, options->point_clouds);

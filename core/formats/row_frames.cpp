@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kFar = 0.5;         // of the distance between rows: a joint moves less from frame to frame
 constexpr double kMuchNearer = 0.5;  // what another order of joints must come down to
+constexpr double kContinues = 0.4;   // mean of a frame's rows, up to which they stand by the joints they should be
 constexpr int kFewestRows = 4;       // that tell one order of joints from another
+constexpr long long kFewUnexplained = 30;  // frames without continuity, after which nothing is told
 constexpr long long kLookedAt = 2000;
 
 /// Walks down the table, with the last place of each joint.
@@ -22,9 +24,15 @@ class Follower {
   std::vector<RowBreak> Run() {
     std::vector<RowBreak> breaks;
     if (!(apart_ > 0.0)) return breaks;
+    long long looked_at = -1, unexplained = 0;
     for (long long row = 0; row < table_.rows; ++row) {
-      if (Departure(row, joint_) > kFar) {
-        if (const std::optional<RowBreak> found = BreakAt(row)) {
+      if (Departure(row, joint_) > kFar && AsIs(row).mean() > kContinues) {
+        const std::optional<RowBreak> found = BreakAt(row);
+        if (!found && row / joints_ != looked_at) {
+          looked_at = row / joints_;
+          if (++unexplained > kFewUnexplained + table_.rows / joints_ / 10) return {};
+        }
+        if (found) {
           for (; row < found->row; ++row) Take(row);
           breaks.push_back(*found);
           if (found->missing > 0) {
@@ -98,23 +106,37 @@ class Follower {
     ++reading.told;
   }
 
+  Reading AsIs(long long row) const {
+    Reading reading;
+    for (int i = 0; i < joints_; ++i) Add(row + i, Joint(i), reading);
+    return reading;
+  }
+
   /// The break that makes the rows of the frame from `row` on continue their joints, near to it.
   std::optional<RowBreak> BreakAt(long long row) const {
-    Reading as_is;
-    for (int i = 0; i < joints_; ++i) Add(row + i, Joint(i), as_is);
+    const Reading as_is = AsIs(row);
     if (as_is.told < kFewestRows) return std::nullopt;
     std::optional<RowBreak> best;
     double least = std::min(kMuchNearer * as_is.mean(), kFar);
+    const int splits = joints_ / 3 + 1;
+    std::vector<Reading> before(static_cast<std::size_t>(splits));
+    for (int split = 1; split < splits; ++split) {
+      before[static_cast<std::size_t>(split)] = before[static_cast<std::size_t>(split) - 1];
+      Add(row + split - 1, Joint(split - 1), before[static_cast<std::size_t>(split)]);
+    }
     for (int size = 1; size <= joints_ / 2; ++size) {
       for (const int missing : {size, -size}) {
-        for (int split = 0; split <= joints_ / 3; ++split) {
-          Reading reading;
-          for (int i = 0; i < split; ++i) Add(row + i, Joint(i), reading);
-          const int ahead = std::max(0, missing), extra = std::max(0, -missing);
-          for (int i = split; i + ahead < joints_; ++i) Add(row + i + extra, Joint(i + ahead), reading);
-          if (reading.told < kFewestRows || reading.mean() >= least) continue;
-          least = reading.mean();
-          best = RowBreak{row + split, missing};
+        const int ahead = std::max(0, missing), extra = std::max(0, -missing);
+        Reading after;
+        for (int i = joints_ - ahead - 1; i >= 0; --i) {
+          Add(row + i + extra, Joint(i + ahead), after);
+          if (i >= splits) continue;
+          const Reading& first = before[static_cast<std::size_t>(i)];
+          const Reading whole{first.sum + after.sum, first.told + after.told};
+          const bool earlier = best && best->missing == missing && whole.mean() == least;
+          if (whole.told < kFewestRows || (whole.mean() >= least && !earlier)) continue;
+          least = whole.mean();
+          best = RowBreak{row + i, missing};
         }
       }
     }

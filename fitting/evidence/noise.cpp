@@ -14,6 +14,8 @@ constexpr double kMadToSigma = 1.4826;
 /// limbs), and no tracker knows where a joint is to less.
 constexpr double kSmallestSigma = 1e-3;
 constexpr std::size_t kEnoughSamples = 10;
+/// Of tracks that are too short to show their noise: a depth tracker's.
+constexpr double kUnmeasuredSigma = 0.02;
 
 /// Standard deviation from absolute departures, by their median. Gross errors would shift it: what lies beyond four
 /// standard deviations is left out.
@@ -102,7 +104,13 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
     ++bones;
   }
   NoiseEstimate noise;
+  noise.measured = bones > 0 || all.size() >= 3 * kEnoughSamples;
   noise.white = SigmaOf(std::move(all));
+  if (!noise.measured) {
+    noise.sigma = kUnmeasuredSigma;
+    noise.joint_sigma.assign(joints, noise.sigma);
+    return noise;
+  }
   noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestSigma});
   noise.joint_sigma.assign(joints, noise.sigma);
   for (int j = 0; j < joints; ++j) {

@@ -8,7 +8,9 @@
 #include "core/base/text.h"
 #include "core/quality/repeats.h"
 #include "core/quality/teleports.h"
+#include "fitting/repair/body_sides.h"
 #include "fitting/repair/exchanges.h"
+#include "fitting/repair/torn_joints.h"
 #include "fitting/solver/bone_lengths.h"
 
 namespace mocurate {
@@ -70,31 +72,45 @@ class Repairs {
     }
   }
 
-  void Exchange(const LimbExchange& limb) {
-    SkeletonTracks& tracks = result_.tracks;
+  void LeaveOut(const TornJoint& torn, double longest_s) {
+    const SkeletonTracks& tracks = result_.tracks;
+    if (tracks.time_s[torn.frame_end - 1] - tracks.time_s[torn.frame_begin] > longest_s) return;
+    if (!LeaveOut(torn.joint, torn.frame_begin, torn.frame_end)) return;
     TrackRepair repair;
-    repair.code = "swapped_sides";
-    repair.action = TrackRepair::Action::kExchanged;
-    repair.frame_begin = limb.frame_begin;
-    repair.frame_end = limb.frame_end;
-    repair.joints = limb.pairs;
-    repair.value = limb.margin;
-    for (int f = limb.frame_begin; f < limb.frame_end; ++f) {
-      for (const int left : limb.pairs) {
-        const int right = tracks.skeleton->joints[left].mirror;
-        const Vector3d place = tracks.positions.at(f, left);
-        tracks.positions.at(f, left) = Vector3d(tracks.positions.at(f, right));
-        tracks.positions.at(f, right) = place;
-        std::swap(tracks.confidence[At(f, left)], tracks.confidence[At(f, right)]);
-        if (!tracks.precision.empty()) std::swap(tracks.precision[At(f, left)], tracks.precision[At(f, right)]);
-        result_.exchanged[At(f, left)] = result_.exchanged[At(f, right)] = true;
-      }
-    }
+    repair.code = "joint_torn_off";
+    repair.frame_begin = torn.frame_begin;
+    repair.frame_end = torn.frame_end;
+    repair.joints = {torn.joint};
+    repair.value = torn.distance;
+    repair.message = names_[torn.joint] + " is elsewhere in " + Counted(torn.frame_end - torn.frame_begin, "frame") +
+                     (torn.jumped ? ": it jumps there and back by " + RoundedText(torn.distance, 3) + " m"
+                                  : ": bones would have to be longer by " + RoundedText(torn.distance, 3) + " m");
+    result_.repairs.push_back(std::move(repair));
+  }
+
+  void Exchange(const LimbExchange& limb) {
     std::string joints;
     for (const int left : limb.pairs) joints += (joints.empty() ? "" : ", ") + names_[left];
-    repair.message = joints + " and the other side's are exchanged in " +
-                     Counted(limb.frame_end - limb.frame_begin, "frame") + ": steps and bones are likelier so";
-    result_.repairs.push_back(std::move(repair));
+    Exchange(limb.frame_begin, limb.frame_end, limb.pairs, limb.margin,
+             joints + " and the other side's are exchanged in " + Counted(limb.frame_end - limb.frame_begin, "frame") +
+                 ": steps and bones are likelier so");
+  }
+
+  void Exchange(const BodyExchange& body) {
+    Exchange(body.frame_begin, body.frame_end, LeftJoints(*result_.tracks.skeleton), body.confidence,
+             "left and right of the whole body are exchanged in " +
+                 Counted(body.frame_end - body.frame_begin, "frame") + ": " + body.evidence);
+  }
+
+  void TellOfMirroredBody(const BodyExchange& body) {
+    Finding finding;
+    finding.code = "sides_exchanged";
+    finding.severity = Severity::kError;
+    finding.value = body.confidence;
+    finding.message = "left and right are exchanged throughout, or the axes are mirrored: " + body.evidence +
+                      "; mend the names of the joints or the axes of the source";
+    finding.action = "flagged";
+    result_.told.push_back(std::move(finding));
   }
 
   TrackedPoints points() const {
@@ -106,6 +122,25 @@ class Repairs {
  private:
   std::size_t At(int f, int j) const {
     return static_cast<std::size_t>(f) * names_.size() + static_cast<std::size_t>(j);
+  }
+
+  void Exchange(int begin, int end, const std::vector<int>& left_joints, double value, std::string message) {
+    TrackRepair repair;
+    repair.code = "swapped_sides";
+    repair.action = TrackRepair::Action::kExchanged;
+    repair.frame_begin = begin;
+    repair.frame_end = end;
+    repair.joints = left_joints;
+    repair.value = value;
+    repair.message = std::move(message);
+    ExchangeJoints(left_joints, begin, end, result_.tracks);
+    for (int f = begin; f < end; ++f) {
+      for (const int left : left_joints) {
+        for (const int joint : {left, result_.tracks.skeleton->joints[left].mirror})
+          result_.exchanged[At(f, joint)] = !result_.exchanged[At(f, joint)];
+      }
+    }
+    result_.repairs.push_back(std::move(repair));
   }
 
   bool LeaveOut(int joint, int begin, int end) {
@@ -132,6 +167,16 @@ std::vector<Finding> Repeated(std::vector<Finding> findings) {
   return findings;
 }
 
+/// Where most of what steps join is exchanged, the search by limbs would exchange the rest.
+void MendBodies(double noise_sigma, double least_margin, Repairs& repairs) {
+  std::vector<BodyExchange> bodies = FindBodyExchanges(repairs.tracks(), noise_sigma, least_margin);
+  bodies.erase(std::remove_if(bodies.begin(), bodies.end(), [](const BodyExchange& body) { return body.rarer; }),
+               bodies.end());
+  if (bodies.empty()) return;
+  if (CoverAll(bodies, repairs.tracks())) return repairs.TellOfMirroredBody(bodies.front());
+  for (const BodyExchange& body : bodies) repairs.Exchange(body);
+}
+
 }  // namespace
 
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
@@ -144,10 +189,22 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
     repairs.LeaveOut(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_held_s);
   }
   if (options.swaps) {
+    MendBodies(noise_sigma, options.swap_margin, repairs);
     for (const LimbExchange& limb : FindExchanges(repairs.tracks(), bone_length, noise_sigma, options.swap_margin))
       repairs.Exchange(limb);
   }
+  if (options.torn) {  // not before: an exchanged hand tears the forearm
+    for (const TornJoint& torn : FindTornJoints(repairs.tracks(), bone_length, noise_sigma, options.longest_teleport_s))
+      repairs.LeaveOut(torn, options.longest_teleport_s);
+  }
   return repairs.Take();
+}
+
+void MarkRepaired(const std::vector<bool>& exchanged, Motion& motion) {
+  for (std::size_t i = 0; i < exchanged.size(); ++i) {
+    JointState& state = motion.state[i];
+    if (exchanged[i] && state == JointState::kObserved) state = JointState::kRepaired;
+  }
 }
 
 std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton) {
@@ -158,7 +215,9 @@ std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const S
     finding.severity = Severity::kInfo;
     finding.frame_begin = repair.frame_begin;
     finding.frame_end = repair.frame_end;
-    const bool whole = static_cast<int>(repair.joints.size()) == skeleton.joint_count();
+    const bool whole = repair.action == TrackRepair::Action::kExchanged
+                           ? repair.joints == LeftJoints(skeleton)
+                           : static_cast<int>(repair.joints.size()) == skeleton.joint_count();
     if (!whole) finding.joint = skeleton.joints[repair.joints.front()].name;
     finding.value = repair.value;
     finding.message = repair.message;

@@ -14,7 +14,8 @@ namespace mocurate {
 struct TrackRepair {
   enum class Action { kExchanged, kLeftOut };
 
-  std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames", "zero_length_bone"
+  std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames", "zero_length_bone",
+                     ///< "joint_torn_off"
   Action action = Action::kLeftOut;
   int frame_begin = 0;
   int frame_end = 0;
@@ -28,12 +29,19 @@ struct RepairedTracks {
   SkeletonTracks tracks;
   std::vector<bool> exchanged;       ///< (F*J) what is seen there was tracked as the other side
   std::vector<TrackRepair> repairs;  ///< in the order in which they were made
+  std::vector<Finding> told;         ///< what is wrong and was left as it is
 };
 
 /// Takes samples for missing that no body gives (bones without length, teleports, held joints), then exchanges left and
-/// right where the tracker did (FindExchanges). `bone_length` (J) metres; `noise_sigma` metres per axis.
+/// right where the tracker did: of the whole body where anatomy says so (FindBodyExchanges), of limbs by steps
+/// (FindExchanges); and joints that bones do not reach (FindTornJoints). Where anatomy has the sides exchanged in all
+/// that is seen, the names of the joints are wrong or the axes are mirrored, which tracks do not tell: an error
+/// "sides_exchanged" in `told`, nothing is done. `bone_length` (J) metres; `noise_sigma` metres per axis.
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options);
+
+/// Samples that are observed, but as the other side, are repaired. `exchanged` (F*J) or none.
+void MarkRepaired(const std::vector<bool>& exchanged, Motion& motion);
 
 /// One finding per repair: code, frames, joint (the first), value; action "repaired" or "taken as missing".
 std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton);

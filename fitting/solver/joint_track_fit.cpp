@@ -20,6 +20,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kNearlyExact = 1e-3;  ///< metres, of tracks that are too short to show their noise
+
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
 Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   const JointTrackOptions& options = whole.options;
@@ -109,6 +111,9 @@ void MeasureResiduals(const SkeletonTracks& tracks, FitResult& result) {
   }
   if (residuals.empty()) return;
   result.residual_rms = std::sqrt(square / static_cast<double>(residuals.size()));
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  result.residual_median = *middle;
   const auto place = residuals.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(residuals.size() - 1));
   std::nth_element(residuals.begin(), place, residuals.end());
   result.residual_p95 = *place;
@@ -135,6 +140,16 @@ void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejec
   }
 }
 
+void ReportAssumedNoise(int frames, double sigma, FitResult& result) {
+  Finding finding;
+  finding.code = "noise_not_measured";
+  finding.value = 1e3 * sigma;
+  finding.message = Counted(frames, "frame") + " of tracks do not show their noise: " + RoundedText(1e3 * sigma, 3) +
+                    " mm are assumed, and the stated uncertainty follows from that";
+  finding.action = "flagged";
+  result.findings.push_back(finding);
+}
+
 }  // namespace
 
 Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
@@ -143,9 +158,11 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   FitResult result;
   const NoiseEstimate noise = EstimateNoise(given, bone_length);
   result.noise_sigma = noise.sigma;
-  const std::vector<double> joint_sigma = options.noise == NoiseScale::kPerJoint
+  // Where noise is assumed, priors do not draw on it: it is in the uncertainty alone.
+  const double pooled = noise.measured ? noise.sigma : kNearlyExact;
+  const std::vector<double> joint_sigma = options.noise == NoiseScale::kPerJoint && noise.measured
                                               ? noise.joint_sigma
-                                              : std::vector<double>(noise.joint_sigma.size(), noise.sigma);
+                                              : std::vector<double>(noise.joint_sigma.size(), pooled);
   SkeletonTracks tracks = given;
   if (!options.recorded_rotations) {
     tracks.rotation.clear();
@@ -203,7 +220,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   whole.rotations = nullptr;
   const bool solved = !options.steps.empty() && options.steps.back().free == FreeParts::kPose;
   if (options.uncertainty && solved) {
-    auto uncertainty = UncertaintyOfTracks(whole);
+    const double assumed = noise.sigma / pooled;
+    auto uncertainty = UncertaintyOfTracks(whole, noise.measured ? 0.0 : assumed * assumed);
     if (!uncertainty) return Forward(uncertainty);
     result.motion.position_cov = std::move(uncertainty->position_cov);
     result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);
@@ -215,6 +233,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   unseen.flip();
   ReportFramesWithout(unseen, "no joint is seen", "interpolated", result.findings);
   ReportOutliers(tracks, rejected, result);
+  if (!noise.measured) ReportAssumedNoise(given.frames(), noise.sigma, result);
   return result;
 }
 

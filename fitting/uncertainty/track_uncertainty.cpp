@@ -33,6 +33,29 @@ std::vector<double> PriorVariance(const TrackWindow& whole) {
   return information;
 }
 
+constexpr double kSurprise_s = 0.6;  ///< gaps from which on people go farther than a walk of independent steps
+constexpr double kMostSurprise = 4.0;
+
+/// Factor on the variance of frames in which nobody is seen (F), 1 elsewhere. What a person does in a long gap is one
+/// thing (a step, a turn), not many that are independent: errors grow with its length, the walk's with its root.
+/// Calibrated on synthetic takes (`bench_studio_fits` with gap=SECONDS).
+std::vector<double> Surprise(const SkeletonTracks& tracks) {
+  const std::vector<bool> seen = tracks.SeenFrames();
+  std::vector<double> factors(seen.size(), 1.0);
+  const int frames = tracks.frames();
+  for (int begin = 0; begin < frames; ++begin) {
+    if (seen[begin]) continue;
+    int end = begin;
+    while (end < frames && !seen[end]) ++end;
+    double length_s = tracks.time_s[std::min(end, frames - 1)] - tracks.time_s[std::max(begin - 1, 0)];
+    if (begin == 0 || end == frames) length_s *= 2.0;  // nothing is known of its other end
+    const double factor = std::clamp(length_s / kSurprise_s, 1.0, kMostSurprise);
+    std::fill(factors.begin() + begin, factors.begin() + end, factor * factor);
+    begin = end;
+  }
+  return factors;
+}
+
 /// What the residuals say about the noise: sum of weighted squares, and how many numbers they leave free.
 struct Freedom {
   double squares = 0.0;
@@ -97,17 +120,22 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
            PoseUncertainty& uncertainty) {
   uncertainty.variance_factor = factor;
   factor *= kUncertaintyCalibration;
+  const std::vector<double> surprise = Surprise(tracks);
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;
       for (int i = 0; tracks.seen(f, j) && i < 6; ++i) {
         uncertainty.position_cov[6 * at + i] = static_cast<float>(factor * uncertainty.position_cov[6 * at + i]);
       }
+      for (int i = 0; surprise[f] > 1.0 && i < 6; ++i) {
+        uncertainty.position_cov[6 * at + i] = static_cast<float>(surprise[f] * uncertainty.position_cov[6 * at + i]);
+      }
       for (int i = 0; i < 3; ++i) {
         float& observed = uncertainty.rotation_observed[3 * at + i];
         if (observed == 0.0F) continue;
         // variance / prior = 1 / (1 + d), d the information of the evidence in units of the prior's.
-        const double evidence = observed / (1.0 - std::min<double>(observed, 1.0 - 1e-9)) / factor;
+        const double evidence =
+            observed / (1.0 - std::min<double>(observed, 1.0 - 1e-9)) / (surprise[f] > 1.0 ? surprise[f] : factor);
         const double share = 1.0 / (1.0 + evidence);
         observed = static_cast<float>(1.0 - share);
         const double variance = share * (j == 0 ? kUnknownAngle : prior[at]);
@@ -119,7 +147,7 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
 
 }  // namespace
 
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole) {
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double least_factor) {
   const auto numbers = static_cast<std::size_t>(whole.end) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
@@ -130,8 +158,10 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole) {
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });
   if (!visited) return tl::unexpected<Error>(visited.error());
-  if (freedom.numbers > 0.0)
-    Scale(whole.tracks, prior, std::max(freedom.squares / freedom.numbers, kSmallestFactor), uncertainty);
+  if (freedom.numbers > 0.0) {
+    const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
+    Scale(whole.tracks, prior, factor, uncertainty);
+  }
   return uncertainty;
 }
 

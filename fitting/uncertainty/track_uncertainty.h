@@ -25,8 +25,10 @@ struct PoseUncertainty {
 /// calibrated. `window` is the whole clip. Of a rotation vector's error the part in the joint's frame, J_r dw. The
 /// prior variance of a rotation is that of the rest pose and the random walk without evidence, and never more than that
 /// of an angle of which nothing is known, pi^2 / 3; no standard deviation is larger either. What the evidence does not
-/// touch, such as the twist of a straight limb, keeps its prior variance: observed 0. Bones are taken as exact. Error
-/// kInternal if the matrix cannot be factored.
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window);
+/// touch, such as the twist of a straight limb, keeps its prior variance: observed 0. Bones are taken as exact. In
+/// frames in which nobody is seen for longer than 0.6 s standard deviations grow with the gap's length. The
+/// a-posteriori variance is `least_factor` at least: of noise that no residual shows. Error kInternal if the matrix
+/// cannot be factored.
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor = 0.0);
 
 }  // namespace mocurate

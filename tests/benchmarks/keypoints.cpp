@@ -4,7 +4,8 @@
 // full rotations of joints with two or more children that do not lie on a line, directions of single bones of 6 cm and
 // more; and how many of the whitened error components lie within one and two standard deviations (uncertainty=1).
 // Options: frames (of each clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_walk,
-// velocity_walk, huber_sigmas, true_bones, wrong (share of detections elsewhere), missed (share).
+// velocity_walk, huber_sigmas, true_bones, wrong (share of detections elsewhere), missed (share), exchanged (frame from
+// which on all views call left right).
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -151,6 +152,19 @@ std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& d
   return takes;
 }
 
+/// From frame `from` on all views call left right.
+void CallLeftRight(Evidence& evidence, const Skeleton& skeleton, int from) {
+  for (KeypointView& view : evidence.keypoint_views) {
+    for (int f = from; f < view.frames(); ++f) {
+      double* frame = view.values.data() + 3 * static_cast<std::size_t>(f) * skeleton.joints.size();
+      for (int j = 0; j < skeleton.joint_count(); ++j) {
+        const int partner = skeleton.joints[j].mirror;
+        if (partner > j) std::swap_ranges(frame + 3 * j, frame + 3 * j + 3, frame + 3 * partner);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mocurate
 
@@ -160,6 +174,7 @@ int main(int argc, char** argv) {
   FittingOptions options;
   int longest = 0;
   bool true_bones = false;
+  int exchanged_from = -1;
   KeypointOptions detector = FourViews(0).keypoints;
   detector.noise = argument(3, 4.0);
   options.joint_tracks.solver = TrackSolver::kBanded;
@@ -177,13 +192,17 @@ int main(int argc, char** argv) {
     if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;
     if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
     if (name == "true_bones") true_bones = value != 0.0;
+    if (name == "exchanged") exchanged_from = static_cast<int>(value);
     if (name == "wrong") detector.wrong_share = value;
     if (name == "missed") detector.miss_share = value;
     if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
   }
-  const auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), detector,
-                             static_cast<std::int64_t>(argument(4, 4711)), longest);
+  auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), detector,
+                       static_cast<std::int64_t>(argument(4, 4711)), longest);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  for (StudioTake& take : takes) {
+    if (exchanged_from >= 0) CallLeftRight(take.evidence, *skeleton, exchanged_from);
+  }
   std::map<std::string, std::vector<SkeletonTracks>> of_person;
   double frames = 0.0;
   double tracks_s = 0.0;

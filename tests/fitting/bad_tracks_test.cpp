@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "fitting/evidence/noise.h"
@@ -42,12 +43,39 @@ double SigmaAt(const FitResult& fit, int frame, int joint) {
   return std::sqrt((c[0] + c[3] + c[5]) / 3.0);
 }
 
+long Told(const FitResult& fit, const std::string& code) {
+  return std::count_if(fit.findings.begin(), fit.findings.end(),
+                       [&](const Finding& finding) { return finding.code == code; });
+}
+
 TEST(BadTracks, OfOneAndTwoFramesAreFitted) {
   for (const int frames : {1, 2}) {
     const Take take = SmoothTake(frames);
     const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
     EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2e-3) << frames;
+    EXPECT_EQ(Told(fit, "noise_not_measured"), 1);
+    EXPECT_GT(SigmaAt(fit, 0, 5), 0.005) << "who saw one frame does not know a joint to a millimetre";
   }
+  EXPECT_EQ(Told(SoundFit(ClipOf(SmoothTake(30))), "noise_not_measured"), 0);
+}
+
+/// 2-D points whose depth is a constant.
+TEST(BadTracks, InOnePlaneAreAnErrorThatSaysSo) {
+  Take take = SmoothTake(60);
+  AddNoise(take.tracks, 0.01, 3);
+  EXPECT_EQ(Told(SoundFit(ClipOf(take)), "flat_body"), 0);
+  const Matrix3d tilted = ExpQuaternion(Vector3d(0.3, 0.7, 0.1)).toRotationMatrix();
+  for (int f = 0; f < 60; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      Vector3d place = take.tracks.positions.at(f, j);
+      place.z() = 2.5;
+      take.tracks.positions.at(f, j) = tilted * place;
+    }
+  }
+  const Clip clip = ClipOf(take);
+  const FitResult fit = SoundFit(clip);
+  EXPECT_EQ(Told(fit, "flat_body"), 1);
+  EXPECT_EQ(OutcomeOfFit(clip, fit, FittingOptions{}).kind, OutcomeKind::kDoubtful);
 }
 
 TEST(BadTracks, WithInfinitiesAreRefusedByPlace) {
@@ -89,6 +117,21 @@ TEST(BadTracks, WithoutAnybodyAreRefusedAndWithNobodyForAWhileSayHowLittleIsKnow
   const auto nothing = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
   ASSERT_FALSE(nothing.has_value());
   EXPECT_NE(nothing.error().what.find("120 frames"), std::string::npos);
+}
+
+/// Somebody may go farther in two seconds than many independent steps would take him.
+TEST(BadTracks, WithNobodyForLongAreLessSureThanAWalkWouldBe) {
+  double sigma[2] = {};
+  for (const int longer : {0, 1}) {
+    Take take = SmoothTake(150);
+    AddNoise(take.tracks, 0.01, 3);
+    const int half = longer == 1 ? 30 : 7;
+    for (int f = 75 - half; f <= 75 + half; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+    }
+    sigma[longer] = SigmaAt(SoundFit(ClipOf(take), take.truth.bone_length), 75, 5);
+  }
+  EXPECT_GT(sigma[1], 4.0 * sigma[0]) << "a walk makes it twice as much";
 }
 
 /// What trackers write who do not see a hand: the wrist's place. It says nothing of the hand, nor of anybody's noise.

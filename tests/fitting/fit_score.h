@@ -22,11 +22,14 @@ struct FitScore {
   std::vector<double> by_joint;
   int frames = 0;
 
-  void Add(const FitResult& fit, const StudioClip& clip) {
+  void Add(const FitResult& fit, const StudioClip& clip) { Add(fit, clip, 0, fit.motion.frame_count()); }
+
+  /// Frames [begin, end).
+  void Add(const FitResult& fit, const StudioClip& clip, int begin, int end) {
     const Motion& motion = fit.motion;
-    frames += motion.frame_count();
+    frames += end - begin;
     by_joint.resize(static_cast<std::size_t>(motion.joint_count()), 0.0);
-    for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int f = begin; f < end; ++f) {
       for (int j = 0; j < motion.joint_count(); ++j) AddJoint(motion, clip, f, j);
       AddRotations(motion, clip.truth, f);
     }

@@ -136,7 +136,7 @@ TEST(Repair, LeavesWhatIsNotClear) {
   ASSERT_EQ(clear.size(), 1u);
   EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, clear[0].margin + 1.0).empty());
   RepairOptions off;
-  off.swaps = false;
+  off.swaps = off.torn = false;
   EXPECT_TRUE(Fit(take, off).track_repairs.empty());
 }
 
@@ -171,10 +171,41 @@ TEST(Repair, TakesAPersonWhoIsSuddenlyElsewhereForMissing) {
   EXPECT_LT((fit.motion.joints.at(45, 0) - take.truth.joints.at(45, 0)).norm(), 0.05);
 }
 
+/// A hand that is 0.58 m off for a third of a second: forearms do not grow, and nobody's hand jumps.
+TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
+  const int wrist = *TestSkeleton()->FindJoint("left_wrist");
+  const double undisturbed = RmsError(Fit(NoisyTake(90)).motion.joints, NoisyTake(90).truth.joints);
+  for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0),
+                              Vector3d(0, 0, 1), Vector3d(0, 0, -1)}) {
+    Take take = NoisyTake(90);
+    for (int f = 40; f < 50; ++f) take.tracks.positions.at(f, wrist) += 0.58 * way;
+    const FitResult fit = Fit(take);
+    EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 1.3 * undisturbed) << way.transpose();
+    const std::vector<Finding> findings = OfCode(fit, "joint_torn_off");
+    ASSERT_EQ(findings.size(), 1u) << way.transpose();
+    EXPECT_EQ(findings[0].joint, "left_wrist");
+    EXPECT_EQ(findings[0].frame_begin, 40);
+    EXPECT_EQ(findings[0].frame_end, 50);
+    EXPECT_EQ(findings[0].action, "taken as missing");
+    for (int f = 0; f < 90; ++f) EXPECT_EQ(StateAt(fit, f, wrist) == JointState::kObserved, f < 40 || f >= 50) << f;
+  }
+  EXPECT_TRUE(OfCode(Fit(NoisyTake(90)), "joint_torn_off").empty());
+}
+
+/// Between two joints that a torn bone joins the one is off that the others do not reach.
+TEST(Repair, BlamesTheJointThatIsOffAndNotItsNeighbours) {
+  Take take = NoisyTake(90);
+  const int elbow = *TestSkeleton()->FindJoint("left_elbow");
+  for (int f = 40; f < 50; ++f) take.tracks.positions.at(f, elbow) += Vector3d(0.3, 0.5, 0.6);
+  const std::vector<Finding> findings = OfCode(Fit(take), "joint_torn_off");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].joint, "left_elbow");
+}
+
 TEST(Repair, KeepsAStillnessThatLasts) {
   Take take = NoisyTake(90);
   for (int f = 1; f < 70; ++f) take.tracks.positions.at(f, 5) = Vector3d(take.tracks.positions.at(0, 5));
-  EXPECT_TRUE(Fit(take).track_repairs.empty());  // most of what is seen of the joint
+  EXPECT_TRUE(OfCode(Fit(take), "held_joint").empty());  // most of what is seen of the joint
 }
 
 TEST(Repair, StatesTellHowFarTheNextObservationIs) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -94,6 +95,48 @@ TEST_F(FittingStages, MakeAMotionWithOneSetOfBonesOutOfTracks) {
     EXPECT_LT((motion.joints.at(f, 6) - truth_.joints.at(f, 6)).norm(), 0.005) << "frame " << f;
   }
   EXPECT_EQ(dataset->clips[0].id(), clip_.id());
+}
+
+TEST_F(FittingStages, KeepAClipInAnotherUnitOutOfThePersonAndRefuseIt) {
+  StageRequest sound = Request("proportions", {{"skeleton", "openni16"}});
+  ASSERT_TRUE(ProportionsStage(sound).has_value());
+  const nlohmann::json alone = nlohmann::json::parse(*ReadFile(sound.output));
+  for (const auto& [factor, unit] : {std::pair{1000.0, "millimetres read as metres"},
+                                     {100.0, "centimetres read as metres"},
+                                     {0.1, "centimetres read as millimetres"},
+                                     {0.001, "metres read as millimetres"}}) {
+    Clip other = clip_;
+    other.identity.recording = "r2";
+    for (double& value : other.evidence.tracks->positions.xyz) value *= factor;
+    ASSERT_TRUE(WriteEvidence(other, folder_ / "other.h5"));
+    StageRequest both = sound;
+    both.inputs.push_back({"evidence", other.id(), folder_ / "other.h5", std::string(64, 'c')});
+    both.output = folder_ / "both.out";
+    const auto person = ProportionsStage(both);
+    ASSERT_TRUE(person.has_value()) << person.error().Message();
+    const nlohmann::json json = nlohmann::json::parse(*ReadFile(both.output));
+    EXPECT_EQ(json["bone_length_m"], alone["bone_length_m"]) << factor;
+    ASSERT_EQ(person->findings.size(), 1u) << factor;
+    EXPECT_EQ(person->findings[0].code, "another_size");
+    EXPECT_EQ(person->findings[0].clip, other.id());
+
+    StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
+    request.inputs = {{"evidence", other.id(), folder_ / "other.h5", std::string(64, 'c')},
+                      {"proportions", "p1", folder_ / "both.out", std::string(64, 'b')}};
+    const auto fitted = FittingStage(request);
+    ASSERT_FALSE(fitted.has_value()) << factor;
+    EXPECT_NE(fitted.error().what.find(unit), std::string::npos) << fitted.error().what;
+    EXPECT_FALSE(std::filesystem::exists(request.output));
+  }
+}
+
+TEST_F(FittingStages, RefuseWhatNoPoseExplainsWithNumbers) {
+  Clip shuffled = clip_;
+  std::reverse(shuffled.evidence.tracks->names.begin(), shuffled.evidence.tracks->names.end());
+  ASSERT_TRUE(WriteEvidence(shuffled, folder_ / "evidence.h5"));
+  const auto fitted = FittingStage(Request("fitting", {{"skeleton", "openni16"}}));
+  ASSERT_FALSE(fitted.has_value());
+  EXPECT_NE(fitted.error().what.find("m off in the median"), std::string::npos) << fitted.error().what;
 }
 
 TEST_F(FittingStages, HandOnWhatIngestFoundBesideTheirOwnFindings) {

@@ -1,0 +1,219 @@
+#include "fitting/repair/torn_joints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace mocurate {
+namespace {
+
+constexpr double kTorn = 0.15;         ///< metres by which a bone is too long, at least
+constexpr double kTornOfBone = 0.5;    ///< of its length
+constexpr double kTornSigmas = 6.0;    ///< of a difference of two joints
+constexpr int kFewestFrames = 3;       ///< shorter runs are outliers among their neighbours in time
+constexpr double kJumpReach_s = 0.5;   ///< how far the jump may be from what is torn
+constexpr double kJump = 0.15;         ///< metres
+constexpr double kJumpOfExcess = 0.5;  ///< of what the bone is too long by
+constexpr double kSpeed = 12.0;        ///< m/s: nobody's hand is faster
+constexpr double kFar = 0.3;           ///< metres
+constexpr double kFarSigmas = 10.0;
+constexpr double kBack = 0.5;  ///< of the step: how far from its place before a joint may be when it is back
+
+class Search {
+ public:
+  Search(const SkeletonTracks& tracks, const std::vector<double>& bone_length, double sigma, double longest_s)
+      : tracks_(tracks),
+        bone_length_(bone_length),
+        children_(tracks.skeleton->Children()),
+        noise_(std::sqrt(2.0) * sigma),
+        longest_s_(longest_s) {}
+
+  std::vector<TornJoint> Find() {
+    const auto joints = static_cast<std::size_t>(tracks_.joints());
+    std::vector<double> excess(tracks_.confidence.size(), 0.0);
+    for (int f = 0; f < tracks_.frames(); ++f) FindTorn(f, excess.data() + static_cast<std::size_t>(f) * joints);
+    std::vector<TornJoint> found;
+    for (int j = 0; j < tracks_.joints(); ++j) {
+      std::vector<TornJoint> of_joint = Runs(j, excess);
+      for (const TornJoint& jump : Jumps(j)) of_joint.push_back(jump);
+      Merge(std::move(of_joint), found);
+    }
+    return found;
+  }
+
+ private:
+  double Slack(double length) const { return std::max({kTorn, kTornOfBone * length, kTornSigmas * noise_}); }
+
+  /// By how much the joints at both ends are farther apart than the bones between them allow; none: near enough.
+  double Excess(int f, int a, int b, double length) const {
+    const double away = (tracks_.positions.at(f, a) - tracks_.positions.at(f, b)).norm() - length;
+    return away > Slack(length) ? away : 0.0;
+  }
+
+  /// Calls `visit(joint, length)` for the nearest joints along the tree that `stops` accepts.
+  template <class Stops, class Visit>
+  void Walk(int at, int from, double length, const Stops& stops, const Visit& visit) const {
+    const auto go = [&](int next, double bone) {
+      if (next == from) return;
+      if (stops(next)) {
+        visit(next, length + bone);
+      } else {
+        Walk(next, at, length + bone, stops, visit);
+      }
+    };
+    const int parent = tracks_.skeleton->joints[at].parent;
+    if (parent >= 0) go(parent, bone_length_[at]);
+    for (const int child : children_[at]) go(child, bone_length_[child]);
+  }
+
+  /// Writes by how much the joints of a frame that are off are.
+  void FindTorn(int f, double* excess) {
+    const int joints = tracks_.joints();
+    const auto seen = [&](int joint) { return tracks_.seen(f, joint); };
+    std::vector<int> part(static_cast<std::size_t>(joints), -1);
+    std::vector<int> sizes;
+    for (int j = 0; j < joints; ++j) {  // parents come first
+      if (!seen(j)) continue;
+      int above = tracks_.skeleton->joints[j].parent;
+      double length = bone_length_[j];
+      while (above >= 0 && !seen(above)) {
+        length += bone_length_[above];
+        above = tracks_.skeleton->joints[above].parent;
+      }
+      const bool joined = above >= 0 && Excess(f, j, above, length) == 0.0;
+      if (!joined) sizes.push_back(0);
+      part[j] = joined ? part[above] : static_cast<int>(sizes.size()) - 1;
+      ++sizes[part[j]];
+    }
+    if (sizes.size() < 2) return;
+    const int body = static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+    std::vector<bool> of_body(sizes.size(), false);
+    of_body[body] = true;
+    std::vector<double> off(sizes.size(), 0.0);
+    for (bool grown = true; grown;) {
+      grown = false;
+      std::fill(off.begin(), off.end(), 0.0);
+      for (int j = 0; j < joints; ++j) {
+        if (part[j] < 0 || of_body[part[j]]) continue;
+        const auto stops = [&](int joint) {
+          return part[joint] >= 0 && (of_body[part[joint]] || part[joint] == part[j]);
+        };
+        Walk(j, -1, 0.0, stops, [&](int joint, double length) {
+          if (of_body[part[joint]]) off[part[j]] = std::max(off[part[j]], Excess(f, j, joint, length));
+        });
+      }
+      for (std::size_t p = 0; p < off.size(); ++p) {
+        if (of_body[p] || off[p] > 0.0) continue;
+        of_body[p] = grown = true;
+      }
+    }
+    for (int j = 0; j < joints; ++j) {
+      if (part[j] >= 0 && !of_body[part[j]]) excess[j] = off[part[j]];
+    }
+  }
+
+  /// A joint's step into frame f from where it was seen before, metres and seconds; empty: not seen.
+  std::optional<std::pair<double, double>> Step(int joint, int f) const {
+    if (f <= 0 || f >= tracks_.frames() || !tracks_.seen(f, joint)) return {};
+    const int before = SeenBefore(joint, f);
+    if (before < 0) return {};
+    return std::pair((tracks_.positions.at(f, joint) - tracks_.positions.at(before, joint)).norm(),
+                     tracks_.time_s[f] - tracks_.time_s[before]);
+  }
+
+  int SeenBefore(int joint, int f) const {
+    do {
+      --f;
+    } while (f >= 0 && !tracks_.seen(f, joint));
+    return f;
+  }
+
+  std::vector<TornJoint> Runs(int joint, const std::vector<double>& excess) const {
+    const auto at = [&](int f) { return excess[static_cast<std::size_t>(f) * tracks_.joints() + joint]; };
+    std::vector<TornJoint> runs;
+    for (int f = 0; f < tracks_.frames(); ++f) {
+      if (at(f) == 0.0) continue;
+      TornJoint run{joint, f, f, 0.0, false};
+      int off = 0;
+      while (f < tracks_.frames() && (at(f) > 0.0 || !tracks_.seen(f, joint))) {
+        run.distance = std::max(run.distance, at(f));
+        off += at(f) > 0.0 ? 1 : 0;
+        if (at(f) > 0.0) run.frame_end = f + 1;
+        ++f;
+      }
+      if (off < kFewestFrames) continue;
+      const double jump = std::max(kJump, kJumpOfExcess * run.distance);
+      for (int begin = run.frame_begin; begin > 0; --begin) {
+        const auto step = Step(joint, begin);
+        if (tracks_.time_s[run.frame_begin] - tracks_.time_s[begin] > kJumpReach_s) break;
+        if (!step || step->first < jump) continue;
+        run.frame_begin = begin;
+        break;
+      }
+      for (int end = run.frame_end; end < tracks_.frames(); ++end) {
+        const auto step = Step(joint, end);
+        if (tracks_.time_s[end] - tracks_.time_s[run.frame_end - 1] > kJumpReach_s) break;
+        if (!step || step->first < jump) continue;
+        run.frame_end = end;
+        break;
+      }
+      runs.push_back(run);
+    }
+    return runs;
+  }
+
+  std::vector<TornJoint> Jumps(int joint) const {
+    std::vector<TornJoint> jumps;
+    const double far = std::max(kFar, kFarSigmas * noise_);
+    const auto jumps_into = [&](int f) {
+      const auto step = Step(joint, f);
+      return step && step->first >= far && step->first >= kSpeed * step->second;
+    };
+    for (int begin = 1; begin < tracks_.frames(); ++begin) {
+      if (!jumps_into(begin)) continue;
+      const double step = Step(joint, begin)->first;
+      const Vector3d place = tracks_.positions.at(SeenBefore(joint, begin), joint);
+      for (int end = begin + 1; end < tracks_.frames(); ++end) {
+        if (tracks_.time_s[end] - tracks_.time_s[begin] > longest_s_) break;
+        if (!jumps_into(end) || (tracks_.positions.at(end, joint) - place).norm() > kBack * step) continue;
+        if (end - begin >= kFewestFrames) jumps.push_back({joint, begin, end, step, true});
+        begin = end;
+        break;
+      }
+    }
+    return jumps;
+  }
+
+  /// Runs that overlap become one.
+  static void Merge(std::vector<TornJoint> of_joint, std::vector<TornJoint>& found) {
+    std::sort(of_joint.begin(), of_joint.end(), [](const TornJoint& a, const TornJoint& b) {
+      return std::pair(a.frame_begin, a.frame_end) < std::pair(b.frame_begin, b.frame_end);
+    });
+    const std::size_t first = found.size();
+    for (const TornJoint& run : of_joint) {
+      if (found.size() == first || run.frame_begin > found.back().frame_end) {
+        found.push_back(run);
+        continue;
+      }
+      found.back().frame_end = std::max(found.back().frame_end, run.frame_end);
+      found.back().distance = std::max(found.back().distance, run.distance);
+      found.back().jumped = found.back().jumped && run.jumped;
+    }
+  }
+
+  const SkeletonTracks& tracks_;
+  const std::vector<double>& bone_length_;
+  std::vector<std::vector<int>> children_;
+  double noise_;
+  double longest_s_;
+};
+
+}  // namespace
+
+std::vector<TornJoint> FindTornJoints(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
+                                      double noise_sigma, double longest_s) {
+  return Search(tracks, bone_length, noise_sigma, longest_s).Find();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,115 @@
+#include "fitting/solver/body_size.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/text.h"
+#include "fitting/association/rig_diagnosis.h"
+#include "fitting/evidence/noise.h"
+#include "fitting/solver/bone_lengths.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kShortBone = 0.1;        ///< metres of the rest pose; shorter ones are hardly measured
+constexpr double kSmallestPerson = 0.35;  ///< against the rest skeleton
+constexpr double kLargestPerson = 2.0;
+constexpr double kFlat = 0.005;         ///< thickness against extent, of standard deviations
+constexpr int kFewestFlatFrames = 10;   ///< fewer may be a planar pose
+constexpr double kNearlyAlways = 0.95;  ///< of the frames
+constexpr int kFewestJoints = 6;        ///< that a frame must show
+
+/// Standard deviations of the joints of a frame along their thinnest and their longest direction; empty: too few.
+std::optional<std::pair<double, double>> Extents(const SkeletonTracks& clip, int frame) {
+  Vector3d mean = Vector3d::Zero();
+  int count = 0;
+  for (int j = 0; j < clip.joints(); ++j) {
+    if (!clip.seen(frame, j)) continue;
+    mean += clip.positions.at(frame, j);
+    ++count;
+  }
+  if (count < kFewestJoints) return {};
+  mean /= count;
+  Matrix3d scatter = Matrix3d::Zero();
+  for (int j = 0; j < clip.joints(); ++j) {
+    if (!clip.seen(frame, j)) continue;
+    const Vector3d away = clip.positions.at(frame, j) - mean;
+    scatter += away * away.transpose() / count;
+  }
+  const Vector3d squares =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
+  return std::pair(std::sqrt(squares[0]), std::sqrt(squares[2]));
+}
+
+bool IsNear(double a, double b) { return std::abs(std::log(a / b)) <= std::log(kAnotherSize); }
+
+}  // namespace
+
+double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_length) {
+  const std::vector<double> white = {EstimateNoise(clip, {}).white};
+  std::vector<double> ratios;
+  for (int j = 1; j < clip.joints(); ++j) {
+    const Joint& joint = clip.skeleton->joints[j];
+    if (joint.rest_offset.norm() < kShortBone || bone_length[j] <= 0.0) continue;
+    const BoneDistance seen = DistanceOver({clip}, white, j, joint.parent);
+    if (seen.samples > 0) ratios.push_back(seen.length / bone_length[j]);
+  }
+  return Median(ratios);
+}
+
+std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes) {
+  double person = 0.0;
+  bool of_a_person = false;
+  std::ptrdiff_t most = 0;
+  for (const double size : sizes) {
+    if (size <= 0.0) continue;
+    const bool human = size >= kSmallestPerson && size <= kLargestPerson;
+    const auto alike =
+        std::count_if(sizes.begin(), sizes.end(), [&](double other) { return other > 0.0 && IsNear(size, other); });
+    const bool nearer = person <= 0.0 || std::abs(std::log(size)) < std::abs(std::log(person));
+    const bool better = human != of_a_person ? human : alike != most ? alike > most : nearer;
+    if (person > 0.0 && !better) continue;
+    person = size;
+    of_a_person = human;
+    most = alike;
+  }
+  std::vector<bool> of_it;
+  for (const double size : sizes) of_it.push_back(size <= 0.0 || IsNear(size, person));
+  return of_it;
+}
+
+Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length, const std::string& where) {
+  const double size = SizeAgainst(clip, bone_length);
+  if (size <= 0.0 || IsNear(size, 1.0)) return {};
+  const auto unit = FindUnit(size);
+  return Fail(ErrorCode::kInconsistent,
+              "the clip's bones are " + RoundedText(size, 3) + " times as long as those of the person's other clips" +
+                  (unit ? ": it looks like " + unit->text : std::string()),
+              where, "mend the unit of this clip, or give it another person");
+}
+
+std::optional<Finding> FindFlatBody(const SkeletonTracks& clip) {
+  std::vector<double> thickness;
+  int flat = 0;
+  for (int f = 0; f < clip.frames(); ++f) {
+    const auto extents = Extents(clip, f);
+    if (!extents) continue;
+    thickness.push_back(extents->first);
+    flat += extents->first <= kFlat * extents->second ? 1 : 0;
+  }
+  const auto frames = static_cast<long long>(thickness.size());
+  if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(frames)) return {};
+  Finding finding;
+  finding.code = "flat_body";
+  finding.severity = Severity::kError;
+  finding.value = std::round(1e4 * Median(thickness)) / 10.0;
+  finding.message = "all joints lie in one plane (to " + RoundedText(finding.value, 3) + " mm in the median) in " +
+                    std::to_string(flat) + " of " + Counted(frames, "frame") +
+                    ": 2-D points without depth are no joint tracks; the pose across the plane is not known";
+  finding.action = "flagged";
+  return finding;
+}
+
+}  // namespace mocurate
