@@ -11,10 +11,13 @@
 #include "fitting/audit/confidence.h"
 #include "fitting/clouds/rig_clocks.h"
 #include "fitting/clouds/rig_exchange.h"
+#include "fitting/clouds/rig_far_views.h"
+#include "fitting/clouds/rig_fault_words.h"
 #include "fitting/clouds/rig_strangers.h"
 #include "fitting/clouds/rig_units.h"
 #include "fitting/clouds/seen_rig.h"
 #include "fitting/clouds/view_registration.h"
+#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -30,13 +33,9 @@ constexpr double kFewerMoves = 0.15;       ///< of the gain, for which one camer
 constexpr double kStrangersLoss = 0.2;     ///< views that then still agree no better may be of something else
 constexpr double kLeastMove = 0.008;       ///< m at the person
 constexpr double kPersonRadius = 0.45;     ///< m; what a turn moves
-constexpr double kDegrees = 57.29577951308232;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kHalfDepth = 0.1;   ///< m; how much nearer to a camera what it sees of a person is than the middle
+constexpr double kAside = 0.12;      ///< m that a view's person is beside the others', farther than surfaces meet
+constexpr double kAlongAxis = 0.95;  ///< of a move, from which on wrong depths explain it as well
 
 class Auditor {
  public:
@@ -56,6 +55,7 @@ class Auditor {
     if (const bool judged = CanJudge(); judged && MendFiles()) {
       if (Status seen = See(); !seen) return Forward(seen);
     }
+    if (Status mended = MendDepths(); !mended) return Forward(mended);
     if (report_.not_audited.empty() && !files_wrong_) {
       // What explains most first, then the rest again.
       for (std::size_t round = 0; round < 2 * late_.size(); ++round) {
@@ -130,6 +130,29 @@ class Auditor {
     return {};
   }
 
+  /// Depths of a view that are too long or too short for what the others see, if that explains it much better than
+  /// another place of its camera does.
+  Status MendDepths() {
+    if (options_.moved == AuditAction::kOff || late_.size() < 3 || late_.size() > kFewViews) return {};
+    if (!report_.not_audited.empty() || files_wrong_) return {};
+    const auto wrong = FindWrongDepths(witness_, late_, rig_, cameras_);
+    if (!wrong) return Forward(wrong);
+    const double loss = MeanLoss(losses_);
+    if (!*wrong || (*wrong)->loss > kStrangersLoss || (*wrong)->loss > (1.0 - kSureGain) * loss) return {};
+    const auto moved = FindFarMove();
+    if (!moved) return Forward(moved);
+    if (*moved && (*wrong)->loss > (1.0 - kFewerMoves) * MeanLoss(LossOfSamples(rig_, **moved))) return {};
+    const std::vector<double> before = Of((*wrong)->view, losses_, losses_).first;
+    RigFault fault = DepthsOff(report_.cameras[(*wrong)->view], **wrong);
+    fault.corrected = CorrectsMoves();
+    wrong_depths_ = **wrong;
+    witness_ = RigWitness(WithDepths(witness_.views(), (*wrong)->view, (*wrong)->factor));
+    if (Status seen = See(); !seen) return seen;
+    fault.confidence = ConfidenceOfSeparate(before, Of((*wrong)->view, losses_, losses_).first);
+    report_.faults.push_back(std::move(fault));
+    return {};
+  }
+
   bool CanJudge() {
     if (late_.size() < 2) return false;
     const auto samples = static_cast<std::size_t>(
@@ -147,29 +170,9 @@ class Auditor {
     if (options_.exchanged == AuditAction::kOff) return false;
     const auto exchange = FindFileExchange(rig_, losses_);
     if (!exchange) return false;
-    RigFault fault;
-    fault.code = "cameras_exchanged";
-    fault.value = exchange->exchanged;
-    fault.confidence = exchange->confidence;
-    fault.corrected = options_.exchanged == AuditAction::kCorrect && exchange->confidence >= options_.sure;
-    std::string pairs;
-    for (std::size_t v = 0; v < exchange->source.size(); ++v) {
-      if (exchange->source[v] == v) continue;
-      fault.camera += (fault.camera.empty() ? "" : ", ") + report_.cameras[v];
-      pairs +=
-          (pairs.empty() ? "" : ", ") + report_.cameras[v] + " in those of " + report_.cameras[exchange->source[v]];
-    }
-    fault.message = "what depth cameras see lies in each other's files: " + pairs + "; so " +
-                    RoundedText(100.0 * exchange->exchanged, 2) +
-                    " % of what they see contradicts the others, as the "
-                    "files are " +
-                    RoundedText(100.0 * exchange->loss, 2) + " %";
-    if (!exchange->unique) {
-      fault.corrected = false;
-      fault.message =
-          "what depth cameras see lies in each other's files, and whose are whose cannot be told: the rig "
-          "looks the same from several sides, and more than one exchange explains what they see";
-    }
+    RigFault fault = ExchangedFiles(report_.cameras, *exchange);
+    fault.corrected =
+        exchange->unique && options_.exchanged == AuditAction::kCorrect && exchange->confidence >= options_.sure;
     files_wrong_ = !fault.corrected;
     if (fault.corrected) witness_ = RigWitness(WithExchangedFiles(witness_.views(), exchange->source));
     report_.faults.push_back(std::move(fault));
@@ -233,9 +236,11 @@ class Auditor {
       may[static_cast<std::size_t>(std::min_element(loss.begin(), loss.end()) - loss.begin())] = false;
       return may;
     }
+    std::vector<double> sorted = loss;
+    const double usual = Median(sorted);
     std::vector<std::pair<double, std::size_t>> odd;
     for (std::size_t v = 0; v < loss.size(); ++v) {
-      if (loss[v] > kOddLoss * Median(loss)) odd.emplace_back(-loss[v], v);
+      if (loss[v] > kOddLoss * usual) odd.emplace_back(-loss[v], v);
     }
     std::sort(odd.begin(), odd.end());
     for (std::size_t i = 0; i < std::min(odd.size(), kMostMoved); ++i) may[odd[i].second] = true;
@@ -271,7 +276,39 @@ class Auditor {
       if (!any) break;
       free[*weakest] = false;
     }
-    return std::optional<std::vector<Camera>>();
+    return FindFarMove();
+  }
+
+  /// Takes camera v alone, registered from `start`, if its new place is real and the rig then agrees better.
+  Status TryOneMove(std::size_t v, std::vector<Camera> start, double& least, std::optional<std::vector<Camera>>& best) {
+    std::vector<bool> free(late_.size(), false);
+    free[v] = true;
+    Expected<std::vector<Camera>> found = Register(rig_, free, std::move(start));
+    if (!found) return Forward(found);
+    const std::vector<double> better = LossOfSamples(rig_, *found);
+    if (MeanLoss(better) >= least) return {};
+    double by_clock = -1.0;
+    const Expected<bool> real = IsReal(v, MoveOf(cameras_[v], (*found)[v]), *found, better, by_clock);
+    if (!real) return Forward(real);
+    if (!*real) return {};
+    least = MeanLoss(better);
+    best = std::move(*found);
+    return {};
+  }
+
+  /// The one camera that was moved farther than its surfaces meet those of the others: brought to them first, by where
+  /// the person is, then registered.
+  Expected<std::optional<std::vector<Camera>>> FindFarMove() {
+    std::optional<std::vector<Camera>> best;
+    const std::vector<Vector3d> aside = AsideOf(rig_, cameras_);
+    double least = MeanLoss(losses_);
+    for (std::size_t v = 0; v < late_.size() && late_.size() > 2 && late_.size() <= kFewViews; ++v) {
+      if (aside[v].norm() < kAside) continue;
+      std::vector<Camera> start = cameras_;
+      start[v].camera_from_world = start[v].camera_from_world * RigidTransform{Quaterniond::Identity(), aside[v]};
+      if (Status tried = TryOneMove(v, std::move(start), least, best); !tried) return Forward(tried);
+    }
+    return best;
   }
 
   /// The one camera that explains nearly as much as several do: these moved together, it alone the other way.
@@ -279,18 +316,7 @@ class Auditor {
     std::optional<std::vector<Camera>> best;
     double least = loss_of_several + kFewerMoves * (MeanLoss(losses_) - loss_of_several);
     for (std::size_t v = 0; v < late_.size() && late_.size() <= kFewViews; ++v) {
-      std::vector<bool> free(late_.size(), false);
-      free[v] = true;
-      Expected<std::vector<Camera>> found = Register(rig_, free, cameras_);
-      if (!found) return Forward(found);
-      const std::vector<double> better = LossOfSamples(rig_, *found);
-      if (MeanLoss(better) >= least) continue;
-      double by_clock = -1.0;
-      const Expected<bool> real = IsReal(v, MoveOf(cameras_[v], (*found)[v]), *found, better, by_clock);
-      if (!real) return Forward(real);
-      if (!*real) continue;
-      least = MeanLoss(better);
-      best = std::move(*found);
+      if (Status tried = TryOneMove(v, cameras_, least, best); !tried) return Forward(tried);
     }
     return best;
   }
@@ -323,16 +349,10 @@ class Auditor {
   void TellOfClock(std::size_t v) {
     if (late_[v] == 0) return;
     const LateView& found = clocks_.at(v);
-    RigFault fault;
-    fault.code = "camera_clock_off";
-    fault.camera = report_.cameras[v];
-    fault.value = -1e3 * witness_.step_s() * (late_[v] - found.frames + found.offset);
+    const double off_ms = -1e3 * witness_.step_s() * (late_[v] - found.frames + found.offset);
+    RigFault fault = ClockOff(report_.cameras[v], off_ms, late_[v]);
     fault.confidence = found.confidence;
     fault.corrected = options_.clocks == AuditAction::kCorrect;
-    fault.message = "what depth camera " + fault.camera + " stamps happens " + RoundedText(std::abs(fault.value), 3) +
-                    " ms " + (fault.value > 0.0 ? "later" : "earlier") +
-                    " by the clock of the others; its nearest image is " + Counted(std::abs(late_[v]), "frame") +
-                    (late_[v] > 0 ? " later" : " earlier");
     report_.faults.push_back(std::move(fault));
   }
 
@@ -343,21 +363,17 @@ class Auditor {
     std::vector<Camera> without = cameras_;
     without[v] = was;
     const auto both = Of(v, LossOfSamples(rig_, without), losses_);
-    RigFault fault;
-    fault.code = "camera_moved";
-    fault.camera = was.name;
-    fault.value = 1e3 * (cameras_[v].Centre() - was.Centre()).norm();
+    RigFault fault = CameraMoved(was, cameras_[v], rig_.centre);
     fault.confidence = ConfidenceOfSeparate(both.first, both.second);
     fault.corrected = CorrectsMoves();
-    fault.message = "depth camera " + fault.camera + " stands " + RoundedText(fault.value, 3) + " mm and " +
-                    RoundedText(kDegrees * move.turn, 2) +
-                    " degrees from where its calibration has it, which puts the person " +
-                    RoundedText(1e3 * move.shift, 3) + " mm off";
     report_.faults.push_back(std::move(fault));
   }
 
   std::vector<DepthView> Corrected() const {
     std::vector<DepthView> views = witness_.views();
+    if (wrong_depths_ && !CorrectsMoves()) {
+      views = WithDepths(std::move(views), wrong_depths_->view, 1.0 / wrong_depths_->factor);
+    }
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (late_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = Later(views[v], late_[v]);
       if (CorrectsMoves()) views[v].camera = cameras_[v];
@@ -373,6 +389,7 @@ class Auditor {
   SeenRig rig_;
   std::vector<double> losses_;
   bool files_wrong_ = false;
+  std::optional<WrongDepths> wrong_depths_;
   DepthRigReport report_;
 };
 

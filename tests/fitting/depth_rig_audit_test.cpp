@@ -126,6 +126,43 @@ TEST_F(DepthRig, ACameraThatWasMovedIsFoundAndPutBack) {
   }
 }
 
+TEST_F(DepthRig, ACameraFartherAsideThanSurfacesMeetIsPutBack) {
+  for (std::size_t moved = 0; moved < 3; ++moved) {
+    std::vector<DepthView> views = Moving();
+    views[moved].camera.camera_from_world =
+        views[moved].camera.camera_from_world * RigidTransform{Quaterniond::Identity(), Vector3d(0.25, 0.1, -0.2)};
+    const auto audited = AuditDepthRig(views, {});
+    ASSERT_TRUE(audited) << audited.error().Message();
+    ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
+    EXPECT_EQ(audited->report.faults[0].code, "camera_moved");
+    EXPECT_EQ(audited->report.faults[0].camera, "c" + std::to_string(moved));
+    EXPECT_LT(Off(audited->views, Moving(), moved, (moved + 1) % 3).shift, 0.01);
+  }
+}
+
+/// An offset makes a person larger as well: no place of the camera mends it.
+TEST_F(DepthRig, DepthsThatAreTooLongOrTooShortAreFoundAndMended) {
+  for (const double factor : {0.9, 1.12}) {
+    std::vector<DepthView> views = Moving();
+    views[1].metres_per_unit *= factor;
+    const auto audited = AuditDepthRig(views, {});
+    ASSERT_TRUE(audited) << audited.error().Message();
+    ASSERT_FALSE(audited->report.faults.empty());
+    const RigFault& fault = audited->report.faults[0];
+    EXPECT_EQ(fault.code, "camera_depths_off") << Told(audited->report);
+    EXPECT_EQ(fault.camera, "c1");
+    EXPECT_GT(fault.value * (factor - 1.0), 0.0) << fault.message;
+    EXPECT_TRUE(fault.corrected);
+    EXPECT_NEAR(audited->views[1].metres_per_unit / Moving()[1].metres_per_unit, 1.0, 0.006);
+    RigAuditOptions tell;
+    tell.moved = AuditAction::kTell;
+    const auto told = AuditDepthRig(views, tell);
+    ASSERT_TRUE(told) << told.error().Message();
+    EXPECT_DOUBLE_EQ(told->views[1].metres_per_unit, views[1].metres_per_unit);
+    EXPECT_TRUE(told->report.IsDoubtful());
+  }
+}
+
 TEST_F(DepthRig, WhatIsOnlyToldStaysAsItIs) {
   Random random(7, "moved", "0");
   std::vector<DepthView> views = Moving();

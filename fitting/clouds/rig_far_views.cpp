@@ -1,0 +1,84 @@
+#include "fitting/clouds/rig_far_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr double kHalfDepth = 0.1;   ///< m; how much nearer to a camera what it sees of a person is than the middle
+constexpr double kAlongSight = 0.9;  ///< of the way aside
+constexpr double kReach = 0.03;      ///< how far the factor may be from what the way aside says: where one view has the
+                                     ///< person within what another sees, it is hidden from that one, and tells nothing
+constexpr double kFinest = 0.0025;
+
+}  // namespace
+
+std::vector<Vector3d> AsideOf(const SeenRig& rig, const std::vector<Camera>& cameras) {
+  std::vector<Vector3d> aside(cameras.size(), Vector3d::Zero());
+  std::vector<double> moments(cameras.size(), 0.0);
+  for (const SeenMoment& moment : rig.moments) {
+    std::vector<std::optional<Vector3d>> middle(moment.size());
+    for (std::size_t v = 0; v < moment.size(); ++v) {
+      if (moment[v] == nullptr) continue;
+      const Vector3d seen = Inverse(cameras[v].camera_from_world) * Vector3d(moment[v]->points.rowwise().mean());
+      middle[v] = seen + kHalfDepth * (seen - cameras[v].Centre()).normalized();
+    }
+    for (std::size_t v = 0; v < moment.size(); ++v) {
+      Vector3d others = Vector3d::Zero();
+      double count = 0.0;
+      for (std::size_t o = 0; o < moment.size(); ++o) {
+        if (o == v || !middle[o]) continue;
+        others += *middle[o];
+        count += 1.0;
+      }
+      if (!middle[v] || count == 0.0) continue;
+      aside[v] += *middle[v] - others / count;
+      moments[v] += 1.0;
+    }
+  }
+  for (std::size_t v = 0; v < aside.size(); ++v) aside[v] /= std::max(moments[v], 1.0);
+  return aside;
+}
+
+std::vector<DepthView> WithDepths(std::vector<DepthView> views, std::size_t view, double factor) {
+  views[view].metres_per_unit *= factor;
+  return views;
+}
+
+Expected<std::optional<WrongDepths>> FindWrongDepths(const RigWitness& witness, const std::vector<int>& late,
+                                                     const SeenRig& rig, const std::vector<Camera>& cameras) {
+  const std::vector<Vector3d> aside = AsideOf(rig, cameras);
+  const auto farthest = std::max_element(aside.begin(), aside.end(), [](const Vector3d& a, const Vector3d& b) {
+    return a.squaredNorm() < b.squaredNorm();
+  });
+  WrongDepths found;
+  found.view = static_cast<std::size_t>(farthest - aside.begin());
+  const Vector3d sight = rig.centre - cameras[found.view].Centre();
+  const double along = farthest->dot(sight.normalized());
+  if (farthest->norm() < kAside || std::abs(along) < kAlongSight * farthest->norm()) {
+    return std::optional<WrongDepths>();
+  }
+  const double distance = sight.norm() + farthest->norm() / static_cast<double>(cameras.size());  // as it sees it
+  double middle = std::max(0.1, 1.0 - along / distance);
+  found.loss = 1.0;
+  for (double step = 0.01; step >= kFinest; step *= 0.5) {
+    const int reach = step == 0.01 ? static_cast<int>(std::lround(kReach / step)) : 1;
+    for (int i = -reach; i <= reach; ++i) {
+      const double factor = middle + step * i;
+      if (factor <= 0.05) continue;
+      RigWitness mended(WithDepths(witness.views(), found.view, factor));
+      const Expected<SeenRig> seen = mended.Seen(late);
+      if (!seen) return Forward(seen);
+      const double loss = MeanLoss(LossOfSamples(*seen, cameras));
+      if (loss >= found.loss) continue;
+      found.loss = loss;
+      found.factor = factor;
+    }
+    middle = found.factor;
+  }
+  found.too_long = distance * (1.0 - found.factor);
+  return std::optional<WrongDepths>(found);
+}
+
+}  // namespace mocurate
