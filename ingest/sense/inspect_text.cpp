@@ -55,7 +55,8 @@ std::string ClipText(const Json& clip) {
 
 /// A declaration is one for all clips: what they show is told by the findings.
 std::string Agreement(const Json& field) {
-  return field.at("from") == "declared" ? "" : ", " + Percent(field.at("share")) + " agree";
+  const bool all_say_so = field.at("from") == "declared" && field.at("share").get<double>() >= 1.0;
+  return all_say_so ? "" : ", " + Percent(field.at("share")) + " agree";
 }
 
 std::string GroupText(const Json& group) {

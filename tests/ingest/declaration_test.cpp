@@ -89,6 +89,15 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   EXPECT_THAT(text, HasSubstr("+y  declared\n")) << "what is declared is said of no clip by agreement";
 }
 
+TEST_F(WrittenFormats, RatesOfFilesThatDifferAreNoneOfAll) {
+  std::string fast = kBvh;
+  const std::size_t at = fast.find("Frame Time:");
+  ASSERT_NE(at, std::string::npos);
+  fast.replace(at, fast.find('\n', at) - at, "Frame Time: 0.0125");
+  for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", take < 30 ? kBvh : fast);
+  EXPECT_THAT(InspectionText(InspectPath(folder_, std::nullopt)), HasSubstr("declared, 50 % agree"));
+}
+
 TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) {
   SourceOptions source;
   source.name = "made";
