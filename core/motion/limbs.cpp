@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
+
+#include "core/motion/joint_namespace.h"
 
 namespace mocurate {
 namespace {
@@ -56,7 +59,9 @@ SidedName SidedNameOf(const std::string& name) {
 class LimbFinder {
  public:
   explicit LimbFinder(const Skeleton& skeleton) : skeleton_(skeleton), children_(skeleton.Children()) {
-    for (const Joint& joint : skeleton.joints) names_.push_back(SidedNameOf(joint.name));
+    std::vector<std::string> names;
+    for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
+    for (const std::string& name : WithoutNamespace(std::move(names))) names_.push_back(SidedNameOf(name));
   }
 
   Limbs Find() const {

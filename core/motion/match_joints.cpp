@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/motion/joint_namespace.h"
 #include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 
@@ -91,7 +92,13 @@ class Matching {
   /// By names, then by the synonyms of the source, then by those of the target, among the joints left over.
   void TakeNames() {
     Skeleton source_names = source_;
-    for (Joint& joint : source_names.joints) joint.synonyms.clear();
+    std::vector<std::string> names;
+    for (const Joint& joint : source_.joints) names.push_back(joint.name);
+    names = WithoutNamespace(std::move(names));
+    for (std::size_t s = 0; s < names.size(); ++s) {
+      source_names.joints[s].name = names[s];
+      source_names.joints[s].synonyms.clear();
+    }
     const auto take = [&](int t, const std::optional<int>& s) {
       if (s && !decided_[t]) Take(t, *s);
     };

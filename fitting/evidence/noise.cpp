@@ -14,6 +14,9 @@ constexpr double kMadToSigma = 1.4826;
 /// limbs), and no tracker knows where a joint is to less.
 constexpr double kSmallestSigma = 1e-3;
 constexpr std::size_t kEnoughSamples = 10;
+constexpr std::size_t kEnoughBones = 5;
+/// Lengths of bones that noise reaches across show a little less of it than it is; motion makes lines show much more.
+constexpr double kNoMotion = 0.8;
 /// Of tracks that are too short to show their noise: a depth tracker's.
 constexpr double kUnmeasuredSigma = 0.02;
 
@@ -41,6 +44,29 @@ void AppendDepartures(const SkeletonTracks& tracks, int joint, std::vector<doubl
                           a * a * UnitCovariance(tracks, f + 1, joint);
     const Vector3d white = Eigen::LLT<Matrix3d>(unit).matrixL().solve(tracks.positions.at(f, joint) - line);
     for (int i = 0; i < 3; ++i) departures.push_back(std::abs(white[i]));
+  }
+}
+
+/// Departures of a bone's length in frame f from the line between its lengths in f-1 and f+1, whitened to the variance
+/// of a typical sample's axis. Motion, however fast, changes no bone.
+void AppendBoneDepartures(const SkeletonTracks& tracks, int joint, std::vector<double>& departures) {
+  const int parent = tracks.skeleton->joints[joint].parent;
+  if (parent < 0) return;
+  const auto length = [&](int f, double& variance) {
+    if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) return 0.0;
+    const Vector3d bone = tracks.positions.at(f, joint) - tracks.positions.at(f, parent);
+    const Vector3d along = bone.stableNormalized();
+    variance = along.dot((UnitCovariance(tracks, f, joint) + UnitCovariance(tracks, f, parent)) * along);
+    return bone.norm();
+  };
+  for (int f = 1; f + 1 < tracks.frames(); ++f) {
+    double before_variance = 0.0, variance = 0.0, after_variance = 0.0;
+    const double before = length(f - 1, before_variance), is = length(f, variance),
+                 after = length(f + 1, after_variance);
+    if (before == 0.0 || is == 0.0 || after == 0.0) continue;  // not seen, or it stands where its parent does
+    const double a = (tracks.time_s[f] - tracks.time_s[f - 1]) / (tracks.time_s[f + 1] - tracks.time_s[f - 1]);
+    const double whole = variance + (1.0 - a) * (1.0 - a) * before_variance + a * a * after_variance;
+    if (whole > 0.0) departures.push_back(std::abs(is - (1.0 - a) * before - a * after) / std::sqrt(whole));
   }
 }
 
@@ -84,13 +110,14 @@ double Median(std::vector<double>& values) {
 
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length) {
   const int joints = tracks.joints();
-  std::vector<double> all;
+  std::vector<double> all, of_bones;
   std::vector<double> white(joints, 0.0);
   std::vector<double> bone(joints, 0.0);
   std::vector<bool> enough(joints, false);
   for (int j = 0; j < joints; ++j) {
     std::vector<double> departures;
     AppendDepartures(tracks, j, departures);
+    AppendBoneDepartures(tracks, j, of_bones);
     all.insert(all.end(), departures.begin(), departures.end());
     enough[j] = departures.size() >= 3 * kEnoughSamples;
     white[j] = SigmaOf(std::move(departures));
@@ -106,6 +133,12 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
   NoiseEstimate noise;
   noise.measured = bones > 0 || all.size() >= 3 * kEnoughSamples;
   noise.white = SigmaOf(std::move(all));
+  // Who moves fast departs from lines without any noise; what noise there is shows in the bones too.
+  const bool told = of_bones.size() >= kEnoughBones * kEnoughSamples;
+  const double most = told ? SigmaOf(std::move(of_bones)) : noise.white;
+  const double fast = most < kNoMotion * noise.white ? most / noise.white : 1.0;
+  noise.white *= fast;
+  for (double& of_joint : white) of_joint *= fast;
   if (!noise.measured) {
     noise.sigma = kUnmeasuredSigma;
     noise.joint_sigma.assign(joints, noise.sigma);

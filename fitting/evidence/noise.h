@@ -15,7 +15,8 @@ struct NoiseEstimate {
 };
 
 /// Noise from the tracks themselves, by medians (1.4826 MAD, gross errors left out), the larger of two estimates per
-/// joint: what a frame departs from the line between its two neighbours in time (white noise), and what observed bones
+/// joint: what a frame departs from the line between its two neighbours in time (white noise; no more than lengths of
+/// bones depart from theirs, which motion does not change, however fast), and what observed bones
 /// depart from `bone_length` (J, or empty: from their own median), which also sees wobble that a tracker has smoothed.
 /// Never below 1 mm, which is also what a capture without any noise gets. Of one or two frames, whose own bones say
 /// nothing, 20 mm are assumed.

@@ -78,7 +78,8 @@ TEST_F(FitVerbs, JointsOfAnotherBodyAreFollowedToMillimetres) {
 /// Trees of several programs, which call an ankle a foot, a collar a shoulder, and begin the arms where the chest does:
 /// what is in the file is where it was, nothing of it is guessed.
 TEST_F(FitVerbs, MotionsOfOtherTreesKeepTheirAnatomy) {
-  for (const char* file : {"olafhaag_walk01", "kevinxie4c_walk_mixed_orders", "omimo_AV_8Walk_HVHA"}) {
+  for (const char* file :
+       {"olafhaag_walk01", "kevinxie4c_walk_mixed_orders", "omimo_AV_8Walk_HVHA", "olafhaag_test_freebvh_mixamo"}) {
     const Result result =
         Fit(data_ / "bvh/misc" / (std::string(file) + ".bvh"),
             {"--skeleton", "smpl24", "--json", "--force", "--set", "fitting.joint_tracks.uncertainty=false", "--set",

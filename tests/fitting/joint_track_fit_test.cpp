@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "fitting/evidence/noise.h"
 #include "fitting/evidence/outliers.h"
+#include "fitting/solver/bone_lengths.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 
@@ -288,6 +290,18 @@ TEST(JointTrackFit, FindsTheNoiseOfTheTracks) {
   Take take = SmoothTake(100);
   AddNoise(take.tracks, 0.02, 61);
   EXPECT_NEAR(Fit(take).noise_sigma, 0.02, 0.002);
+}
+
+/// Between two frames of a runner lies much motion, which is no noise: her bones keep their lengths.
+TEST(JointTrackFit, FastMotionIsNoNoise) {
+  Take take = SmoothTake(150, Quaterniond::Identity(), 8.0, 4.0);
+  EXPECT_LT(EstimateNoise(take.tracks, {}).sigma, 2e-3);
+  const BoneEstimate bones = EstimateBoneLengths({take.tracks}, *take.tracks.skeleton, true);
+  for (int j = 1; j < take.tracks.joints(); ++j) {
+    EXPECT_NEAR(bones.length[j], take.truth.bone_length[j], 1e-3) << take.tracks.skeleton->joints[j].name;
+  }
+  AddNoise(take.tracks, 0.01, 5);
+  EXPECT_NEAR(EstimateNoise(take.tracks, {}).sigma, 0.01, 0.002);
 }
 
 TEST(JointTrackFit, PlacesARootThatNoTrackGives) {

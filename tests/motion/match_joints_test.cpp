@@ -83,6 +83,17 @@ TEST(MatchJoints, OneNameMeansOtherJointsInOtherTrees) {
   EXPECT_EQ(smpl.at("neck"), "Neck");
 }
 
+TEST(MatchJoints, WhatAnExporterPutsBeforeAllNamesIsPassedOver) {
+  const auto plain = Matched(CharacterTree(), "smpl24");
+  for (const std::string prefix : {"mixamorig:", "Character1_", "Bip001 "}) {
+    Skeleton tree = CharacterTree();
+    for (Joint& joint : tree.joints) joint.name = prefix + joint.name;
+    const auto named = Matched(tree, "smpl24");
+    ASSERT_EQ(named.size(), plain.size()) << prefix;
+    for (const auto& [joint, source] : plain) EXPECT_EQ(named.at(joint), prefix + source);
+  }
+}
+
 TEST(MatchJoints, ACollarIsNoShoulderOfASkeletonWithoutCollars) {
   const auto kinect = Matched(CharacterTree(), "kinect20");
   EXPECT_EQ(kinect.at("left_shoulder"), "LeftArm");
