@@ -13,6 +13,7 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/geometry/axes.h"
 #include "core/store/store.h"
 #include "ingest/format_facts.h"
 #include "ingest/sense/inspect.h"
@@ -148,6 +149,22 @@ Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
   return {};
 }
 
+/// Axes that nobody told and that mirror: the files show left and right exchanged, which names may be as well.
+void TellOfMirror(const FitArguments& arguments, const SourceOptions& source) {
+  const bool told = !arguments.source.empty() ||
+                    std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                                [](const std::string& text) { return text.rfind("ingest.source.axes=", 0) == 0; });
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (told || !axes || axes->handedness() == Handedness::kRight) return;
+  AxisConvention right = *axes;
+  right.canonical_from_source.col(0) *= -1.0;
+  LogWarning(DisplayPath(arguments.path) +
+             ": by their names left and right are exchanged: read as a left-handed world, axes '" + source.axes +
+             "', which mirrors it; if the names are wrong instead, mend them, or keep them as they are with --set "
+             "ingest.source.axes='" +
+             right.Text() + "'");
+}
+
 Expected<JobOptions> OptionsOf(const FitArguments& arguments) {
   const Expected<Declared> declared = Declare(arguments);
   if (!declared) return Forward(declared);
@@ -163,6 +180,7 @@ Expected<JobOptions> OptionsOf(const FitArguments& arguments) {
   JobOptions options = std::move(job->options);
   // Not by way of YAML: a path may hold any bytes.
   options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
+  if (!IsStore(path)) TellOfMirror(arguments, options.ingest.source);
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
   return options;

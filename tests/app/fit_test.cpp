@@ -93,6 +93,23 @@ TEST_F(FitVerbs, MotionsOfOtherTreesKeepTheirAnatomy) {
   }
 }
 
+/// Exchanged names and a mirrored world look the same: what is done about it is said.
+TEST_F(FitVerbs, AWorldThatIsMirroredToReadItIsTold) {
+  std::string text = program::ReadText(data_ / "bvh/misc/olafhaag_walk01.bvh");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+  };
+  replace("Left", "L~"), replace("Right", "Left"), replace("L~", "Right");
+  WriteText(folder_ / "exchanged.bvh", text);
+  const Result mirrored = Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24"});
+  EXPECT_EQ(mirrored.exit_code, 0) << mirrored.err;
+  EXPECT_THAT(mirrored.err, HasSubstr("--set ingest.source.axes='+x +y +z'"));
+  const Result told =
+      Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24", "--force", "--set", "ingest.source.axes=+x +y +z"});
+  EXPECT_EQ(told.exit_code, 1) << told.err;
+}
+
 /// Names of one skeleton, another tree: the file's own is taken.
 TEST_F(FitVerbs, ATreeThatHangsOtherwiseThanItsNamesakeIsFitted) {
   const Result result = Fit(data_ / "cmu/asf_amc/01_01.bvh",
