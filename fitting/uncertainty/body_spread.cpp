@@ -9,10 +9,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kStep_s = 0.2;         ///< people turn little in it
-constexpr double kBend = 0.3;           ///< rad, how far joints bend to make up for a body; first order holds to there
-constexpr double kUnknownAngle = 3.29;  ///< rad^2, variance of a uniform angle
-constexpr double kUnknownPlace = 1.0;   ///< m^2
+constexpr double kStep_s = 0.2;        ///< people turn little in it
+constexpr double kBend = 0.3;          ///< rad, how far joints bend to make up for a body; first order holds to there
+constexpr double kUnknownTurn = 1.81;  ///< rad, of a uniform angle
+constexpr double kLimbBone_m = 0.2;
+constexpr double kUnknownPlace = 1.0;     ///< m^2
 constexpr double kShortestBone_m = 1e-3;  ///< joints that lie in one place by definition
 
 /// Bones with an end that no frame shows. (J)
@@ -32,14 +33,23 @@ double SpreadOf(const Skeleton& skeleton, int bone) {
   return skeleton.joints[start].mirror == start ? kTrunkSpread : kLimbSpread;
 }
 
-/// Unknowns: the root's place, rotations that the evidence moves, then ends of unmeasured bones; three columns each,
-/// along the world's axes.
+/// How far a joint that no evidence turns, and that is held in the rest pose, is from it, radians.
+double HeldTurn(const PoseState& state, const std::vector<int>& children) {
+  for (const int child : children) {
+    if (*state.bone(child) > kLimbBone_m) return kLimbTurn;
+  }
+  return kEndTurn;
+}
+
+/// Unknowns: the root's place, rotations that the evidence moves, then ends of unmeasured bones and rotations of joints
+/// that are held; three columns each, along the world's axes.
 class BodyEquations {
  public:
   BodyEquations(const TrackWindow& whole, std::vector<bool> unmeasured)
       : whole_(whole),
         unmeasured_(std::move(unmeasured)),
         shown_(whole.tracks.SeenJoints()),
+        children_(whole.tracks.skeleton->Children()),
         turn_(shown_.size(), -1),
         bone_(shown_.size(), -1) {
     for (int j = 0; j < whole.state.joints(); ++j) {
@@ -49,9 +59,14 @@ class BodyEquations {
     }
     all_ = pose_;
     for (std::size_t j = 0; j < bone_.size(); ++j) {
-      if (!unmeasured_[j]) continue;
-      bone_[j] = all_;
-      all_ += 3;
+      if (unmeasured_[j]) {
+        bone_[j] = all_;
+        all_ += 3;
+      }
+      if (turn_[j] < 0 && !children_[j].empty()) {
+        turn_[j] = all_;
+        all_ += 3;
+      }
     }
   }
 
@@ -86,7 +101,7 @@ class BodyEquations {
     for (int j = 0; j < state.joints(); ++j) {
       auto of_joint = moves.middleRows<3>(3 * j);
       of_joint.leftCols<3>().setIdentity();
-      for (const int a : state.path(j)) {
+      for (int a = state.parent(j); a >= 0; a = state.parent(a)) {
         const Vector3d arm = state.position(frame, j) - state.position(frame, a);
         of_joint.middleCols<3>(turn_[static_cast<std::size_t>(a)]) = -Hat(arm);
       }
@@ -105,7 +120,8 @@ class BodyEquations {
     for (int j = 0; j < state.joints(); ++j) {
       const auto at = static_cast<std::size_t>(j);
       if (turn_[at] >= 0) {
-        information.diagonal().segment<3>(turn_[at]).setConstant(1.0 / (j == 0 ? kUnknownAngle : kBend * kBend));
+        const double turn = j == 0 ? kUnknownTurn : state.active(j) ? kBend : HeldTurn(state, children_[at]);
+        information.diagonal().segment<3>(turn_[at]).setConstant(1.0 / (turn * turn));
       }
       if (bone_[at] < 0) continue;
       const double spread = SpreadOf(*whole_.tracks.skeleton, j);
@@ -117,6 +133,7 @@ class BodyEquations {
   const TrackWindow& whole_;
   std::vector<bool> unmeasured_;
   std::vector<bool> shown_;
+  std::vector<std::vector<int>> children_;
   std::vector<int> turn_;  ///< first column of a joint's rotation; -1: none
   std::vector<int> bone_;  ///< first column of the end of a bone; -1: measured
   int pose_ = 3;           ///< columns of the pose

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -50,11 +51,14 @@ std::vector<float> OfTakeWithout(const std::vector<int>& hidden) {
 
 TEST(BodySpread, AddsNothingWhereAllJointsAreSeen) { EXPECT_TRUE(OfTakeWithout({}).empty()); }
 
-TEST(BodySpread, IsThatOfItsBoneBeyondTheLastSeenJoint) {
+TEST(BodySpread, IsThatOfItsBoneAndOfAHeldJointBeyondTheLastSeenJoint) {
   const auto covariances = OfTakeWithout({kWrist});
-  const Matrix3d expected = kLimbSpread * kLimbSpread * Matrix3d::Identity();
-  for (const int frame : {0, 3, 9}) {
-    EXPECT_TRUE(At(covariances, frame, kWrist, 14).isApprox(expected, 1e-5)) << At(covariances, frame, kWrist, 14);
+  const double arm = 0.25, along = kLimbSpread * kLimbSpread, across = along + kLimbTurn * kLimbTurn * arm * arm;
+  for (const int frame : {0, 6, 9}) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(At(covariances, frame, kWrist, 14));
+    EXPECT_NEAR(eigen.eigenvalues()[0], along, 0.01 * along);
+    EXPECT_NEAR(eigen.eigenvalues()[1], across, 0.01 * across);
+    EXPECT_NEAR(eigen.eigenvalues()[2], across, 0.01 * across);
     EXPECT_LT(At(covariances, frame, kElbow, 14).trace(), 1e-12);
   }
 }
@@ -71,7 +75,7 @@ TEST(BodySpread, IsBoundedFromBothSidesBetweenSeenJoints) {
   EXPECT_GT(At(between, 5, kChest, 14).trace(), 0.1 * open);
   for (const int shoulder : {3, 6}) {
     EXPECT_LT(At(between, 5, shoulder, 14).trace(), 0.3 * open);
-    EXPECT_NEAR(At(beyond, 5, shoulder, 14).trace(), 2.0 * open, 0.02 * open);  // of two bones
+    EXPECT_GT(At(beyond, 5, shoulder, 14).trace(), 2.0 * open);  // of two bones, and the chest may turn
   }
 }
 
