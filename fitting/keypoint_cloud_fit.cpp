@@ -184,17 +184,22 @@ KindsVerdict Judge(const KindsAlignment& kinds, double step_s, double pose_sigma
   return verdict;
 }
 
-/// Standard deviation of joints per axis that a motion states, root mean square over the frames.
+/// Standard deviation per axis that a motion states of joints that keypoints show, root mean square over the frames.
+/// Those of the others say how bodies differ, which hides no camera that stands elsewhere.
 double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
   double sum = 0.0;
+  double count = 0.0;
   const auto joints = static_cast<std::size_t>(motion.joint_count());
   for (const int f : frames) {
     for (std::size_t j = 0; j < joints; ++j) {
-      const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(f) * joints + j);
-      sum += (static_cast<double>(c[0]) + c[3] + c[5]) / (3.0 * static_cast<double>(joints * frames.size()));
+      const std::size_t at = static_cast<std::size_t>(f) * joints + j;
+      if (motion.state[at] == JointState::kInferred) continue;
+      const float* c = motion.position_cov.data() + 6 * at;
+      sum += (static_cast<double>(c[0]) + c[3] + c[5]) / 3.0;
+      count += 1.0;
     }
   }
-  return std::sqrt(sum);
+  return std::sqrt(sum / std::max(count, 1.0));
 }
 
 /// Poses of the clouds alone, that begin facing as the keypoints do: a second start where keypoints are unsure.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/uncertainty/body_spread.h"
 #include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
@@ -162,6 +163,8 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double l
     const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
     Scale(whole.tracks, prior, factor, uncertainty);
   }
+  const std::vector<float> of_body = CovarianceOfBody(whole);
+  for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];
   return uncertainty;
 }
 

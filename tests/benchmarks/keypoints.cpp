@@ -5,21 +5,27 @@
 // more; and how many of the whitened error components lie within one and two standard deviations (uncertainty=1).
 // Options: frames (of each clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_walk,
 // velocity_walk, huber_sigmas, true_bones, wrong (share of detections elsewhere), missed (share), exchanged (frame from
-// which on all views call left right).
+// which on all views call left right), body_25 (1: only OpenPose's 25 points are detected, and bodies are shapes of
+// body_cc0; coverage of joints among them and of the others apart, standard error: joint by joint).
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/store/body_file.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
+#include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/keypoint_detector.h"
+#include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/take_plan.h"
 #include "tests/benchmarks/given_numbers.h"
@@ -55,14 +61,45 @@ std::vector<Matrix3d> Global(const Motion& motion, int frame) {
   return global;
 }
 
+/// Whitened error components and how far off joints are.
+struct Coverage {
+  double within_one = 0.0;
+  double within_two = 0.0;
+  double whitened = 0.0;
+  double millimetres = 0.0;
+  double squares = 0.0;  ///< of whitened components
+  double sigmas_mm = 0.0;
+
+  void Add(const Vector3d& white, double error_m, double sigma_m) {
+    within_one += static_cast<double>((white.array().abs() < 1.0).count());
+    within_two += static_cast<double>((white.array().abs() < 2.0).count());
+    whitened += 3.0;
+    millimetres += 1e3 * error_m;
+    squares += white.squaredNorm();
+    sigmas_mm += 1e3 * sigma_m;
+  }
+  void Add(const Coverage& other) {
+    within_one += other.within_one;
+    within_two += other.within_two;
+    whitened += other.whitened;
+    millimetres += other.millimetres;
+    squares += other.squares;
+    sigmas_mm += other.sigmas_mm;
+  }
+  double one() const { return within_one / std::max(whitened, 1.0); }
+  double two() const { return within_two / std::max(whitened, 1.0); }
+  double mm() const { return 3.0 * millimetres / std::max(whitened, 1.0); }
+  double sigma_mm() const { return 3.0 * sigmas_mm / std::max(whitened, 1.0); }
+  double rms() const { return std::sqrt(squares / std::max(whitened, 1.0)); }
+};
+
 struct Errors {
   double joint_mm = 0.0;
   double rotation_deg = 0.0;
   double joints = 0.0;
   double rotations = 0.0;
-  double within_one = 0.0;
-  double within_two = 0.0;
-  double whitened = 0.0;
+  Coverage all;
+  std::map<int, Coverage> of_joint;
 };
 
 void AddCoverage(const Motion& truth, const Motion& fit, Errors& errors) {
@@ -74,9 +111,8 @@ void AddCoverage(const Motion& truth, const Motion& fit, Errors& errors) {
       covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
       const Vector3d error = fit.joints.at(f, j) - truth.joints.at(f, j);
       const Vector3d white = Eigen::LLT<Matrix3d>(covariance).matrixL().solve(error);
-      errors.within_one += static_cast<double>((white.array().abs() < 1.0).count());
-      errors.within_two += static_cast<double>((white.array().abs() < 2.0).count());
-      errors.whitened += 3.0;
+      errors.all.Add(white, error.norm(), std::sqrt(covariance.trace()));
+      errors.of_joint[j].Add(white, error.norm(), std::sqrt(covariance.trace()));
     }
   }
 }
@@ -104,8 +140,8 @@ void AddErrors(const Motion& truth, const Motion& fit, Errors& errors) {
   }
 }
 
-std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& detector, std::int64_t seed,
-                                int frames) {
+std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& detector, std::int64_t seed, int frames,
+                                bool body_25, const BodyTemplate* body) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   StudioOptions options = FourViews(seed);
   options.subjects = std::max(5, (clips + 11) / 12);
@@ -113,22 +149,25 @@ std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& d
   options.rig.kind = cameras > 0 ? RigKind::kRing : RigKind::kHuman36m;
   options.rig.cameras = std::max(cameras, 1);
   options.keypoints = detector;
-  const auto cast = Cast(options.seed, options.subjects, *skeleton);
+  const auto actors = ActorsOf(options, options.subjects, body);
   const auto plan = PlanTakes(options, OneVariantPerAction(), {options.subjects, 1, kRateHz, 0.3, 0.6});
   const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
   std::vector<StudioTake> takes;
   for (const PlannedTake& planned : *plan) {
     if (static_cast<int>(takes.size()) >= clips) break;
     StudioTake take;
-    take.person = cast[planned.subject - 1].name;
+    const Actor& actor = (*actors)[static_cast<std::size_t>(planned.subject - 1)];
+    take.person = actor.subject.name;
     take.name = planned.Key();
-    take.truth = PerformScript(planned.script, cast[planned.subject - 1], skeleton, FrameRate{30, 1});
+    take.truth = PerformScript(planned.script, actor.subject, actor.skeleton, FrameRate{30, 1});
     if (frames > 0 && take.truth.frame_count() > frames) {
       std::vector<int> first(static_cast<std::size_t>(frames));
       for (int f = 0; f < frames; ++f) first[static_cast<std::size_t>(f)] = f;
       take.truth = Seen(take.truth, first, RigidTransform{});
     }
     for (const Joint& joint : skeleton->joints) take.evidence.keypoint_names.push_back(joint.name);
+    if (body_25) take.evidence.keypoint_names = NamesOf(Body25Places());
+    const JointPositions places = body_25 ? PlacesOf(take.truth, Body25Places()) : take.truth.joints;
     for (const Camera& camera : rig) {
       KeypointView view;
       view.camera = camera;
@@ -136,9 +175,7 @@ std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& d
       for (int f = 0; f < take.truth.frame_count(); ++f) {
         view.time_s.push_back(take.truth.rate.FrameTime(f));
         std::vector<ImagePoint> points;
-        for (int k = 0; k < skeleton->joint_count(); ++k) {
-          points.push_back({camera.ProjectWorld(take.truth.joints.at(f, k)), false});
-        }
+        for (int k = 0; k < places.joints; ++k) points.push_back({camera.ProjectWorld(places.at(f, k)), false});
         const OpenPosePerson person =
             Detected(points, options.keypoints, options.seed, take.name + "/" + camera.name + "/" + std::to_string(f));
         for (const DetectedKeypoint& point : person.pose) {
@@ -175,6 +212,7 @@ int main(int argc, char** argv) {
   int longest = 0;
   bool true_bones = false;
   int exchanged_from = -1;
+  bool body_25 = false;
   KeypointOptions detector = FourViews(0).keypoints;
   detector.noise = argument(3, 4.0);
   options.joint_tracks.solver = TrackSolver::kBanded;
@@ -193,13 +231,23 @@ int main(int argc, char** argv) {
     if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
     if (name == "true_bones") true_bones = value != 0.0;
     if (name == "exchanged") exchanged_from = static_cast<int>(value);
+    if (name == "body_25") body_25 = value != 0.0;
     if (name == "wrong") detector.wrong_share = value;
     if (name == "missed") detector.miss_share = value;
     if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
   }
+  std::optional<BodyTemplate> shapes;
+  if (body_25) {
+    const char* data = std::getenv("MOCURATE_TEST_DATA");
+    auto read = ReadBodyTemplate(std::filesystem::path(data != nullptr ? data : "") / "body_cc0/body_cc0.h5");
+    if (!read) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
+    shapes = std::move(*read);
+  }
   auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), detector,
-                       static_cast<std::int64_t>(argument(4, 4711)), longest);
+                       static_cast<std::int64_t>(argument(4, 4711)), longest, body_25, shapes ? &*shapes : nullptr);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  const SkeletonPtr full =
+      takes.empty() ? skeleton : WithDetectorPoints(skeleton, DetectorNames(takes[0].evidence.keypoint_names));
   for (StudioTake& take : takes) {
     if (exchanged_from >= 0) CallLeftRight(take.evidence, *skeleton, exchanged_from);
   }
@@ -209,7 +257,7 @@ int main(int argc, char** argv) {
   Errors raw;
   for (const StudioTake& take : takes) {
     const double begin = CpuSeconds();
-    auto found = TracksOnBody(take.evidence, *skeleton, skeleton, options.keypoints);
+    auto found = TracksOnBody(take.evidence, *skeleton, full, options.keypoints);
     tracks_s += CpuSeconds() - begin;
     frames += take.truth.frame_count();
     if (!found) {
@@ -229,8 +277,8 @@ int main(int argc, char** argv) {
   medians.symmetric = true;
   std::map<std::string, PersonBody> bodies;
   for (const auto& [person, clips] : of_person) {
-    const auto estimate = EstimateProportions(clips, skeleton, medians);
-    bodies[person] = true_bones ? PersonBody{skeleton, {}} : PersonBody{estimate->skeleton, estimate->bone_length};
+    const auto estimate = EstimateProportions(clips, full, medians);
+    bodies[person] = {estimate->skeleton, estimate->bone_length};
   }
   Errors errors;
   double fit_s = 0.0;
@@ -238,9 +286,13 @@ int main(int argc, char** argv) {
   double sigma = 0.0;
   for (const StudioTake& take : takes) {
     const double begin = CpuSeconds();
-    const PersonBody& body = bodies[take.person];
-    const std::vector<double>& lengths = true_bones ? take.truth.bone_length : body.bone_length;
-    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, body.skeleton, lengths, options);
+    PersonBody body = bodies[take.person];
+    if (true_bones) {
+      body.skeleton = WithDetectorPoints(take.truth.skeleton, DetectorNames(take.evidence.keypoint_names));
+      body.bone_length = body.skeleton->RestBoneLengths();
+      std::copy(take.truth.bone_length.begin(), take.truth.bone_length.end(), body.bone_length.begin());
+    }
+    const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, body.skeleton, body.bone_length, options);
     fit_s += CpuSeconds() - begin;
     if (!fit) continue;
     Errors own;
@@ -257,6 +309,28 @@ int main(int argc, char** argv) {
                    fault.confidence);
     }
   }
+  Coverage seen, unseen;
+  std::vector<bool> named(skeleton->joints.size(), false);
+  for (const StudioTake& take : takes) {
+    for (const std::string& name : DetectorNames(take.evidence.keypoint_names)) {
+      if (const auto joint = skeleton->FindJoint(name)) named[static_cast<std::size_t>(*joint)] = true;
+    }
+  }
+  for (const auto& [joint, coverage] : errors.of_joint) {
+    (named[static_cast<std::size_t>(joint)] ? seen : unseen).Add(coverage);
+    if (!body_25) continue;
+    std::fprintf(stderr, "%-16s %-6s %5.1f mm, stated %5.1f, %.3f %.3f, rms %.2f sigma\n",
+                 skeleton->joints[joint].name.c_str(), named[static_cast<std::size_t>(joint)] ? "" : "unseen",
+                 coverage.mm(), coverage.sigma_mm(), coverage.one(), coverage.two(), coverage.rms());
+  }
+  if (body_25) {
+    for (const auto& [name, of] : {std::pair<const char*, const Coverage&>{"seen", seen}, {"unseen", unseen}}) {
+      std::printf(
+          "{\"joints\": \"%s\", \"joint_mm\": %.2f, \"stated_mm\": %.2f, \"within_one\": %.4f, "
+          "\"within_two\": %.4f, \"whitened_rms\": %.2f}\n",
+          name, of.mm(), of.sigma_mm(), of.one(), of.two(), of.rms());
+    }
+  }
   std::printf(
       "{\"name\": \"keypoints\", \"clips\": %zu, \"cameras\": %zu, \"frames\": %.0f, \"triangulated_mm\": %.2f, "
       "\"triangulated_share\": %.4f, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, \"within_one\": %.4f, \"within_two\": "
@@ -266,7 +340,7 @@ int main(int argc, char** argv) {
       "\"tracks_frames_per_s\": %.0f, \"frames_per_s\": %.0f, \"threads\": 1}\n",
       takes.size(), takes.empty() ? 0 : takes[0].evidence.keypoint_views.size(), frames, raw.joint_mm / raw.joints,
       raw.joints / (frames * skeleton->joint_count()), errors.joint_mm / errors.joints,
-      errors.rotation_deg / errors.rotations, errors.within_one / std::max(errors.whitened, 1.0),
-      errors.within_two / std::max(errors.whitened, 1.0), 1e3 * sigma / static_cast<double>(takes.size()),
-      iterations / static_cast<double>(takes.size()), frames / tracks_s, frames / fit_s);
+      errors.rotation_deg / errors.rotations, errors.all.one(), errors.all.two(),
+      1e3 * sigma / static_cast<double>(takes.size()), iterations / static_cast<double>(takes.size()),
+      frames / tracks_s, frames / fit_s);
 }

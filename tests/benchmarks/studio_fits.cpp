@@ -1,7 +1,8 @@
 // bench_studio_fits [SEED [SUBJECTS [all|one [HZ [OPTION=NUMBER ...]]]]]: fits studio clips of all 12 classes (one clip
 // per class and person, or all 34 variants), whose bodies the fitter does not know, and compares with the truth. Noise
 // of 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames unless options say otherwise. gap=SECONDS: in the middle
-// of each clip nobody is seen for so long, and how far off and how well covered joints are there.
+// of each clip nobody is seen for so long, and how far off and how well covered joints are there. unseen=1: the
+// trackers know no spine above the pelvis, neck, collars, hands and feet; the same of these.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -55,6 +56,24 @@ std::pair<int, int> HideMiddle(double seconds, StudioClip& clip) {
   return {begin, begin + hidden};
 }
 
+/// Which joints a tracker of few joints does not know.
+std::vector<bool> Unknown(const Skeleton& skeleton) {
+  std::vector<bool> unknown;
+  for (const Joint& joint : skeleton.joints) {
+    bool found = false;
+    for (const char* name : {"spine", "neck", "collar", "hand", "foot"})
+      found = found || joint.name.find(name) != std::string::npos;
+    unknown.push_back(found);
+  }
+  return unknown;
+}
+
+void HideJoints(const std::vector<bool>& joints, StudioClip& clip) {
+  for (std::size_t i = 0; i < clip.tracks.confidence.size(); ++i) {
+    if (joints[i % joints.size()]) clip.tracks.confidence[i] = 0.0;
+  }
+}
+
 }  // namespace
 }  // namespace mocurate
 
@@ -70,9 +89,11 @@ int main(int argc, char** argv) {
   StudioClipErrors errors = StudioClipErrors::Stated();
   bool true_bones = false;
   double gap_s = 0.0;
+  bool few_joints = false;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
     if (name == "true_bones") true_bones = true;
     if (name == "gap") gap_s = value;
+    if (name == "unseen") few_joints = value != 0.0;
     Set(name, value, options, repair, errors);
   }
   std::vector<StudioClip> clips = StudioClips(seed, subjects, variants, errors, rate_hz);
@@ -80,6 +101,11 @@ int main(int argc, char** argv) {
   for (StudioClip& clip : clips) gaps[&clip] = HideMiddle(gap_s, clip);
   FitScore all;
   FitScore hidden;
+  FitScore unseen;
+  unseen.only = Unknown(**LoadSkeleton("smpl24"));
+  if (few_joints) {
+    for (StudioClip& clip : clips) HideJoints(unseen.only, clip);
+  }
   std::map<int, FitScore> of_class;
   double seconds = 0.0;
   double sigma = 0.0;
@@ -100,6 +126,7 @@ int main(int argc, char** argv) {
       seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
       all.Add(*fit, clip);
+      if (few_joints) unseen.Add(*fit, clip);
       if (gap_s > 0.0) hidden.Add(*fit, clip, gaps[&clip].first, gaps[&clip].second);
       of_class[clip.action].Add(*fit, clip);
       swaps.Add(*fit, clip);
@@ -131,6 +158,10 @@ int main(int argc, char** argv) {
       "%.2f), within sigma %.1f %%, 2 sigma %.1f %%, noise %.1f mm, %.0f frames/s\n",
       clips.size(), all.frames, all.joint_mm(), all.seen_mm(), all.hidden_mm(), all.rotation_deg(), all.full_deg(),
       all.bone_deg(), 100.0 * all.within_one(), 100.0 * all.within_two(), 1e3 * sigma, all.frames / seconds);
+  if (few_joints) {
+    std::printf("unseen: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", unseen.joint_mm(),
+                100.0 * unseen.within_one(), 100.0 * unseen.within_two());
+  }
   if (hidden.frames == 0) return 0;
   std::printf("in gaps of %.2f s: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", gap_s, hidden.joint_mm(),
               100.0 * hidden.within_one(), 100.0 * hidden.within_two());

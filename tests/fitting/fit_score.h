@@ -20,6 +20,7 @@ struct FitScore {
   std::int64_t full_count = 0, bone_count = 0;
   std::int64_t one = 0, two = 0, whitened = 0;
   std::vector<double> by_joint;
+  std::vector<bool> only;  ///< (J) joints whose places count; empty: all
   int frames = 0;
 
   void Add(const FitResult& fit, const StudioClip& clip) { Add(fit, clip, 0, fit.motion.frame_count()); }
@@ -30,7 +31,9 @@ struct FitScore {
     frames += end - begin;
     by_joint.resize(static_cast<std::size_t>(motion.joint_count()), 0.0);
     for (int f = begin; f < end; ++f) {
-      for (int j = 0; j < motion.joint_count(); ++j) AddJoint(motion, clip, f, j);
+      for (int j = 0; j < motion.joint_count(); ++j) {
+        if (only.empty() || only[static_cast<std::size_t>(j)]) AddJoint(motion, clip, f, j);
+      }
       AddRotations(motion, clip.truth, f);
     }
   }
