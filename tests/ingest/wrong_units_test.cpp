@@ -175,6 +175,40 @@ TEST_F(WrongUnits, AnglesOfAcclaimThatAreNotOfTheUnitInTheirHeaderAreNamed) {
   EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "who stands as at rest and turns round";
 }
 
+TEST_F(WrongUnits, ASkeletonThatSaysRadiansAndIsWrittenInDegreesIsNamedWithTheNumberThatShowsIt) {
+  const std::string skeleton = Replaced(Cmu("01.asf"), "angle deg", "angle rad");
+  ExpectAcclaim(skeleton, Cmu("01_01.amc"), "angle_unit_contradiction");
+  std::vector<std::string> messages;
+  const Json inspection = Look();
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("code") == "angle_unit_contradiction" && finding.at("where") == "01_01.amc")
+      messages.push_back(finding.at("message"));
+  }
+  ASSERT_EQ(messages.size(), 1u) << inspection.at("findings").dump(1);
+  EXPECT_THAT(messages[0], HasSubstr("`angle rad`, the motion's header :DEGREES"));
+  EXPECT_THAT(messages[0], HasSubstr("`axis` of bone 'lfemur' is 20"));
+  Asf radians = *ParseAsf(Cmu("01.asf"), "01.asf");
+  radians.degrees = false;
+  for (AsfBone& bone : radians.bones) {
+    bone.axis.angles *= M_PI / 180.0;
+    for (AsfLimit& limit : bone.limits) limit = {limit.least * M_PI / 180.0, limit.most * M_PI / 180.0};
+  }
+  Written("01.asf", WriteAsf(radians));
+  EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "true radians";
+}
+
+TEST_F(WrongUnits, ALengthThatMakesAPersonOfAChildsSizeOrIsNotTheUnitOfTheSourceIsNamed) {
+  ExpectAcclaim(Replaced(Cmu("01.asf"), "length 0.45", "length 1.0"), Cmu("01_01.amc"), "length_unit_contradiction");
+  EXPECT_THAT(FindCode(Look(), "length_unit_contradiction")->at("message"), HasSubstr("0.75"));
+  Written("01.asf", Replaced(Cmu("01.asf"), "length 0.45", "length 0.4"));
+  EXPECT_EQ(FindCode(Look(), "length_unit_contradiction"), nullptr) << "1.87 m";
+  IngestOptions options = Declared("cmu_amc");
+  options.path = folder_;
+  EXPECT_EQ(CountCode(RunAll(options), "length_unit_contradiction"), 1u) << "1.67 m by the source";
+  Written("01.asf", Cmu("01.asf"));
+  EXPECT_EQ(CountCode(RunAll(options), "length_unit_contradiction"), 0u);
+}
+
 TEST_F(WrongUnits, ALengthOfAnAcclaimSkeletonThatIsAHundredthOfItselfIsNamed) {
   ExpectAcclaim(Replaced(Cmu("01.asf"), "length 0.45", "length 0.0045"), Cmu("01_01.amc"), "length_unit_contradiction");
   const std::string skeleton = Cmu("01.asf");
