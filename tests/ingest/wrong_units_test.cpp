@@ -143,6 +143,32 @@ TEST_F(WrongUnits, AFolderThatIsMultipliedAsAWholeHasTheUnitThatMakesItPeople) {
   for (const Json& clip : inspection.at("groups")) EXPECT_EQ(clip.at("units").at("value"), "0.00001 m");
 }
 
+TEST_F(WrongUnits, BonesOfABvhInMetresUnderAPathInCentimetresAreOneErrorAndNoTeleports) {
+  Bvh bvh = *ParseBvh(*ReadFile(TestData() + "/bvh/misc/olafhaag_walk01.bvh"), "walk");
+  IngestOptions options = Declared("bandai2");
+  options.path = folder_;
+  options.source.skeleton = "";
+  options.source.rate_hz.reset();
+  for (const bool mixed : {false, true}) {
+    for (BvhJoint& joint : bvh.joints) joint.offset *= mixed ? 0.01 : 1.0;
+    for (BvhJoint& joint : bvh.joints) joint.end_site *= mixed ? 0.01 : 1.0;
+    Written("dataset-2_walk_any_1.bvh", mocurate::WriteBvh(bvh));
+    options.source.units = mixed ? "m" : "cm";
+    const Json inspection = Look();
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    const std::vector<std::string> errors =
+        mixed ? std::vector<std::string>{"units_contradiction"} : std::vector<std::string>();
+    EXPECT_EQ(Codes(inspection, "error"), errors);
+    EXPECT_EQ(ErrorCodes(clips[0].outcome), errors);
+    EXPECT_TRUE(Codes(inspection, "warning").empty()) << inspection.at("findings").dump(1);
+    EXPECT_EQ(clips[0].outcome.findings.size(), errors.size());
+    if (mixed) {
+      EXPECT_NEAR(FindCode(inspection, "units_contradiction")->at("value"), 0.01, 0.002);
+    }
+  }
+}
+
 TEST_F(WrongUnits, RotationsOfAmassInDegreesAreNamed) {
   Amass amass = *ParseAmass(*ReadFile(TestData() + "/amass_babel/amass_sample.npz"), "a");
   for (const bool degrees : {false, true}) {
