@@ -80,6 +80,16 @@ class Parser {
     return offset;
   }
 
+  tl::unexpected<Error> Twice(const BvhJoint& joint, const std::vector<std::string_view>& words, std::size_t at) const {
+    std::string what = "channel '" + Shown(words[at]) + "' of joint '" + joint.name + "' stands twice";
+    for (std::string name : {"X", "Y", "Z"}) {
+      name += IsPosition(*ChannelOf(words[at])) ? "position" : "rotation";
+      const auto same = [&](std::string_view word) { return SameWord(word, name); };
+      if (std::none_of(words.begin(), words.end(), same)) what += ", " + name + " nowhere";
+    }
+    return Bad(what, 0, "name each axis once, in the order of the numbers of a row; or export the file again");
+  }
+
   Status Channels(BvhJoint& joint, const std::vector<std::string_view>& words) {
     const std::optional<long long> count = words.size() > 1 ? ParseInteger(words[1]) : std::nullopt;
     if (!count || *count < 0 || static_cast<std::size_t>(*count) != words.size() - 2) {
@@ -94,8 +104,7 @@ class Parser {
         return Bad("unknown channel '" + Shown(words[i]) + "' of joint '" + joint.name + "'", 0,
                    "channels are [XYZ]position and [XYZ]rotation");
       }
-      const bool twice = std::find(joint.channels.begin(), joint.channels.end(), *channel) != joint.channels.end();
-      if (twice && IsPosition(*channel)) return Bad("channel '" + Shown(words[i]) + "' of '" + joint.name + "' twice");
+      if (std::count(joint.channels.begin(), joint.channels.end(), *channel) > 0) return Twice(joint, words, i);
       joint.channels.push_back(*channel);
     }
     if (joint.channels.size() > 6) return Bad("joint '" + joint.name + "' has more than 6 channels");

@@ -75,6 +75,30 @@ bool RootTurnsInDegrees(const Amc& amc, const Asf* skeleton) {
   return false;
 }
 
+struct DecidingNumber {
+  double value = 0.0;
+  std::string place;  ///< "`axis` of bone 'lfemur'"
+};
+
+/// The first that is more than a whole turn in radians: of the axes of bones, else of their limits.
+std::optional<DecidingNumber> MoreThanATurn(const Asf& asf) {
+  for (const AsfBone& bone : asf.bones) {
+    for (const double angle : bone.axis.angles) {
+      if (std::abs(angle) > 2.0 * kPi) return DecidingNumber{angle, "`axis` of bone '" + bone.name + "'"};
+    }
+  }
+  for (const AsfBone& bone : asf.bones) {
+    for (std::size_t i = 0; i < bone.limits.size(); ++i) {
+      if (!IsRotation(bone.dof[i])) continue;
+      for (const double angle : {bone.limits[i].least, bone.limits[i].most}) {
+        if (std::isfinite(angle) && std::abs(angle) > 2.0 * kPi)
+          return DecidingNumber{angle, "`limits` of bone '" + bone.name + "'"};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 /// Of small numbers: those of a body that moves, were they radians.
 bool MayBeRadians(const Angles& angles) {
   return angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
@@ -135,6 +159,19 @@ std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {
                                              " frames: they are radians; write :RADIANS");
   }
   return std::nullopt;
+}
+
+std::optional<Finding> DoubtAngles(const Asf& asf, const Amc* amc) {
+  if (asf.degrees) return std::nullopt;
+  const std::optional<DecidingNumber> number = MoreThanATurn(asf);
+  if (!number) return std::nullopt;
+  const std::string other = amc == nullptr || !amc->degrees ? ""
+                            : *amc->degrees                 ? ", the motion's header :DEGREES"
+                                                            : ", the motion's header :RADIANS";
+  return Contradiction(number->value, "the skeleton's :units say `angle rad`" + other + ", but " + number->place +
+                                          " is " + Digits(number->value) +
+                                          ", more than a whole turn of 2 pi: its angles are degrees; write "
+                                          "`angle deg` under :units");
 }
 
 }  // namespace mocurate

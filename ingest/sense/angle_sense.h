@@ -26,4 +26,8 @@ inline constexpr const char* kSpoiledPoses = "the angles are of another unit tha
 /// root by more than 4 pi. Nothing is doubted of a person whom the numbers show within 0.5 of the rest pose.
 std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton);
 
+/// The same of a skeleton that says `angle rad` under :units: the first `axis` number of a bone, else finite number of
+/// its limits, of more than a whole turn, 2 pi. The header of `amc`, if any, is named with it.
+std::optional<Finding> DoubtAngles(const Asf& asf, const Amc* amc = nullptr);
+
 }  // namespace mocurate

@@ -10,9 +10,10 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kFewestBones = 15;           // of a whole person
-constexpr double kShortest = 0.6, kLongest = 3.0;  // metres, of a person's rest pose from end to end
+constexpr double kShortest = 1.0, kLongest = 3.0;  // metres, of a person's rest pose from end to end
 constexpr double kMetresPerInch = 0.0254;
 constexpr double kMostUnequal = 5.0;
+constexpr double kSameUnit = 0.05;  // of their ratio: recipes round 1 / 0.45
 
 /// The longest side of the box around all ends of bones at rest, file units.
 double ExtentAtRest(const Asf& asf) {
@@ -46,7 +47,7 @@ std::string PartnerOf(const std::string& bone) {
 
 }  // namespace
 
-std::vector<Finding> DoubtLengths(const Asf& asf) {
+std::vector<Finding> DoubtLengths(const Asf& asf, std::optional<double> declared_m) {
   std::vector<Finding> findings;
   for (const AsfBone& left : asf.bones) {
     const int partner = asf.Find(PartnerOf(left.name));
@@ -66,12 +67,20 @@ std::vector<Finding> DoubtLengths(const Asf& asf) {
   if (asf.bones.size() < kFewestBones || !(asf.length_unit > 0.0)) return findings;
   const double units = ExtentAtRest(asf);
   const double metres = units / asf.length_unit * kMetresPerInch;
-  if (!(units > 0.0) || (metres >= kShortest && metres <= kLongest)) return findings;
-  findings.push_back(Contradiction("length_unit_contradiction", "", metres,
-                                   "at rest the skeleton measures " + Digits(units) +
-                                       " from end to end; with `length " + Digits(asf.length_unit) +
-                                       "` under :units (numbers divided by it are inches) that is " + Digits(metres) +
-                                       " m, which is no person: mend that `length`, or those of the bones"));
+  if (!(units > 0.0)) return findings;
+  const std::string own = "at rest the skeleton measures " + Digits(units) + " from end to end; with `length " +
+                          Digits(asf.length_unit) + "` under :units (numbers divided by it are inches) that is " +
+                          Digits(metres) + " m";
+  const std::string said = declared_m ? Digits(units * *declared_m) + " m by the source's `units`" : std::string();
+  if (metres < kShortest || metres > kLongest) {
+    findings.push_back(Contradiction("length_unit_contradiction", "", metres,
+                                     own + ", which is no person" + (said.empty() ? "" : " (" + said + ")") +
+                                         ": mend that `length`, or those of the bones"));
+  } else if (declared_m && std::abs(units * *declared_m / metres - 1.0) > kSameUnit) {
+    findings.push_back(
+        Contradiction("length_unit_contradiction", "", metres,
+                      own + ", but " + said + ": mend that `length`, or say ingest.source.units of this skeleton"));
+  }
   return findings;
 }
 

@@ -214,7 +214,9 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   if (!said.units.empty() && !pixels && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
   std::string units = said.units.empty() ? m.units.value : said.units;
   std::string up = said.up.empty() ? m.up.value : said.up;
-  bool contradicted = false;
+  bool contradicted = std::any_of(clip.remarks.begin(), clip.remarks.end(),
+                                  [](const Remark& remark) { return remark.code == "units_contradiction"; });
+  if (contradicted) units = "";  // the path is of another unit than the body: nothing is told of its speed
   for (const Comparison& comparison : CompareFrame(said, m)) {
     if (!comparison.contradicts) continue;
     // Otherwise one wrong word would make a defect of every frame.

@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kNearTen = 0.05;  // of the logarithm of a factor
+constexpr double kSure = 0.6;      // of a handedness that is kept against that of all others
 
 /// What most clips of a group say, weighted by confidence.
 Json Pooled(const std::vector<const Json*>& clips, const char* key) {
@@ -162,10 +163,11 @@ void TellByGroup(Json& clips, Json& findings) {
     }
     if (told < kFewestVotes) continue;
     const Json pooled = Pooled(voters, "handedness");
-    if (pooled.at("share").get<double>() < kAgreement) continue;
     const auto agree = std::count_if(voters.begin(), voters.end(), [&](const Json* clip) {
       return clip->at("handedness").at("value") == pooled.at("value");
     });
+    const bool all_but_one = static_cast<std::size_t>(agree) + 1 == told;
+    if (pooled.at("share").get<double>() < kAgreement && !all_but_one) continue;
     const std::string evidence =
         "as " + std::to_string(agree) + " of the " + std::to_string(told) + " clips of the folder that tell say";
     for (Json* clip : group) {
@@ -181,6 +183,10 @@ void TellByGroup(Json& clips, Json& findings) {
         for (const char* field : {"facing", "axes"}) {
           if ((*clip)[field].at("from") == "measured")
             (*clip)[field] = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder");
+        }
+        if (handedness.at("confidence").get<double>() >= kSure) {
+          handedness = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder: " + own);
+          continue;
         }
       }
       handedness = ReportValue(pooled.at("value"), "measured", pooled.at("share"), evidence + "; of itself: " + own);

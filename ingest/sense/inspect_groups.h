@@ -8,10 +8,10 @@ namespace mocurate {
 nlohmann::json GroupsOf(const nlohmann::json& clips);
 
 /// Handedness belongs to the recording, not to the clip: in a group of one known skeleton where at least 5 clips tell
-/// and agree, it is told of those that do not tell (standing still, arms down). A clip that says otherwise gets the
-/// group's value, facing and axes unknown, and a finding "handedness_outlier". Declared values stay. Measured units
-/// that are a power of ten from those of the others are "units_outlier", rates that motions deny "rate_doubtful" of the
-/// folder.
+/// and agree, all but one or 95 % of what they say, it is told of those that do not tell (standing still, arms down). A
+/// clip that says otherwise gets a finding "handedness_outlier", facing and axes unknown, and the group's value;
+/// unknown where it is at least 60 % sure itself. Declared values stay. Measured units that are a power of ten from
+/// those of the others are "units_outlier", rates that motions deny "rate_doubtful" of the folder.
 void TellByGroup(nlohmann::json& clips, nlohmann::json& findings);
 
 /// "cut_off": an OBJ without faces in a folder where most, and at least two, have some. The format announces no counts:

@@ -18,6 +18,12 @@ constexpr double kDecided = 0.5;        // least confidence of a direction that 
 constexpr double kSureOrder = 0.1;      // least confidence of a guessed order whose left and right are believed
 constexpr double kUpright = 0.7;        // mean of head above feet, below which people lie or bend most of the time
 constexpr double kFirmFloor = 0.7;      // spread of the floor against that of the next axis
+constexpr int kManyFeet = 30;           // frames and sides, of feet that are believed against hands
+constexpr double kMostFeet = 0.7;       // share of them
+constexpr double kNearlyAlways = 0.95;  // score of feet that point one way
+constexpr int kFewKnees = 4;            // fewer say nothing, as of any part
+constexpr double kUnsureHands = 0.5;    // most of hands that reach both ways
+constexpr double kByFeet = 0.6;         // how sure feet make then
 constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
 constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
 
@@ -233,6 +239,32 @@ Measured StepEvidence(const ObservedClip& clip, double metres_per_unit) {
   return rate;
 }
 
+/// What feet that nearly always point one way say against hands that do not agree with themselves: feet hardly turn,
+/// hands reach anywhere. Nothing where knees or feet leave a doubt.
+std::optional<Handedness> SayFeet(const std::vector<HandednessCue>& cues) {
+  const auto cue = [&](const char* name) {
+    const auto found = std::find_if(cues.begin(), cues.end(), [&](const auto& one) { return one.name == name; });
+    return found == cues.end() ? HandednessCue() : *found;
+  };
+  const HandednessCue feet = cue("feet"), knees = cue("knees"), hands = cue("hands");
+  const bool firm = feet.frames >= kManyFeet && feet.share >= kMostFeet && std::abs(feet.score) >= kNearlyAlways;
+  const bool knees_deny = knees.frames >= kFewKnees && feet.score * knees.score < 0.0;
+  if (!firm || knees_deny || std::abs(hands.score) > kUnsureHands) return std::nullopt;
+  return feet.score > 0.0 ? Handedness::kLeft : Handedness::kRight;
+}
+
+/// Of the points, by anatomy; else by the feet alone.
+HandednessMeasure HandednessOf(const ObservedClip& clip) {
+  HandednessMeasure measure =
+      MeasureHandedness(clip.positions, clip.points, clip.confidence.empty() ? nullptr : &clip.confidence);
+  if (measure.handedness) return measure;
+  measure.handedness = SayFeet(measure.cues);
+  if (!measure.handedness) return measure;
+  measure.confidence = kByFeet;
+  measure.evidence += ", but hands may reach anywhere";
+  return measure;
+}
+
 }  // namespace
 
 ClipMeasures Measure(const ObservedClip& clip) {
@@ -259,8 +291,7 @@ ClipMeasures Measure(const ObservedClip& clip) {
   m.up.evidence = up.count > 0 ? "head above feet, mean over " + std::to_string(up.count) + " frames"
                                : "no named head, hips or feet";
   if (up.count > 0) AskTheFloor(body, clip, m.up);
-  const HandednessMeasure handedness =
-      MeasureHandedness(clip.positions, clip.points, clip.confidence.empty() ? nullptr : &clip.confidence);
+  const HandednessMeasure handedness = HandednessOf(clip);
   m.handedness.confidence = handedness.confidence;
   m.handedness.evidence = handedness.evidence.empty() ? "neither knees, feet nor hands tell" : handedness.evidence;
   const bool guessed = clip.skeleton_from == "measured" && clip.skeleton_confidence < kSureOrder;

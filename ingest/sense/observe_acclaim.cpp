@@ -133,7 +133,8 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
     clip.rate_evidence = "the name: HDM05's end with the rate";
   }
   AddRemarks(amc->findings, clip);
-  const std::optional<Finding> angles = DoubtAngles(*amc, asf ? &*asf : nullptr);
+  std::optional<Finding> angles = asf ? DoubtAngles(*asf, &*amc) : std::nullopt;
+  if (!angles) angles = DoubtAngles(*amc, asf ? &*asf : nullptr);
   if (angles) AddRemarks({*angles}, clip);
   if (asf) AddRemarks(DoubtLengths(*asf), clip);
   if (asf && amc->frames > 0) {
@@ -163,7 +164,9 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
        "asf",
        {{"angles", asf->degrees ? "degrees" : "radians"}},
        {{"bones", static_cast<double>(asf->bones.size())}, {"length_unit", asf->length_unit}}});
-  for (const std::vector<Finding>& findings : {asf->findings, DoubtLengths(*asf)}) {
+  std::vector<Finding> doubts = DoubtLengths(*asf);
+  if (auto angles = DoubtAngles(*asf)) doubts.push_back(*std::move(angles));
+  for (const std::vector<Finding>& findings : {asf->findings, doubts}) {
     for (const Finding& finding : findings)
       observed.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
   }

@@ -4,6 +4,7 @@
 #include "core/formats/bvh.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
 
 namespace mocurate {
@@ -38,6 +39,9 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
     clip.positions = JointPositions();
     clip.confidence.clear();
     clip.silence = kSpoiledPoses;
+  }
+  if (const auto path = DoubtPath(clip.positions, clip.points)) {
+    clip.remarks.push_back({path->code, path->severity, path->value, path->message});
   }
   for (const Finding& finding : bvh->findings) {
     clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});

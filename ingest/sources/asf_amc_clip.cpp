@@ -28,6 +28,12 @@ Status CheckDof(const Asf& asf, const std::string& name) {
   return {};
 }
 
+/// The unit that the source says, metres; none where it says none.
+std::optional<double> Declared(const SourceOptions& source) {
+  const Expected<double> metres = MetresPerUnit(source.units);
+  return metres ? std::optional<double>(*metres) : std::nullopt;
+}
+
 /// The tree of an ASF: a joint where each bone starts, named as the bone, parents first; joint 0 is the root. `order`
 /// is the bone of each joint.
 struct AsfTree {
@@ -98,9 +104,11 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = asf->findings;
-  for (const std::vector<Finding>& more : {amc->findings, DoubtLengths(*asf)})
+  for (const std::vector<Finding>& more : {amc->findings, DoubtLengths(*asf, Declared(source))})
     ingested.findings.insert(ingested.findings.end(), more.begin(), more.end());
-  if (auto angles = DoubtAngles(*amc, &*asf)) ingested.findings.push_back(*std::move(angles));
+  std::optional<Finding> angles = DoubtAngles(*asf, &*amc);
+  if (!angles) angles = DoubtAngles(*amc, &*asf);
+  if (angles) ingested.findings.push_back(*std::move(angles));
   ingested.clip.rate =
       !amc->hz ? FrameRate::FromHz(*source.rate_hz)
                : RateOfFile(source, *amc->hz, ingested,

@@ -7,7 +7,9 @@
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
+#include "ingest/sense/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
@@ -115,6 +117,10 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   ingested.clip.motion =
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
+  if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
+    path->action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    ingested.findings.push_back(*std::move(path));
+  }
   if (offsets.carrier > 0) {
     ingested.clip.provenance["translation_from"] = bvh->joints[offsets.carrier].name;
   }

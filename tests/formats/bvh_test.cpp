@@ -116,6 +116,18 @@ TEST(Bvh, ThousandsOfJointsOfOneNameHideNoDamage) {
   EXPECT_THAT(bvh.error().what, HasSubstr("'x' in frame 0"));
 }
 
+TEST(Bvh, AnAxisThatStandsTwiceIsRefusedWithItsLineItsJointAndTheOneThatIsMissing) {
+  std::string text = "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n}\n";
+  text += "MOTION\nFrames: 2\nFrame Time: 0.1\n1 2 3\n4 5 6\n";
+  ASSERT_TRUE(ParseBvh(text, "clip.bvh"));
+  text.replace(text.find("Xrotation"), 9, "Zrotation");
+  const auto bvh = ParseBvh(text, "clip.bvh");
+  ASSERT_FALSE(bvh);
+  EXPECT_EQ(bvh.error().code, ErrorCode::kMalformed);
+  EXPECT_EQ(bvh.error().where, "clip.bvh:5");
+  EXPECT_EQ(bvh.error().what, "channel 'Zrotation' of joint 'hips' stands twice, Xrotation nowhere");
+}
+
 TEST(Bvh, EveryRefusalSaysAWayOut) {
   const std::string text = TwoJoints();
   for (const auto& [from, to] : {std::pair{"Frames: 2", "Frames: two"},

@@ -143,6 +143,32 @@ TEST_F(WrongUnits, AFolderThatIsMultipliedAsAWholeHasTheUnitThatMakesItPeople) {
   for (const Json& clip : inspection.at("groups")) EXPECT_EQ(clip.at("units").at("value"), "0.00001 m");
 }
 
+TEST_F(WrongUnits, BonesOfABvhInMetresUnderAPathInCentimetresAreOneErrorAndNoTeleports) {
+  Bvh bvh = *ParseBvh(*ReadFile(TestData() + "/bvh/misc/olafhaag_walk01.bvh"), "walk");
+  IngestOptions options = Declared("bandai2");
+  options.path = folder_;
+  options.source.skeleton = "";
+  options.source.rate_hz.reset();
+  for (const bool mixed : {false, true}) {
+    for (BvhJoint& joint : bvh.joints) joint.offset *= mixed ? 0.01 : 1.0;
+    for (BvhJoint& joint : bvh.joints) joint.end_site *= mixed ? 0.01 : 1.0;
+    Written("dataset-2_walk_any_1.bvh", mocurate::WriteBvh(bvh));
+    options.source.units = mixed ? "m" : "cm";
+    const Json inspection = Look();
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    const std::vector<std::string> errors =
+        mixed ? std::vector<std::string>{"units_contradiction"} : std::vector<std::string>();
+    EXPECT_EQ(Codes(inspection, "error"), errors);
+    EXPECT_EQ(ErrorCodes(clips[0].outcome), errors);
+    EXPECT_TRUE(Codes(inspection, "warning").empty()) << inspection.at("findings").dump(1);
+    EXPECT_EQ(clips[0].outcome.findings.size(), errors.size());
+    if (mixed) {
+      EXPECT_NEAR(FindCode(inspection, "units_contradiction")->at("value"), 0.01, 0.002);
+    }
+  }
+}
+
 TEST_F(WrongUnits, RotationsOfAmassInDegreesAreNamed) {
   Amass amass = *ParseAmass(*ReadFile(TestData() + "/amass_babel/amass_sample.npz"), "a");
   for (const bool degrees : {false, true}) {
@@ -173,6 +199,40 @@ TEST_F(WrongUnits, AnglesOfAcclaimThatAreNotOfTheUnitInTheirHeaderAreNamed) {
   EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "true radians";
   Written("01_01.amc", Angles(":DEGREES", M_PI / 180.0, false));
   EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "who stands as at rest and turns round";
+}
+
+TEST_F(WrongUnits, ASkeletonThatSaysRadiansAndIsWrittenInDegreesIsNamedWithTheNumberThatShowsIt) {
+  const std::string skeleton = Replaced(Cmu("01.asf"), "angle deg", "angle rad");
+  ExpectAcclaim(skeleton, Cmu("01_01.amc"), "angle_unit_contradiction");
+  std::vector<std::string> messages;
+  const Json inspection = Look();
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("code") == "angle_unit_contradiction" && finding.at("where") == "01_01.amc")
+      messages.push_back(finding.at("message"));
+  }
+  ASSERT_EQ(messages.size(), 1u) << inspection.at("findings").dump(1);
+  EXPECT_THAT(messages[0], HasSubstr("`angle rad`, the motion's header :DEGREES"));
+  EXPECT_THAT(messages[0], HasSubstr("`axis` of bone 'lfemur' is 20"));
+  Asf radians = *ParseAsf(Cmu("01.asf"), "01.asf");
+  radians.degrees = false;
+  for (AsfBone& bone : radians.bones) {
+    bone.axis.angles *= M_PI / 180.0;
+    for (AsfLimit& limit : bone.limits) limit = {limit.least * M_PI / 180.0, limit.most * M_PI / 180.0};
+  }
+  Written("01.asf", WriteAsf(radians));
+  EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "true radians";
+}
+
+TEST_F(WrongUnits, ALengthThatMakesAPersonOfAChildsSizeOrIsNotTheUnitOfTheSourceIsNamed) {
+  ExpectAcclaim(Replaced(Cmu("01.asf"), "length 0.45", "length 1.0"), Cmu("01_01.amc"), "length_unit_contradiction");
+  EXPECT_THAT(FindCode(Look(), "length_unit_contradiction")->at("message"), HasSubstr("0.75"));
+  Written("01.asf", Replaced(Cmu("01.asf"), "length 0.45", "length 0.4"));
+  EXPECT_EQ(FindCode(Look(), "length_unit_contradiction"), nullptr) << "1.87 m";
+  IngestOptions options = Declared("cmu_amc");
+  options.path = folder_;
+  EXPECT_EQ(CountCode(RunAll(options), "length_unit_contradiction"), 1u) << "1.67 m by the source";
+  Written("01.asf", Cmu("01.asf"));
+  EXPECT_EQ(CountCode(RunAll(options), "length_unit_contradiction"), 0u);
 }
 
 TEST_F(WrongUnits, ALengthOfAnAcclaimSkeletonThatIsAHundredthOfItselfIsNamed) {
