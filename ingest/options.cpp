@@ -52,11 +52,11 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
          "confidence) 4*(x y z confidence)'");
   v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
-  v.Choice(
-      "damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
-      "joint_table, ntu_skeleton, asf_amc: a row of a wrong length or without numbers refuses the file, or what it "
-      "holds is missing, in its place; bvh, ntu_skeleton: a count of frames that is not that of the rows, or a "
-      "last frame that is cut off, refuses it, or the whole rows decide. Each is a finding, as in `inspect`");
+  v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
+           "joint_table, ntu_skeleton, asf_amc, phspd: a row of a wrong length or without numbers refuses the file, or "
+           "what it "
+           "holds is missing, in its place; bvh, ntu_skeleton: a count of frames that is not that of the rows, or a "
+           "last frame that is cut off, refuses it, or the whole rows decide. Each is a finding, as in `inspect`");
   v.TextMap(
       "bodies", bodies,
       "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
@@ -196,7 +196,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 25, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 27, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

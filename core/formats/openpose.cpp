@@ -20,7 +20,8 @@ constexpr PointList kLists[] = {{"pose_keypoints_2d", &OpenPosePerson::pose},
                                 {"hand_left_keypoints_2d", &OpenPosePerson::hand_left},
                                 {"hand_right_keypoints_2d", &OpenPosePerson::hand_right}};
 
-Expected<Points> ParsePoints(const JsonPlace& place) {
+/// Counts the points that have coordinates, but no confidence.
+Expected<Points> ParsePoints(const JsonPlace& place, int& unsure) {
   if (!place.value->is_array()) return place.Bad("a list of numbers is expected");
   const std::size_t count = place.value->size();
   if (count % 3 != 0) return place.Bad(std::to_string(count) + " numbers are no triples u, v, confidence");
@@ -28,12 +29,13 @@ Expected<Points> ParsePoints(const JsonPlace& place) {
   if (!numbers) return Forward(numbers);
   Points points;
   for (std::size_t i = 0; i < count; i += 3) {
-    const DetectedKeypoint point{(*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]};
+    DetectedKeypoint point{(*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]};
     if (point.confidence < 0.0) {
       return place.Item(i + 2).Bad("a confidence is at least 0, not " + FormatDouble(point.confidence));
     }
     if (point.confidence == 0.0 && (point.u_px != 0.0 || point.v_px != 0.0)) {
-      return place.Item(i + 2).Bad("a point with coordinates has the confidence 0");
+      point = {};
+      ++unsure;
     }
     points.push_back(point);
   }
@@ -48,7 +50,7 @@ Expected<int> PersonId(const JsonPlace& place) {
   return place.Item(0).Integer(-1, kMost);
 }
 
-Expected<OpenPosePerson> ParsePerson(const JsonPlace& place) {
+Expected<OpenPosePerson> ParsePerson(const JsonPlace& place, int& unsure) {
   OpenPosePerson person;
   if (place.Has("person_id")) {
     const Expected<int> id = PersonId(*place.Key("person_id"));
@@ -58,7 +60,7 @@ Expected<OpenPosePerson> ParsePerson(const JsonPlace& place) {
   if (const Expected<JsonPlace> pose = place.Key(kLists[0].key); !pose) return Forward(pose);
   for (const PointList& list : kLists) {
     if (!place.Has(list.key)) continue;
-    Expected<Points> points = ParsePoints(*place.Key(list.key));
+    Expected<Points> points = ParsePoints(*place.Key(list.key), unsure);
     if (!points) return Forward(points);
     person.*list.points = std::move(*points);
   }
@@ -112,7 +114,7 @@ Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string&
   if (!people) return Forward(people);
   if (!people->value->is_array()) return people->Bad("a list of people is expected");
   for (std::size_t i = 0; i < people->value->size(); ++i) {
-    Expected<OpenPosePerson> person = ParsePerson(people->Item(i));
+    Expected<OpenPosePerson> person = ParsePerson(people->Item(i), frame.unsure_points);
     if (!person) return Forward(person);
     frame.people.push_back(std::move(*person));
   }

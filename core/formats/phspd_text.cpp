@@ -1,5 +1,6 @@
 #include "core/formats/phspd_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/text.h"
@@ -25,27 +26,52 @@ int LineOfRow(std::string_view bytes, int row) {
   return lines.number();
 }
 
-/// Rows of numbers; the first is the frame, and grows.
+/// Findings name rows of the table: the frames that these are. A damaged row does not tell its frame; it is the next
+/// one after the row before it. `rows` are those whose frame is told.
+void NameFrames(const std::vector<int>& rows, const std::vector<int>& frames, std::vector<Finding>& findings) {
+  if (rows.empty()) return;
+  const auto frame_of = [&](int row) {
+    const auto after = static_cast<std::size_t>(std::upper_bound(rows.begin(), rows.end(), row) - rows.begin());
+    if (after == 0) return frames[0] - (rows[0] - row);
+    const int frame = frames[after - 1] + (row - rows[after - 1]);
+    return after < rows.size() && row > rows[after - 1] ? std::min(frame, frames[after] - 1) : frame;
+  };
+  for (Finding& finding : findings) {
+    const int last = finding.frame_end - 1;
+    const bool any = last >= finding.frame_begin;
+    finding.frame_begin = frame_of(finding.frame_begin);
+    finding.frame_end = any ? frame_of(last) + 1 : finding.frame_begin;
+  }
+}
+
+/// Rows of numbers; the first is the frame, and grows. Damaged rows have none.
 Expected<JointTable> Rows(std::string_view bytes, std::vector<std::string> names, const std::string& name,
-                          std::vector<int>& frames) {
+                          DamagedRows damaged, std::vector<int>& rows, std::vector<int>& frames) {
   JointTableLayout layout;
   layout.columns = static_cast<int>(names.size());
   layout.separator = JointTableLayout::Separator::kBlanks;
+  layout.damaged_rows = damaged;
   layout.column_names = std::move(names);
   Expected<JointTable> table = ParseJointTable(bytes, layout, name);
   if (!table) return table;
+  const auto headers = std::count_if(table->findings.begin(), table->findings.end(),
+                                     [](const Finding& finding) { return finding.action == "passed over"; });
   for (int row = 0; row < table->frames; ++row) {
     const double frame = table->at(row, 0, 0);
+    if (std::isnan(frame)) continue;
     const bool whole = frame == std::floor(frame) && frame >= 0 && frame <= kLargestFrame;
     if (!whole || (!frames.empty() && frame <= frames.back())) {
       return Fail(ErrorCode::kMalformed,
                   "frame " + FormatDouble(frame) +
                       (whole ? " does not come after frame " + std::to_string(frames.back())
                              : std::string(" is no index of a frame")),
-                  name + ":" + std::to_string(LineOfRow(bytes, row)), "lines stand in the order of frames");
+                  name + ":" + std::to_string(LineOfRow(bytes, row + static_cast<int>(headers))),
+                  "lines stand in the order of frames");
     }
+    rows.push_back(row);
     frames.push_back(static_cast<int>(frame));
   }
+  NameFrames(rows, frames, table->findings);
   return table;
 }
 
@@ -55,14 +81,16 @@ void Append(std::string& text, const std::vector<double>& values, std::size_t ro
 
 }  // namespace
 
-Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name) {
+Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name, DamagedRows damaged) {
   std::vector<std::string> names = {"frame"};
   for (int i = 0; i < kPhspdJoints * 3; ++i) names.push_back(OfJoint("position", i));
   PhspdPose pose;
-  const Expected<JointTable> table = Rows(bytes, std::move(names), name, pose.frame);
+  std::vector<int> rows;
+  Expected<JointTable> table = Rows(bytes, std::move(names), name, damaged, rows, pose.frame);
   if (!table) return Forward(table);
-  pose.position_m.reserve(static_cast<std::size_t>(table->frames) * kPhspdJoints * 3);
-  for (int row = 0; row < table->frames; ++row) {
+  pose.findings = std::move(table->findings);
+  pose.position_m.reserve(rows.size() * kPhspdJoints * 3);
+  for (const int row : rows) {
     const auto begin = table->values.begin() + static_cast<std::ptrdiff_t>(row) * kPoseColumns;
     pose.position_m.insert(pose.position_m.end(), begin + 1, begin + kPoseColumns);
   }
@@ -74,7 +102,8 @@ Expected<PhspdShape> ParsePhspdShape(std::string_view bytes, const std::string& 
   for (int i = 0; i < kPhspdBetas; ++i) names.push_back("beta " + std::to_string(i));
   for (int i = 0; i < kPhspdJoints * 3; ++i) names.push_back(OfJoint("rotation", i));
   PhspdShape shape;
-  const Expected<JointTable> table = Rows(bytes, std::move(names), name, shape.frame);
+  std::vector<int> rows;
+  const Expected<JointTable> table = Rows(bytes, std::move(names), name, DamagedRows::kRefuse, rows, shape.frame);
   if (!table) return Forward(table);
   for (int row = 0; row < table->frames; ++row) {
     const auto begin = table->values.begin() + static_cast<std::ptrdiff_t>(row) * kShapeColumns;

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/finding.h"
+#include "core/formats/damaged_rows.h"
 
 namespace mocurate {
 
@@ -16,7 +18,8 @@ constexpr int kPhspdBetas = 10;
 /// `pose.txt` of a PHSPD recording: joints in the frame of the polarisation camera (y down). Frames have gaps.
 struct PhspdPose {
   std::vector<int> frame;          ///< index in the recording, growing
-  std::vector<double> position_m;  ///< (frames, 24, 3)
+  std::vector<double> position_m;  ///< (frames, 24, 3); with DamagedRows::kReport NaN where the file has no number
+  std::vector<Finding> findings;   ///< with DamagedRows::kReport: those of a joint table, at frames of the recording
 };
 
 /// `shape_smpl.txt`: SMPL's parameters of the same frames.
@@ -28,8 +31,11 @@ struct PhspdShape {
 };
 
 /// Lines "frame x0 y0 z0 ... x23 y23 z23", 73 numbers. Error kMalformed "name:line" that names the column: a line of
-/// another length, no finite number, a frame that is no whole number or does not come after the one before it.
-Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name);
+/// another length, no finite number, a frame that is no whole number or does not come after the one before it. With
+/// DamagedRows::kReport a row of another length, or with a word, is left out and reported, as if nobody had annotated
+/// its frame; a number that is not finite or too large is NaN.
+Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name,
+                                   DamagedRows damaged = DamagedRows::kRefuse);
 /// Lines of frame and 85 numbers: translation 0-2, betas 3-12, pose 13-84. Errors as above.
 Expected<PhspdShape> ParsePhspdShape(std::string_view bytes, const std::string& name);
 

@@ -95,6 +95,41 @@ bool IsObj(const std::vector<std::string_view>& lines) {
   return false;
 }
 
+/// Numbers of a line of a table, or how many words where it holds words alone.
+struct LineContent {
+  int numbers = 0, words = 0;
+};
+
+LineContent ContentOf(std::string_view line) {
+  LineContent content;
+  for (const std::string_view part : SplitText(line, ',')) {
+    for (const std::string_view word : SplitBlanks(Trim(part))) {
+      if (Trim(word).empty()) continue;
+      (ParseDouble(Trim(word)) ? content.numbers : content.words) += 1;
+    }
+  }
+  return content;
+}
+
+/// A table below a header: lines of words alone, then two rows of as many numbers.
+bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
+  constexpr int kMostHeaderLines = 8;  // as ParseJointTable passes over
+  constexpr int kFewestNumbers = 3;
+  int header = 0, first = 0;
+  for (const std::string_view line : lines) {
+    const LineContent content = ContentOf(line);
+    if (content.numbers + content.words == 0) continue;
+    if (content.numbers == 0 && first == 0) {
+      if (++header > kMostHeaderLines) return false;
+      continue;
+    }
+    if (content.words > 0 || content.numbers < kFewestNumbers) return false;
+    if (first != 0) return header > 0 && content.numbers == first;
+    first = content.numbers;
+  }
+  return false;
+}
+
 /// A table: only numbers in the first lines.
 FileKind NumbersKind(std::string_view bytes) {
   const std::string_view head = bytes.substr(0, 4096);
@@ -184,7 +219,7 @@ FileKind KindOf(std::string_view bytes) {
   if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
   if (IsObj(lines)) return FileKind::kObj;
   if (IsNtuSkeleton(lines)) return FileKind::kNtuSkeleton;
-  return NumbersKind(bytes);
+  return IsTableWithHeader(lines) ? FileKind::kNumbers : NumbersKind(bytes);
 }
 
 JsonKind JsonKindOf(std::string_view bytes) {

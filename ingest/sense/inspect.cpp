@@ -1,6 +1,7 @@
 #include "ingest/sense/inspect.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
@@ -89,6 +90,7 @@ class Inspector {
   };
   std::vector<Refused> refused_;
   std::vector<std::string> others_;
+  std::map<std::string, std::vector<std::string>> reasons_;  ///< why others could not be read -> which
 };
 
 /// Into the sequences, or at once.
@@ -245,7 +247,8 @@ void Inspector::Look(const FileToInspect& file) {
   FileKind kind = KindOf(*head);
   const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
   if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
-  if (folder_ && kind == FileKind::kUnknown) {
+  const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);
+  if (folder_ && kind == FileKind::kUnknown && !table) {
     refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;
   }
@@ -293,6 +296,7 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
   }
   if (folder_ && (code == ErrorCode::kUnsupported || common)) {
     others_.push_back(file.name);
+    if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;
   }
   AddError(error, file.name, CodeOf(error, kind), findings());
@@ -311,6 +315,15 @@ std::string FormatOf(const Json& inspection) {
   return formats.size() == 1 ? *formats.begin() : "mixed";
 }
 
+/// What most files that could not be read have in common, and the first of these; nothing where there is no reason.
+std::string CommonReason(const std::map<std::string, std::vector<std::string>>& reasons) {
+  const auto most = std::max_element(reasons.begin(), reasons.end(),
+                                     [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+  if (most == reasons.end()) return "";
+  return "; of " + std::to_string(most->second.size()) + " the reason is: " + most->first + " (first " +
+         most->second.front() + ")";
+}
+
 void Inspector::Finish(const std::string& path) {
   for (const Refused& refused : refused_) {
     if (!sequences_.Claim(refused.file.name, refused.error)) Refuse(refused.file, refused.kind, refused.error);
@@ -318,9 +331,10 @@ void Inspector::Finish(const std::string& path) {
   for (const auto& [folder, file] : sequences_.Finish(folder_)) AddSequence(file, folder.empty() ? path : folder);
   AddVideos();
   if (!others_.empty()) {
-    findings().push_back(InspectionFinding(
-        "other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
-        std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") + " of no known format"));
+    findings().push_back(
+        InspectionFinding("other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
+                          std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") +
+                              " of no known format" + CommonReason(reasons_)));
   }
   if (source_ && folder_ && !any_declared_ && !inspection["clips"].empty()) {
     const std::string wanted =

@@ -126,4 +126,9 @@ Measured SenseKeypointLayout(const std::vector<OpenPosePerson>& people) {
   return layout;
 }
 
+std::string UnsurePointsWords(long long points, const std::string& first_file) {
+  return Counted(points, "keypoint") + (points == 1 ? " has" : " have") +
+         " coordinates and the confidence 0, the first in " + first_file + ": taken as not seen";
+}
+
 }  // namespace mocurate

@@ -24,4 +24,7 @@ std::vector<KeypointLayoutScore> ScoreKeypointLayouts(const std::vector<OpenPose
 /// no layout of this many points fits, where two fit alike, or where nobody shows enough bones.
 Measured SenseKeypointLayout(const std::vector<OpenPosePerson>& people);
 
+/// Of points that have coordinates and the confidence 0 (OpenPoseFrame::unsure_points), the first of them in a file.
+std::string UnsurePointsWords(long long points, const std::string& first_file);
+
 }  // namespace mocurate

@@ -128,6 +128,8 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
   }
   // Too little is left to tell the format by: of no frames, or cut off behind the count.
   if (file.path.extension() == ".skeleton") return Clips(ObserveNtu(file, source));
+  // What is declared as a table is read as one, as a run does.
+  if (source && source->format == SourceFormat::kJointTable) return Clips(ObserveTable(file.bytes, file.name, source));
   return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
               "docs/inspect.md lists them");
 }

@@ -11,6 +11,7 @@
 #include "core/formats/npy.h"
 #include "core/formats/openpose.h"
 #include "core/formats/panoptic_bodies.h"
+#include "core/formats/vibe_pickle.h"
 #include "ingest/sense/frame_names.h"
 #include "ingest/sense/observed_clip.h"
 
@@ -70,6 +71,8 @@ class ObservedSequences {
  private:
   struct Folder {
     std::vector<OpenPoseFrame> keypoints;
+    long long unsure_points = 0;  ///< of the keypoints
+    std::string unsure_file;      ///< the first that has such
     std::vector<PanopticBodies> scenes;
     FrameNames frames;
     std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
@@ -105,6 +108,8 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file);
 Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<SourceOptions>& source);
 /// HumanAct12, tracks and caches of VIBE, rigs of PHSPD, body models (which are only named).
 Expected<ObservedFile> ObservePickle(const FileBytes& file);
+/// What the joints of a track say; `format` is "vibe_tracks" or "vibe_cache".
+ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format);
 Expected<ObservedFile> ObserveBabel(const FileBytes& file);
 Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name);
 Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name);

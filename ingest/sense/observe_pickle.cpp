@@ -54,7 +54,42 @@ HandednessPoints PointsOfSpin() {
   return points;
 }
 
-ObservedClip TrackClip(const VibeTrack& track, const std::string& format) {
+Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
+  const auto cache = VibeCache::Open(file.bytes, file.name);
+  if (!cache) return Forward(cache);
+  ObservedFile observed;
+  for (std::size_t video = 0; video < cache->size(); ++video) {
+    const auto track = cache->Track(video);
+    if (!track) return Forward(track);
+    observed.clips.push_back(ObserveVibeTrack(*track, "vibe_cache"));
+    observed.clips.back().id = "[" + std::to_string(video) + "]";
+  }
+  return observed;
+}
+
+/// The original pickle of one rig of PHSPD.
+Expected<ObservedFile> PhspdRigIn(const FileBytes& file) {
+  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
+  if (!calibration) return Forward(calibration);
+  ObservedFile observed;
+  observed.calibrations.push_back(std::move(*calibration));
+  return observed;
+}
+
+Expected<ObservedFile> VibeTracksIn(const FileBytes& file) {
+  const auto tracks = ParseVibeTracks(file.bytes, file.name);
+  if (!tracks) return Forward(tracks);
+  ObservedFile observed;
+  for (const VibeTrack& track : *tracks) {
+    observed.clips.push_back(ObserveVibeTrack(track, "vibe_tracks"));
+    observed.clips.back().id = "[" + std::to_string(track.id) + "]";
+  }
+  return observed;
+}
+
+}  // namespace
+
+ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format) {
   ObservedClip clip;
   clip.format = format;
   SetPositions(track.joints3d, track.frames, track.joints, clip);
@@ -76,41 +111,6 @@ ObservedClip TrackClip(const VibeTrack& track, const std::string& format) {
   clip.people_evidence = "tracks of one person each";
   return clip;
 }
-
-Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
-  const auto cache = VibeCache::Open(file.bytes, file.name);
-  if (!cache) return Forward(cache);
-  ObservedFile observed;
-  for (std::size_t video = 0; video < cache->size(); ++video) {
-    const auto track = cache->Track(video);
-    if (!track) return Forward(track);
-    observed.clips.push_back(TrackClip(*track, "vibe_cache"));
-    observed.clips.back().id = "[" + std::to_string(video) + "]";
-  }
-  return observed;
-}
-
-/// The original pickle of one rig of PHSPD.
-Expected<ObservedFile> PhspdRigIn(const FileBytes& file) {
-  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
-  if (!calibration) return Forward(calibration);
-  ObservedFile observed;
-  observed.calibrations.push_back(std::move(*calibration));
-  return observed;
-}
-
-Expected<ObservedFile> VibeTracksIn(const FileBytes& file) {
-  const auto tracks = ParseVibeTracks(file.bytes, file.name);
-  if (!tracks) return Forward(tracks);
-  ObservedFile observed;
-  for (const VibeTrack& track : *tracks) {
-    observed.clips.push_back(TrackClip(track, "vibe_tracks"));
-    observed.clips.back().id = "[" + std::to_string(track.id) + "]";
-  }
-  return observed;
-}
-
-}  // namespace
 
 Expected<ObservedFile> ObservePickle(const FileBytes& file) {
   const Expected<Pickle> pickle = ParsePickle(file.bytes, file.name);

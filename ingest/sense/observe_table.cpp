@@ -139,9 +139,14 @@ Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions
 
 /// Rows that damage or a cut does not shift: each stands in its place, a damaged one without numbers.
 Expected<JointTable> WholeRows(std::string_view bytes, JointTableLayout layout, const std::string& name) {
+  using Token = NumberScanner::Token;
   std::vector<double> first;
   NumberScanner scanner(bytes, true);
-  while (first.empty() && scanner.Numbers(first) == NumberScanner::Token::kLineEnd) continue;
+  for (Token token = Token::kLineEnd; first.empty() && token != Token::kEnd;) {
+    token = scanner.Numbers(first);
+    // A header says nothing of the columns.
+    while (first.empty() && token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
+  }
   layout.damaged_rows = DamagedRows::kReport;
   layout.columns = static_cast<int>(first.size());
   return ParseJointTable(bytes, layout, name);

@@ -1,5 +1,6 @@
 #include <string>
 
+#include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observe.h"
 
 namespace mocurate {
@@ -23,6 +24,8 @@ Status ObservedSequences::AddOpenPose(const FileBytes& file) {
   Expected<OpenPoseFrame> frame = ParseOpenPose(file.bytes, file.name);
   if (!frame) return Forward(frame);
   Folder& folder = folders_[FolderOf(file.name)];
+  if (frame->unsure_points > 0 && folder.unsure_points == 0) folder.unsure_file = file.name;
+  folder.unsure_points += frame->unsure_points;
   folder.keypoints.push_back(std::move(*frame));
   folder.frames.Add(file.name);
   return {};
@@ -93,6 +96,10 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
     const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);
     for (const Finding& finding : folder.frames.Lacking(beside))
       file.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    if (folder.unsure_points > 0) {
+      file.remarks.push_back({"unsure_points", Severity::kWarning, static_cast<double>(folder.unsure_points),
+                              UnsurePointsWords(folder.unsure_points, folder.unsure_file)});
+    }
     for (const auto& [key, image] : folder.images) file.companions.push_back(image);
     if (!folder.storages.empty()) {
       Expected<Calibration> calibration = ObserveOpenCv(folder.storages);

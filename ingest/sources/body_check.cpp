@@ -1,10 +1,11 @@
 // What the body itself says against the declaration of its source: the measure of `mocurate inspect`, on the clip as it
 // will be kept.
 
+#include "ingest/sources/body_check.h"
+
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/tree_points.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -67,9 +68,7 @@ std::string Advice(const SourceOptions& source, const Comparison& comparison) {
 
 }  // namespace
 
-void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
-  const std::optional<ObservedClip> observed = Observed(source, ingested.clip);
-  if (!observed) return;
+void CheckPoints(const SourceOptions& source, const ObservedClip& observed, IngestedClip& ingested) {
   const auto contradict = [&](const std::string& code, double value, std::string message) {
     Finding finding;
     finding.code = code;
@@ -79,14 +78,22 @@ void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
     finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
     ingested.findings.push_back(finding);
   };
-  for (const Comparison& comparison : CompareFrame(StatementsOf(*observed, source), Measure(*observed))) {
+  for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {
+    const auto told = ingested.shown.find(comparison.code);
+    if (told != ingested.shown.end() && told->second.contradicts) continue;
     ingested.shown[comparison.code] = {comparison.contradicts, comparison.weight};
     if (comparison.contradicts) contradict(comparison.code, comparison.value, Advice(source, comparison));
   }
-  for (const Remark& remark : observed->remarks) {
+  for (const Remark& remark : observed.remarks) {
     if (remark.code != "joint_order_contradiction") continue;
     contradict(remark.code, remark.value, remark.message + "; mend ingest.source.joints");
   }
+}
+
+void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
+  const std::optional<ObservedClip> observed = Observed(source, ingested.clip);
+  if (!observed) return;
+  CheckPoints(source, *observed, ingested);
   if (observed->skeleton_from == "declared" && !observed->skeleton_evidence.empty()) {
     ingested.shown["joint_order_contradiction"] = {!observed->remarks.empty(), 1.0};
   }

@@ -22,19 +22,27 @@ struct ViewFrames {
   std::vector<Poses> frames;  ///< (F)
 };
 
+/// Points that have coordinates and the confidence 0.
+struct UnsurePoints {
+  long long points = 0;
+  std::string first_file;
+};
+
 bool Seen(const OpenPosePerson& person) {
   return std::any_of(person.pose.begin(), person.pose.end(), [](const DetectedKeypoint& p) { return p.detected(); });
 }
 
 /// Reads a camera's files. One that lists more people than kMostPeople counts as unreadable: the view has room for as
 /// many in every image.
-ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span,
+ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span, UnsurePoints& unsure,
                     IngestedClip& ingested) {
   ViewFrames view;
   view.frames.resize(static_cast<std::size_t>(span.frames));
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     Expected<OpenPoseFrame> frame = ParseOpenPose(bytes, name);
     if (!frame) return Forward(frame);
+    if (frame->unsure_points > 0 && unsure.points == 0) unsure.first_file = name;
+    unsure.points += frame->unsure_points;
     const auto seen = std::count_if(frame->people.begin(), frame->people.end(), Seen);
     if (seen > kMostPeople) {
       return Fail(ErrorCode::kInconsistent,
@@ -173,9 +181,15 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   const Expected<FrameSpan> span = SpanOfBoth(*cameras, *depth, file.name);
   if (!span) return Forward(span);
   std::vector<ViewFrames> views;
+  UnsurePoints unsure;
   for (const auto& [name, camera] : *partners) {
-    views.push_back(ReadView(name, cameras->at(name), *span, ingested));
+    views.push_back(ReadView(name, cameras->at(name), *span, unsure, ingested));
     views.back().camera = camera;
+  }
+  if (unsure.points > 0) {
+    ingested.findings.push_back(CameraFinding("unsure_points", static_cast<double>(unsure.points),
+                                              UnsurePointsWords(unsure.points, unsure.first_file),
+                                              "taken as not seen"));
   }
   const auto layout = LayoutOf(file, views, ingested);
   if (!layout) return Forward(layout);

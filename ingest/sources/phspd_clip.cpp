@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/formats/phspd_text.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -17,7 +19,7 @@ Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
   if (!skeleton) return Forward(skeleton);
   const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
   if (!columns) return Forward(columns);
-  const Expected<PhspdPose> pose = ParsePhspdPose(file.bytes, file.name);
+  const Expected<PhspdPose> pose = ParsePhspdPose(file.bytes, file.name, source.damaged_rows);
   if (!pose) return Forward(pose);
   if (pose->frame.empty()) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
 
@@ -36,11 +38,18 @@ Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
   tracks.confidence.assign(static_cast<std::size_t>(frames) * kPhspdJoints, 0.0);
   for (const Joint& joint : (*skeleton)->joints) tracks.names.push_back(joint.name);
   for (int f = 0; f < frames; ++f) tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
+  for (Finding finding : pose->findings) {
+    finding.frame_begin = std::max(0, finding.frame_begin - first);
+    finding.frame_end = std::max(finding.frame_begin, finding.frame_end - first);
+    ingested.findings.push_back(std::move(finding));
+  }
   for (std::size_t i = 0; i < pose->frame.size(); ++i) {
     const int f = pose->frame[i] - first;
     for (int j = 0; j < kPhspdJoints; ++j) {
       const double* place = &pose->position_m[i * 3 * kPhspdJoints + static_cast<std::size_t>((*columns)[j])];
-      tracks.positions.at(f, j) = axes->canonical_from_source * Vector3d(place[0], place[1], place[2]);
+      const Vector3d point(place[0], place[1], place[2]);
+      if (!point.allFinite()) continue;
+      tracks.positions.at(f, j) = axes->canonical_from_source * point;
       tracks.confidence[static_cast<std::size_t>(f) * kPhspdJoints + j] = 1.0;
     }
   }

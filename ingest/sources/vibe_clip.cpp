@@ -6,6 +6,8 @@
 #include "core/formats/uestc_info.h"
 #include "core/motion/kinematics.h"
 #include "ingest/people/vibe_people.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sources/body_check.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -55,6 +57,8 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
     if (!local) return Forward(local);
     ingested.clip.motion =
         MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(local), {});
+    // Its joints are not kept, but are as much of the file as the rotations: an inspection reads them.
+    CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
     return ingested;
   }
   JointPositions joints(static_cast<int>(track.frames), (*skeleton)->joint_count());

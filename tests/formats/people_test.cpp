@@ -41,8 +41,14 @@ TEST(OpenPose, EveryFieldIsNamedWhenDamaged) {
                                       [](const std::string& path) { return path == "/version"; });
   EXPECT_THAT(OpenPoseMessage(R"({"people":[{"pose_keypoints_2d":[1,2,-0.5]}]})"),
               HasSubstr("f.json:/people/0/pose_keypoints_2d/2: a confidence is at least 0"));
-  EXPECT_THAT(OpenPoseMessage(R"({"people":[{"pose_keypoints_2d":[1,2,0]}]})"), HasSubstr("has the confidence 0"));
   EXPECT_THAT(OpenPoseMessage(R"({"people":[{}]})"), HasSubstr("/people/0: the key 'pose_keypoints_2d' is missing"));
+}
+
+TEST(OpenPose, APointWithCoordinatesAndNoConfidenceIsNotDetectedAndCounted) {
+  const auto frame = ParseOpenPose(R"({"people":[{"pose_keypoints_2d":[1,2,0,3,4,0.5,0,0,0]}]})", "f.json");
+  ASSERT_TRUE(frame) << frame.error().Message();
+  EXPECT_EQ(frame->unsure_points, 1);
+  EXPECT_TRUE((frame->people[0].pose == std::vector<DetectedKeypoint>{{}, {3, 4, 0.5}, {}}));
 }
 
 TEST(OpenPose, LayoutsNameEachPointOnce) {

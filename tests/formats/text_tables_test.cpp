@@ -275,6 +275,23 @@ TEST(Phspd, BadInputIsRefusedWithPlaceAndField) {
   EXPECT_THAT(Message(ParsePhspdPose("4 x" + text.substr(3), "pose.txt")), HasSubstr("'position of joint 0, x'"));
 }
 
+TEST(Phspd, ADamagedRowIsLeftOutAndToldAtTheFrameThatItWasOf) {
+  std::string text = WritePhspdPose(Pose({4, 5, 9, 10}));
+  const std::size_t third = text.find("\n9 ") + 1;
+  text.replace(third, text.find('\n', third) - third, "9 1.5 2");
+  const auto pose = ParsePhspdPose(text, "pose.txt", DamagedRows::kReport);
+  ASSERT_TRUE(pose) << pose.error().Message();
+  EXPECT_THAT(pose->frame, ElementsAre(4, 5, 10));
+  EXPECT_EQ(pose->position_m.size(), 3u * kPhspdJoints * 3);
+  EXPECT_EQ(pose->position_m[2 * kPhspdJoints * 3], Pose({4, 5, 9, 10}).position_m[3 * kPhspdJoints * 3]);
+  ASSERT_EQ(pose->findings.size(), 1u);
+  EXPECT_EQ(pose->findings[0].code, "row_length");
+  EXPECT_EQ(pose->findings[0].frame_begin, 6) << "the next one after frame 5";
+  EXPECT_THAT(pose->findings[0].message, HasSubstr("pose.txt:3: row has 3 numbers, not 73"));
+  EXPECT_THAT(Message(ParsePhspdPose("a header\n" + WritePhspdPose(Pose({4, 4})), "p.txt", DamagedRows::kReport)),
+              HasSubstr("p.txt:3: frame 4 does not come after frame 4"));
+}
+
 TEST(Phspd, AFolderNamesItsRecording) {
   const auto recording = ParsePhspdRecording("subject03_group2_time4");
   ASSERT_TRUE(recording);

@@ -140,6 +140,19 @@ TEST_F(DamagedFiles, ACameraThatLacksAFieldIsAnErrorInAFolderToo) {
   EXPECT_THAT(Codes(folder, "info"), ElementsAre("other_files")) << "notes are no calibration";
 }
 
+TEST_F(DamagedFiles, AFolderSaysWhyMostOfItsFilesCouldNotBeRead) {
+  for (int i = 0; i < 3; ++i)
+    Written("take." + std::to_string(i) + ".json", R"({"people":[{"pose_keypoints_2d":[1,2,-0.5]}]})");
+  Written("notes.txt", "nothing of the kind\n");
+  const Json findings = LookAtFolder().at("findings");
+  std::string told;
+  for (const Json& finding : findings) {
+    if (finding.at("code") == "other_files") told = finding.at("message");
+  }
+  EXPECT_THAT(told, HasSubstr("4 files are of no known format; of 3 the reason is: a confidence is at least 0"));
+  EXPECT_THAT(told, HasSubstr("(first take.0.json)"));
+}
+
 TEST_F(RecordedFormats, FramesThatAreAllZeroAreListedWithTheirPlaces) {
   const Json inspection = Look("kinect/msr_action3d/a14_s03_e01_skeleton3D.txt");
   double frames = 0.0;

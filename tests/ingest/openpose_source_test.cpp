@@ -9,6 +9,7 @@
 
 #include "core/formats/openpose.h"
 #include "core/geometry/triangulation.h"
+#include "ingest/sense/inspect.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
@@ -270,6 +271,28 @@ TEST_F(BrokenRecording, AFrameThatIsMissingOrUnreadableCostsThatFrameOfThatView)
   EXPECT_TRUE(sees(1, 2)) << "what follows a gap is not shifted";
   EXPECT_TRUE(sees(2, 3));
   EXPECT_EQ(ingested.clip.id(), "pose2sim/p1/single#0-4");
+}
+
+TEST_F(BrokenRecording, PointsWithCoordinatesAndNoConfidenceAreNotSeenAndCountedOnceByBoth) {
+  for (const char* name : {"single/cam02_json/cam02.0001.json", "single/cam02_json/cam02.0002.json"}) {
+    auto document = nlohmann::json::parse(*ReadFile(folder_ / name));
+    nlohmann::json& points = document["people"][0]["pose_keypoints_2d"];
+    ASSERT_GT(points[2].get<double>(), 0.0);
+    points[2] = 0.0;
+    Put(folder_ / name, document.dump());
+  }
+  const Ingested ingested = Ingest("unsure_points");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("unsure_points"));
+  EXPECT_EQ(ingested.outcome->findings[0].value, 2.0);
+  EXPECT_THAT(ingested.outcome->findings[0].message, HasSubstr("the first in single/cam02_json/cam02.0001.json"));
+  std::vector<nlohmann::json> told;
+  const nlohmann::json inspection = InspectPath(folder_, std::nullopt);
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("code") == "unsure_points") told.push_back(finding);
+  }
+  ASSERT_EQ(told.size(), 1u) << inspection.at("findings").dump(1);
+  EXPECT_EQ(told[0].at("value"), 2.0);
 }
 
 TEST_F(BrokenRecording, AnImageOfACrowdIsNoFrame) {

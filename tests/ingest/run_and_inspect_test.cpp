@@ -210,6 +210,31 @@ TEST_F(CutTables, ATableThatEndsWithinAFrameKeepsItsWholeFramesInBothDeclaredOrN
   }
 }
 
+TEST_F(CutTables, AHeaderIsPassedOverByBothDeclaredOrNot) {
+  IngestOptions options = Declared("kard");
+  const std::string text = *ReadFile(options.path / "a01_s01_e01_realworld.txt");
+  options.path = FreshFolder("table_header");
+  int frames = 0;
+  for (const std::string header : {"", "x y z\n", "# frame x y z\n", "a recording\nx,y,z\n"}) {
+    Put(options.path / "a01_s01_e01_realworld.txt", header + text);
+    const auto clips = RunAll(options);
+    ASSERT_EQ(clips.size(), 1u);
+    EXPECT_EQ(clips[0].outcome.kind, OutcomeKind::kDone);
+    if (header.empty()) frames = clips[0].outcome.summary.at("frames");
+    EXPECT_EQ(clips[0].outcome.summary.at("frames"), frames) << header;
+    for (const std::optional<SourceOptions>& source : {std::optional(options.source), std::optional<SourceOptions>()}) {
+      for (const fs::path& path : {options.path, options.path / "a01_s01_e01_realworld.txt"}) {
+        const Json inspection = InspectPath(path, source);
+        ASSERT_EQ(inspection.at("clips").size(), 1u) << header << inspection.at("findings").dump(1);
+        EXPECT_EQ(Value(inspection.at("clips")[0], "frames"), frames) << header;
+        EXPECT_EQ(Value(inspection.at("clips")[0], "joints"), 15) << header;
+        EXPECT_EQ(Codes(inspection, "error").size(), 0u) << header << inspection.at("findings").dump(1);
+        EXPECT_EQ(Codes(inspection, "info").size(), header.empty() ? 0u : header[0] == 'a' ? 2u : 1u) << header;
+      }
+    }
+  }
+}
+
 TEST_F(CutTables, APersonOfAmassWhoStandsStillTellsAPathInCentimetresByTheHeight) {
   const fs::path folder = FreshFolder("amass_stands");
   Npz archive = *ParseNpz(*ReadFile(fs::path(TestData()) / "amass_babel/amass_sample.npz"), "a");

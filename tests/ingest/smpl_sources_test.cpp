@@ -289,5 +289,41 @@ TEST(Phspd, FramesThatNobodyAnnotatedAreMissingInTheirPlace) {
   EXPECT_EQ(ingested.clip.provenance.at("first_frame"), "17");
 }
 
+TEST(Phspd, AShortRowCostsItsFrameAlone) {
+  const std::filesystem::path folder = FreshFolder("phspd_short");
+  const Motion truth = Somebody(5, 4);
+  PhspdPose pose;
+  pose.frame = {7, 8, 9, 10, 11};
+  pose.position_m = Places(truth, kHalfTurn);
+  std::string text = WritePhspdPose(pose);
+  const std::size_t third = text.find("\n9 ") + 1;
+  text.replace(third, text.find('\n', third) - third, "9 0.5 1.5");
+  Put(folder / "pose/subject03_group2_time4/pose.txt", text);
+  for (const bool refuse : {false, true}) {
+    IngestOptions options = Recipe("phspd", folder);
+    if (refuse) options.source.damaged_rows = DamagedRows::kRefuse;
+    const auto discovery = Discover(options);
+    ASSERT_TRUE(discovery) << discovery.error().Message();
+    const Ingested ingested = RunIngest(discovery->items.at(0), "phspd_short");
+    if (refuse) {
+      ASSERT_FALSE(ingested.outcome);
+      EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("pose.txt:3: row has 3 numbers"));
+      continue;
+    }
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    const JointTracks& tracks = *ingested.clip.evidence.tracks;
+    ASSERT_EQ(tracks.positions.frames, 5);
+    for (int f = 0; f < 5; ++f) {
+      EXPECT_EQ(tracks.confidence[static_cast<std::size_t>(f * kJoints)], f == 2 ? 0.0 : 1.0) << f;
+      if (f == 2) continue;
+      EXPECT_LT((tracks.positions.at(f, 0) - truth.joints.at(f, 0)).norm(), 1e-6) << f;
+    }
+    ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+    EXPECT_EQ(ingested.outcome->findings[0].code, "row_length");
+    EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 2);
+    EXPECT_THAT(ingested.outcome->findings[0].message, HasSubstr("pose.txt:3: "));
+  }
+}
+
 }  // namespace
 }  // namespace mocurate

@@ -9,6 +9,7 @@
 #include "ingest/synthetic/performance.h"
 #include "ingest/synthetic/script.h"
 #include "ingest/synthetic/vibe_track.h"
+#include "tests/ingest/inspections.h"
 #include "tests/ingest/studio_folders.h"
 
 namespace mocurate {
@@ -230,6 +231,30 @@ TEST_F(VibePeople, ARuleThatTheFilesCannotServeIsRefused) {
   const mocurate::Ingested ingested = Read({without, second}, {"ingest.source.people.rule=presence"});
   ASSERT_FALSE(ingested.outcome);
   EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("has no 'orig_cam'"));
+}
+
+TEST_F(VibePeople, JointsThatContradictTheDeclarationAreToldByARunAsByAnInspection) {
+  const auto contradictions = [](const std::vector<std::string>& codes) {
+    std::vector<std::string> told;
+    for (const std::string& code : codes) {
+      if (code.find("_contradiction") != std::string::npos) told.push_back(code);
+    }
+    return told;
+  };
+  for (const auto& [factor, code] :
+       {std::pair<double, std::string>{1.0, ""}, {-1.0, "handedness_contradiction"}, {1000.0, "units_contradiction"}}) {
+    VibeTrack altered = performer;
+    for (std::size_t i = 0; i < altered.joints3d.size(); ++i)
+      altered.joints3d[i] *= factor > 0.0 ? factor : (i % 3 == 0 ? -1.0 : 1.0);
+    const auto ingested = Read({altered});
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    const std::vector<std::string> expected = code.empty() ? std::vector<std::string>() : std::vector{code};
+    std::vector<std::string> codes;
+    for (const Finding& finding : ingested.outcome->findings) codes.push_back(finding.code);
+    EXPECT_EQ(contradictions(codes), expected);
+    const auto source = Declared("uestc_vibe", {"ingest.path=" + folder.string()}).source;
+    EXPECT_EQ(contradictions(Codes(InspectPath(folder, source), "error")), expected);
+  }
 }
 
 }  // namespace
