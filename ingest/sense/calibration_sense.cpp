@@ -147,12 +147,15 @@ class Judge {
 
   CalibrationSense Decide() const {
     CalibrationSense sense;
+    CheckFocalLengths(sense);
     sense.reading = Reading(sense);
     if (sense.reading.value.empty()) return sense;
     const std::size_t chosen = IndexOf(sense.reading.value);
     sense.unit = Unit(scores_[chosen], sense);
     std::vector<Camera> cameras;
-    const double metres = sense.unit.value == "m" ? 1.0 : sense.unit.value == "cm" ? 0.01 : 0.001;
+    const std::map<std::string, double> metres_of = {{"m", 1.0}, {"cm", 0.01}, {"inch", 0.0254}};
+    const auto known = metres_of.find(sense.unit.value);
+    const double metres = known == metres_of.end() ? 0.001 : known->second;
     for (const CalibratedView& view : calibration_.views) cameras.push_back(CameraOf(view, kReadings[chosen], metres));
     sense.up = Up(cameras);
     if (!sense.unit.value.empty()) sense.cameras = std::move(cameras);
@@ -241,22 +244,48 @@ class Judge {
       }
       return {declared, 1.0, "the format says so; " + Words(scores_[IndexOf(declared)])};
     }
+    const ReadingScore& score = scores_[best];
+    const bool seen = score.subject_share || !score.cloud_distance.empty();
+    if (!seen && !score.miss.empty() && 2 * score.behind >= score.miss.size()) {
+      sense.remarks.push_back({"calibration_contradiction", Severity::kError, static_cast<double>(score.behind),
+                               "in no reading do most cameras look at one point before them: " + reading.evidence +
+                                   "; are signs of rotations or translations exchanged?"});
+      return {"", 0.0, reading.evidence};
+    }
     if (reading.confidence < kSureOfCalibration) reading.value.clear();
     return reading;
   }
 
+  /// No lens sees more than kWidest to one side: lengths in millimetres, or normalised ones, stand for pixels.
+  void CheckFocalLengths(CalibrationSense& sense) const {
+    constexpr double kWidest = 85.0 * kPi / 180.0;
+    for (const CalibratedView& view : calibration_.views) {
+      const double half = view.width > 0 ? 0.5 * view.width : view.cx;
+      if (!(half > 1.0) || !(view.fx > 0.0)) continue;
+      const double sees = std::atan2(half, view.fx);
+      if (sees <= kWidest) continue;
+      sense.remarks.push_back({"calibration_contradiction", Severity::kError, view.fx,
+                               "camera '" + view.name + "': a focal length of " + Rounded(view.fx) +
+                                   " px beside a middle at " + Rounded(half) + " px sees " +
+                                   Rounded(2.0 * sees * 180.0 / kPi) +
+                                   " degrees: is it in millimetres, or divided by the image's size?"});
+    }
+  }
+
   Measured Unit(const ReadingScore& score, CalibrationSense& sense) const {
-    constexpr std::array<std::pair<const char*, double>, 3> kUnits = {{{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}}};
+    constexpr std::array<std::pair<const char*, double>, 4> kUnits = {
+        {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}}};
+    constexpr std::array<double, 4> kUsual = {1.0, 1.0, 1.0, 0.1};  // few programs write inches
     constexpr double kTypical = 3.0;
     constexpr double kSpread = 0.6;
     Measured unit;
     const double distance = Median(score.distance);
-    std::array<double, 3> likelihood{};
+    std::array<double, 4> likelihood{};
     double total = 0.0;
     std::size_t best = 0;
     for (std::size_t u = 0; u < kUnits.size() && distance > 0.0; ++u) {
       const double z = std::log(distance * kUnits[u].second / kTypical) / kSpread;
-      likelihood[u] = std::exp(-0.5 * std::min(z * z, 1000.0)) + 1e-9;
+      likelihood[u] = kUsual[u] * (std::exp(-0.5 * std::min(z * z, 1000.0)) + 1e-9);
       total += likelihood[u];
       if (likelihood[u] > likelihood[best]) best = u;
     }
@@ -264,6 +293,10 @@ class Judge {
       unit = {kUnits[best].first, likelihood[best] / total,
               "cameras stand " + Rounded(distance) + " units from where they look: " +
                   Rounded(distance * kUnits[best].second) + " m if the unit is " + kUnits[best].first};
+      for (std::size_t u = 0; u < kUnits.size(); ++u) {
+        if (u == best || likelihood[u] < 0.05 * total) continue;
+        unit.evidence += ", " + Rounded(distance * kUnits[u].second) + " m if it is " + kUnits[u].first;
+      }
     } else {
       unit.evidence = "the cameras look at no common point, so nothing gives a scale";
     }

@@ -25,10 +25,10 @@ struct CalibrationEvidence {
 /// empty where the evidence does not tell; then `cameras` is empty.
 struct CalibrationSense {
   Measured reading;             ///< "world_to_camera", "centre", "camera_to_world"
-  Measured unit;                ///< "m", "cm", "mm"
+  Measured unit;                ///< "m", "cm", "mm", "inch"
   Measured up;                  ///< "+z": where the top of the images points, in world axes; empty is no obstacle
   std::vector<Camera> cameras;  ///< of every view, in order, metres
-  /// "calibration_contradiction": what the file says is not what its numbers look like.
+  /// "calibration_contradiction": what the file says is not what its numbers look like, or they are of no camera.
   std::vector<Remark> remarks;
 };
 
@@ -39,7 +39,7 @@ inline constexpr double kSureOfCalibration = 0.9;
 /// - what R and t mean: optical axes that meet near one point in front of the cameras, subject points in front,
 ///   inside the images and no farther than a depth camera measures, clouds of neighbouring views that lie on each
 ///   other;
-/// - the unit: cameras stand about 1 to 10 m from what they look at (log-normal around 3 m);
+/// - the unit: cameras stand about 1 to 10 m from what they look at (log-normal around 3 m); inches are rare;
 /// - up: against the image rows' direction, on the average.
 CalibrationSense SenseCalibration(const Calibration& calibration, const CalibrationEvidence& evidence = {});
 

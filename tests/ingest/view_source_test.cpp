@@ -146,6 +146,43 @@ TEST_F(RecordedRigs, TheBandStandsInFrontOfAllPanopticCameras) {
   EXPECT_GT(least, 0.655);
 }
 
+/// Cameras all around a point, so far away.
+Calibration RingAt(double distance) {
+  Calibration ring;
+  for (int i = 0; i < 5; ++i) {
+    CalibratedView view;
+    view.name = "cam" + std::to_string(i);
+    view.fx = view.fy = 1000, view.cx = 500, view.cy = 500;
+    view.rotation = ExpMatrix(Vector3d(0, 0.9 * i, 0));
+    view.translation = Vector3d(0, 0, distance) - view.rotation * Vector3d(0.3, 0.2, 0.1) * distance;
+    ring.views.push_back(view);
+  }
+  return ring;
+}
+
+TEST(CalibrationSense, InchesAreNoCentimetresForSure) {
+  EXPECT_EQ(SenseCalibration(RingAt(3.5)).unit.value, "m");
+  EXPECT_EQ(SenseCalibration(RingAt(300.0)).unit.value, "cm");
+  const CalibrationSense inches = SenseCalibration(RingAt(138.0));
+  EXPECT_EQ(inches.unit.value, "") << inches.unit.evidence;
+  EXPECT_THAT(inches.unit.evidence, HasSubstr("if it is inch"));
+}
+
+TEST(CalibrationSense, NumbersOfNoCameraAreSaid) {
+  Calibration millimetres = RingAt(3.5);
+  millimetres.views[2].fx = millimetres.views[2].fy = 1.0;
+  const CalibrationSense focal = SenseCalibration(millimetres);
+  ASSERT_EQ(focal.remarks.size(), 1u);
+  EXPECT_THAT(focal.remarks[0].message, HasSubstr("camera 'cam2': a focal length of 1 px"));
+  Calibration backwards = RingAt(3.5);
+  for (CalibratedView& view : backwards.views) view.translation = -view.translation;
+  const CalibrationSense behind = SenseCalibration(backwards);
+  EXPECT_EQ(behind.reading.value, "") << behind.reading.evidence;
+  ASSERT_FALSE(behind.remarks.empty());
+  EXPECT_THAT(behind.remarks[0].message, HasSubstr("in no reading do most cameras look at one point before them"));
+  EXPECT_TRUE(behind.cameras.empty());
+}
+
 TEST(CalibrationSense, IsUnknownWhereTheEvidenceIsBothWays) {
   // Parallel cameras meet nowhere.
   Calibration parallel;
