@@ -48,7 +48,7 @@ class Auditor {
     if (Status person = CheckPerson(); !person) return Forward(person);
     if (Status mended = MendLengths(); !mended) return Forward(mended);
     if (Status seen = See(); !seen) return Forward(seen);
-    SetWithoutPerson();
+    report_.without_person = WithoutPerson(rig_);
     report_.frames = witness_.frames();
     report_.loss = LossOfViews();
     report_.residual_mm = ResidualsOfViews(rig_, cameras_);
@@ -92,17 +92,6 @@ class Auditor {
                 "nobody is seen: what " + Counted(static_cast<long long>(late_.size()), "depth camera") +
                     " see is flat, a wall or a door",
                 "depth views", "give masks of the person, or leave this clip out");
-  }
-
-  void SetWithoutPerson() {
-    report_.without_person.assign(late_.size(), 0.0);
-    double peopled = 0.0;
-    for (const SeenMoment& moment : rig_.moments) {
-      if (std::all_of(moment.begin(), moment.end(), [](const ViewSurface* seen) { return seen == nullptr; })) continue;
-      peopled += 1.0;
-      for (std::size_t v = 0; v < moment.size(); ++v) report_.without_person[v] += moment[v] == nullptr ? 1.0 : 0.0;
-    }
-    for (double& share : report_.without_person) share /= std::max(peopled, 1.0);
   }
 
   /// Of two views nobody can tell which one is where it should be.

@@ -161,4 +161,16 @@ std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, s
   return of_view;
 }
 
+std::vector<double> WithoutPerson(const SeenRig& rig) {
+  std::vector<double> without(rig.views.size(), 0.0);
+  double peopled = 0.0;
+  for (const SeenMoment& moment : rig.moments) {
+    if (std::all_of(moment.begin(), moment.end(), [](const ViewSurface* seen) { return seen == nullptr; })) continue;
+    peopled += 1.0;
+    for (std::size_t v = 0; v < moment.size(); ++v) without[v] += moment[v] == nullptr ? 1.0 : 0.0;
+  }
+  for (double& share : without) share /= std::max(peopled, 1.0);
+  return without;
+}
+
 }  // namespace mocurate

@@ -52,6 +52,9 @@ class RigWitness {
 /// moment of each group; mm, 0 where no other view sees the same surface.
 std::vector<std::vector<double>> ResidualsOfViews(const SeenRig& rig, const std::vector<Camera>& cameras);
 
+/// (views) share of the moments that show somebody in which a view shows nobody.
+std::vector<double> WithoutPerson(const SeenRig& rig);
+
 /// Those losses of LossOfSamples that are of pairs with `view`, where both of two rigs have them.
 std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, std::size_t view,
                                                            const std::vector<double>& losses,

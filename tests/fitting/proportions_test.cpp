@@ -165,7 +165,8 @@ TEST_P(PersonsBones, AreFoundWhereTheyPoint) {
     for (std::size_t i = 0; i < star.size(); ++i) {
       for (std::size_t k = i + 1; k < star.size(); ++k) {
         const double truth = AngleBetween(*body, star[i], star[k]);
-        EXPECT_NEAR(AngleBetween(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0) << noise;
+        EXPECT_NEAR(AngleBetween(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0)
+            << noise << ": the rest pose pulls by up to 0.8 degrees";
         EXPECT_GT(std::abs(AngleBetween(*nominal, star[i], star[k]) - truth), 10.0) << "else there is nothing to find";
       }
       EXPECT_NEAR(person->skeleton->joints[star[i]].rest_offset.norm(), nominal->joints[star[i]].rest_offset.norm(),
