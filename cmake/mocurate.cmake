@@ -29,10 +29,20 @@ if(MOCURATE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
-# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ...): static library mocurate_NAME. Sources may be globs relative
-# to the calling folder. PUBLIC and PRIVATE are libraries to link.
+# What nearly every source includes, parsed once for all of them: a third of the time that compiling the libraries takes.
+# Only for g++, which takes one header for targets whose other options differ.
+function(mocurate_headers)
+  add_library(mocurate_headers OBJECT ${PROJECT_SOURCE_DIR}/core/precompiled.cpp)
+  target_link_libraries(mocurate_headers PRIVATE mocurate_settings Eigen3::Eigen nlohmann_json::nlohmann_json)
+  target_include_directories(mocurate_headers SYSTEM PRIVATE ${MOCURATE_EXPECTED_INCLUDE})
+  target_precompile_headers(mocurate_headers PRIVATE ${PROJECT_SOURCE_DIR}/core/precompiled.h)
+endfunction()
+
+# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ... [OWN_HEADERS]): static library mocurate_NAME. Sources may be
+# globs relative to the calling folder. PUBLIC and PRIVATE are libraries to link. OWN_HEADERS: nothing is precompiled for
+# it (libraries that ask for another ABI macro).
 function(mocurate_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "OWN_HEADERS" "" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${arg_SOURCES})
   foreach(pattern ${arg_EXCLUDE})
     list(FILTER sources EXCLUDE REGEX "${pattern}")
@@ -44,6 +54,9 @@ function(mocurate_library name)
   endif()
   add_library(mocurate_${name} STATIC ${sources})
   target_link_libraries(mocurate_${name} PUBLIC mocurate_settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  if(TARGET mocurate_headers AND NOT arg_OWN_HEADERS)
+    target_precompile_headers(mocurate_${name} REUSE_FROM mocurate_headers)
+  endif()
 endfunction()
 
 # What nearly every test includes, parsed once for all of them: a third of the time that compiling the tests takes.

@@ -140,7 +140,8 @@ Expected<std::string> WriteStoredZip(const std::vector<std::pair<std::string, st
     }
   }
   if (zip_close(zip) != 0) return fail();
-  std::string bytes;
+  Expected<std::string> archive = std::string();
+  std::string& bytes = *archive;
   if (members.empty()) {
     bytes.assign("PK\x05\x06", 4).resize(22, '\0');  // libzip writes no archive without members
   } else if (zip_source_open(buffer) == 0) {
@@ -155,7 +156,7 @@ Expected<std::string> WriteStoredZip(const std::vector<std::pair<std::string, st
   }
   zip_source_free(buffer);
   if (bytes.size() < 22) return Fail(ErrorCode::kCannotWrite, "the archive cannot be made", name);
-  return bytes;
+  return archive;
 }
 
 }  // namespace mocurate
