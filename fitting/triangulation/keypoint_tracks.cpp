@@ -377,7 +377,8 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   Evidence as_seen = evidence;
   const std::vector<KnownLength> lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
   if (Status mended = MendFiles(as_seen, lengths, options, faults); !mended) return Forward(mended);
-  return Triangulated(as_seen, skeleton, FilesAreWrong(faults) ? WithoutAudit(options) : options, std::move(faults));
+  const bool wrong = FilesAreWrong(faults);
+  return Triangulated(as_seen, skeleton, wrong ? WithoutAudit(options) : options, std::move(faults));
 }
 
 }  // namespace mocurate
