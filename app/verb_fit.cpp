@@ -274,16 +274,34 @@ nlohmann::json AnswerOf(const JobResult& result, const StageReport& fits, const 
   return {{"output", DisplayPath(output)}, {"clips", clips}, {"failed", result.counts.failed}};
 }
 
-Error FirstFailure(const JobResult& result) {
+/// Why clips could not be fitted, each reason once; never empty.
+std::vector<Error> Failures(const JobResult& result) {
+  std::vector<Error> failures;
+  std::set<std::string> told;
   for (const StageReport& stage : result.stages) {
     for (const ItemResult& item : stage.items) {
       if (!item.artifact.empty() || item.outcome.error.what.empty()) continue;
       Error error = item.outcome.error;
       if (error.where.empty()) error.where = item.item;
-      return error;
+      if (told.insert(error.Message()).second) failures.push_back(std::move(error));
     }
   }
-  return {ErrorCode::kInconsistent, "nothing could be fitted", "", ""};
+  if (failures.empty()) failures.push_back({ErrorCode::kInconsistent, "nothing could be fitted", "", ""});
+  return failures;
+}
+
+/// The first failure is what the verb ends with; the others are told before.
+Error FirstFailure(const JobResult& result) {
+  const std::vector<Error> failures = Failures(result);
+  for (std::size_t i = 1; i < failures.size(); ++i) LogWarning(failures[i].Message());
+  return failures[0];
+}
+
+/// What is said of clips that were fitted and are doubtful.
+std::string DoubtsOf(int clips) {
+  const bool one = clips == 1;
+  return Counted(clips, "clip") + (one ? " contradicts" : " contradict") + " what is declared of the source, or " +
+         (one ? "fails" : "fail") + " a check";
 }
 
 }  // namespace
@@ -304,6 +322,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   settings.run_folder = scratch.path();
   settings.jobs = arguments.jobs;
   settings.progress = !common.quiet;
+  settings.tell_failures = false;
   if (settings.run_folder.empty()) {
     return Fail(ErrorCode::kCannotWrite, "no folder for what the run needs in between can be made",
                 DisplayPath(fs::temp_directory_path(unknown)), "free space there, or set TMPDIR");
@@ -335,10 +354,8 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   }
   if (result->counts.failed == 0 && result->counts.doubtful == 0) return {};
   if (result->counts.failed == 0) {
-    return Fail(ErrorCode::kTooManyFailures,
-                Counted(result->counts.doubtful, "clip") + " contradict" + (result->counts.doubtful == 1 ? "s" : "") +
-                    " what is declared of the source, or fail a check",
-                DisplayPath(arguments.path), "the findings above say which; the fits were written all the same");
+    return Fail(ErrorCode::kTooManyFailures, DoubtsOf(result->counts.doubtful), DisplayPath(arguments.path),
+                "the findings above say which; the fits were written all the same");
   }
   Error error = FirstFailure(*result);
   error.code = ErrorCode::kTooManyFailures;

@@ -112,7 +112,8 @@ Status CheckDoubts(const JobOptions& options, const JobResult& result) {
   if (all == 0 || result.counts.doubtful <= tolerated) return {};
   return Fail(
       ErrorCode::kTooManyFailures,
-      std::to_string(result.counts.doubtful) + " of " + Counted(all, "clip") + " are doubtful, tolerated_doubtful is " +
+      std::to_string(result.counts.doubtful) + " of " + Counted(all, "clip") +
+          (result.counts.doubtful == 1 ? " is" : " are") + " doubtful, tolerated_doubtful is " +
           Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
       "run",
       "they contradict the declaration of the source or fail a check: curation_log.jsonl says which; mend it, or "

@@ -138,8 +138,27 @@ void ReadLater(double seconds, Motion& motion) {
 
 std::string Mm(double metres) { return RoundedText(kMillimetres * metres, 3) + " mm"; }
 
-Status CheckOnePerson(const KindsAlignment& kinds, const std::string& clip) {
-  const bool one = kinds.near_after >= kNearShare && kinds.moved <= kFarthestMove && kinds.turned <= kFarthestTurn;
+/// What is told of the two rigs against each other, and done about it.
+struct KindsVerdict {
+  bool move = false;   ///< the clouds
+  bool delay = false;  ///< read the clouds later
+  KindsAlignment::Taken taken;
+  std::vector<Finding> findings;
+};
+
+/// Whether the clouds are read later alone, moved alone, or both: what explains most alone, and the other beside it
+/// where that takes as much of the rest away as it must to be told.
+KindsAlignment::Taken TakenOf(const KindsAlignment& kinds, const RigAuditOptions& audit) {
+  const bool moves = audit.moved != AuditAction::kOff, clocks = audit.clocks != AuditAction::kOff;
+  if (!clocks) return kinds.moved;
+  if (!moves) return kinds.late;
+  const KindsAlignment::Taken& alone = kinds.late.loss <= kinds.moved.loss ? kinds.late : kinds.moved;
+  return kinds.both.loss <= (1.0 - kLeastGain) * alone.loss ? kinds.both : alone;
+}
+
+Status CheckOnePerson(const KindsAlignment& kinds, const RigAuditOptions& audit, const std::string& clip) {
+  const KindsAlignment::Taken taken = TakenOf(kinds, audit);
+  const bool one = kinds.near_after >= kNearShare && taken.moved <= kFarthestMove && taken.turned <= kFarthestTurn;
   if (one) return {};
   return Fail(ErrorCode::kInconsistent,
               "keypoints and depth views do not show one person in one world: " +
@@ -151,33 +170,37 @@ Status CheckOnePerson(const KindsAlignment& kinds, const std::string& clip) {
               "alone: fitting.method keypoints or point_clouds");
 }
 
-/// What is told of the two rigs against each other, and done about it.
-struct KindsVerdict {
-  bool move = false;   ///< the clouds
-  bool delay = false;  ///< read the clouds later
-  std::vector<Finding> findings;
-};
-
 /// `pose_sigma`: m per axis, of a joint of the keypoints' fit.
 KindsVerdict Judge(const KindsAlignment& kinds, double step_s, double pose_sigma, const RigAuditOptions& audit) {
   KindsVerdict verdict;
-  const bool late =
-      kinds.gain_late >= kLeastGain && std::abs(kinds.late_s) > std::max(0.5 * step_s, kSure * kinds.late_spread);
-  const double notable = std::max({kNotableMove, kSure * kinds.moved_spread, kSure * pose_sigma});
-  const double notable_turn = std::max(kNotableTurn, kSure * pose_sigma / kHalfPerson);
-  const bool moved = kinds.gain_moved >= kLeastGain && (kinds.moved > notable || kinds.turned > notable_turn);
+  const double stated = std::max(kNotableMove, kSure * pose_sigma);
+  const double stated_turn = std::max(kNotableTurn, kSure * pose_sigma / kHalfPerson);
+  const auto is_late = [&](const KindsAlignment::Taken& taken) {
+    return std::abs(taken.late_s) > std::max(0.5 * step_s, kSure * taken.late_spread);
+  };
+  const auto is_moved = [&](const KindsAlignment::Taken& taken) {
+    return taken.moved > std::max(stated, kSure * taken.moved_spread) || taken.turned > stated_turn;
+  };
+  KindsAlignment::Taken& taken = verdict.taken = TakenOf(kinds, audit);
+  if (!is_late(taken)) {
+    taken = kinds.moved;
+  } else if (!is_moved(taken)) {
+    taken = kinds.late;
+  }
+  const bool gains = taken.loss <= (1.0 - kLeastGain) * kinds.loss;
+  const bool late = gains && is_late(taken), moved = gains && is_moved(taken);
   if (moved && audit.moved != AuditAction::kOff) {
     verdict.move = audit.moved == AuditAction::kCorrect;
-    verdict.findings.push_back(Told(kKindsApart, kMillimetres * kinds.moved,
-                                    "the depth cameras as a whole stand " + Mm(kinds.moved) + " and " +
-                                        RoundedText(57.29577951308232 * kinds.turned, 2) +
+    verdict.findings.push_back(Told(kKindsApart, kMillimetres * taken.moved,
+                                    "the depth cameras as a whole stand " + Mm(taken.moved) + " and " +
+                                        RoundedText(57.29577951308232 * taken.turned, 2) +
                                         " degrees off the keypoint cameras' world",
                                     verdict.move ? "depth points moved" : "flagged"));
   }
   if (late && audit.clocks != AuditAction::kOff) {
     verdict.delay = audit.clocks == AuditAction::kCorrect;
-    verdict.findings.push_back(Told(kKindsClock, kMillimetres * kinds.late_s,
-                                    "the depth cameras' clock is " + RoundedText(kMillimetres * kinds.late_s, 3) +
+    verdict.findings.push_back(Told(kKindsClock, kMillimetres * taken.late_s,
+                                    "the depth cameras' clock is " + RoundedText(kMillimetres * taken.late_s, 3) +
                                         " ms off the keypoint cameras' (positive: images are stamped late)",
                                     verdict.delay ? "depth images taken by the keypoints' clock" : "flagged"));
   }
@@ -257,16 +280,15 @@ Expected<FitResult> FitBoth(const Clip& clip, FitResult keypoints, const std::ve
       FleshBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
   const KindsAlignment kinds =
       AlignKinds(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
-  if (Status one = CheckOnePerson(kinds, clip.id()); !one) return Forward(one);
+  if (Status one = CheckOnePerson(kinds, options.audit, clip.id()); !one) return Forward(one);
   const double sigma = StatedSigma(motion, shown);
   const KindsVerdict verdict = Judge(kinds, step, sigma, options.audit);
   if (verdict.delay) {
-    pairing = PairFrames(keypoints.motion, cloud_s, kinds.late_s);
+    pairing = PairFrames(keypoints.motion, cloud_s, verdict.taken.late_s);
     paired = Paired(pairing, clouds);
   }
   if (verdict.move) {
-    const RigidTransform& moved = verdict.delay ? kinds.world_from_late_clouds : kinds.world_from_clouds;
-    for (FusedCloud& cloud : paired) cloud = Moved(cloud, moved);
+    for (FusedCloud& cloud : paired) cloud = Moved(cloud, verdict.taken.world_from_clouds);
   }
   ReadLater(pairing.shift_s, keypoints.motion);
   keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());

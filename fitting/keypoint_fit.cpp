@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/rig_fault.h"
+#include "fitting/audit/rig_readings.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/repair/body_sides.h"
@@ -52,19 +54,42 @@ std::vector<Matrix3d> PrecisionOnBody(const KeypointTracks& found, const Skeleto
   return precision;
 }
 
+/// Refused where sides that are exchanged throughout may as well be files that are not where they belong.
+Status CheckNamesAreWrong(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
+                          const BodyExchange& body) {
+  const auto lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
+  const RigReadings others = FindOverturnedReadings(evidence.keypoint_views, evidence.keypoint_names, lengths,
+                                                    options.triangulation.min_confidence, options.audit.sure);
+  if (others.alike.empty()) return {};
+  std::string words = "the person is turned over (" + body.evidence + "): all cameras list left as right";
+  for (const RigReading& reading : others.alike) words += "; or " + WordsOf(reading, evidence.keypoint_views);
+  return Fail(ErrorCode::kInconsistent,
+              words + "; which one nobody can tell: the rig looks the same from several sides", "keypoints",
+              "look at an image of each camera and put the files right, or set fitting.keypoints.audit.sides to tell: "
+              "the person may then be mirrored");
+}
+
 /// Views that agree with each other may all be wrong: rays of one label meet in one point whatever its name is.
-void MendSides(const KeypointAuditOptions& audit, BodyTracks& found) {
+Status MendSides(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
+                 BodyTracks& found) {
+  const KeypointAuditOptions& audit = options.audit;
   SkeletonTracks& tracks = found.tracks;
   const std::vector<int> left = LeftJoints(*tracks.skeleton);
   const double sigma = EstimateNoise(tracks, {}).sigma;
-  for (const BodyExchange& body : FindBodyExchanges(tracks, sigma, audit.side_margin)) {
+  const bool files_wrong = FilesAreWrong(found.report.faults);
+  const std::vector<BodyExchange> exchanges = FindBodyExchanges(tracks, sigma, audit.side_margin);
+  const bool whole = !exchanges.empty() && CoverAll(exchanges, tracks);
+  if (whole && audit.sides == AuditAction::kCorrect && !FilesAreMended(found.report.faults)) {
+    if (Status names = CheckNamesAreWrong(evidence, skeleton, options, exchanges[0]); !names) return names;
+  }
+  for (const BodyExchange& body : exchanges) {
     RigFault fault;
     fault.code = "views_swap_sides";
     fault.limb = "body";
     fault.frame_begin = body.frame_begin;
     fault.frame_end = body.frame_end;
     fault.value = fault.confidence = body.confidence;
-    fault.corrected = audit.sides == AuditAction::kCorrect;
+    fault.corrected = audit.sides == AuditAction::kCorrect && !files_wrong;
     fault.message = "all cameras list left as right in " + Counted(body.frame_end - body.frame_begin, "frame") + ": " +
                     body.evidence;
     found.findings.push_back(FindingOf(fault));
@@ -81,6 +106,7 @@ void MendSides(const KeypointAuditOptions& audit, BodyTracks& found) {
       }
     }
   }
+  return {};
 }
 
 }  // namespace
@@ -93,7 +119,9 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
   if (!mapped) return Forward(mapped);
   mapped->precision = PrecisionOnBody(*found, *body);
   BodyTracks tracks{std::move(*mapped), std::move(found->report), std::move(found->findings), {}};
-  if (options.audit.sides != AuditAction::kOff) MendSides(options.audit, tracks);
+  if (options.audit.sides != AuditAction::kOff) {
+    if (Status mended = MendSides(evidence, skeleton, options, tracks); !mended) return Forward(mended);
+  }
   return tracks;
 }
 

@@ -17,6 +17,7 @@ struct RunnerOptions {
   int jobs = 0;                         ///< worker processes; 0: one per core
   bool dry_run = false;
   bool progress = true;                            ///< only ever shown on a terminal
+  bool tell_failures = true;                       ///< as warnings, when they happen; false: who asked tells
   std::optional<double> item_timeout_s;            ///< instead of the stages' own limits
   std::optional<std::uint64_t> item_memory_bytes;  ///< instead of the stages' own limits
   double time_factor = 1.0;                        ///< the stages' own time limits are this many times as long

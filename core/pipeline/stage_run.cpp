@@ -224,7 +224,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
                   {"seconds", seconds}};
     if (!HasArtifact(outcome.kind)) entry["reason"] = outcome.error.Message();
     if (Status added = state_.journal.Add(std::move(entry)); !added) GiveUp(added.error());
-    if (failed && !result.from_cache) {
+    if (failed && !result.from_cache && state_.options.tell_failures) {
       progress_.Clear();
       LogWarning(stage_.name + ": " + DisplayPath(result.item) + " " + std::string(Name(outcome.kind)) + ": " +
                  outcome.error.Message());

@@ -6,6 +6,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kSame = 1e-9;  ///< numbers that differ by less are one number, rounded in two ways
+
 /// Share of Student's t distribution below t (Wallace's approximation, to 0.002).
 double StudentShare(double t, double freedom) {
   const double z = std::sqrt(freedom * std::log1p(t * t / freedom)) * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
@@ -33,7 +35,11 @@ double ConfidenceBySpans(const std::vector<double>& gain, std::size_t spans) {
 
 std::vector<double> Gains(const std::vector<double>& worse, const std::vector<double>& better) {
   std::vector<double> gain;
-  for (std::size_t i = 0; i < worse.size(); ++i) gain.push_back(worse[i] - better[i]);
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    const double more = worse[i] - better[i];
+    const bool same = std::abs(more) <= kSame * (std::abs(worse[i]) + std::abs(better[i]));
+    gain.push_back(same ? 0.0 : more);
+  }
   return gain;
 }
 

@@ -1,78 +1,100 @@
 #include "fitting/audit/keypoint_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "core/base/text.h"
-#include "fitting/audit/exchanged_views.h"
-#include "fitting/audit/view_readings.h"
+#include "fitting/audit/rig_readings.h"
 
 namespace mocurate {
 namespace {
 
+constexpr int kMostReadings = 3;  ///< one after the other
+constexpr double kLikely = 0.9;   ///< confidence from which on exchanged files are told
+
 std::string PercentText(double share) { return std::to_string(std::lround(100.0 * share)); }
 
-void ReadViews(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-               std::vector<RigFault>& faults) {
-  const auto reading =
-      FindMisreadViews(evidence.keypoint_views, evidence.keypoint_names, lengths, options.triangulation.min_confidence);
-  if (!reading || reading->confidence < options.audit.sure) return;
-  RigFault fault;
-  fault.code = reading->mirrored ? "view_mirrored" : "keypoint_scale";
-  fault.value = reading->mirrored ? reading->read : reading->factor;
-  fault.confidence = reading->confidence;
-  fault.corrected = options.audit.exchanged == AuditAction::kCorrect;
-  for (const std::size_t v : reading->views) {
-    fault.camera += (fault.camera.empty() ? "" : ", ") + evidence.keypoint_views[v].camera.name;
-  }
-  fault.message =
-      reading->mirrored
-          ? "keypoints of camera " + fault.camera + " are of a mirrored image, x counts from the right" +
-                std::string(reading->sides ? " and left is called right" : "")
-          : "keypoints of camera " + fault.camera +
-                " are of images of another size than the calibration: " + "their pixels must be multiplied by " +
-                RoundedText(reading->factor, 3);
-  fault.message += "; so " + PercentText(reading->read) + " % of the entries agree with others, as given " +
-                   PercentText(reading->agreement) + " %";
-  if (fault.corrected)
-    evidence.keypoint_views = WithReading(std::move(evidence.keypoint_views), evidence.keypoint_names, *reading);
-  faults.push_back(std::move(fault));
+std::string CodeOf(const RigReading& reading) {
+  if (reading.ExchangesFiles()) return "cameras_exchanged";
+  if (reading.mirrored) return "view_mirrored";
+  return reading.sides ? "view_swaps_sides" : "keypoint_scale";
 }
 
-void ExchangeViews(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-                   std::vector<RigFault>& faults) {
-  if (options.audit.exchanged == AuditAction::kOff) return;
-  const auto keypoints = static_cast<int>(evidence.keypoint_names.size());
-  const auto exchange =
-      FindExchangedViews(evidence.keypoint_views, keypoints, lengths, options.triangulation.min_confidence);
-  if (!exchange) return;
+bool IsOfFiles(const RigFault& fault) { return fault.code == "cameras_exchanged" || fault.code == "view_mirrored"; }
+
+/// In one view alone it is asked again with all its frames (AuditRig).
+bool AreOfOneView(const std::vector<RigReading>& readings) {
+  return std::all_of(readings.begin(), readings.end(), [&](const RigReading& reading) {
+    return reading.views.size() == 1 && reading.views == readings[0].views;
+  });
+}
+
+RigFault FaultOf(const RigReadings& found, const std::vector<KeypointView>& views) {
+  const RigReading& first = found.alike[0];
   RigFault fault;
-  fault.code = "cameras_exchanged";
-  fault.value = exchange->exchanged;
-  fault.confidence = exchange->confidence;
-  fault.corrected = options.audit.exchanged == AuditAction::kCorrect && exchange->confidence >= options.audit.sure;
-  std::string pairs;
-  for (std::size_t v = 0; v < exchange->source.size(); ++v) {
-    if (exchange->source[v] == v) continue;
-    const std::string& camera = evidence.keypoint_views[v].camera.name;
-    fault.camera += (fault.camera.empty() ? "" : ", ") + camera;
-    pairs += (pairs.empty() ? "" : ", ") + camera + " in those of " +
-             evidence.keypoint_views[exchange->source[v]].camera.name;
+  fault.code = CodeOf(first);
+  fault.value = first.factor != 1.0 ? first.factor : found.read;
+  fault.confidence = found.confidence / static_cast<double>(found.alike.size());
+  for (const RigReading& reading : found.alike) {
+    if (&reading == &first) fault.camera = CamerasOf(reading, views);
+    fault.message += (fault.message.empty() ? "" : "; or ") + WordsOf(reading, views);
   }
-  fault.message = "what cameras see lies in each other's files: " + pairs + "; so " + PercentText(exchange->exchanged) +
-                  " % of the entries agree with others, as the files are " + PercentText(exchange->agreement) + " %";
-  if (fault.corrected) evidence.keypoint_views = WithExchangedViews(evidence.keypoint_views, exchange->source);
+  if (found.alike.size() > 1) fault.message += "; which one nobody can tell: the rig looks the same from several sides";
+  fault.message += "; so " + PercentText(found.read) + " % of the entries agree with others, as given " +
+                   PercentText(found.agreement) + " %";
+  return fault;
+}
+
+/// True where views were read otherwise, and may be asked again.
+Expected<bool> MendOnce(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
+                        std::vector<RigFault>& faults) {
+  const KeypointAuditOptions& audit = options.audit;
+  const RigReadings found = FindRigReadings(evidence.keypoint_views, evidence.keypoint_names, lengths,
+                                            options.triangulation.min_confidence, audit.sure);
+  if (found.alike.empty() || (found.alike.size() > 1 && AreOfOneView(found.alike))) return false;
+  const RigReading& reading = found.alike[0];
+  const bool sure = found.confidence >= audit.sure;
+  if (!sure && (!reading.ExchangesFiles() || found.confidence < kLikely)) return false;
+  RigFault fault = FaultOf(found, evidence.keypoint_views);
+  const AuditAction action = fault.code == "view_swaps_sides" ? audit.sides : audit.exchanged;
+  if (action == AuditAction::kOff) return false;
+  if (found.alike.size() > 1 && sure && action == AuditAction::kCorrect) {
+    return Fail(
+        ErrorCode::kInconsistent,
+        fault.message + "; that it is one of them is sure to " + RoundedText(100.0 * found.confidence, 4) + " %",
+        "keypoints",
+        "look at an image of each camera and put the files right, or set fitting.keypoints.audit.exchanged to "
+        "tell: the person may then be mirrored");
+  }
+  fault.corrected = sure && found.alike.size() == 1 && action == AuditAction::kCorrect;
+  if (fault.corrected) evidence.keypoint_views = WithReading(evidence.keypoint_views, evidence.keypoint_names, reading);
   faults.push_back(std::move(fault));
+  return faults.back().corrected;
 }
 
 }  // namespace
 
-void MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-               std::vector<RigFault>& faults) {
-  if (options.audit.exchanged == AuditAction::kOff) return;
-  ReadViews(evidence, lengths, options, faults);
-  if (faults.empty() || faults.back().corrected) ExchangeViews(evidence, lengths, options, faults);
+Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
+                 std::vector<RigFault>& faults) {
+  if (options.audit.exchanged == AuditAction::kOff) return {};
+  for (int i = 0; i < kMostReadings; ++i) {
+    const Expected<bool> mended = MendOnce(evidence, lengths, options, faults);
+    if (!mended) return Forward(mended);
+    if (!*mended) break;
+  }
+  return {};
+}
+
+bool FilesAreWrong(const std::vector<RigFault>& faults) {
+  return std::any_of(faults.begin(), faults.end(),
+                     [](const RigFault& fault) { return IsOfFiles(fault) && !fault.corrected; });
+}
+
+bool FilesAreMended(const std::vector<RigFault>& faults) {
+  return std::any_of(faults.begin(), faults.end(),
+                     [](const RigFault& fault) { return IsOfFiles(fault) && fault.corrected; });
 }
 
 }  // namespace mocurate

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/motion/clip.h"
 #include "fitting/association/body_shape.h"
 #include "fitting/audit/rig_fault.h"
@@ -9,10 +10,17 @@
 
 namespace mocurate {
 
-/// Keypoint views as they should have been given: mirrored ones, ones of images of another size and ones that lie in
-/// each other's files (FindMisreadViews, FindExchangedViews), put right where `options.audit.exchanged` says so and it
-/// is sure. Each is a fault.
-void MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-               std::vector<RigFault>& faults);
+/// Keypoint views as they should have been given, by what FindRigReadings finds: ones that lie in each other's files,
+/// mirrored ones, ones of images of another size, one that calls left right. Put right where `options.audit.exchanged`
+/// (of sides: `options.audit.sides`) says so and it is sure; each is a fault. kInconsistent where it is sure that files
+/// are not as given, they are to be corrected, and more than one reading explains as much.
+Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
+                 std::vector<RigFault>& faults);
+
+/// Whether files are known to be other than given, and were left so: clocks, places and sides cannot be judged by them.
+bool FilesAreWrong(const std::vector<RigFault>& faults);
+
+/// Whether files were exchanged or turned over: which side is which may follow from that.
+bool FilesAreMended(const std::vector<RigFault>& faults);
 
 }  // namespace mocurate

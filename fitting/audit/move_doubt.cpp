@@ -9,11 +9,6 @@ namespace {
 constexpr double kLeastShare = 2.0;   ///< of the noise of a detection
 constexpr double kLeastMove = 0.008;  ///< m, at the person
 
-bool IsSame(const Camera& a, const Camera& b) {
-  return a.camera_from_world.translation == b.camera_from_world.translation &&
-         a.camera_from_world.rotation.coeffs() == b.camera_from_world.rotation.coeffs();
-}
-
 /// Longest distance between two cameras.
 double ExtentOf(const RigModel& rig) {
   double extent = 0.0;
@@ -27,11 +22,16 @@ double ExtentOf(const RigModel& rig) {
 
 }  // namespace
 
+bool StandAlike(const Camera& a, const Camera& b) {
+  return a.camera_from_world.translation == b.camera_from_world.translation &&
+         a.camera_from_world.rotation.coeffs() == b.camera_from_world.rotation.coeffs();
+}
+
 std::vector<std::size_t> MovedViews(const RigModel& given, const RigModel& model) {
   std::vector<std::size_t> moved;
   for (std::size_t v = 0; v < given.camera.size(); ++v) {
     const std::vector<CameraPart>& parts = model.camera[v];
-    const auto stands = [&](const CameraPart& part) { return IsSame(part.camera, given.camera[v][0].camera); };
+    const auto stands = [&](const CameraPart& part) { return StandAlike(part.camera, given.camera[v][0].camera); };
     if (!std::all_of(parts.begin(), parts.end(), stands)) moved.push_back(v);
   }
   return moved;

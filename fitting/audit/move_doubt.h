@@ -8,6 +8,9 @@
 
 namespace mocurate {
 
+/// Whether two cameras have one pose, to the last digit.
+bool StandAlike(const Camera& a, const Camera& b);
+
 /// Views whose cameras stand elsewhere in `model` than in `given`.
 std::vector<std::size_t> MovedViews(const RigModel& given, const RigModel& model);
 

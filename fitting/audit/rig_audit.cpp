@@ -8,8 +8,12 @@
 #include "core/base/text.h"
 #include "fitting/audit/camera_moves.h"
 #include "fitting/audit/clock_offsets.h"
+#include "fitting/audit/corrected_rig.h"
+#include "fitting/audit/fault_words.h"
 #include "fitting/audit/move_doubt.h"
 #include "fitting/audit/rig_samples.h"
+#include "fitting/audit/sides_throughout.h"
+#include "fitting/audit/view_sides.h"
 
 namespace mocurate {
 namespace {
@@ -26,7 +30,6 @@ constexpr double kLeastGain = 0.02;          ///< of the cost
 constexpr std::size_t kWitnesses = 3;        ///< that stay where they are: fewer could not be told from each other
 constexpr std::size_t kFewestWitnesses = 2;  ///< that tell where others stand at all
 constexpr double kContradiction = 0.25;  ///< of the cost, that another move explains when too few witnesses are left
-constexpr double kDegrees = 57.29577951308232;
 
 double Sum(const std::vector<double>& values) {
   double sum = 0.0;
@@ -36,11 +39,13 @@ double Sum(const std::vector<double>& values) {
 
 class Auditor {
  public:
-  Auditor(const std::vector<RigView>& rig, const Association& take, const KeypointFitOptions& options)
+  Auditor(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
+          const KeypointFitOptions& options)
       : rig_(rig),
         take_(take),
         options_(options),
-        samples_(rig, take, RigSamples::Spread(rig, take, kMoments)),
+        other_side_(OtherSides(names)),
+        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, kMoments)),
         model_(rig),
         given_(rig) {}
 
@@ -51,8 +56,10 @@ class Auditor {
     if (samples_.count() == 0) return audited;
     audited.residual_px = ResidualMap(samples_, given_, take_.time_s, options_.triangulation);
     if (rig_.size() < kLeastViews) return audited;
-    const RigAuditOptions& audit = options_.audit;
-    if (audit.clocks == AuditAction::kOff && audit.moved == AuditAction::kOff) return audited;
+    const KeypointAuditOptions& audit = options_.audit;
+    if (audit.clocks == AuditAction::kOff && audit.moved == AuditAction::kOff && audit.sides == AuditAction::kOff) {
+      return audited;
+    }
     cost_ = CostsOf(model_);
     for (std::size_t round = 0; round < 2 * rig_.size() && Improve(); ++round) {
     }
@@ -65,11 +72,12 @@ class Auditor {
     DropIdleMoves();
     DropIdleClocks();
     for (std::size_t v = 0; v < rig_.size(); ++v) {
+      TellOfSides(v, audited);
       TellOfClock(v, audited);
       TellOfMove(v, audited);
     }
     TellOfDoubt(audited);
-    if (audited.corrected) audited.rig = Corrected();
+    if (audited.corrected) audited.rig = CorrectedRig(rig_, ToCorrect(), other_side_, take_.time_s);
     return audited;
   }
 
@@ -116,6 +124,7 @@ class Auditor {
       if (move && !(Explains(*move) && IsNotable(move->view, move->model))) move.reset();
     }
     if (move && with_clocks && Sum(clock_cost) <= Sum(move->cost)) move.reset();
+    if (TakeOverSides(move ? Sum(move->cost) : with_clocks ? Sum(clock_cost) : Sum(cost_))) return true;
     if (move && TakeOver(std::move(*move))) return true;
     if (with_clocks) {
       model_ = std::move(*with_clocks);
@@ -124,6 +133,16 @@ class Auditor {
       return true;
     }
     return false;
+  }
+
+  /// Exchanges the sides of a view where that explains more than what else was found, of cost `otherwise`.
+  bool TakeOverSides(double otherwise) {
+    if (options_.audit.sides == AuditAction::kOff) return false;
+    auto sides = FindSidesThroughout(samples_, model_, cost_, options_.audit.sure, options_.triangulation);
+    if (!sides || Sum(sides->cost) > otherwise) return false;
+    model_ = std::move(sides->model);
+    cost_ = std::move(sides->cost);
+    return true;
   }
 
   bool IsNotable(std::size_t view, const RigModel& model) const {
@@ -230,27 +249,30 @@ class Auditor {
     return model;
   }
 
-  int FrameAt(double time_s) const {
-    return static_cast<int>(std::lower_bound(take_.time_s.begin(), take_.time_s.end(), time_s - 1e-9) -
-                            take_.time_s.begin());
+  int FrameAt(double moment) const { return mocurate::FrameAt(take_.time_s, moment); }
+
+  void TellOfSides(std::size_t v, AuditedRig& audited) const {
+    if (!model_.sides_exchanged[v]) return;
+    RigModel without = model_;
+    without.sides_exchanged[v] = false;
+    const std::vector<double> costs = CostsOf(without);
+    RigFault fault =
+        SidesExchanged(rig_[v].camera.camera.name, static_cast<int>(take_.time_s.size()), Sum(costs) - Sum(cost_));
+    fault.confidence = Confidence(costs, cost_);
+    fault.corrected = options_.audit.sides == AuditAction::kCorrect;
+    audited.corrected = audited.corrected || fault.corrected;
+    audited.faults.push_back(std::move(fault));
   }
 
   void TellOfClock(std::size_t v, AuditedRig& audited) const {
     if (model_.clock_s[v] == 0.0) return;
     RigModel without = model_;
     without.clock_s[v] = 0.0;
-    RigFault fault;
-    fault.code = "camera_clock_off";
-    fault.camera = rig_[v].camera.camera.name;
-    fault.value = 1e3 * model_.clock_s[v];
-    const std::vector<double> costs = CostsOf(without);
+    const auto sigma = v < clock_sigma_s_.size() ? std::optional<double>(clock_sigma_s_[v]) : std::nullopt;
+    RigFault fault =
+        ClockOff(rig_[v].camera.camera.name, model_.clock_s[v], sigma, Sum(CostsOf(without)) / Sum(cost_) - 1.0);
     fault.confidence = SureOfClock(v);
     fault.corrected = options_.audit.clocks == AuditAction::kCorrect;
-    fault.message = "what camera " + fault.camera + " stamps happens " + RoundedText(std::abs(fault.value), 3) +
-                    " ms " + (fault.value > 0.0 ? "later" : "earlier") + " by the clock of the others";
-    if (v < clock_sigma_s_.size())
-      fault.message += " (standard deviation " + RoundedText(1e3 * clock_sigma_s_[v], 2) + " ms)";
-    fault.message += ", without which it fits " + RoundedText(100.0 * (Sum(costs) / Sum(cost_) - 1.0), 2) + " % worse";
     audited.corrected = audited.corrected || fault.corrected;
     audited.faults.push_back(std::move(fault));
   }
@@ -279,29 +301,14 @@ class Auditor {
     const std::vector<CameraPart>& parts = model_.camera[v];
     RigModel without = model_;
     without.camera[v] = given_.camera[v];
+    const auto frames = static_cast<int>(take_.time_s.size());
+    const int changed = parts.size() == 2 ? FrameAt(parts[1].from_s) : frames;
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      const Camera& is = parts[p].camera;
       const Camera& was = given_.camera[v][0].camera;
-      const double moved = (is.Centre() - was.Centre()).norm();
-      const double turned = is.camera_from_world.rotation.angularDistance(was.camera_from_world.rotation);
-      if (moved == 0.0 && turned == 0.0) continue;
-      RigFault fault;
-      fault.code = "camera_moved";
-      fault.camera = rig_[v].camera.camera.name;
-      fault.value = 1e3 * moved;
+      if (StandAlike(was, parts[p].camera)) continue;
+      RigFault fault = CameraMoved(was, parts[p].camera, p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
       fault.confidence = std::min(sure_of_camera_.at(v), ConfidenceOfPart(samples_, parts, p, CostsOf(without), cost_));
       fault.corrected = options_.audit.moved == AuditAction::kCorrect;
-      const int changed = parts.size() == 2 ? FrameAt(parts[1].from_s) : 0;
-      if (parts.size() == 2) {
-        fault.frame_begin = p == 0 ? 0 : changed;
-        fault.frame_end = p == 0 ? changed : static_cast<int>(take_.time_s.size());
-      }
-      fault.message = "camera " + fault.camera + " stands " + RoundedText(fault.value, 3) + " mm and " +
-                      RoundedText(kDegrees * turned, 2) + " degrees from where its calibration has it";
-      if (parts.size() == 2) {
-        fault.message +=
-            p == 0 ? " until frame " + std::to_string(changed) : " from frame " + std::to_string(changed) + " on";
-      }
       audited.corrected = audited.corrected || fault.corrected;
       audited.faults.push_back(std::move(fault));
     }
@@ -311,14 +318,12 @@ class Auditor {
   /// calibrated stays so.
   void Settle(std::size_t v) {
     const CameraPart given = given_.camera[v][0];
-    const auto stands = [&](const CameraPart& part) {
-      return (part.camera.Centre() - given.camera.Centre()).norm() == 0.0;
-    };
+    const auto stands = [&](const CameraPart& part) { return StandAlike(part.camera, given.camera); };
     std::vector<CameraPart>& parts = model_.camera[v];
     if (std::all_of(parts.begin(), parts.end(), stands)) return;
     const std::vector<CameraPart> found = parts;
     const std::size_t step = take_.time_s.size() * take_.people.size() / kSettlingMoments + 1;
-    RefitParts(RigSamples(rig_, take_, EveryFrame(take_.time_s.front(), take_.time_s.back(), step)), v,
+    RefitParts(RigSamples(rig_, take_, other_side_, EveryFrame(take_.time_s.front(), take_.time_s.back(), step)), v,
                options_.triangulation, model_);
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (stands(found[p])) parts[p] = found[p];
@@ -348,38 +353,23 @@ class Auditor {
     };
     std::vector<RigMoment> between = EveryFrame(time(at - 3), time(at + 2));
     if (between.empty()) return;
-    from_s = WhenMoved(RigSamples(rig_, take_, std::move(between)), model_, v, options_.triangulation);
+    from_s = WhenMoved(RigSamples(rig_, take_, other_side_, std::move(between)), model_, v, options_.triangulation);
   }
 
-  std::vector<RigView> Corrected() const {
-    std::vector<RigView> rig;
-    const bool clocks = options_.audit.clocks == AuditAction::kCorrect;
-    const bool moved = options_.audit.moved == AuditAction::kCorrect;
-    for (std::size_t v = 0; v < rig_.size(); ++v) {
-      const std::vector<CameraPart>& parts = moved ? model_.camera[v] : given_.camera[v];
-      RigView whole = rig_[v];
-      for (double& time : whole.time_s) time += clocks ? model_.clock_s[v] : 0.0;
-      int begin = 0;
-      for (std::size_t p = 0; p < parts.size(); ++p) {
-        int end = whole.frames();
-        if (p + 1 < parts.size()) {
-          end =
-              static_cast<int>(std::lower_bound(whole.time_s.begin(), whole.time_s.end(), parts[p + 1].from_s - 1e-9) -
-                               whole.time_s.begin());
-        }
-        RigView view = parts.size() > 1 ? whole.Frames(begin, end) : whole;
-        view.camera = TriangulationView(parts[p].camera);
-        if (p > 0) view.camera.camera.name += " from frame " + std::to_string(FrameAt(parts[p].from_s));
-        if (view.frames() > 0) rig.push_back(std::move(view));
-        begin = end;
-      }
-    }
-    return rig;
+  /// The model, what is only to be told taken back.
+  RigModel ToCorrect() const {
+    RigModel model = model_;
+    const KeypointAuditOptions& audit = options_.audit;
+    if (audit.clocks != AuditAction::kCorrect) model.clock_s = given_.clock_s;
+    if (audit.moved != AuditAction::kCorrect) model.camera = given_.camera;
+    if (audit.sides != AuditAction::kCorrect) model.sides_exchanged = given_.sides_exchanged;
+    return model;
   }
 
   const std::vector<RigView>& rig_;
   const Association& take_;
   const KeypointFitOptions& options_;
+  std::vector<std::size_t> other_side_;
   RigSamples samples_;
   RigModel model_;
   RigModel given_;
@@ -392,8 +382,9 @@ class Auditor {
 
 }  // namespace
 
-AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const KeypointFitOptions& options) {
-  return Auditor(rig, take, options).Audit();
+AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
+                    const KeypointFitOptions& options) {
+  return Auditor(rig, take, names, options).Audit();
 }
 
 }  // namespace mocurate

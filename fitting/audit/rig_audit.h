@@ -22,9 +22,11 @@ struct AuditedRig {
   std::vector<std::vector<double>> residual_px;
 };
 
-/// Clocks and places of cameras, from everybody that views agree on. At 32 moments of the take the points of all views
-/// are compared with what each sees: clocks by RefineClocks, places by FindMove; what explains most is taken over, and
-/// the rest is asked again, until nothing does. Fewer than three views are taken as they are.
-AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const KeypointFitOptions& options);
+/// Clocks and places of cameras and views that list left as right throughout, from everybody that views agree on. At 32
+/// moments of the take the points of all views are compared with what each sees: clocks by RefineClocks, places by
+/// FindMove, sides by FindSidesThroughout; what explains most is taken over, and the rest is asked again, until nothing
+/// does. `names` (K) of the keypoints. Fewer than three views are taken as they are.
+AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
+                    const KeypointFitOptions& options);
 
 }  // namespace mocurate

@@ -33,12 +33,13 @@ bool SeenByTwo(const AssociatedPerson& person, std::size_t view, std::size_t fra
 
 }  // namespace
 
-RigModel::RigModel(const std::vector<RigView>& rig) : clock_s(rig.size(), 0.0) {
+RigModel::RigModel(const std::vector<RigView>& rig) : clock_s(rig.size(), 0.0), sides_exchanged(rig.size(), false) {
   for (const RigView& view : rig) camera.push_back({CameraPart{view.camera.camera}});
 }
 
-RigSamples::RigSamples(const std::vector<RigView>& rig, const Association& take, std::vector<RigMoment> moments)
-    : rig_(rig), take_(take), moments_(std::move(moments)) {
+RigSamples::RigSamples(const std::vector<RigView>& rig, const Association& take,
+                       const std::vector<std::size_t>& other_side, std::vector<RigMoment> moments)
+    : rig_(rig), take_(take), other_side_(other_side), moments_(std::move(moments)) {
   for (const RigView& view : rig) step_.push_back(UsualStep(view.time_s));
 }
 
@@ -74,6 +75,12 @@ ViewKeypoints RigSamples::View(const RigModel& model, std::size_t view, std::siz
     const auto& entry = take_.people[static_cast<std::size_t>(moments_[i].person)].entry[view];
     ReadBetweenFrames(from, entry, step_[view], time - model.clock_s[view] + later_s,
                       seen.normalised.data() + i * keypoints, seen.confidence.data() + i * keypoints);
+    if (!model.sides_exchanged[view]) continue;
+    for (std::size_t k = 0; k < keypoints; ++k) {
+      if (other_side_[k] <= k) continue;
+      std::swap(seen.normalised[i * keypoints + k], seen.normalised[i * keypoints + other_side_[k]]);
+      std::swap(seen.confidence[i * keypoints + k], seen.confidence[i * keypoints + other_side_[k]]);
+    }
   }
   return seen;
 }

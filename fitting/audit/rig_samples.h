@@ -16,12 +16,13 @@ struct CameraPart {
   double from_s = -std::numeric_limits<double>::infinity();
 };
 
-/// What a rig is taken for: clocks and poses of its cameras (index: view).
+/// What a rig is taken for: clocks and poses of its cameras, and what they call left (index: view).
 struct RigModel {
   explicit RigModel(const std::vector<RigView>& rig);
 
   std::vector<double> clock_s;                  ///< what a view stamps t happens at t + clock
   std::vector<std::vector<CameraPart>> camera;  ///< one, or a second one after it was moved
+  std::vector<bool> sides_exchanged;            ///< what the view lists as left is right
 };
 
 /// A person at a moment of the take.
@@ -33,8 +34,9 @@ struct RigMoment {
 /// What the cameras of a rig see of everybody at some moments, under models of the rig. M moments, K keypoints.
 class RigSamples {
  public:
-  /// `rig` and `take` must outlive this.
-  RigSamples(const std::vector<RigView>& rig, const Association& take, std::vector<RigMoment> moments);
+  /// `other_side` (K): OtherSides. `rig`, `take` and `other_side` must outlive this.
+  RigSamples(const std::vector<RigView>& rig, const Association& take, const std::vector<std::size_t>& other_side,
+             std::vector<RigMoment> moments);
 
   /// At most `most` moments at which at least two views see somebody, spread over the take; sorted by time.
   static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most);
@@ -56,6 +58,7 @@ class RigSamples {
  private:
   const std::vector<RigView>& rig_;
   const Association& take_;
+  const std::vector<std::size_t>& other_side_;
   std::vector<RigMoment> moments_;
   std::vector<double> step_;
 };

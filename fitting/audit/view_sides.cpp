@@ -90,6 +90,19 @@ std::vector<bool> CheapestPath(const std::vector<double>& gains) {
 
 }  // namespace
 
+std::vector<std::size_t> OtherSides(const std::vector<std::string>& names) {
+  std::vector<std::size_t> others(names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    others[k] = k;
+    for (const auto& [here, there] : {std::pair<std::string, std::string>{"left_", "right_"}, {"right_", "left_"}}) {
+      if (names[k].rfind(here, 0) != 0) continue;
+      const auto other = std::find(names.begin(), names.end(), there + names[k].substr(here.size()));
+      if (other != names.end()) others[k] = static_cast<std::size_t>(other - names.begin());
+    }
+  }
+  return others;
+}
+
 std::vector<SideExchange> FindSideExchanges(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
                                             const std::vector<std::string>& names, double noise_px,
                                             double least_margin) {

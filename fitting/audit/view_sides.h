@@ -17,6 +17,9 @@ struct SideExchange {
   double margin = 0.0;  ///< by how much likelier it is, as a difference of log likelihoods
 };
 
+/// (K) index of the keypoint of the other side ("left_knee" of "right_knee"), or its own.
+std::vector<std::size_t> OtherSides(const std::vector<std::string>& names);
+
 /// Left and right arms or legs that a view exchanges, by a search over time (Viterbi, two states per view and limb): a
 /// state costs what the view's detections depart from the points of all views (heavy tails, `noise_px`), a change of
 /// state has its price. Only where points are found, which most views agree on: of two views nothing is said. `names`

@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "fitting/audit/confidence.h"
 #include "fitting/clouds/rig_clocks.h"
+#include "fitting/clouds/rig_common_faults.h"
 #include "fitting/clouds/rig_exchange.h"
 #include "fitting/clouds/rig_far_views.h"
 #include "fitting/clouds/rig_fault_words.h"
@@ -24,18 +25,12 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 6;  ///< comparisons that a judgement takes
 constexpr std::size_t kMostViews = 12;     ///< that clocks are looked for in
-constexpr std::size_t kFewViews = 8;       ///< all of which may have been moved
-constexpr std::size_t kMostMoved = 4;      ///< of more views
-constexpr double kOddLoss = 1.3;           ///< of the median, from which on one of many views may have been moved
 constexpr double kLeastGain = 0.08;        ///< of the loss, by a move of kLeastMove; farther ones gain more
 constexpr double kSureGain = 0.3;          ///< what any move that is real gains
 constexpr double kFewerMoves = 0.15;       ///< of the gain, for which one camera less is said to have been moved
 constexpr double kStrangersLoss = 0.2;     ///< views that then still agree no better may be of something else
 constexpr double kLeastMove = 0.008;       ///< m at the person
 constexpr double kPersonRadius = 0.45;     ///< m; what a turn moves
-constexpr double kHalfDepth = 0.1;   ///< m; how much nearer to a camera what it sees of a person is than the middle
-constexpr double kAside = 0.12;      ///< m that a view's person is beside the others', farther than surfaces meet
-constexpr double kAlongAxis = 0.95;  ///< of a move, from which on wrong depths explain it as well
 
 class Auditor {
  public:
@@ -45,14 +40,19 @@ class Auditor {
   }
 
   Expected<AuditedDepthRig> Audit() {
-    if (Status person = CheckPerson(); !person) return Forward(person);
+    if (Status seen = See(); !seen) return Forward(seen);
+    if (Status person = CheckSomebodyIsSeen(rig_, witness_.flat()); !person) return Forward(person);
     if (Status mended = MendLengths(); !mended) return Forward(mended);
     if (Status seen = See(); !seen) return Forward(seen);
     report_.without_person = WithoutPerson(rig_);
     report_.frames = witness_.frames();
     report_.loss = LossOfViews();
     report_.residual_mm = ResidualsOfViews(rig_, cameras_);
-    if (const bool judged = CanJudge(); judged && MendFiles()) {
+    const bool judged = CanJudge();
+    if (judged) {
+      if (Status mended = MendCommon(); !mended) return Forward(mended);
+    }
+    if (judged && MendFiles()) {
       if (Status seen = See(); !seen) return Forward(seen);
     }
     if (Status mended = MendDepths(); !mended) return Forward(mended);
@@ -81,19 +81,6 @@ class Auditor {
     return {};
   }
 
-  /// Refused where all that any view sees is flat.
-  Status CheckPerson() {
-    if (Status seen = See(); !seen) return seen;
-    const auto sees = [](const SeenMoment& moment) {
-      return std::any_of(moment.begin(), moment.end(), [](const ViewSurface* surface) { return surface != nullptr; });
-    };
-    if (witness_.flat() == 0 || std::any_of(rig_.moments.begin(), rig_.moments.end(), sees)) return {};
-    return Fail(ErrorCode::kInconsistent,
-                "nobody is seen: what " + Counted(static_cast<long long>(late_.size()), "depth camera") +
-                    " see is flat, a wall or a door",
-                "depth views", "give masks of the person, or leave this clip out");
-  }
-
   /// Of two views nobody can tell which one is where it should be.
   bool CorrectsMoves() const { return options_.moved == AuditAction::kCorrect && late_.size() > 2; }
 
@@ -107,13 +94,7 @@ class Auditor {
           ErrorCode::kInconsistent, WordsOf(**misread), "depth views",
           "declare the unit of depths and of the calibration, or set fitting.point_clouds.audit.unit to correct");
     }
-    RigFault fault;
-    fault.code = "calibration_unit";
-    fault.value = (*misread)->depth != 1.0 ? (*misread)->depth : (*misread)->places;
-    fault.confidence = 1.0;
-    fault.corrected = true;
-    fault.message = WordsOf(**misread);
-    report_.faults.push_back(std::move(fault));
+    report_.faults.push_back(LengthsMisread(**misread));
     witness_ = RigWitness(WithLengths(witness_.views(), **misread));
     cameras_ = CamerasOf(witness_.views());
     return {};
@@ -142,6 +123,38 @@ class Auditor {
     return {};
   }
 
+  /// What is wrong with all views alike, if that explains more than one camera's depths, its place, or exchanged files.
+  /// Images that are turned over can only be told.
+  Status MendCommon() {
+    const auto common = FindCommonFault(rig_, losses_);
+    if (!common || common->confidence < options_.sure) return {};
+    const AuditAction action = common->mirrored ? options_.exchanged : options_.moved;
+    if (action == AuditAction::kOff) return {};
+    const auto single = FindWrongDepths(witness_, late_, rig_, cameras_);
+    if (!single) return Forward(single);
+    const auto exchange = FindFileExchange(rig_, losses_);
+    const auto moved = FindFarMove();
+    if (!moved) return Forward(moved);
+    const double others = std::min({*single ? (*single)->loss : 1.0, exchange ? exchange->exchanged : 1.0,
+                                    *moved ? MeanLoss(LossOfSamples(rig_, **moved)) : 1.0});
+    if (common->mended > (1.0 - kFewerMoves) * others) return {};
+    RigFault fault = FaultOfAll(report_.cameras, *common, rig_);
+    fault.confidence = common->confidence;
+    if (common->mirrored && action == AuditAction::kCorrect) {
+      return Fail(ErrorCode::kInconsistent,
+                  fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %", "depth views",
+                  "turn the images over, or give the calibration of the images as they are; with "
+                  "fitting.point_clouds.audit.exchanged: tell they are taken as given");
+    }
+    files_wrong_ = common->mirrored;
+    fault.corrected = !common->mirrored && CorrectsMoves();
+    report_.faults.push_back(std::move(fault));
+    if (common->mirrored) return {};
+    all_depths_ = common->factor;
+    witness_ = RigWitness(WithAllDepths(witness_.views(), all_depths_));
+    return See();
+  }
+
   bool CanJudge() {
     if (late_.size() < 2) return false;
     const auto samples = static_cast<std::size_t>(
@@ -156,7 +169,7 @@ class Auditor {
 
   /// True where files were exchanged back.
   bool MendFiles() {
-    if (options_.exchanged == AuditAction::kOff) return false;
+    if (options_.exchanged == AuditAction::kOff || files_wrong_) return false;
     const auto exchange = FindFileExchange(rig_, losses_);
     if (!exchange) return false;
     RigFault fault = ExchangedFiles(report_.cameras, *exchange);
@@ -217,28 +230,9 @@ class Auditor {
     return true;
   }
 
-  /// Views that may have been moved: all but the one that agrees best, of many those that stick out.
-  std::vector<bool> MayHaveMoved() const {
-    const std::vector<double> loss = LossOfViews();
-    std::vector<bool> may(loss.size(), loss.size() <= kFewViews);
-    if (loss.size() <= kFewViews) {
-      may[static_cast<std::size_t>(std::min_element(loss.begin(), loss.end()) - loss.begin())] = false;
-      return may;
-    }
-    std::vector<double> sorted = loss;
-    const double usual = Median(sorted);
-    std::vector<std::pair<double, std::size_t>> odd;
-    for (std::size_t v = 0; v < loss.size(); ++v) {
-      if (loss[v] > kOddLoss * usual) odd.emplace_back(-loss[v], v);
-    }
-    std::sort(odd.begin(), odd.end());
-    for (std::size_t i = 0; i < std::min(odd.size(), kMostMoved); ++i) may[odd[i].second] = true;
-    return may;
-  }
-
   /// Cameras of views that surely stand elsewhere than `cameras_` has them, registered; others put back one by one.
   Expected<std::optional<std::vector<Camera>>> FindMoves() {
-    std::vector<bool> free = MayHaveMoved();
+    std::vector<bool> free = MayHaveMoved(LossOfViews());
     std::vector<double> by_clock(free.size(), -1.0);
     while (std::find(free.begin(), free.end(), true) != free.end()) {
       Expected<std::vector<Camera>> found = Register(rig_, free, cameras_);
@@ -360,6 +354,7 @@ class Auditor {
 
   std::vector<DepthView> Corrected() const {
     std::vector<DepthView> views = witness_.views();
+    if (!CorrectsMoves()) views = WithAllDepths(std::move(views), 1.0 / all_depths_);
     if (wrong_depths_ && !CorrectsMoves()) {
       views = WithDepths(std::move(views), wrong_depths_->view, 1.0 / wrong_depths_->factor);
     }
@@ -379,6 +374,7 @@ class Auditor {
   std::vector<double> losses_;
   bool files_wrong_ = false;
   std::optional<WrongDepths> wrong_depths_;
+  double all_depths_ = 1.0;  ///< factor on them
   DepthRigReport report_;
 };
 

@@ -23,7 +23,7 @@ struct DepthRigReport {
   std::vector<RigFault> faults;
   std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
 
-  /// Something is wrong and was left as it is.
+  /// Something is wrong and was left as it is, or no view agrees with any other.
   bool IsDoubtful() const;
 };
 

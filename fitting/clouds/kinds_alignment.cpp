@@ -31,6 +31,12 @@ struct Placement {
   double late_s = 0.0;
 };
 
+/// Of the unknowns those that are looked for.
+struct Free {
+  bool move = false;
+  bool delay = false;
+};
+
 double MeanSpread(const Eigen::Matrix3Xd& points) {
   return std::sqrt((points.colwise() - points.rowwise().mean()).colwise().squaredNorm().mean());
 }
@@ -77,8 +83,8 @@ class Aligner {
     return all > 0.0 ? Explained{loss / all, near / all} : Explained{};
   }
 
-  /// One Gauss-Newton step from the placement; the information of the unknowns.
-  Eigen::Matrix<double, 7, 7> Improve(double reach, bool delay, Placement& placement) const {
+  /// One Gauss-Newton step from the placement, over what is free; the information of the unknowns.
+  Eigen::Matrix<double, 7, 7> Improve(double reach, Free free, Placement& placement) const {
     Eigen::Matrix<double, 7, 7> matrix = Eigen::Matrix<double, 7, 7>::Zero();
     Unknowns right = Unknowns::Zero();
     for (const int f : frames_) {
@@ -92,8 +98,9 @@ class Aligner {
         const double weight =
             std::pow(kScale * kScale / (r * r + kScale * kScale), 2) / (kPatchPoints * kScale * kScale);
         Unknowns row;
-        row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out),
-            delay ? at.speed : 0.0;
+        row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out), at.speed;
+        if (!free.move) row.head<6>().setZero();
+        if (!free.delay) row[6] = 0.0;
         matrix.noalias() += weight * row * row.transpose();
         right.noalias() -= weight * r * row;
       }
@@ -198,34 +205,40 @@ KindsAlignment AlignKinds(const FleshBody& body, const PoseState& state, const s
   found.apart = Median(far);
   found.size_ratio = Median(sizes);
   const Aligner::Explained given = aligner.Explain({}, reach);
-  found.near = given.near;
-  const auto settle = [&](bool delay, double wide, Placement& placement) {
+  found.near = found.near_after = given.near;
+  found.loss = given.loss;
+  const auto settle = [&](Free free, double wide, Placement& placement) {
     Eigen::Matrix<double, 7, 7> information;
     for (int round = 0; round < kRounds; ++round) {
       const double widening = 1.0 + (wide - 1.0) * std::max(0.0, 1.0 - static_cast<double>(round) / kWideRounds);
-      information = aligner.Improve(widening * reach, delay, placement);
+      information = aligner.Improve(widening * reach, free, placement);
       placement.late_s = std::clamp(placement.late_s, -longest_s, longest_s);
     }
-    return Eigen::Matrix<double, 7, 7>(information.inverse());
+    const Eigen::Matrix<double, 7, 7> covariance = information.inverse();
+    const Aligner::Explained explained = aligner.Explain(placement, reach);
+    found.near_after = std::max(found.near_after, explained.near);
+    KindsAlignment::Taken taken;
+    taken.world_from_clouds = aligner.Transform(placement);
+    taken.moved = placement.move.norm();
+    taken.turned = LogQuaternion(placement.turn).norm();
+    taken.late_s = placement.late_s;
+    taken.moved_spread = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+    taken.late_spread = std::sqrt(covariance(6, 6));
+    taken.loss = explained.loss;
+    return taken;
   };
   Placement still;
   if (found.apart > kFar) still.move = Vector3d(Median(apart[0]), Median(apart[1]), Median(apart[2]));
-  const Eigen::Matrix<double, 7, 7> covariance = settle(false, kWide, still);
-  const Aligner::Explained moved = aligner.Explain(still, reach);
-  Placement late = still;
-  late.late_s = FirstDelay(aligner, still, step_s, longest_s, reach);
-  const Eigen::Matrix<double, 7, 7> covariance_late = settle(true, 1.0, late);
-  const Aligner::Explained delayed = aligner.Explain(late, reach);
-  found.world_from_clouds = aligner.Transform(still);
-  found.world_from_late_clouds = aligner.Transform(late);
-  found.moved = still.move.norm();
-  found.turned = LogQuaternion(still.turn).norm();
-  found.late_s = late.late_s;
-  found.moved_spread = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
-  found.late_spread = std::sqrt(covariance_late(6, 6));
-  found.near_after = std::max(moved.near, delayed.near);
-  found.gain_moved = given.loss > 0.0 ? 1.0 - moved.loss / given.loss : 0.0;
-  found.gain_late = moved.loss > 0.0 ? 1.0 - delayed.loss / moved.loss : 0.0;
+  found.moved = settle({true, false}, kWide, still);
+  Placement late, both = still;
+  late.late_s = FirstDelay(aligner, late, step_s, longest_s, reach);
+  found.late = settle({false, true}, 1.0, late);
+  both.late_s = FirstDelay(aligner, still, step_s, longest_s, reach);
+  found.both = settle({true, true}, 1.0, both);
+  // From where the delay alone leads: a move that stands for a delay hides it.
+  Placement after_late = late;
+  const KindsAlignment::Taken other = settle({true, true}, 1.0, after_late);
+  if (other.loss < found.both.loss) found.both = other;
   return found;
 }
 

@@ -57,6 +57,38 @@ RigFault DepthsOff(const std::string& camera, const WrongDepths& wrong) {
   return fault;
 }
 
+RigFault LengthsMisread(const MisreadLengths& misread) {
+  RigFault fault;
+  fault.code = "calibration_unit";
+  fault.value = misread.depth != 1.0 ? misread.depth : misread.places;
+  fault.confidence = 1.0;
+  fault.corrected = true;
+  fault.message = WordsOf(misread);
+  return fault;
+}
+
+RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& common, const SeenRig& rig) {
+  RigFault fault;
+  for (const std::string& camera : cameras) fault.camera += (fault.camera.empty() ? "" : ", ") + camera;
+  if (common.mirrored) {
+    fault.code = "view_mirrored";
+    fault.value = common.mended;
+    fault.message = "images of all depth cameras are mirrored, x counts from the right";
+  } else {
+    double distance = 0.0;
+    for (const DepthView& view : rig.views)
+      distance += (rig.centre - view.camera.Centre()).norm() / static_cast<double>(rig.views.size());
+    fault.code = "camera_depths_off";
+    fault.value = 1e3 * distance * (1.0 - common.factor);
+    fault.message = "depths of all cameras are too " + std::string(common.factor < 1.0 ? "long" : "short") +
+                    " by a factor of " + RoundedText(1.0 / common.factor, 3) + ", " +
+                    RoundedText(std::abs(fault.value), 2) + " mm at the person";
+  }
+  fault.message += ": mended, " + RoundedText(100.0 * common.mended, 2) +
+                   " % of what they see contradicts the others, as given " + RoundedText(100.0 * common.loss, 2) + " %";
+  return fault;
+}
+
 RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre) {
   const CameraMoveAt move = MoveBetween(was, is, centre);
   const Vector3d way = is.Centre() - was.Centre();

@@ -5,8 +5,10 @@
 
 #include "core/geometry/camera.h"
 #include "fitting/audit/rig_fault.h"
+#include "fitting/clouds/rig_common_faults.h"
 #include "fitting/clouds/rig_exchange.h"
 #include "fitting/clouds/rig_far_views.h"
+#include "fitting/clouds/rig_units.h"
 
 namespace mocurate {
 
@@ -16,6 +18,10 @@ RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExcha
 /// `off_ms` later by the clock of the others; `frames` is how many images later the nearest one is.
 RigFault ClockOff(const std::string& camera, double off_ms, int frames);
 RigFault DepthsOff(const std::string& camera, const WrongDepths& wrong);
+/// Which is corrected, and sure: nothing else makes a person of them.
+RigFault LengthsMisread(const MisreadLengths& misread);
+/// Of all cameras of a rig.
+RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& common, const SeenRig& rig);
 /// `centre`: where the person is.
 RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre);
 

@@ -5,12 +5,15 @@
 
 #include "core/base/text.h"
 #include "fitting/audit/confidence.h"
+#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kContradicting = 0.25;  ///< loss of every comparison
 constexpr double kLikely = 0.9;
+constexpr std::size_t kMostMoved = 4;  ///< of more views than kFewViews
+constexpr double kOddLoss = 1.3;       ///< of the median, from which on one of many views may have been moved
 
 /// Loss of the view's best agreement with another one; 0 where it is compared with none.
 double BestLoss(const SeenRig& rig, const std::vector<double>& losses, std::size_t view) {
@@ -48,6 +51,24 @@ std::vector<RigFault> StrangersOf(const SeenRig& rig, const std::vector<double>&
     if (fault.confidence >= kLikely) strangers.push_back(std::move(fault));
   }
   return strangers;
+}
+
+std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views) {
+  const std::vector<double>& loss = loss_of_views;
+  std::vector<bool> may(loss.size(), loss.size() <= kFewViews);
+  if (loss.size() <= kFewViews) {
+    may[static_cast<std::size_t>(std::min_element(loss.begin(), loss.end()) - loss.begin())] = false;
+    return may;
+  }
+  std::vector<double> sorted = loss;
+  const double usual = Median(sorted);
+  std::vector<std::pair<double, std::size_t>> odd;
+  for (std::size_t v = 0; v < loss.size(); ++v) {
+    if (loss[v] > kOddLoss * usual) odd.emplace_back(-loss[v], v);
+  }
+  std::sort(odd.begin(), odd.end());
+  for (std::size_t i = 0; i < std::min(odd.size(), kMostMoved); ++i) may[odd[i].second] = true;
+  return may;
 }
 
 }  // namespace mocurate

@@ -11,4 +11,9 @@ namespace mocurate {
 /// their clocks may be off by more than `longest_s`, or they see something else.
 std::vector<RigFault> StrangersOf(const SeenRig& rig, const std::vector<double>& losses, double longest_s);
 
+/// (V) views whose cameras may have been moved, by the mean loss of each: all but the one that agrees best, of more
+/// than kFewViews those that stick out.
+inline constexpr std::size_t kFewViews = 8;
+std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views);
+
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "fitting/stop_request.h"
 
@@ -159,6 +160,17 @@ std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, s
     of_view.second.push_back(others[i]);
   }
   return of_view;
+}
+
+Status CheckSomebodyIsSeen(const SeenRig& rig, int flat) {
+  const auto sees = [](const SeenMoment& moment) {
+    return std::any_of(moment.begin(), moment.end(), [](const ViewSurface* surface) { return surface != nullptr; });
+  };
+  if (flat == 0 || std::any_of(rig.moments.begin(), rig.moments.end(), sees)) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "nobody is seen: what " + Counted(static_cast<long long>(rig.views.size()), "depth camera") +
+                  " see is flat, a wall or a door",
+              "depth views", "give masks of the person, or leave this clip out");
 }
 
 std::vector<double> WithoutPerson(const SeenRig& rig) {

@@ -52,6 +52,9 @@ class RigWitness {
 /// moment of each group; mm, 0 where no other view sees the same surface.
 std::vector<std::vector<double>> ResidualsOfViews(const SeenRig& rig, const std::vector<Camera>& cameras);
 
+/// kInconsistent where nobody is seen, and what is seen is flat (RigWitness::flat).
+Status CheckSomebodyIsSeen(const SeenRig& rig, int flat);
+
 /// (views) share of the moments that show somebody in which a view shows nobody.
 std::vector<double> WithoutPerson(const SeenRig& rig);
 

@@ -312,7 +312,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   const std::vector<KnownLength> lengths = KnownLengths(found.tracks.names, skeleton);
   Association take = AssociatePeople(rig, lengths);
   if (take.people.empty()) return tl::unexpected<Error>(WhyNobody(rig));
-  const AuditedRig audited = AuditRig(rig, take, options);
+  const AuditedRig audited = AuditRig(rig, take, evidence.keypoint_names, options);
   if (audited.corrected) {
     rig = audited.rig;
     take = AssociatePeople(rig, lengths, take.time_s);
@@ -362,6 +362,12 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   return found;
 }
 
+/// Clocks, places and sides are judged by files that are where they should be.
+KeypointFitOptions WithoutAudit(KeypointFitOptions options) {
+  options.audit.clocks = options.audit.moved = options.audit.sides = AuditAction::kOff;
+  return options;
+}
+
 }  // namespace
 
 Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Skeleton& skeleton,
@@ -369,8 +375,10 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   if (Status checked = CheckViews(evidence); !checked) return tl::unexpected<Error>(checked.error());
   std::vector<RigFault> faults;
   Evidence as_seen = evidence;
-  MendFiles(as_seen, KnownLengths(DetectorNames(evidence.keypoint_names), skeleton), options, faults);
-  return Triangulated(as_seen, skeleton, options, std::move(faults));
+  const std::vector<KnownLength> lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
+  if (Status mended = MendFiles(as_seen, lengths, options, faults); !mended) return Forward(mended);
+  const bool wrong = FilesAreWrong(faults);
+  return Triangulated(as_seen, skeleton, wrong ? WithoutAudit(options) : options, std::move(faults));
 }
 
 }  // namespace mocurate

@@ -21,7 +21,7 @@ struct KeypointTracks {
 
 /// Person `evidence.subject` of the clip's keypoint views: associated across views and time, ordered by presence,
 /// triangulated. `skeleton` says which keypoints are ends of bones, and how long bones are. The rig is audited first
-/// (FindExchangedViews, AuditRig, FindKeypointOrder, FindUnit), and corrected where options say so: each fault is a
+/// (MendFiles, AuditRig, FindKeypointOrder, FindUnit), and corrected where options say so: each fault is a
 /// finding. Further findings: other people, entries left out, a camera that disagrees, keypoints never found, views too
 /// close together. Errors, each with its numbers: kInconsistent for shapes that disagree, fewer than two cameras, a
 /// person that is not there; for views that agree on nobody, with what their rays do (all from one direction, meeting

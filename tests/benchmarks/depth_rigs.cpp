@@ -1,9 +1,10 @@
 // bench_depth_rigs [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: the clips of bench_fit_clouds (its images,
 // where FOLDER has them) with a fault in the rig that the audit of depth views has to find: none, one camera of the
 // clip moved by moved=0.03 metres and turned by turned=2 degrees, its images late=1 frame too late, its files
-// exchanged=1 with the next one's; all=1: every camera but the first is moved. rig=1: rendered_seq; rig=2: rgbd100, 80
-// views of one moment. How often it is found, what else is told, where the cameras stand before and after (at the
-// person, and at the camera), the time that it takes per clip.
+// exchanged=1 with the next one's; all=1: every camera but the first is moved. depths=1.1: what all cameras measure is
+// so many times too long; mirrored=1: all images are turned over (refused is found). rig=1: rendered_seq; rig=2:
+// rgbd100, 80 views of one moment. How often it is found, what else is told, where the cameras stand before and after
+// (at the person, and at the camera), the time that it takes per clip.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -81,7 +82,7 @@ int main(int argc, char** argv) {
   const std::vector<RigTake> takes = TakesOf(static_cast<int>(given["rig"]), wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no clips: set MOCURATE_TEST_DATA\n"), 2;
   double seconds = 0.0;
-  int found = 0, wrong = 0, faulty = 0, audited_clips = 0;
+  int found = 0, wrong = 0, faulty = 0, audited_clips = 0, refused = 0;
   std::vector<double> before_mm, after_mm, before_deg, after_deg, loss, loss_after;
   for (std::size_t i = 0; i < takes.size(); ++i) {
     const RigTake& take = takes[i];
@@ -107,6 +108,12 @@ int main(int argc, char** argv) {
       is_bad[bad] = true;
       ExchangeFiles(views[bad], views[(bad + 1) % views.size()]);
     }
+    if (given["depths"] > 0.0) {
+      code = "camera_depths_off";
+      is_bad.assign(views.size(), true);
+      for (DepthView& view : views) view.metres_per_unit *= given["depths"];
+    }
+    if (given["mirrored"] != 0.0) views = *WithMirroredImages(std::move(views), folder / "mirrored");
     PointCloudOptions options;
     if (given.count("sure") != 0) options.audit.sure = given["sure"];
     const double begin = CpuSeconds();
@@ -114,6 +121,7 @@ int main(int argc, char** argv) {
     seconds += CpuSeconds() - begin;
     if (!audited) {
       std::fprintf(stderr, "%s: %s\n", take.name.c_str(), audited.error().Message().c_str());
+      ++refused;
       continue;
     }
     if (audited->report.not_audited.empty()) ++audited_clips;
@@ -157,10 +165,11 @@ int main(int argc, char** argv) {
     return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
   };
   std::printf(
-      "{\"name\": \"depth_rigs\", \"clips\": %zu, \"audited\": %d, \"faulty\": %d, \"found\": %d, \"others_told\": %d, "
+      "{\"name\": \"depth_rigs\", \"clips\": %zu, \"refused\": %d, \"audited\": %d, \"faulty\": %d, \"found\": %d, "
+      "\"others_told\": %d, "
       "\"loss\": %.4f, \"loss_after\": %.4f, \"person_off_mm\": %.1f, \"after_mm\": %.1f, \"worst_after_mm\": %.1f, "
       "\"turned_deg\": %.2f, \"after_deg\": %.2f, \"worst_after_deg\": %.2f, \"seconds_per_clip\": %.4f}\n",
-      takes.size(), audited_clips, faulty, found, wrong, Median(loss), Median(loss_after), Median(before_mm),
+      takes.size(), refused, audited_clips, faulty, found, wrong, Median(loss), Median(loss_after), Median(before_mm),
       Median(after_mm), worst(after_mm), Median(before_deg), Median(after_deg), worst(after_deg),
       seconds / static_cast<double>(takes.size()));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
@@ -11,6 +12,7 @@
 #include "core/base/file.h"
 #include "core/base/random.h"
 #include "core/motion/clip.h"
+#include "fitting/clouds/depth_image.h"
 
 namespace mocurate {
 
@@ -46,6 +48,26 @@ inline void ExchangeFiles(DepthView& a, DepthView& b) {
   std::swap(a.sha256, b.sha256);
   std::swap(a.masks, b.masks);
   std::swap(a.mask_sha256, b.mask_sha256);
+}
+
+/// The same views with every image turned over, written to `folder`: x counts from the right.
+inline Expected<std::vector<DepthView>> WithMirroredImages(std::vector<DepthView> views,
+                                                           const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  for (DepthView& view : views) {
+    view.sha256.clear();
+    for (std::filesystem::path& file : view.files) {
+      Expected<DepthImage> image = ReadDepthImage(file);
+      if (!image) return Forward(image);
+      for (int y = 0; y < image->height; ++y) {
+        const auto row = image->values.begin() + static_cast<std::ptrdiff_t>(y) * image->width;
+        std::reverse(row, row + image->width);
+      }
+      file = folder / (view.camera.name + "_" + file.filename().string());
+      if (Status written = WriteDepthImage(*image, file); !written) return Forward(written);
+    }
+  }
+  return views;
 }
 
 /// The numbers of a matrix in an OpenCV XML file.

@@ -179,6 +179,7 @@ TEST_F(MixedTakes, DepthCamerasWithAClockOfTheirOwnAreToldAndRead) {
   const Finding* clock = Find(*fit, kKindsClock);
   ASSERT_NE(clock, nullptr);
   EXPECT_NEAR(clock->value, 150.0, 20.0);
+  EXPECT_EQ(Find(*fit, kKindsApart), nullptr) << Find(*fit, kKindsApart)->message;
 }
 
 TEST_F(MixedTakes, AKindThatShowsNobodyLeavesTheOtherAloneAndSaysSo) {

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/motion/clip.h"
+#include "fitting/audit/view_sides.h"
 
 namespace mocurate {
 
@@ -35,13 +38,27 @@ inline void Enlarge(KeypointView& view, double factor) {
   }
 }
 
+/// What a detector says of somebody whose left it calls right.
+inline void ExchangeSides(KeypointView& view, const std::vector<std::string>& names) {
+  const std::vector<std::size_t> other = OtherSides(names);
+  const std::vector<double> given = view.values;
+  for (std::size_t i = 0; i < given.size() / 3; ++i) {
+    const std::size_t k = i % names.size();
+    for (std::size_t n = 0; n < 3; ++n) view.values[3 * i + n] = given[3 * (i - k + other[k]) + n];
+  }
+}
+
+/// Two cameras get each other's files.
+inline void ExchangeFiles(Evidence& evidence, std::size_t a, std::size_t b) {
+  auto& views = evidence.keypoint_views;
+  std::swap(views[a].values, views[b].values);
+  std::swap(views[a].people, views[b].people);
+}
+
 /// Each camera gets the next one's files.
 inline void RotateFiles(Evidence& evidence) {
-  auto& views = evidence.keypoint_views;
-  for (std::size_t v = 0; v + 1 < views.size(); ++v) {
-    std::swap(views[v].values, views[v + 1].values);
-    std::swap(views[v].people, views[v + 1].people);
-  }
+  const auto& views = evidence.keypoint_views;
+  for (std::size_t v = 0; v + 1 < views.size(); ++v) ExchangeFiles(evidence, v, v + 1);
 }
 
 }  // namespace mocurate

@@ -63,6 +63,15 @@ TEST(Confidence, IsHighWhereEveryMomentSaysTheSame) {
   EXPECT_LT(Confidence(better, worse), 0.001);
 }
 
+TEST(Confidence, IsNoneInWhatOnlyRoundingTellsApart) {
+  std::vector<double> worse, better;
+  for (int i = 0; i < 24; ++i) {
+    better.push_back(0.06 + 1e-3 * i);
+    worse.push_back(better.back() + 1.4e-17 + 1.4e-17 * (i % 3));
+  }
+  EXPECT_EQ(Confidence(worse, better), 0.0);
+}
+
 /// Both recorded trials of one rig, whose third camera stands elsewhere.
 TEST(RigDoubt, PiecesOfRecordedTrialsInventNoMoves) {
   const char* data = std::getenv("MOCURATE_TEST_DATA");

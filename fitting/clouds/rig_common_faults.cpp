@@ -1,0 +1,124 @@
+#include "fitting/clouds/rig_common_faults.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <utility>
+
+#include "fitting/audit/confidence.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kLeastViews = 3;
+constexpr std::size_t kMostViews = 12;
+constexpr double kContradicting = 0.12;  ///< loss as given from which on it is asked
+constexpr double kMuchBetter = 0.6;      ///< of it
+constexpr double kLongest = 1.4, kShortest = 0.7;
+constexpr double kCoarse = 0.05, kFinest = 0.003;
+constexpr double kLeastOff = 0.02;  ///< of a factor that is told
+
+/// A rig whose surfaces are its own.
+struct ChangedRig {
+  SeenRig rig;
+  std::deque<ViewSurface> surfaces;
+};
+
+template <typename Change>
+ChangedRig Changed(const SeenRig& given, const Change& change) {
+  ChangedRig changed{given, {}};
+  for (SeenMoment& moment : changed.rig.moments) {
+    for (std::size_t v = 0; v < moment.size(); ++v) {
+      if (moment[v] == nullptr) continue;
+      changed.surfaces.push_back(*moment[v]);
+      change(given.views[v], changed.surfaces.back());
+      moment[v] = &changed.surfaces.back();
+    }
+  }
+  return changed;
+}
+
+ChangedRig Scaled(const SeenRig& given, double factor) {
+  ChangedRig scaled = Changed(given, [&](const DepthView&, ViewSurface& surface) { surface.points *= factor; });
+  for (DepthView& view : scaled.rig.views) view.metres_per_unit *= factor;
+  return scaled;
+}
+
+/// What the view would have seen of somebody in an image that was turned over.
+void TurnOver(const DepthView& view, ViewSurface& surface) {
+  DepthImage image = *surface.image;
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = image.values.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
+    std::reverse(row, row + image.width);
+  }
+  for (Eigen::Index i = 0; i < surface.points.cols(); ++i) {
+    const auto pixel = view.camera.Project(surface.points.col(i));
+    if (!pixel) continue;
+    const Vector2d turned(image.width - 1 - pixel->x(), pixel->y());
+    surface.points.col(i) = view.camera.Unproject(turned, surface.points(2, i));
+  }
+  surface.normals.row(0) *= -1.0;
+  surface.left = image.width - (surface.left + kOutlineCell * surface.columns);
+  for (int row = 0; row < surface.rows; ++row) {
+    const auto first = surface.nearest.begin() + static_cast<std::ptrdiff_t>(row) * surface.columns;
+    std::reverse(first, first + surface.columns);
+  }
+  for (std::int32_t& nearest : surface.nearest) {
+    if (nearest < 0) continue;
+    nearest += surface.columns - 1 - 2 * (nearest % surface.columns);
+  }
+  surface.image = std::make_shared<const DepthImage>(std::move(image));
+}
+
+/// Of samples that both have.
+double ConfidenceOf(const std::vector<double>& worse, const std::vector<double>& better) {
+  std::pair<std::vector<double>, std::vector<double>> both;
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    if (worse[i] < 0.0 || better[i] < 0.0) continue;
+    both.first.push_back(worse[i]);
+    both.second.push_back(better[i]);
+  }
+  return ConfidenceOfSeparate(both.first, both.second);
+}
+
+}  // namespace
+
+std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor) {
+  for (DepthView& view : views) view.metres_per_unit *= factor;
+  return views;
+}
+
+std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector<double>& losses) {
+  if (rig.views.size() < kLeastViews || rig.views.size() > kMostViews) return {};
+  CommonFault found;
+  found.loss = found.mended = MeanLoss(losses);
+  if (found.loss < kContradicting) return {};
+  const std::vector<Camera> cameras = CamerasOf(rig.views);
+  std::vector<double> better;
+  const auto ask = [&](const ChangedRig& changed) {
+    std::vector<double> of_changed = LossOfSamples(changed.rig, cameras);
+    const double loss = MeanLoss(of_changed);
+    if (loss >= found.mended) return false;
+    found.mended = loss;
+    better = std::move(of_changed);
+    return true;
+  };
+  for (double factor = kShortest; factor <= kLongest; factor += kCoarse) {
+    if (ask(Scaled(rig, factor))) found.factor = factor;
+  }
+  for (double step = 0.5 * kCoarse; step >= kFinest; step *= 0.5) {
+    const double middle = found.factor;
+    for (const double factor : {middle - step, middle + step}) {
+      if (ask(Scaled(rig, factor))) found.factor = factor;
+    }
+  }
+  if (ask(Changed(rig, TurnOver))) found.mirrored = true, found.factor = 1.0;
+  const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
+  if (!off || found.mended > kMuchBetter * found.loss) return {};
+  found.confidence = ConfidenceOf(losses, better);
+  return found;
+}
+
+}  // namespace mocurate

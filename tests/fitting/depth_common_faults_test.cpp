@@ -1,0 +1,90 @@
+// What is wrong with all depth views of a rig alike is told, and mended or refused: surfaces that several cameras see
+// say so, the size of one person does not.
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "fitting/clouds/cloud_rig_audit.h"
+#include "tests/fitting/cloud_takes.h"
+#include "tests/fitting/depth_rig_faults.h"
+
+namespace mocurate {
+namespace {
+
+using testing::HasSubstr;
+
+std::filesystem::path Folder(const std::string& name) {
+  return std::filesystem::path(testing::TempDir()) /
+         ("mocurate_common_faults_" + std::to_string(getpid()) + "_" + name);
+}
+
+/// The studio's people before PHSPD's cameras, with a Kinect's errors.
+class CommonFaults : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    CloudTakeOptions options;
+    options.seed = 821;
+    options.subjects = 1;
+    options.clips = 3;
+    options.frames = 12;
+    takes_ = new std::vector<CloudTake>(CloudTakes(options, Folder("studio")));
+  }
+
+  void SetUp() override {
+    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  }
+
+  static std::vector<CloudTake>* takes_;
+};
+
+std::vector<CloudTake>* CommonFaults::takes_ = nullptr;
+
+std::string Told(const DepthRigReport& report) {
+  std::string text;
+  for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
+  return text;
+}
+
+TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
+  for (const double factor : {1.1, 0.92}) {
+    for (const CloudTake& take : *takes_) {
+      std::vector<DepthView> views = take.evidence.depth_views;
+      for (DepthView& view : views) view.metres_per_unit *= factor;
+      const auto audited = AuditDepthRig(views, {});
+      ASSERT_TRUE(audited) << audited.error().Message();
+      ASSERT_EQ(audited->report.faults.size(), 1u) << take.clip.name << ": " << Told(audited->report);
+      const RigFault& fault = audited->report.faults[0];
+      EXPECT_EQ(fault.code, "camera_depths_off");
+      EXPECT_EQ(fault.camera, "d1, d2, d3");
+      EXPECT_GT(fault.value * (factor - 1.0), 0.0) << fault.message;
+      EXPECT_TRUE(fault.corrected);
+      for (const DepthView& view : audited->views) EXPECT_NEAR(view.metres_per_unit, 0.001, 0.00001);
+      RigAuditOptions tell;
+      tell.moved = AuditAction::kTell;
+      const auto told = AuditDepthRig(views, tell);
+      ASSERT_TRUE(told) << told.error().Message();
+      EXPECT_DOUBLE_EQ(told->views[1].metres_per_unit, views[1].metres_per_unit);
+      EXPECT_TRUE(told->report.IsDoubtful());
+    }
+  }
+}
+
+TEST_F(CommonFaults, ImagesThatAreAllMirroredAreRefused) {
+  for (const CloudTake& take : *takes_) {
+    const auto views = WithMirroredImages(take.evidence.depth_views, Folder("mirrored"));
+    ASSERT_TRUE(views) << views.error().Message();
+    const auto refused = AuditDepthRig(*views, {});
+    ASSERT_FALSE(refused) << take.clip.name << ": " << Told(refused->report);
+    EXPECT_THAT(refused.error().Message(), HasSubstr("images of all depth cameras are mirrored"));
+    RigAuditOptions tell;
+    tell.exchanged = AuditAction::kTell;
+    const auto told = AuditDepthRig(*views, tell);
+    ASSERT_TRUE(told) << told.error().Message();
+    ASSERT_EQ(told->report.faults.size(), 1u) << Told(told->report);
+    EXPECT_EQ(told->report.faults[0].code, "view_mirrored");
+    EXPECT_TRUE(told->report.IsDoubtful());
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,126 @@
+// Keypoint files that are not as given: what explains them is put right; what more than one thing explains is said, and
+// nothing is made of it.
+
+#include "fitting/audit/rig_readings.h"
+
+#include <gmock/gmock.h>
+
+#include "fitting/keypoint_fit.h"
+#include "tests/fitting/keypoint_faults.h"
+#include "tests/fitting/keypoint_takes.h"
+#include "tests/fitting/studio_views.h"
+
+namespace mocurate {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+SkeletonPtr Smpl() {
+  static const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  return skeleton;
+}
+
+Expected<BodyTracks> Tracked(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
+  KeypointFitOptions options;
+  options.audit = audit;
+  return TracksOnBody(evidence, *Smpl(), Smpl(), options);
+}
+
+std::string Told(const BodyTracks& found) {
+  std::string text;
+  for (const RigFault& fault : found.report.faults)
+    text += fault.code + " " + fault.camera + ": " + fault.message + "\n";
+  return text;
+}
+
+double MeanErrorOf(const SkeletonTracks& tracks, const Motion& truth) {
+  JointTracks joints;
+  joints.positions = tracks.positions;
+  joints.confidence = tracks.confidence;
+  return MeanError(joints, truth);
+}
+
+StudioOptions Views(std::int64_t seed, RigKind kind, std::int64_t cameras = 4) {
+  StudioOptions options = FourViews(seed);
+  options.rig.kind = kind;
+  options.rig.cameras = cameras;
+  return options;
+}
+
+TEST(RigReadings, ARingOfFourWhoseFacingCamerasAreExchangedIsRefusedWithAllThatExplainsIt) {
+  for (const std::size_t first : {0u, 1u}) {
+    for (StudioView take : StudioViews(Views(41, RigKind::kRing), 6)) {
+      ExchangeFiles(take.evidence, first, first + 2);
+      const auto refused = Tracked(take.evidence);
+      ASSERT_FALSE(refused) << take.name << ": " << Told(*refused);
+      EXPECT_THAT(refused.error().Message(),
+                  AllOf(HasSubstr("cam01 in those of cam03"), HasSubstr("cam02 in those of cam04"),
+                        HasSubstr("mirrored"), HasSubstr("nobody can tell")));
+    }
+  }
+}
+
+TEST(RigReadings, WhereThatIsOnlyToBeToldNothingIsMadeOfIt) {
+  KeypointAuditOptions audit;
+  audit.exchanged = AuditAction::kTell;
+  for (StudioView take : StudioViews(Views(41, RigKind::kRing), 3)) {
+    ExchangeFiles(take.evidence, 0, 2);
+    const auto found = Tracked(take.evidence, audit);
+    ASSERT_TRUE(found) << found.error().Message();
+    EXPECT_TRUE(found->report.doubtful);
+    ASSERT_FALSE(found->report.faults.empty());
+    EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
+    EXPECT_LT(found->report.faults[0].confidence, 0.5);
+    for (const RigFault& fault : found->report.faults) EXPECT_FALSE(fault.corrected) << Told(*found);
+  }
+}
+
+TEST(RigReadings, FacingCamerasOfOtherRigsAreExchangedBack) {
+  const std::vector<std::pair<StudioOptions, std::size_t>> rigs = {{Views(42, RigKind::kRing, 6), 3},
+                                                                   {Views(43, RigKind::kRing, 8), 4},
+                                                                   {Views(44, RigKind::kHuman36m), 2},
+                                                                   {Views(45, RigKind::kPhspd), 2}};
+  for (const auto& [options, other] : rigs) {
+    for (StudioView take : StudioViews(options, 3)) {
+      const auto sound = Tracked(take.evidence);
+      ExchangeFiles(take.evidence, 0, other);
+      const auto found = Tracked(take.evidence);
+      ASSERT_TRUE(sound && found) << take.name;
+      ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << Told(*found);
+      EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
+      EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 1.05 * MeanErrorOf(sound->tracks, take.truth) + 1e-3);
+    }
+  }
+}
+
+TEST(RigReadings, SidesThatAllViewsCallTheOtherWayAreMendedWhereNoExchangeOfFilesExplainsThem) {
+  for (StudioView take : StudioViews(Views(47, RigKind::kHuman36m), 3)) {
+    for (KeypointView& view : take.evidence.keypoint_views) ExchangeSides(view, take.evidence.keypoint_names);
+    const auto found = Tracked(take.evidence);
+    ASSERT_TRUE(found) << take.name << ": " << found.error().Message();
+    ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << Told(*found);
+    EXPECT_EQ(found->report.faults[0].code, "views_swap_sides");
+    EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 0.04);
+  }
+}
+
+TEST(RigReadings, AViewThatCallsLeftRightThroughoutIsNamedAndNoMovedCameraNorAMirror) {
+  int named = 0, takes = 0;
+  for (StudioView take : StudioViews(Views(46, RigKind::kRing), 12)) {
+    ExchangeSides(take.evidence.keypoint_views[1], take.evidence.keypoint_names);
+    const auto found = Tracked(take.evidence);
+    ASSERT_TRUE(found) << take.name << ": " << found.error().Message();
+    ++takes;
+    for (const RigFault& fault : found->report.faults) {
+      EXPECT_EQ(fault.code, "view_swaps_sides") << take.name << ": " << Told(*found);
+      const bool whole = fault.limb.empty() && fault.camera == take.evidence.keypoint_views[1].camera.name;
+      named += whole ? 1 : 0;
+    }
+    EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 0.03) << take.name << ": " << Told(*found);
+  }
+  EXPECT_GE(named, takes - 1);
+}
+
+}  // namespace
+}  // namespace mocurate
