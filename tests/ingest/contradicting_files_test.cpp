@@ -210,6 +210,23 @@ TEST_F(ChangedKard, PartOfAClipInAnotherUnitIsOneFinding) {
   EXPECT_EQ(CountCode(clips, "teleport"), 0u);
 }
 
+TEST_F(ChangedKard, OneClipOfAFolderWithTwoAxesExchangedIsTold) {
+  for (int action = 1; action <= 8; ++action) {
+    const std::string name = "a0" + std::to_string(action) + "_s01_e01_realworld.txt";
+    std::vector<Vector3d> rows = Rows(name);
+    for (Vector3d& row : rows) {
+      if (action == 3) std::swap(row[0], row[2]);
+    }
+    Write(name, rows);
+  }
+  const Json inspection = Look();
+  const Json& told = Told(inspection, "axes_outlier");
+  EXPECT_EQ(told.at("where"), "a03_s01_e01_realworld.txt");
+  EXPECT_THAT(told.at("message"), HasSubstr("x and z exchanged"));
+  const auto codes = AllCodes(inspection);
+  EXPECT_EQ(std::count(codes.begin(), codes.end(), "axes_outlier"), 1);
+}
+
 TEST_F(ChangedKard, ADecimalCommaIsReadAsAPoint) {
   const std::vector<Vector3d> rows = Rows(kName);
   std::ostringstream text;
