@@ -27,6 +27,7 @@ constexpr const char* kSmaller =
     "--set depth.every=10 renders each tenth frame, depth.enabled=false none; subjects, clips and actions choose fewer "
     "takes";
 constexpr double kWorthTelling = 5.0;   // seconds
+constexpr double kLarge = 1e8;          // bytes, worth telling however fast they are written
 constexpr double kRoomBeside = 1.1;     // of the images, for all else
 constexpr double kEverySeconds = 10.0;  // a line of progress, where it is no terminal
 
@@ -71,7 +72,7 @@ Status Announce(const CommonArguments& common, const StudioEstimate& estimate, c
                     " would be written, " + Megabytes(*free) + " are free",
                 DisplayPath(folder), kSmaller);
   }
-  if (common.quiet || estimate.seconds < kWorthTelling) return {};
+  if (common.quiet || (estimate.seconds < kWorthTelling && bytes < kLarge)) return {};
   LogInfo("about " + Counted(static_cast<long long>(estimate.images), "depth image") + ", " + Megabytes(bytes) + ", " +
           Minutes(estimate.seconds) + " (" + kSmaller + ")");
   return {};

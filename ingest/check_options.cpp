@@ -24,6 +24,7 @@ const std::map<std::string, std::string>& CheckCodes() {
       {"collapsed_frames", "frames whose joints lie in one point"},
       {"frozen_frames", "frames equal to the last digit"},
       {"held_joint", "a joint that stands still to the last digit while others move"},
+      {"units_change", "frames in another unit than the others"},
       {"teleport", "frames in which the person is elsewhere"},
       {"joint_far", "a joint far from its body"},
       {"swapped_sides", "left and right exchanged"},

@@ -4,6 +4,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/checks.h"
+#include "core/quality/unit_changes.h"
 #include "ingest/sense/tree_points.h"
 
 namespace mocurate {
@@ -50,13 +51,30 @@ void JudgeLife(const CheckOptions& options, int frames, std::vector<Finding>& fi
   findings.push_back(std::move(finding));
 }
 
+/// Confidences in which the frames of `findings` are missing.
+std::vector<double> Without(const std::vector<Finding>& findings, const TrackedPoints& points) {
+  std::vector<double> confidence = points.confidence;
+  if (findings.empty()) return confidence;
+  const auto wide = static_cast<std::ptrdiff_t>(points.count());
+  if (confidence.empty()) confidence.assign(static_cast<std::size_t>(points.frames() * wide), 1.0);
+  for (const Finding& finding : findings) {
+    std::fill(confidence.begin() + finding.frame_begin * wide, confidence.begin() + finding.frame_end * wide, 0.0);
+  }
+  return confidence;
+}
+
 }  // namespace
 
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
                                  std::optional<double> rate_hz, bool metres) {
   CheckLimits limits = LimitsOf(options);
   limits.metres = metres;
-  std::vector<Finding> findings = CheckPoints(points, rate_hz.value_or(0.0), limits);
+  std::vector<Finding> units = FindUnitChanges(points);
+  const std::vector<double> confidence = Without(units, points);
+  const TrackedPoints alike{points.positions, confidence,          points.time_s, points.names,
+                            points.parents,   points.rest_lengths, points.body};
+  std::vector<Finding> findings = CheckPoints(alike, rate_hz.value_or(0.0), limits);
+  findings.insert(findings.end(), std::make_move_iterator(units.begin()), std::make_move_iterator(units.end()));
   JudgeLife(options, points.frames(), findings);
   if (points.frames() == 1) {
     Finding finding = FrameFinding("single_frame", 0, 0, "", 1.0, "the clip holds 1 frame: a pose, no motion");
@@ -160,7 +178,8 @@ ClipPoints::ClipPoints(const Clip& clip, const SkeletonPtr& skeleton) {
   }
 }
 
-std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested) {
+std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested,
+                                     const std::string& name_doubt) {
   const CheckOptions& options = source.checks;
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   const ClipPoints points(ingested.clip, skeleton ? *skeleton : nullptr);
@@ -179,6 +198,7 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   LeaveOutBridged(ingested.clip, findings);
   if (source.rate_hz) BlameDeclaration(findings);
   JudgeName(source, named, points.positions->frames, findings);
+  if (!name_doubt.empty()) findings.push_back(FrameFinding("name_contradiction", 0, 0, "", 0.0, name_doubt));
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {
     FindingAction action = ActionFor(options, finding.code, ingested.clip);

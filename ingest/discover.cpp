@@ -13,6 +13,7 @@
 #include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
 #include "ingest/left_out.h"
+#include "ingest/sense/name_sense.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
@@ -288,6 +289,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       }
     }
     if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
+    if (const auto doubt = DoubtName(file.path)) item.options["name_doubt"] = *doubt;
     if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
     if (has_truth) discovery.truth.push_back(item);
     if (depth_files) depth_files->AddTo(named->fields, item);

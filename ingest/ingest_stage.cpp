@@ -124,6 +124,7 @@ struct ItemFacts {
   std::string array;                 ///< npy: the clip in its file, sources/array_clips.h
   std::optional<std::string> label;  ///< where the file's name does not tell it
   std::string known_issue;           ///< what a list says of the recording
+  std::string name_doubt;            ///< what the name contradicts
 };
 
 /// Takes them out of the item's options: the declaration is left.
@@ -137,8 +138,9 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.array = options.value("array", std::string());
   if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
   facts.known_issue = options.value("known_issue", std::string());
-  for (const char* key :
-       {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue", "array"}) {
+  facts.name_doubt = options.value("name_doubt", std::string());
+  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue",
+                          "name_doubt", "array"}) {
     options.erase(key);
   }
   return facts;
@@ -295,7 +297,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   if (!ingested) return Unusable(*source, ingested.error(), request.item);
   if (!SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
-  const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested);
+  const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested, facts.name_doubt);
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/amass_damage.h"
 #include "core/formats/array_elements.h"
 #include "core/formats/array_fields.h"
 #include "core/formats/npz.h"
@@ -268,10 +269,19 @@ class Reader {
 
 }  // namespace
 
-Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name) {
-  const Expected<Npz> npz = ParseNpz(bytes, name);
+Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, DamagedRows damaged) {
+  Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);
-  return Reader(*npz, name).Read();
+  const DamagedPoses numbers = damaged == DamagedRows::kReport ? ClearDamaged(*npz) : DamagedPoses();
+  Expected<Amass> amass = Reader(*npz, name).Read();
+  if (!amass) return amass;
+  TellDamaged(numbers, name, *amass);
+  if (amass->damaged.size() == amass->frames) {
+    return Fail(ErrorCode::kMalformed,
+                "every frame holds a number that is none of a person; the first: " + numbers.first.begin()->second,
+                name, "leave the file out");
+  }
+  return amass;
 }
 
 Expected<std::string> EncodeAmass(const Amass& amass, const std::string& name) {

@@ -138,26 +138,50 @@ class Parser {
 
   Expected<bool> Frame() {
     const double number = scanner_.value();
-    if (number != std::floor(number) || std::abs(number) > 1e9) {
-      return Bad("'" + Shown(scanner_.text()) + "' is no frame number");
-    }
     const std::string text(scanner_.text());
+    if (number != std::floor(number) || std::abs(number) > 1e9) {
+      if (!FollowsWhole()) return Bad("'" + Shown(text) + "' is no frame number");
+      const bool more = SkipLine();
+      if (Status begun = BeginUnnumbered("'" + Shown(text) + "' stands"); !begun) return Forward(begun);
+      return more;
+    }
     const Expected<bool> more = LineEnds("frame number " + Shown(text));
     if (!more) return more;
-    if (Status closed = CloseFrame(false); !closed) return Forward(closed);
-    if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
     const int before = amc_.frames > 0 ? amc_.frame_numbers.back() : 0;
-    amc_.frame_numbers.push_back(static_cast<int>(number));
-    ++amc_.frames;
-    frame_lines_.push_back(line_);
-    last_before_ = last_;
-    row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
-    here_.assign(amc_.bones.size(), 0);
+    if (Status begun = Begin(static_cast<int>(number)); !begun) return Forward(begun);
     if (amc_.frames > 1 && number != before + 1.0) {
       Report("frame_number", "", number,
              Place(line_) + ": frame number " + Shown(text) + " follows " + std::to_string(before));
     }
     return more;
+  }
+
+  /// Whether the frame that is being read has ended, as the one before it did: what follows begins another.
+  bool FollowsWhole() const {
+    return Reports() && amc_.frames > 1 && last_ == last_before_ && here_[last_before_] != 0;
+  }
+
+  /// A frame whose number is damaged or missing has the one that is next.
+  Status BeginUnnumbered(const std::string& what) {
+    const int number = amc_.frame_numbers.back() + 1;
+    const std::string place = Place(line_);
+    if (Status begun = Begin(number); !begun) return begun;
+    Report(
+        "frame_number", "", number,
+        place + ": " + what + " where frame number " + std::to_string(number) + " is expected: taken for that frame");
+    return {};
+  }
+
+  Status Begin(int number) {
+    if (Status closed = CloseFrame(false); !closed) return closed;
+    if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
+    amc_.frame_numbers.push_back(number);
+    ++amc_.frames;
+    frame_lines_.push_back(line_);
+    last_before_ = last_;
+    row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
+    here_.assign(amc_.bones.size(), 0);
+    return {};
   }
 
   /// A bone and its numbers.
@@ -169,6 +193,10 @@ class Parser {
     const bool whole = token == Token::kLineEnd || token == Token::kEnd;
     auto found = index_.find(bone);
     const bool learns = options_.skeleton == nullptr && amc_.frames == 1;
+    if (found == index_.end() && whole && numbers_.empty() && FollowsWhole()) {
+      if (Status begun = BeginUnnumbered("'" + Shown(bone) + "' stands"); !begun) return Forward(begun);
+      return token == Token::kLineEnd;
+    }
     if (found == index_.end() && !learns && Reports() && amc_.frames > 1) {
       Report("bone_unknown", bone, static_cast<double>(numbers_.size()),
              Place(line_) + ": unknown " + called + " in frame " + std::to_string(amc_.frame_numbers.back()));
@@ -196,6 +224,11 @@ class Parser {
       found = index_.find(bone);
     }
     const AmcBone& known = amc_.bones[found->second];
+    if (found->second == first_ && here_[first_] != 0 && FollowsWhole()) {
+      if (Status begun = BeginUnnumbered(called + " stands"); !begun) return Forward(begun);
+    }
+    if (amc_.frames == 1 && std::none_of(here_.begin(), here_.end(), [](std::uint8_t here) { return here != 0; }))
+      first_ = found->second;
     last_ = found->second;
     if (here_[found->second] != 0) {
       if (!Reports() || amc_.frames < 2) return Bad(called + " stands twice");
@@ -353,7 +386,8 @@ class Parser {
   std::vector<double> numbers_, row_;
   std::vector<std::uint8_t> here_;
   std::vector<int> frame_lines_;            ///< (frames) of the frame numbers
-  std::size_t last_ = 0, last_before_ = 0;  ///< bones with which this frame and the one before it ended
+  std::size_t first_ = 0;                   ///< bone with which frames begin
+  std::size_t last_ = 0, last_before_ = 0;  ///< with which this frame and the one before it ended
   int line_ = 1;
 };
 

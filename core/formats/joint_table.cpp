@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/formats/decimal_comma.h"
 #include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
@@ -18,24 +19,6 @@ using Token = NumberScanner::Token;
 
 constexpr int kFewRows = 8;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers.
-bool HasDecimalCommas(std::string_view line) {
-  std::string words(line);
-  std::replace(words.begin(), words.end(), ';', ' ');
-  bool any = false;
-  for (std::string_view word : SplitBlanks(Trim(words))) {
-    if (word.empty()) continue;
-    if (word[0] == '-' || word[0] == '+') word.remove_prefix(1);
-    const std::size_t comma = word.find(',');
-    const std::size_t other = word.find_first_not_of("0123456789,");
-    if (other != std::string_view::npos || comma != word.rfind(',')) return false;
-    if (comma == std::string_view::npos) continue;
-    if (comma == 0 || comma + 1 == word.size()) return false;
-    any = true;
-  }
-  return any;
-}
 
 /// ';' or '|' where the words between them are numbers; 0: neither.
 char OtherSeparator(std::string_view line) {
@@ -155,22 +138,24 @@ class Parser {
   /// Counts the row. A damaged one is refused, or stands in its place as NaN; numbers in it that are none of a
   /// person are refused, or stand as NaN alone.
   Status Keep(const Row& row, std::size_t begin, int line) {
-    if (table_.columns == 0) table_.columns = row.numbers;
-    const bool words = std::all_of(table_.values.begin() + static_cast<std::ptrdiff_t>(begin), table_.values.end(),
-                                   [](double value) { return std::isnan(value); });
+    const auto none = std::count_if(table_.values.begin() + static_cast<std::ptrdiff_t>(begin), table_.values.end(),
+                                    [](double value) { return std::isnan(value); });
+    const bool other_length = table_.columns > 0 && row.numbers != table_.columns;
+    const bool words = none > 0 && (2 * none >= row.numbers || other_length);  // they may hold a number or two
     const std::string_view text = line_begin_.substr(0, line_begin_.find_first_of("\r\n"));
     const bool numbers = HasDecimalCommas(text) || OtherSeparator(text) != 0;
     if (rows_ == 0 && words && !numbers && !row.damage.empty() && layout_.damaged_rows == DamagedRows::kReport &&
         ++header_lines_ <= kFewRows) {
       table_.values.resize(begin);
-      Tell("not_a_number", 0, row.numbers,
-           name_ + ":" + std::to_string(line) + ": " + Counted(row.numbers, "word") +
+      Tell("not_a_number", 0, static_cast<double>(none),
+           name_ + ":" + std::to_string(line) + ": " + Counted(none, "word") +
                " before the first row of numbers: a header, passed over");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
       table_.findings.back().action = "passed over";
       return {};
     }
+    if (table_.columns == 0) table_.columns = row.numbers;
     std::string what = row.damage;
     std::string hint = "a joint table holds rows of numbers only, without a header";
     const char* code = "not_a_number";

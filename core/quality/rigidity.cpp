@@ -40,7 +40,22 @@ std::optional<BoneLength> Measure(const TrackedPoints& points, int point, int pa
   return bone;
 }
 
-/// All but the root within pi: as axis-angle vectors are.
+/// Whether most points keep their distance to some other, as points of a body do in whatever order.
+bool KeepDistances(const TrackedPoints& points) {
+  constexpr double kRigid = 0.2;  // as relative spread; of rotations more
+  std::vector<double> least;
+  for (int k = 0; k < points.count(); ++k) {
+    double spread = 1.0;
+    for (int other = 0; other < points.count(); ++other) {
+      const auto bone = other == k ? std::nullopt : Measure(points, k, other);
+      if (bone) spread = std::min(spread, bone->spread);
+    }
+    least.push_back(spread);
+  }
+  return Median(least) <= kRigid;
+}
+
+/// All but the root within pi and no two that keep their distance: as axis-angle vectors are.
 bool LooksLikeRotations(const TrackedPoints& points) {
   constexpr double kPi = 3.14159265358979;
   for (int k = 0; k < points.count(); ++k) {
@@ -49,7 +64,7 @@ bool LooksLikeRotations(const TrackedPoints& points) {
       if (points.sees(f, k) && points.at(f, k).cwiseAbs().maxCoeff() > kPi) return false;
     }
   }
-  return true;
+  return !KeepDistances(points);
 }
 
 constexpr const char* kSpreadWords = "bones change";

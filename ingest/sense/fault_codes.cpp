@@ -15,6 +15,8 @@ std::string FaultCode(const Error& error, std::string_view format) {
   if (says("the file is empty")) return "empty_file";
   const bool nobody = format == "ntu_skeleton" && error.code == ErrorCode::kInconsistent;
   if (says("no joint is seen") || nobody) return "no_joint_seen";
+  const bool tree = format == "bvh" || format == "asf_amc";
+  if (tree && error.code == ErrorCode::kInconsistent && says("skeleton '")) return "joints_contradiction";
   const bool layout = format == "joint_table" || format == "npy";
   return error.code == ErrorCode::kInconsistent && layout ? "layout_contradiction" : "malformed";
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/formats/decimal_comma.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/pickle_opcodes.h"
 
@@ -111,7 +112,8 @@ LineContent ContentOf(std::string_view line) {
   return content;
 }
 
-/// A table below a header: lines of words alone, then two rows of as many numbers.
+/// A table below a header: lines with words, then two rows of as many numbers. That of OpenSim's markers (.trc) is
+/// none.
 bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
   constexpr int kMostHeaderLines = 8;  // as ParseJointTable passes over
   constexpr int kFewestNumbers = 3;
@@ -119,7 +121,8 @@ bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
   for (const std::string_view line : lines) {
     const LineContent content = ContentOf(line);
     if (content.numbers + content.words == 0) continue;
-    if (content.numbers == 0 && first == 0) {
+    if (StartsWith(line, "PathFileType")) return false;
+    if (content.words > 0 && first == 0) {
       if (++header > kMostHeaderLines) return false;
       continue;
     }
@@ -133,6 +136,7 @@ bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
 /// A table: only numbers in the first lines.
 FileKind NumbersKind(std::string_view bytes) {
   const std::string_view head = bytes.substr(0, 4096);
+  if (WithDecimalPoints(head)) return FileKind::kNumbers;
   const std::size_t end = head.size() < bytes.size() ? head.find_last_of(" \t\r\n,") : head.size();
   int numbers = 0;
   for (const std::string_view line :

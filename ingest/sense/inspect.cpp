@@ -29,9 +29,11 @@ using Json = nlohmann::json;
 
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 
+/// A fault that several files meet, as motions do their skeleton's, is told once.
 void AddError(const Error& error, const std::string& file, const std::string& code, Json& findings) {
-  findings.push_back(InspectionFinding(code, Severity::kError, error.where.empty() ? file : error.where, 0.0,
-                                       error.what + (error.hint.empty() ? "" : " (" + error.hint + ")")));
+  Json finding = InspectionFinding(code, Severity::kError, error.where.empty() ? file : error.where, 0.0,
+                                   error.what + (error.hint.empty() ? "" : " (" + error.hint + ")"));
+  if (std::find(findings.begin(), findings.end(), finding) == findings.end()) findings.push_back(std::move(finding));
 }
 
 std::string CodeOf(const Error& error, FileKind kind) {
@@ -299,10 +301,10 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
     if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;
   }
+  const std::size_t before = findings().size();
   AddError(error, file.name, CodeOf(error, kind), findings());
-  if (const std::optional<double> announced = AnnouncedCount(error)) {
-    findings().back()["value"] = *announced;
-  }
+  const std::optional<double> announced = AnnouncedCount(error);
+  if (announced && findings().size() > before) findings().back()["value"] = *announced;
 }
 
 std::string FormatOf(const Json& inspection) {

@@ -1,12 +1,14 @@
 #include "ingest/sense/inspect_groups.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/comparison.h"
@@ -16,8 +18,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kNearTen = 0.05;  // of the logarithm of a factor
-constexpr double kSure = 0.6;      // of a handedness that is kept against that of all others
+constexpr double kNearTen = 0.05;         // of the logarithm of a factor
+constexpr std::size_t kFewestPoints = 5;  // that tell where a body is
+constexpr double kLeastSpread = 0.1;      // of the size of a body, of places that count as different
+constexpr double kFromMad = 1.4826;
+constexpr double kElsewhere = 6.0;  // of the spread, from the middle of all: nobody else is there
+constexpr double kThere = 3.0;      // of the spread, where the others are
+constexpr double kSure = 0.6;       // of a handedness that is kept against that of all others
 
 /// What most clips of a group say, weighted by confidence.
 Json Pooled(const std::vector<const Json*>& clips, const char* key) {
@@ -123,6 +130,72 @@ void TellUnits(const std::vector<Json*>& group, Json& findings) {
   }
 }
 
+/// Where a body is in its first frame, and how large: medians of the coordinates, longest side of its box.
+struct FirstPlace {
+  std::array<double, 3> place{};
+  double size = 0.0;
+};
+
+std::optional<FirstPlace> PlaceOf(const Json& clip) {
+  const Json& points = clip.at("first_frame").at("value");
+  if (!points.is_array()) return std::nullopt;
+  FirstPlace first;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Json& point : points) {
+      if (!point.at("position").is_null()) values.push_back(point.at("position").at(axis));
+    }
+    if (values.size() < kFewestPoints) return std::nullopt;
+    std::sort(values.begin(), values.end());
+    first.place[axis] = values[values.size() / 2];
+    first.size = std::max(first.size, values.back() - values.front());
+  }
+  return first;
+}
+
+double MedianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// Clips in which two axes are exchanged: the person is where nobody of the folder is, but for that.
+void TellPlaces(const std::vector<Json*>& group, Json& findings) {
+  std::vector<const Json*> clips;
+  std::vector<FirstPlace> places;
+  std::vector<double> sizes;
+  for (const Json* clip : group) {
+    const std::optional<FirstPlace> place = PlaceOf(*clip);
+    if (!place) continue;
+    clips.push_back(clip);
+    places.push_back(*place);
+    sizes.push_back(place->size);
+  }
+  if (places.size() <= kFewestVotes) return;
+  const double least = kLeastSpread * MedianOf(sizes);
+  std::array<double, 3> middle{}, spread{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> values, off;
+    for (const FirstPlace& place : places) values.push_back(place.place[axis]);
+    middle[axis] = MedianOf(values);
+    for (const double value : values) off.push_back(std::abs(value - middle[axis]));
+    spread[axis] = std::max(least, kFromMad * MedianOf(off));
+  }
+  for (std::size_t c = 0; c < clips.size(); ++c) {
+    const auto off = [&](std::size_t axis, std::size_t read) {
+      return std::abs(places[c].place[read] - middle[axis]) / spread[axis];
+    };
+    for (const auto& [a, b] : {std::pair<std::size_t, std::size_t>{0, 1}, {0, 2}, {1, 2}}) {
+      if (off(a, a) < kElsewhere || off(b, b) < kElsewhere || off(a, b) > kThere || off(b, a) > kThere) continue;
+      findings.push_back(InspectionFinding(
+          "axes_outlier", Severity::kWarning, clips[c]->at("id"),
+          std::round(1e4 * std::min(off(a, a), off(b, b))) / 1e4,
+          std::string("the person is where no other of the folder is, but would be among them with ") + "xyz"[a] +
+              " and " + "xyz"[b] + " exchanged (" + Digits(std::min(off(a, a), off(b, b))) +
+              " times as far from their middle as they usually are): compare the columns of the file"));
+    }
+  }
+}
+
 constexpr std::size_t kFewestMeshes = 2;  // beside one that has no faces
 
 }  // namespace
@@ -153,6 +226,7 @@ void TellByGroup(Json& clips, Json& findings) {
   for (auto& [key, group] : Members(clips)) {
     TellRates(key.substr(0, key.find('\n')), group, findings);
     TellUnits(group, findings);
+    TellPlaces(group, findings);
     if (!OneSkeleton(group)) continue;
     std::size_t told = 0;
     std::vector<const Json*> voters;

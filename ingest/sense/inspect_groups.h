@@ -11,7 +11,8 @@ nlohmann::json GroupsOf(const nlohmann::json& clips);
 /// and agree, all but one or 95 % of what they say, it is told of those that do not tell (standing still, arms down). A
 /// clip that says otherwise gets a finding "handedness_outlier", facing and axes unknown, and the group's value;
 /// unknown where it is at least 60 % sure itself. Declared values stay. Measured units that are a power of ten from
-/// those of the others are "units_outlier", rates that motions deny "rate_doubtful" of the folder.
+/// those of the others are "units_outlier", with two axes exchanged "axes_outlier", rates that motions deny
+/// "rate_doubtful" of the folder.
 void TellByGroup(nlohmann::json& clips, nlohmann::json& findings);
 
 /// "cut_off": an OBJ without faces in a folder where most, and at least two, have some. The format announces no counts:

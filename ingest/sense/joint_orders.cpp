@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 
+#include "ingest/sense/point_exchange.h"
 #include "ingest/synthetic/tracker.h"
 
 namespace mocurate {
@@ -132,14 +133,16 @@ std::vector<ObservedBone> BonesOf(const std::vector<std::string>& joints, const 
   return bones;
 }
 
-BodyScore ScoreBody(const JointPositions& positions, const std::vector<double>& confidence,
-                    const std::vector<ObservedBone>& bones) {
+namespace {
+
+/// By `distance_between`, of two points.
+template <class DistanceOfPoints>
+BodyScore ScoreBones(const std::vector<ObservedBone>& bones, const DistanceOfPoints& distance_between) {
   BodyScore score{1.0, 1.0};
-  if (bones.empty() || positions.frames < 2) return score;
   double spread = 0.0;
   std::vector<double> ratios;
   for (const ObservedBone& bone : bones) {
-    const Distance distance = DistanceBetween(positions, confidence, bone.from, bone.to);
+    const Distance distance = distance_between(bone.from, bone.to);
     spread += distance.spread;
     if (distance.median > 0.0 && bone.rest_length > 0.0) ratios.push_back(std::log(distance.median / bone.rest_length));
   }
@@ -151,6 +154,36 @@ BodyScore ScoreBody(const JointPositions& positions, const std::vector<double>& 
   for (const double ratio : ratios) sum += std::min(1.0, std::abs(ratio - scale));
   score.proportion = sum / static_cast<double>(ratios.size());
   return score;
+}
+
+}  // namespace
+
+BodyScore ScoreBody(const JointPositions& positions, const std::vector<double>& confidence,
+                    const std::vector<ObservedBone>& bones) {
+  if (bones.empty() || positions.frames < 2) return {1.0, 1.0};
+  return ScoreBones(bones, [&](int a, int b) { return DistanceBetween(positions, confidence, a, b); });
+}
+
+std::optional<PointExchange> BestExchange(const JointPositions& positions, const std::vector<double>& confidence,
+                                          const std::vector<ObservedBone>& bones) {
+  if (bones.empty() || positions.frames < 2) return std::nullopt;
+  const int count = positions.joints;
+  std::vector<Distance> distances(static_cast<std::size_t>(count) * static_cast<std::size_t>(count));
+  const auto between = [&](int a, int b) -> Distance& {
+    return distances[static_cast<std::size_t>(a) * static_cast<std::size_t>(count) + static_cast<std::size_t>(b)];
+  };
+  for (int a = 0; a < count; ++a) {
+    for (int b = 0; b < a; ++b) between(a, b) = between(b, a) = DistanceBetween(positions, confidence, a, b);
+  }
+  std::optional<PointExchange> best;
+  for (int first = 0; first < count; ++first) {
+    for (int second = 0; second < first; ++second) {
+      const auto point = [&](int k) { return k == first ? second : k == second ? first : k; };
+      const BodyScore score = ScoreBones(bones, [&](int a, int b) { return between(point(a), point(b)); });
+      if (!best || score.total() < best->score.total()) best = PointExchange{second, first, score};
+    }
+  }
+  return best;
 }
 
 std::vector<OrderScore> ScoreOrders(const JointPositions& positions, const std::vector<double>& confidence) {

@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/observed_clip.h"
+#include "ingest/sense/order_doubt.h"
 
 namespace mocurate {
 namespace {
@@ -28,6 +29,14 @@ std::string Words(const OrderScore& score) {
          " %, proportions are off by " + Rounded(100.0 * score.score.proportion) + " %";
 }
 
+/// Names the points in that order; says what they contradict.
+std::optional<std::string> NameInOrder(const OrderScore& order, ObservedClip& clip) {
+  const Skeleton& skeleton = **KnownSkeleton(order.order->skeleton);
+  clip.names = order.order->joints;
+  clip.points = PointsByName(clip.names, skeleton);
+  return DoubtOrder(clip, order.score, BonesOf(clip.names, skeleton));
+}
+
 }  // namespace
 
 bool RecogniseOrder(ObservedClip& clip) {
@@ -47,20 +56,32 @@ bool RecogniseOrder(ObservedClip& clip) {
                                             : "the best of the known orders does not fit; " + Words(scores[0]);
     return false;
   }
-  const OrderScore& best = scores[0];
-  clip.names = best.order->joints;
+  std::size_t chosen = 0;
+  std::string doubt;
+  for (; chosen < scores.size() && scores[chosen].score.IsBody(); ++chosen) {
+    const std::optional<std::string> contradicted = NameInOrder(scores[chosen], clip);
+    if (!contradicted) break;
+    if (doubt.empty()) doubt = *contradicted;
+  }
+  if (chosen == scores.size() || !scores[chosen].score.IsBody()) {
+    clip.skeleton_evidence = "the best of the known orders does not fit: " + doubt + "; " + Words(scores[0]);
+    clip.names.clear();
+    clip.points = {};
+    return false;
+  }
+  const OrderScore& best = scores[chosen];
   clip.set_rate_hz = best.order->set_rate_hz;
   clip.set_says = best.order->set_says;
   clip.skeleton = best.order->told.empty() ? best.order->skeleton : best.order->told;
   clip.skeleton_from = "measured";
   clip.skeleton_evidence = Words(best);
   clip.skeleton_confidence = 1.0 - best.score.total() / BodyScore::kBodyLike;
-  if (scores.size() > 1) {
-    const double margin = 1.0 - best.score.total() / std::max(1e-9, scores[1].score.total());
+  if (chosen + 1 < scores.size()) {
+    const OrderScore& next = scores[chosen + 1];
+    const double margin = 1.0 - best.score.total() / std::max(1e-9, next.score.total());
     clip.skeleton_confidence = std::min(1.0, std::max(clip.skeleton_confidence, 0.0) * 0.5 + margin * 0.5);
-    clip.skeleton_evidence += "; next is " + Words(scores[1]);
+    clip.skeleton_evidence += "; next is " + Words(next);
   }
-  if (const auto skeleton = KnownSkeleton(best.order->skeleton)) clip.points = PointsByName(clip.names, **skeleton);
   for (int side = 0; side < 2; ++side) {
     const auto toe = std::find(clip.names.begin(), clip.names.end(), side == 0 ? "left_big_toe" : "right_big_toe");
     if (toe != clip.names.end()) clip.points.toe[side] = static_cast<int>(toe - clip.names.begin());
@@ -99,7 +120,7 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
     for (const Joint& joint : (*skeleton)->joints) clip.names.push_back(joint.name);
   }
   if (static_cast<int>(clip.names.size()) != clip.joints) {
-    clip.remarks.push_back({"joints_contradiction", Severity::kError, static_cast<double>(clip.joints),
+    clip.remarks.push_back({"layout_contradiction", Severity::kError, static_cast<double>(clip.joints),
                             "the file has " + std::to_string(clip.joints) + " joints, the declaration " +
                                 std::to_string(clip.names.size())});
     clip.names.clear();
@@ -113,10 +134,13 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
                                      " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   const bool better = !scores.empty() && scores[0].score.IsBody() && scores[0].score.total() < 0.6 * score.total();
-  if (clip.frames < kFewestFrames || score.total() < kPlausibleOrder || !better) return;
+  std::string why = better && score.total() >= kPlausibleOrder ? Words(scores[0]) : "";
+  if (const auto doubt = why.empty() ? DoubtOrder(clip, score, BonesOf(clip.names, **skeleton)) : std::nullopt)
+    why = *doubt;
+  if (clip.frames < kFewestFrames || why.empty()) return;
   clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
                           "read in the declared order, " + clip.skeleton_evidence + " (" + RoundedText(score.total()) +
-                              ", the spread and half of that); " + Words(scores[0])});
+                              ", the spread and half of that); " + why});
 }
 
 void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,

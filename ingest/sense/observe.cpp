@@ -4,6 +4,8 @@
 #include "core/formats/camera_files.h"
 #include "core/formats/pose_log.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/name_sense.h"
+#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -49,6 +51,8 @@ Expected<ObservedFile> BandaiLabelIn(const FileBytes& file) {
        "bandai_label",
        {},
        {{"content", static_cast<double>(label->content)}, {"style", static_cast<double>(label->style)}}});
+  if (const auto doubt = DoubtBandaiLabel(file.path, *label))
+    observed.remarks.push_back({"name_contradiction", Severity::kWarning, 0.0, *doubt});
   return observed;
 }
 
@@ -85,6 +89,16 @@ Expected<ObservedFile> TableIn(const FileBytes& file, const std::optional<Source
 }
 
 }  // namespace
+
+Remark RemarkOf(const Finding& finding) {
+  const bool lost = finding.action == "dropped";
+  return {finding.code,
+          finding.severity,
+          finding.value,
+          finding.message,
+          lost ? finding.frame_begin : 0,
+          lost ? finding.frame_end : 0};
+}
 
 Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source) {
   switch (KindOf(file.bytes)) {

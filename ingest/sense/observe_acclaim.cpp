@@ -7,7 +7,9 @@
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
+#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -70,7 +72,7 @@ std::optional<double> RateOfName(const fs::path& path) {
 
 void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip) {
   for (const Finding& finding : findings) {
-    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    clip.remarks.push_back(RemarkOf(finding));
   }
 }
 
@@ -98,6 +100,7 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
   for (const int f : amc.damaged)
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
   FollowTree(parents, "hierarchy of the skeleton file", clip);
+  if (const auto path = DoubtPathAxes(clip.positions, clip.points)) AddRemarks({*path}, clip);
 }
 
 }  // namespace
@@ -110,9 +113,12 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
   std::optional<Asf> asf;
   if (!beside.skeleton.empty()) {
     const std::string skeleton = DisplayPath(beside.skeleton.filename());
+    const fs::path folder = fs::path(file.name).parent_path();
+    const bool above = beside.skeleton.parent_path().filename() == "..";
+    const std::string shown = DisplayPath((above ? folder.parent_path() : folder) / skeleton);
     const Expected<std::string> bytes = ReadFile(beside.skeleton);
     if (!bytes) return Forward(bytes);
-    Expected<Asf> parsed = ParseAsf(*bytes, skeleton);
+    Expected<Asf> parsed = ParseAsf(*bytes, shown);
     if (!parsed) return Forward(parsed);
     asf = std::move(*parsed);
     clip.facts.emplace_back("skeleton_file", skeleton);
@@ -167,8 +173,7 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
   std::vector<Finding> doubts = DoubtLengths(*asf);
   if (auto angles = DoubtAngles(*asf)) doubts.push_back(*std::move(angles));
   for (const std::vector<Finding>& findings : {asf->findings, doubts}) {
-    for (const Finding& finding : findings)
-      observed.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    for (const Finding& finding : findings) observed.remarks.push_back(RemarkOf(finding));
   }
   return observed;
 }

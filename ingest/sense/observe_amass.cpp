@@ -6,8 +6,11 @@
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
+#include "ingest/sense/remark.h"
 #include "ingest/sense/tree_points.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
@@ -51,18 +54,32 @@ Expected<Motion> PoseTree(const Amass& amass) {
   std::vector<Vector3d> pelvis;
   for (std::size_t f = 0; f < amass.frames; ++f)
     pelvis.push_back(Eigen::Map<const Vector3d>(&amass.translation_m[3 * f]));
-  return MakeMotion(*skeleton, FrameRate::FromHz(amass.rate_hz > 0.0 ? amass.rate_hz : 1.0), std::move(pelvis),
-                    std::move(*local), {});
+  const FrameRate rate = FrameRate::FromHz(amass.rate_hz > 0.0 ? amass.rate_hz : 1.0);
+  const auto bridged = BridgeFrames(amass.damaged, static_cast<int>(amass.frames), rate.hz(), "");
+  if (bridged) Bridge(*bridged, (*skeleton)->joint_count(), pelvis, *local);
+  return MakeMotion(*skeleton, rate, std::move(pelvis), std::move(*local), {});
 }
 
-void StandOnTree(const Motion& motion, ObservedClip& clip) {
+void StandOnTree(const Motion& motion, const std::vector<int>& damaged, ObservedClip& clip) {
   clip.positions = motion.joints;
+  if (!damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : damaged) {
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.positions.joints, clip.positions.joints,
+                0.0);
+  }
   const std::string declared = clip.skeleton, evidence = clip.skeleton_evidence;
   std::vector<std::string> names;
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
   FollowFormat("smpl24", names, evidence + "; posed on SMPL's tree with standard proportions", clip);
   clip.skeleton = declared;
   clip.lengths_assumed = true;
+}
+
+/// Against the body's own steps.
+void MeasurePath(const Motion& posed, ObservedClip& clip) {
+  const HandednessPoints body = PointsOfBody(*posed.skeleton);
+  clip.root_scale = MeasureRootScale(posed.joints, body);
+  if (const auto path = DoubtPathAxes(posed.joints, body)) clip.remarks.push_back(RemarkOf(*path));
 }
 
 ObservedClip AmassClip(const Amass& amass, const std::string& name) {
@@ -87,14 +104,15 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
+  for (const Finding& finding : amass.findings) clip.remarks.push_back(RemarkOf(finding));
   const std::optional<Finding> angles = DoubtAngles(amass);
-  if (angles) clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
+  if (angles) clip.remarks.push_back(RemarkOf(*angles));
   // Poses of another unit show nothing; markers beside them do.
   const Expected<Motion> posed = angles ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
-  if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
+  if (posed) MeasurePath(*posed, clip);
   if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
     if (posed)
-      StandOnTree(*posed, clip);
+      StandOnTree(*posed, amass.damaged, clip);
     else
       clip.silence = posed.error().what;
     return clip;
@@ -123,7 +141,7 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
   if (!archive) return Forward(archive);
   ObservedFile observed;
   if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
-    const Expected<Amass> amass = ParseAmass(file.bytes, file.name);
+    const Expected<Amass> amass = ParseAmass(file.bytes, file.name, DamagedRows::kReport);
     if (!amass) return Forward(amass);
     observed.clips.push_back(AmassClip(*amass, file.name));
     return observed;

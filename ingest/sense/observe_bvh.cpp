@@ -6,12 +6,15 @@
 #include "ingest/sense/observe.h"
 #include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
+#include "ingest/sense/remark.h"
+#include "ingest/sources/bvh_skeleton.h"
 
 namespace mocurate {
 
 Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
   const Expected<Bvh> bvh = ParseBvh(bytes, name, DamagedRows::kReport);
   if (!bvh) return Forward(bvh);
+  if (Status bones = CheckBones(*bvh, name); !bones) return Forward(bones);
   ObservedClip clip;
   clip.format = "bvh";
   clip.frames = bvh->frames;
@@ -35,16 +38,19 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
   clip.layout_evidence = "header of the file";
   if (const auto angles = DoubtAngles(*bvh)) {
-    clip.remarks.push_back({angles->code, angles->severity, angles->value, angles->message});
+    clip.remarks.push_back(RemarkOf(*angles));
     clip.positions = JointPositions();
     clip.confidence.clear();
     clip.silence = kSpoiledPoses;
   }
   if (const auto path = DoubtPath(clip.positions, clip.points)) {
-    clip.remarks.push_back({path->code, path->severity, path->value, path->message});
+    clip.remarks.push_back(RemarkOf(*path));
+  }
+  if (const auto path = DoubtPathAxes(clip.positions, clip.points)) {
+    clip.remarks.push_back(RemarkOf(*path));
   }
   for (const Finding& finding : bvh->findings) {
-    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    clip.remarks.push_back(RemarkOf(finding));
   }
   return std::vector<ObservedClip>{std::move(clip)};
 }

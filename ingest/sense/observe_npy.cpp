@@ -18,7 +18,7 @@ std::size_t JointsDeclared(const SourceOptions& source) {
 }
 
 void TellDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
-  for (const Finding& finding : damaged.findings)
+  for (const Finding& finding : damaged.findings)  // its frames reach from the first to the last such number
     clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
 }
 

@@ -5,7 +5,9 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
+#include "ingest/sense/name_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/remark.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
@@ -66,7 +68,7 @@ void ComparePeople(const NtuSkeleton& skeleton, const SourceOptions& source, con
   const Expected<People> people = NtuPeople(skeleton, source, wanted);
   if (!people) return;  // of its axes, which are no matter of people
   for (const Finding& finding : people->findings) {
-    remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    remarks.push_back(RemarkOf(finding));
   }
   const std::size_t there = people->chosen.size();
   if (there >= wanted) return;
@@ -117,8 +119,10 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std:
     clips.push_back(std::move(clip));
   }
   for (const Finding& finding : skeleton->findings) {
-    clips[0].remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    clips[0].remarks.push_back(RemarkOf(finding));
   }
+  if (const auto doubt = DoubtNtuName(file.path))
+    clips[0].remarks.push_back({"name_contradiction", Severity::kWarning, 0.0, *doubt});
   if (source) ComparePeople(*skeleton, *source, file, clips[0].remarks);
   return clips;
 }

@@ -2,10 +2,12 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/formats/decimal_comma.h"
 #include "core/formats/joint_layout.h"
 #include "core/formats/joint_table.h"
 #include "core/formats/number_scanner.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/remark.h"
 #include "ingest/sense/table_readings.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/sources/table_rows.h"
@@ -21,7 +23,9 @@ Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& na
     return Fail(ErrorCode::kInconsistent, "every number is zero: no joint is seen in any frame", name,
                 "the tracker lost the person: leave the file out");
   }
-  const std::vector<RowLayout> layouts = PossibleLayouts(rows.frames, rows.columns);
+  const std::optional<RowLayout> counted = CountedLayout(rows);
+  const std::vector<RowLayout> layouts =
+      counted ? std::vector<RowLayout>{*counted} : PossibleLayouts(rows.frames, rows.columns);
   if (std::optional<ObservedClip> known = KnownReading(rows, layouts)) return std::move(*known);
   std::optional<ObservedClip> smoothest;
   double least_rough = kSmooth;
@@ -85,11 +89,13 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
   return clip;
 }
 
-void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip) {
+/// Of a table whose frames are `rows` rows of the clip's.
+void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip, int rows = 1) {
   for (const Finding& finding : findings) {
-    const bool lost = finding.action == "dropped";
-    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message,
-                            lost ? finding.frame_begin : 0, lost ? finding.frame_end : 0});
+    Remark remark = RemarkOf(finding);
+    remark.frame_begin /= rows;
+    remark.frame_end = (remark.frame_end + rows - 1) / rows;
+    clip.remarks.push_back(std::move(remark));
   }
 }
 
@@ -140,12 +146,19 @@ Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions
 /// Rows that damage or a cut does not shift: each stands in its place, a damaged one without numbers.
 Expected<JointTable> WholeRows(std::string_view bytes, JointTableLayout layout, const std::string& name) {
   using Token = NumberScanner::Token;
-  std::vector<double> first;
+  std::vector<double> first, row;
   NumberScanner scanner(bytes, true);
-  for (Token token = Token::kLineEnd; first.empty() && token != Token::kEnd;) {
-    token = scanner.Numbers(first);
+  for (Token token = Token::kLineEnd; token != Token::kEnd;) {
+    row.clear();
+    token = scanner.Numbers(row);
+    const bool words = token != Token::kLineEnd && token != Token::kEnd;
+    if (first.empty()) first = row;  // where no row is whole
+    if (!words && row.size() > 2) {
+      first = row;
+      break;
+    }
     // A header says nothing of the columns.
-    while (first.empty() && token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
+    while (token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
   }
   layout.damaged_rows = DamagedRows::kReport;
   layout.columns = static_cast<int>(first.size());
@@ -225,6 +238,11 @@ std::optional<ObservedClip> MendedReading(const JointTable& rows, std::string_vi
 
 Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
                                                  const std::optional<SourceOptions>& source) {
+  if (const std::optional<std::string> points = WithDecimalPoints(bytes)) {
+    auto clips = ObserveTable(*points, name, source);
+    if (clips) clips->front().remarks.push_back(RemarkOf(DecimalCommas()));
+    return clips;
+  }
   if (!source || source->format == SourceFormat::kExpmap) {
     if (std::optional<ObservedClip> rotations = ObserveExpmap(bytes, name))
       return std::vector<ObservedClip>{std::move(*rotations)};
@@ -258,7 +276,7 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
     }
   }
   if (!clip) return Forward(clip);
-  if (damaged && !as_ingested) AddRemarks(rows->findings, *clip);
+  if (damaged && !as_ingested) AddRemarks(rows->findings, *clip, std::max(1, rows->frames / std::max(1, clip->frames)));
   if (bytes.find("\nEND") != std::string_view::npos) clip->facts.emplace_back("end_word", "END");
   if (std::none_of(clip->confidence.begin(), clip->confidence.end(), [](double c) { return c > 0.0; })) {
     clip->remarks.push_back(

@@ -6,7 +6,9 @@
 #include "core/formats/pcd.h"
 #include "core/formats/ply.h"
 #include "ingest/sense/keypoint_layout_sense.h"
+#include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -67,6 +69,7 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   clip.skeleton_from = layout.value.empty() ? "unknown" : "measured";
   clip.skeleton_confidence = layout.confidence;
   clip.skeleton_evidence = layout.evidence;
+  for (const Finding& doubt : DoubtKeypointNumbers(everybody)) clip.remarks.push_back(RemarkOf(doubt));
   if (without > 0) {
     clip.remarks.push_back({"empty_person", Severity::kInfo, static_cast<double>(without),
                             std::to_string(without) + " entries of people hold no keypoints"});

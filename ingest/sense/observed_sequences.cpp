@@ -2,6 +2,7 @@
 
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -94,8 +95,7 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
     if (!folder.keypoints.empty()) file.clips.push_back(ObserveKeypoints(folder.keypoints, everybody[FolderOf(name)]));
     for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
     const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);
-    for (const Finding& finding : folder.frames.Lacking(beside))
-      file.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    for (const Finding& finding : folder.frames.Lacking(beside)) file.remarks.push_back(RemarkOf(finding));
     if (folder.unsure_points > 0) {
       file.remarks.push_back({"unsure_points", Severity::kWarning, static_cast<double>(folder.unsure_points),
                               UnsurePointsWords(folder.unsure_points, folder.unsure_file)});

@@ -16,6 +16,7 @@
 #include "ingest/sense/declared_names.h"
 #include "ingest/sense/fitted_skeleton.h"
 #include "ingest/sense/source_root.h"
+#include "ingest/sources/babel_segments.h"
 
 namespace mocurate {
 namespace {
@@ -185,6 +186,27 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
   }
 }
 
+/// BABEL's files of the folder, and how many of the motions they speak of.
+void WriteAnnotations(const ClipVotes& source, const Json& inspection, const std::filesystem::path& folder,
+                      DeclarationWriter& writer) {
+  std::vector<std::string> files;
+  std::string list;
+  for (const Json& companion : inspection.at("companions")) {
+    if (companion.at("format") != "babel") continue;
+    files.push_back(companion.at("file"));
+    list += (list.empty() ? "" : ", ") + Quoted(files.back());
+  }
+  if (files.empty()) return writer.Comment("annotations: no file of BABEL's lies in the folder, clips have no labels");
+  Expected<BabelIndex> babel = BabelIndex::Read(folder, files);
+  if (!babel) return writer.Comment("annotations: not written, " + babel.error().Message());
+  const auto spoken_of = [&](const Json* clip) { return babel->Find(clip->at("file").get<std::string>()) != nullptr; };
+  const auto joined = std::count_if(source.clips().begin(), source.clips().end(), spoken_of);
+  writer.Value("annotations", "[" + list + "]",
+               "BABEL's, joined by the path in `feat_p`, which names " + std::to_string(joined) + " of the " +
+                   Counted(source.clips().size(), "motion") +
+                   (joined > 0 ? "" : ": keep AMASS's folders as they were"));
+}
+
 std::string FormatToDeclare(const Json& inspection) {
   std::map<std::string, std::size_t> counts;
   for (const Json& clip : inspection.at("clips")) {
@@ -292,6 +314,7 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::fil
   WriteRate(source, format, writer);
   if (!gathered) WriteSkeleton(source, format, writer);
   if (format == "joint_table") WriteTable(source, writer);
+  if (format == "amass" && folder) WriteAnnotations(source, inspection, root.folder, writer);
   std::map<std::string, std::pair<std::size_t, std::string>> findings;
   for (const Json& finding : inspection.at("findings")) {
     if (finding.at("severity") == "info") continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/text.h"
 
@@ -31,7 +32,9 @@ void AddLayoutFacts(const JointTable& rows, const RowLayout& layout, ObservedCli
     fourth = confidence ? "confidence" : "skip";
   }
   if (layout.rows_per_frame > 1) {
-    clip.facts.emplace_back("columns", "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
+    std::string columns;
+    for (int c = 0; c < layout.first_column; ++c) columns += "skip, ";
+    clip.facts.emplace_back("columns", columns + "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
     return;
   }
   clip.facts.emplace_back("layout", std::string(layout.first_column > 0 ? "frame " : "") +
@@ -56,12 +59,59 @@ std::vector<double> FrameNumbers(const JointTable& rows, const RowLayout& layout
   return numbers;
 }
 
+/// Frames that the numbers skip.
+void TellGaps(ObservedClip& clip) {
+  double skipped = 0.0, longest = 0.0;
+  std::string first;
+  for (std::size_t f = 1; f < clip.frame_numbers.size(); ++f) {
+    const double gap = clip.frame_numbers[f] - clip.frame_numbers[f - 1] - 1.0;
+    if (gap <= 0.0) continue;
+    skipped += gap;
+    longest = std::max(longest, gap);
+    if (first.empty())
+      first = FormatDouble(clip.frame_numbers[f - 1]) + " is followed by " + FormatDouble(clip.frame_numbers[f]);
+  }
+  if (first.empty()) return;
+  clip.remarks.push_back({"time_gap", Severity::kWarning, skipped,
+                          Counted(static_cast<long long>(skipped), "frame") + " of those that are numbered from " +
+                              FormatDouble(clip.frame_numbers.front()) + " to " +
+                              FormatDouble(clip.frame_numbers.back()) + " have no row, at most " +
+                              FormatDouble(longest) + " on end; the first: " + first});
+}
+
 /// CAD-60: frame number; 11 joints with 9 orientation values, their confidence, x y z, confidence; 4 joints without.
 RowLayout Cad60RowLayout() {
   RowLayout layout{15, 1, 0, 3, {}, "171 numbers a row: frame number, 11 joints with orientation, 4 without (CAD-60)"};
   for (int j = 0; j < 11; ++j) layout.x_columns.push_back(1 + 14 * j + 10);
   for (int j = 0; j < 4; ++j) layout.x_columns.push_back(1 + 14 * 11 + 4 * j);
   return layout;
+}
+
+/// How many rows on end have each number of the first column, where that rises by whole numbers; 0: it does not.
+int RowsCountedAlike(const JointTable& rows) {
+  int alike = 0;
+  for (int row = 0, first = 0; row <= rows.frames; ++row) {
+    const bool same = row < rows.frames && rows.at(row, 0, 0) == rows.at(first, 0, 0);
+    if (same) continue;
+    const double number = rows.at(first, 0, 0);
+    const bool counts = std::isfinite(number) && number == std::floor(number);
+    if (!counts || (row < rows.frames && !(rows.at(row, 0, 0) > number))) return 0;
+    if (alike != 0 && row - first != alike) return 0;
+    alike = row - first;
+    first = row;
+  }
+  return alike < rows.frames ? alike : 0;
+}
+
+/// Whether the second column says the same whole numbers in every frame, each once.
+bool CountsJoints(const JointTable& rows, int joints) {
+  std::set<double> numbers;
+  for (int row = 0; row < rows.frames; ++row) {
+    const double number = rows.at(row, 0, 1);
+    if (row < joints && (number != std::floor(number) || !numbers.insert(number).second)) return false;
+    if (number != rows.at(row % joints, 0, 1)) return false;
+  }
+  return true;
 }
 
 bool IsKnownCount(int joints) {
@@ -97,6 +147,7 @@ ObservedClip ReadRows(const JointTable& rows, const RowLayout& layout) {
     }
   }
   clip.frame_numbers = FrameNumbers(rows, layout);
+  TellGaps(clip);
   clip.layout_evidence = layout.words;
   AddLayoutFacts(rows, layout, clip);
   return clip;
@@ -132,6 +183,24 @@ std::vector<RowLayout> PossibleLayouts(int rows, int columns) {
     }
   }
   return layouts;
+}
+
+std::optional<RowLayout> CountedLayout(const JointTable& rows) {
+  for (const int leading : {2, 1}) {
+    const int rest = rows.columns - leading;
+    if (rest != 3 && rest != 4) continue;
+    const int joints = RowsCountedAlike(rows);
+    if (joints < kFewestJoints || joints > kMostJoints || rows.frames % joints != 0) continue;
+    if (leading == 2 && !CountsJoints(rows, joints)) continue;
+    return RowLayout{joints,
+                     joints,
+                     leading,
+                     rest,
+                     {},
+                     RowWords(rows.frames, joints, rows.columns) + ": the first counts the frames" +
+                         (leading == 2 ? ", the second the joints" : "")};
+  }
+  return std::nullopt;
 }
 
 double Roughness(const ObservedClip& clip) {

@@ -30,6 +30,9 @@ std::string RowWords(int rows, int joints, int columns);
 /// Every way to read the table that its counts allow.
 std::vector<RowLayout> PossibleLayouts(int rows, int columns);
 
+/// Rows of one joint each behind numbers that count the frames, or frames and joints; nothing of other tables.
+std::optional<RowLayout> CountedLayout(const JointTable& rows);
+
 /// Median step of a joint between frames against the size of the body: small when frames are cut at the right rows.
 double Roughness(const ObservedClip& clip);
 

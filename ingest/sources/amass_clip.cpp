@@ -6,6 +6,7 @@
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/rate_sense.h"
 #include "ingest/sources/babel_segments.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
 
@@ -56,7 +57,7 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (skeleton && !*skeleton) skeleton = LoadSkeleton("smpl24");
   if (!skeleton) return Forward(skeleton);
-  const Expected<Amass> amass = ParseAmass(file.bytes, file.name);
+  const Expected<Amass> amass = ParseAmass(file.bytes, file.name, source.damaged_rows);
   if (!amass) return Forward(amass);
   const int joints_in_file = amass->pose_columns == 3 * kSmplJoints ? kSmplJoints : kBodyJoints;
   if (amass->frames == 0) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
@@ -73,7 +74,16 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   Clip& clip = ingested.clip;
   clip.rate = RateOfFile(source, amass->rate_hz, ingested,
                          DoubtRate(amass->rate_hz, RateWord::kFramesPerSecond, file.name + ":mocap_framerate"));
+  const auto bridged = BridgeFrames(amass->damaged, static_cast<int>(amass->frames), clip.rate.hz(), file.name);
+  if (!bridged) return Forward(bridged);
+  const int joints = (*skeleton)->joint_count();
+  Bridge(*bridged, joints, root_translation, *rotation);
+  for (int j = 0; j < joints && !bridged->empty(); ++j) {
+    MakeSignContinuous(rotation->data() + j, amass->frames, static_cast<std::size_t>(joints));
+  }
   clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
+  ingested.findings.insert(ingested.findings.end(), amass->findings.begin(), amass->findings.end());
+  MarkBridged(*bridged, *clip.motion, ingested.findings);
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (auto angles = DoubtAngles(*amass)) ingested.findings.push_back(*std::move(angles));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;

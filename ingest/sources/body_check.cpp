@@ -5,6 +5,8 @@
 
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
+#include "ingest/sense/path_sense.h"
+#include "ingest/sense/remark.h"
 #include "ingest/sense/tree_points.h"
 
 namespace mocurate {
@@ -24,6 +26,12 @@ JointPositions InFile(const SourceOptions& source, JointPositions positions) {
     }
   }
   return positions;
+}
+
+/// Whether files of the format hold a path of the root beside the body's own poses.
+bool PathIsRead(SourceFormat format) {
+  return format == SourceFormat::kAmass || format == SourceFormat::kExpmap || format == SourceFormat::kBvh ||
+         format == SourceFormat::kAsfAmc;
 }
 
 /// The clip as an inspection of its file would see it; nothing where it has no joints.
@@ -49,6 +57,10 @@ std::optional<ObservedClip> Observed(const SourceOptions& source, const Clip& cl
   if (source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap) {
     observed.lengths_assumed = true;  // the skeleton's: only the path of the root is the file's
     observed.root_scale = MeasureRootScale(observed.positions, observed.points);
+  }
+  if (PathIsRead(source.format)) {
+    if (const auto path = DoubtPathAxes(observed.positions, observed.points))
+      observed.remarks.push_back(RemarkOf(*path));
   }
   if (observed.units.empty()) observed.units = "m";
   return observed;
@@ -85,6 +97,7 @@ void CheckPoints(const SourceOptions& source, const ObservedClip& observed, Inge
     if (comparison.contradicts) contradict(comparison.code, comparison.value, Advice(source, comparison));
   }
   for (const Remark& remark : observed.remarks) {
+    if (remark.code == "path_contradiction") contradict(remark.code, remark.value, remark.message);
     if (remark.code != "joint_order_contradiction") continue;
     contradict(remark.code, remark.value, remark.message + "; mend ingest.source.joints");
   }

@@ -83,6 +83,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   if (!declared) return Forward(declared);
   const Expected<Bvh> bvh = ParseBvh(file.bytes, file.name, source.damaged_rows);
   if (!bvh) return Forward(bvh);
+  if (Status bones = CheckBones(*bvh, file.name); !bones) return Forward(bones);
 
   IngestedClip ingested;
   ingested.findings = bvh->findings;

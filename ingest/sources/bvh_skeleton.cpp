@@ -125,6 +125,23 @@ std::vector<int> BvhOffsets::Path(const Bvh& bvh) const {
   return path;
 }
 
+Status CheckBones(const Bvh& bvh, const std::string& file) {
+  const auto lies_on_parent = [&](std::size_t j) {
+    if (!bvh.joints[j].offset.isZero(0.0)) return false;
+    for (int f = 0; f < bvh.frames && bvh.joints[j].HasPosition(); ++f) {
+      if (!BvhLocalPosition(bvh, f, static_cast<int>(j)).isZero(0.0)) return false;
+    }
+    return true;
+  };
+  std::size_t joints = 1;
+  while (joints < bvh.joints.size() && lies_on_parent(joints)) ++joints;
+  if (joints < 2 || joints < bvh.joints.size()) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "the OFFSETs of all " + std::to_string(joints - 1) +
+                  " joints below the root are 0 0 0: no bone has a length, and all joints lie in one point",
+              file, "export it again with the skeleton's bones, or leave the file out");
+}
+
 BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide,
                           const Skeleton* declared) {
   BvhOffsets offsets;

@@ -27,6 +27,9 @@ struct BvhOffsets {
   std::vector<int> Path(const Bvh& bvh) const;
 };
 
+/// Error kInconsistent where no joint ever lies elsewhere than its parent.
+Status CheckBones(const Bvh& bvh, const std::string& file);
+
 /// `max_slide` in metres. A joint that by `declared` (may be null) lies on its parent, and in the file does not,
 /// carries the translation even when the person stands still.
 BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide, const Skeleton* declared);

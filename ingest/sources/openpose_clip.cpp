@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
 #include "ingest/sense/keypoint_layout_sense.h"
+#include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sources/depth_beside.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/source_file.h"
@@ -91,6 +92,10 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
         people.back().pose = pose;
       }
     }
+  }
+  for (Finding& doubt : DoubtKeypointNumbers(people)) {
+    doubt.action = file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    ingested.findings.push_back(std::move(doubt));
   }
   const Measured measured = SenseKeypointLayout(people);
   const bool declared = file.source.keypoints != "measured";

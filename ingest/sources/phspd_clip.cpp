@@ -1,6 +1,8 @@
 #include <algorithm>
 
+#include "core/base/text.h"
 #include "core/formats/phspd_text.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
 
@@ -8,6 +10,22 @@ namespace mocurate {
 namespace {
 
 constexpr int kLongestGap = 10000;  // frames; a recording of minutes has some thousands
+
+/// "time_gap" of frames without a row, which are missing; of rows that were damaged it is told already.
+void NoteGaps(const PhspdPose& pose, std::vector<Finding>& findings) {
+  for (std::size_t i = 1; i < pose.frame.size(); ++i) {
+    const int first = pose.frame.front(), before = pose.frame[i - 1], after = pose.frame[i];
+    const auto damaged = std::count_if(findings.begin(), findings.end(), [&](const Finding& finding) {
+      return finding.action == "dropped" && finding.frame_begin > before - first && finding.frame_begin < after - first;
+    });
+    const int skipped = after - before - 1 - static_cast<int>(damaged);
+    if (skipped <= 0) continue;
+    findings.push_back(FrameFinding("time_gap", before + 1 - first, after - first, "", skipped,
+                                    Counted(skipped, "frame") + " without a row: " + std::to_string(before) +
+                                        " is followed by " + std::to_string(after)));
+    findings.back().action = "dropped";
+  }
+}
 
 }  // namespace
 
@@ -53,6 +71,7 @@ Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
       tracks.confidence[static_cast<std::size_t>(f) * kPhspdJoints + j] = 1.0;
     }
   }
+  NoteGaps(*pose, ingested.findings);
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.provenance["first_frame"] = std::to_string(first);
   ingested.clip.evidence.tracks = std::move(tracks);

@@ -167,9 +167,7 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
   // Frames whose rows were damaged are told of already.
   std::vector<char> told(static_cast<std::size_t>(frames), 0);
   for (const Finding& finding : findings) {
-    const bool rows = finding.code == "frame_rows" || finding.code == "row_length" || finding.code == "not_a_number" ||
-                      finding.code == "cut_off";
-    if (!rows || finding.action != "dropped") continue;
+    if (finding.action != "dropped") continue;
     for (int f = std::max(0, finding.frame_begin); f < std::min(frames, finding.frame_end); ++f)
       told[static_cast<std::size_t>(f)] = 1;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "core/formats/decimal_comma.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/sense/joint_orders.h"
 #include "ingest/sources/source_file.h"
 
@@ -39,7 +41,20 @@ std::string CountWords(const JointRows& rows, int per_frame) {
 
 }  // namespace
 
+Finding DecimalCommas() {
+  Finding finding =
+      FrameFinding("decimal_comma", 0, 0, "", 0.0, "numbers have a decimal comma (1,5): it is read as a point");
+  finding.severity = Severity::kInfo;
+  finding.action = "read as points";
+  return finding;
+}
+
 Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view bytes, const std::string& name) {
+  if (const std::optional<std::string> points = WithDecimalPoints(bytes)) {
+    Expected<JointRows> rows = ReadTableRows(source, *points, name);
+    if (rows) rows->findings.push_back(DecimalCommas());
+    return rows;
+  }
   const Expected<JointLayout> layout = TableLayout(source);
   if (!layout) return Forward(layout);
   JointTableLayout table;

@@ -295,6 +295,35 @@ TEST_F(BrokenRecording, PointsWithCoordinatesAndNoConfidenceAreNotSeenAndCounted
   EXPECT_EQ(told[0].at("value"), 2.0);
 }
 
+TEST_F(BrokenRecording, NumbersOfAnotherRangeAreToldByBoth) {
+  const auto change = [&](const auto& of_point) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "single")) {
+      if (entry.path().extension() != ".json") continue;
+      OpenPoseFrame frame = *ParseOpenPose(*ReadFile(entry.path()), "frame");
+      for (OpenPosePerson& person : frame.people) {
+        for (DetectedKeypoint& point : person.pose) of_point(point);
+      }
+      Put(entry.path(), WriteOpenPose(frame));
+    }
+  };
+  const auto told_by_both = [&](const std::string& code) {
+    const Ingested ingested = Ingest("range");
+    ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+    EXPECT_THAT(Codes(*ingested.outcome), ::testing::Contains(code));
+    bool told = false;
+    const nlohmann::json inspection = InspectPath(folder_, std::nullopt);
+    for (const nlohmann::json& finding : inspection.at("findings")) told = told || finding.at("code") == code;
+    EXPECT_TRUE(told) << code;
+  };
+  change([](DetectedKeypoint& point) { point.confidence *= 100.0; });
+  told_by_both("confidence_range");
+  change([](DetectedKeypoint& point) {
+    point.confidence /= 100.0;
+    point.u_px /= 1088.0, point.v_px /= 1920.0;
+  });
+  told_by_both("keypoints_not_pixels");
+}
+
 TEST_F(BrokenRecording, AnImageOfACrowdIsNoFrame) {
   const std::string name = "single/cam03_json/cam03.0002.json";
   auto frame = ParseOpenPose(*ReadFile(folder_ / name), name);

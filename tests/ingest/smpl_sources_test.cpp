@@ -283,7 +283,7 @@ TEST(Phspd, FramesThatNobodyAnnotatedAreMissingInTheirPlace) {
   }
   EXPECT_EQ(tracks.confidence[2 * kJoints], 0.0);
   ASSERT_EQ(ingested.outcome->findings.size(), 1u);
-  EXPECT_EQ(ingested.outcome->findings[0].code, "no_joint_seen");
+  EXPECT_EQ(ingested.outcome->findings[0].code, "time_gap");
   EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 2);
   EXPECT_EQ(ingested.outcome->findings[0].frame_end, 4);
   EXPECT_EQ(ingested.clip.provenance.at("first_frame"), "17");
