@@ -14,18 +14,16 @@ constexpr double kMadToSigma = 1.4826;
 constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
 // Limits are beyond what 1,214 clips of KARD, Florence3D, UTKinect and MSR-Action3D show, of which the largest is in
 // brackets.
-constexpr double kExchangeRatio = 5.0;  ///< of the spreads of two distances (3.9)
-constexpr double kExchangeLength =
-    0.3;  ///< of the other side's bone, by which the steadier distance may differ from it
-constexpr double kExchangeSpread = 0.03;  ///< metres that the larger one has at least
-constexpr double kMisplaced = 0.2;        ///< metres by which a bone is longer than the other side's (0.12)
+constexpr double kExchanged = 0.1;      ///< metres by which the upper bone of a limb differs, in the median (0.08)
+constexpr double kExchangeRatio = 3.0;  ///< of what it differs by with the lower joint in the upper's place (2.5)
+constexpr double kMisplaced = 0.15;     ///< metres by which a bone is longer than the other side's (0.12)
 constexpr double kMisplacedOfBone = 0.5;
 constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth to the last (0.25 of who bends)
 constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
 constexpr double kGrowthSpread = 0.35;  ///< of bones' growth, against the growth (0.43): a scale is the same of all
 constexpr int kParts = 5;
-constexpr double kLargest = 2.3;   ///< metres: the tallest people
-constexpr double kSmallest = 0.5;  ///< newborn
+constexpr double kLargest = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
+constexpr double kSmallest = 0.4;  ///< newborn
 
 struct Bone {
   int joint = 0;
@@ -42,6 +40,12 @@ double SpreadOf(std::vector<double> values) {
   const double centre = MedianOf(values);
   for (double& value : values) value = std::abs(value - centre);
   return kMadToSigma * Median(values);
+}
+
+/// Median of how far lengths are from one.
+double DepartureFrom(double length, std::vector<double> lengths) {
+  for (double& seen : lengths) seen = std::abs(seen - length);
+  return Median(lengths);
 }
 
 /// Distances between two joints.
@@ -112,18 +116,18 @@ class Judge {
       const auto upper =
           std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
       if (upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone) continue;
+      const Bone* other = Mirrored(*upper);
       const Bone across = Between(tracks_, lower.joint, upper->parent);
-      if (across.length.size() < kFewestFrames) continue;
-      const double changes = SpreadOf(upper->length), holds = SpreadOf(across.length);
-      if (changes < kExchangeSpread || changes < kExchangeRatio * holds) continue;
-      const double expected = ExpectedLength(*upper);
-      if (std::abs(across.median - expected) > kExchangeLength * expected) continue;
-      const double ratio = changes / std::max(holds, 1e-3);
-      Tell("joints_exchanged", Severity::kError, upper->joint, ratio,
-           Name(upper->joint) + " and " + Name(lower.joint) + " have each other's places: from " + Name(upper->parent) +
-               " it is always " + RoundedText(across.median, 3) + " m to the latter (to " +
-               RoundedText(1e3 * holds, 3) + " mm), but to the former the distance changes by " +
-               RoundedText(1e3 * changes, 3) + " mm: mend the order of the joints in the source");
+      if (other == nullptr || across.length.size() < kFewestFrames) continue;
+      const double named = DepartureFrom(other->median, upper->length);
+      const double exchanged = DepartureFrom(other->median, across.length);
+      if (named < kExchanged || named < kExchangeRatio * exchanged) continue;
+      if (SpreadOf(across.length) >= SpreadOf(upper->length)) continue;  // then it is the other side
+      Tell("joints_exchanged", Severity::kError, upper->joint, named,
+           Name(upper->joint) + " and " + Name(lower.joint) + " have each other's places: the bone from " +
+               Name(upper->parent) + " differs from the other side's by " + RoundedText(named, 3) +
+               " m in the median, with the two exchanged by " + RoundedText(exchanged, 2) +
+               " m: mend the order of the joints in the source");
     }
   }
 
@@ -136,16 +140,10 @@ class Judge {
     return found == bones_.end() ? nullptr : &*found;
   }
 
-  /// Length of the other side's bone, or of the skeleton's in the person's size.
-  double ExpectedLength(const Bone& bone) const {
-    const Bone* other = Mirrored(bone);
-    return other != nullptr ? other->median : scale_ * bone.rest;
-  }
-
   /// By how much a bone is too long; 0: it is not.
   double Departure(const Bone& bone) const {
     const Bone* other = Mirrored(bone);
-    const double expected = ExpectedLength(bone);
+    const double expected = other != nullptr ? other->median : scale_ * bone.rest;
     const double away = std::abs(bone.median - expected);
     const double slack = other != nullptr ? kMisplacedOfBone * expected : 2.0 * kMisplacedOfBone * expected;
     return away > std::max(kMisplaced, slack) && bone.median > expected ? away : 0.0;
@@ -224,7 +222,7 @@ class Judge {
     if (scale_ <= 0.0 || (stature <= kLargest && stature >= kSmallest)) return;
     Tell("size_doubtful", Severity::kWarning, -1, stature,
          "the body would be " + RoundedText(stature, 3) + " m tall from lowest to highest joint, " +
-             RoundedText(scale_, 3) + " times the skeleton's: people are " + RoundedText(kSmallest, 2) + " to " +
+             RoundedText(scale_, 3) + " times the skeleton's: people have " + RoundedText(kSmallest, 2) + " to " +
              RoundedText(kLargest, 2) + " m; is the scale of the source right?");
   }
 

@@ -8,10 +8,10 @@
 namespace mocurate {
 
 /// What tracks say throughout a clip that no body allows; they are left as they are. Of joints that 20 frames show:
-/// - "joints_exchanged" (error): a joint and the one below it have each other's columns: the distance from the joint
-///   above to the lower one hardly changes, to the upper one it does. Value: how many times as much.
-/// - "joint_misplaced" (error): all bones at a joint are longer or shorter than those of the other side, of a joint on
-///   the midline than those of the skeleton in the person's size. Value: by how much at most, metres.
+/// - "joints_exchanged" (error): a joint of a limb and the one below it have each other's columns: with the two
+///   exchanged its upper bone has the other side's length. Value: by how much it differs, metres.
+/// - "joint_misplaced" (error): all bones at a joint are longer than those of the other side, of a joint on the midline
+///   than those of the skeleton in the person's size. Value: by how much at most, metres.
 /// - "body_grows" (warning): nearly all bones grow, or shrink, from the clip's begin to its end. Value: by how much, %.
 /// - "size_doubtful" (warning): the body is larger or smaller than people are. Value: stature, metres.
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks);
