@@ -16,7 +16,6 @@ constexpr double kMostCost = 8.0;        ///< of one sample: beyond, something e
 constexpr double kChangeCost = 4.0;      ///< of a change of state
 constexpr double kExchangedCost = 0.05;  ///< of an exchanged frame
 constexpr double kBoneTime_s = 0.3;      ///< for which a tracker gets a bone wrong in the same way
-constexpr double kTelling = 1.0;         ///< by which a pair's steps are likelier, of two pairs at least
 constexpr double kGap_s = 0.25;          ///< longest time over which steps are looked at
 
 /// Pairs of one kind of limb, from the trunk outwards.
@@ -94,15 +93,11 @@ class Search {
       LimbExchange exchange;
       exchange.frame_begin = begin;
       exchange.frame_end = end;
-      exchange.margin = ChangesOf(without, begin, end) - ChangesOf(path, begin, end);
-      int telling = 0;
+      exchange.margin = StepsOf(without, begin, end) - StepsOf(path, begin, end);
       for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
-        const double gain = StepsOf(without, begin, end, i) - StepsOf(path, begin, end, i);
-        exchange.margin += gain;
-        telling += gain >= kTelling ? 1 : 0;
         if (Exchanged(path[begin], i)) exchange.pairs.push_back(limb_.pairs[i][0]);
       }
-      if (exchange.margin >= least_margin && telling >= 2) found.push_back(exchange);
+      if (exchange.margin >= least_margin) found.push_back(exchange);
       begin = end - 1;
     }
     return found;
@@ -121,15 +116,11 @@ class Search {
     const std::size_t pairs = limb_.pairs.size();
     step_.assign(pairs * tracks_.frames(), {0.0, 0.0});
     bone_.assign(pairs * tracks_.frames(), {0.0, 0.0});
-    before_.assign(pairs * tracks_.frames(), -1);
     std::vector<int> last(pairs, -1);
     for (int f = 0; f < tracks_.frames(); ++f) {
       for (std::size_t i = 0; i < pairs; ++i) {
         if (!Seen(f, i)) continue;
-        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kGap_s) {
-          StepCost(f, last[i], i);
-          before_[At(f, i)] = last[i];
-        }
+        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kGap_s) StepCost(f, last[i], i);
         last[i] = f;
         if (limb_.above[i] >= 0 && Seen(f, limb_.above[i])) BoneCost(f, i);
       }
@@ -214,22 +205,10 @@ class Search {
     return path;
   }
 
-  /// Of the changes of state into frames [begin, end) and out of them.
-  double ChangesOf(const std::vector<int>& path, int begin, int end) const {
+  /// Of the steps into frames [begin, end) and out of them.
+  double StepsOf(const std::vector<int>& path, int begin, int end) const {
     double cost = begin == 0 && path[0] != 0 ? kChangeCost : 0.0;
-    for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f)
-      cost += path[f - 1] == path[f] ? 0.0 : kChangeCost;
-    return cost;
-  }
-
-  /// Of a pair's steps into frames [begin, end) and out of them, each from where it was last seen.
-  double StepsOf(const std::vector<int>& path, int begin, int end, std::size_t pair) const {
-    double cost = 0.0;
-    for (int f = std::max(begin, 1); f < tracks_.frames(); ++f) {
-      const int before = before_[At(f, pair)];
-      if (before >= 0) cost += step_[At(f, pair)][Exchanged(path[before], pair) == Exchanged(path[f], pair) ? 0 : 1];
-      if (f >= end && Seen(f, pair)) break;
-    }
+    for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f) cost += ChangeCost(f, path[f - 1], path[f]);
     return cost;
   }
 
@@ -241,7 +220,6 @@ class Search {
   std::vector<int> starts_;  ///< innermost exchanged level of states 1, 2, ...
   std::vector<std::array<double, 2>> step_;
   std::vector<std::array<double, 2>> bone_;
-  std::vector<int> before_;  ///< frame from which a pair steps into this one; -1: none
 };
 
 }  // namespace
