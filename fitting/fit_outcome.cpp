@@ -6,8 +6,11 @@
 
 #include "core/base/text.h"
 #include "core/quality/measures.h"
+#include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/implausible_body.h"
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/evidence/tracker_points.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
@@ -54,7 +57,6 @@ Finding Doubt(const std::string& code, double value, const std::string& message)
 Finding JointsLeftOut(const std::vector<std::string>& names, const Skeleton& skeleton) {
   Finding finding;
   finding.code = "joints_left_out";
-  finding.severity = Severity::kInfo;
   finding.value = static_cast<double>(names.size());
   finding.message = "skeleton '" + skeleton.name + "' has no";
   for (const std::string& name : names) finding.message += (&name == &names.front() ? " " : ", ") + name;
@@ -159,15 +161,18 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   std::vector<std::string> left_out;
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
+  if (Status body = CheckBody(*tracks, clip.id()); !body) return tl::unexpected<Error>(body.error());
   if (!bone_length.empty()) {
     if (Status size = CheckSize(*tracks, bone_length, clip.id()); !size) return tl::unexpected<Error>(size.error());
   }
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (!fit) return fit;
-  if (const auto flat = FindFlatBody(*tracks)) fit->findings.push_back(*flat);
+  for (Finding& finding : FindImplausibleBody(*tracks)) fit->findings.push_back(std::move(finding));
   if (!left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
   if (!clip.evidence.tracks && clip.motion) AddGivenUncertainty(*clip.motion, fit->motion);
+  const SkeletonPtr plain = WithoutTrackerPoints(skeleton);
+  if (plain != skeleton) fit->motion = WithoutDetectorPoints(fit->motion, plain);
   return fit;
 }
 

@@ -12,6 +12,7 @@
 #include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
+#include "fitting/evidence/tracker_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/keypoint_cloud_fit.h"
 #include "fitting/proportions.h"
@@ -73,10 +74,11 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
       return FitKeypointsOfClip(clip, *skeleton, own->skeleton, own->bone_length, options);
     return FitKeypointsAndClouds(clip, *skeleton, own->skeleton, own->bone_length, options);
   }
-  const Expected<PersonBody> body = ReadBody(request, *skeleton);
+  const bool clouds_alone = options.method == FitMethod::kPointClouds;
+  const Expected<PersonBody> body = ReadBody(request, clouds_alone ? *skeleton : WithTrackerPoints(*skeleton, clip));
   if (!body) return Forward(body);
   const std::vector<double>& bones = body->bone_length;
-  if (options.method == FitMethod::kPointClouds) return FitClouds(clip, body->skeleton, bones, options.point_clouds);
+  if (clouds_alone) return FitClouds(clip, body->skeleton, bones, options.point_clouds);
   if (options.method == FitMethod::kJointsAndClouds) return FitBoth(clip, body->skeleton, bones, options);
   return FitTracksOfClip(clip, body->skeleton, bones, options);
 }

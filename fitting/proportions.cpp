@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "fitting/association/rig_diagnosis.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
 #include "fitting/solver/joint_track_fit.h"
@@ -149,6 +150,19 @@ Status TakeDirections(const nlohmann::json& directions, Skeleton& skeleton, cons
   return {};
 }
 
+/// A bone that nobody has: most often of another unit.
+tl::unexpected<Error> NoLength(const nlohmann::json& json, double length, const std::string& joint,
+                               const std::string& where) {
+  const auto found = json.find("scale");
+  const double scale = found != json.end() && found->is_number() ? found->get<double>() : 1.0;
+  const auto unit = FindUnit(scale);
+  return Fail(ErrorCode::kInconsistent,
+              "the bone that ends at '" + joint + "' would be " + RoundedText(length, 3) + " m long, and all bones " +
+                  RoundedText(scale, 3) + " times the skeleton's" +
+                  (unit ? ": it looks like " + unit->text : std::string()),
+              where, "is ingest.source.units right? --set ingest.source.units=cm, for example, says another");
+}
+
 Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
                                                   const std::string& where) {
   if (!json.is_object() || !json.contains("skeleton") || !json["skeleton"].is_string() ||
@@ -175,10 +189,7 @@ Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, co
     }
     lengths[j] = found->get<double>();
     if (!(lengths[j] >= 0.0 && lengths[j] < 10.0)) {
-      return Fail(
-          ErrorCode::kMalformed,
-          FormatDouble(lengths[j]) + " m is no length of the bone that ends at '" + skeleton.joints[j].name + "'",
-          where);
+      return NoLength(json, lengths[j], skeleton.joints[j].name, where);
     }
   }
   return lengths;

@@ -10,6 +10,7 @@
 #include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
+#include "fitting/evidence/tracker_points.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/body_size.h"
@@ -76,6 +77,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   std::vector<Clip> cloud_clips;
   std::vector<Clip> keypoint_clips;
   std::set<std::string> points;
+  SkeletonPtr tracked = *skeleton;
   std::vector<std::string> ids;
   for (const std::string& name : ChooseProportionClips(names)) {
     Expected<Clip> clip = ReadEvidence(inputs[name]->path);
@@ -93,7 +95,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       continue;
     }
     if (options->method != FitMethod::kJointTracks && options->method != FitMethod::kJointsAndClouds) continue;
-    Expected<SkeletonTracks> tracks = TracksOfClip(*clip, *skeleton, options->other_joints);
+    if (clips.tracks.empty()) tracked = WithTrackerPoints(*skeleton, *clip);  // clips of a person have one source
+    Expected<SkeletonTracks> tracks = TracksOfClip(*clip, tracked, options->other_joints);
     if (tracks) {
       clips.tracks.push_back(std::move(*tracks));
       clips.ids.push_back(clip->id());
@@ -102,7 +105,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     outcome.findings.push_back(NothingFrom(*clip, tracks.error()));
   }
   // One body for all clips, whatever points each shows.
-  const SkeletonPtr body = WithDetectorPoints(*skeleton, {points.begin(), points.end()});
+  const SkeletonPtr body = WithDetectorPoints(tracked, {points.begin(), points.end()});
   for (const Clip& clip : keypoint_clips) {
     Expected<BodyTracks> found = TracksOnBody(clip.evidence, **skeleton, body, options->keypoints);
     if (found) {

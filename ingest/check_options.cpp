@@ -23,6 +23,7 @@ const std::map<std::string, std::string>& CheckCodes() {
       {"zero_joint", "a joint at 0 0 0 among others that are not"},
       {"collapsed_frames", "frames whose joints lie in one point"},
       {"frozen_frames", "frames equal to the last digit"},
+      {"repeated_frames", "each frame several times"},
       {"held_joint", "a joint that stands still to the last digit while others move"},
       {"units_change", "frames in another unit than the others"},
       {"teleport", "frames in which the person is elsewhere"},

@@ -173,6 +173,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   clip.provenance["file"] = named.fields.at("file");
   clip.provenance["source_axes"] = source.axes;
   if (!source.units.empty()) clip.provenance["source_units"] = source.units;
+  if (!source.skeleton.empty()) clip.provenance["source_skeleton"] = source.skeleton;
   if (!named.style.empty()) clip.provenance["style"] = named.style;
   for (Finding& finding : ingested.findings) finding.clip = clip.id();
 }

@@ -6,6 +6,7 @@
 #include "core/base/resources.h"
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
+#include "core/motion/point_places.h"
 #include "core/motion/skeleton.h"
 
 namespace mocurate {
@@ -51,16 +52,32 @@ struct LandmarkEntry {
   }
 };
 
+struct PlaceEntry {
+  std::string point;
+  std::string joint;
+  std::vector<double> offset{0.0, 0.0, 0.0};
+  double spread = 0.0;
+
+  void Declare(OptionVisitor& v) {
+    v.Text("point", point, "joint of this skeleton");
+    v.Text("joint", joint, "joint of smpl24 that it moves with");
+    v.Numbers("offset", offset, Unit::kMetre, {-10.0, 10.0}, "in that joint's frame");
+    v.Number("spread", spread, Unit::kMetre, {0.0, 1.0}, "how far off that may be, standard deviation per axis");
+  }
+};
+
 struct SkeletonFile {
   std::string name;
   std::vector<JointEntry> joints;
   std::vector<LandmarkEntry> landmarks;
+  std::vector<PlaceEntry> on_body;
   std::vector<std::string> lie_chains;
 
   void Declare(OptionVisitor& v) {
     v.Text("name", name, "name of the skeleton");
     v.List("joints", joints, "joints, parents before children; the first is the root");
     v.List("landmarks", landmarks, "points outside the tree");
+    v.List("on_body", on_body, "of a tracker's skeleton: where points lie that are no joints of a body");
     v.Texts("lie_chains", lie_chains, "chains of Action2Motion's kinematics: names of joints with blanks between");
   }
 };
@@ -156,6 +173,12 @@ Expected<SkeletonPtr> Build(const SkeletonFile& file, const std::string& where) 
     if (!joint) return Forward(joint);
     skeleton->joints.push_back(std::move(*joint));
   }
+  for (const PlaceEntry& entry : file.on_body) {
+    const auto point = Lookup(index, entry.point, "point of on_body", where);
+    if (!point) return Forward(point);
+    const auto offset = Three(entry.offset, "offset of '" + entry.point + "' on_body", where);
+    if (!offset) return Forward(offset);
+  }
   for (const LandmarkEntry& entry : file.landmarks) {
     const auto joint = Lookup(index, entry.joint, "joint of landmark '" + entry.name + "':", where);
     if (!joint) return Forward(joint);
@@ -186,30 +209,54 @@ std::vector<std::string> BuiltInNames() {
   return names;
 }
 
-}  // namespace
-
-Expected<SkeletonPtr> ParseSkeleton(const std::string& yaml, const std::string& name) {
+Expected<SkeletonFile> ParseFile(const std::string& yaml, const std::string& name) {
   const auto node = LoadConfig(ConfigSource{yaml, name, {}});
   if (!node) return Forward(node);
-  const auto file = OptionsFromConfig<SkeletonFile>(*node);
-  if (!file) return Forward(file);
-  return Build(*file, name);
+  return OptionsFromConfig<SkeletonFile>(*node);
 }
 
-Expected<SkeletonPtr> LoadSkeleton(const std::string& name_or_path) {
+/// Text of a skeleton's file, and what to call it in messages.
+Expected<std::pair<std::string, std::string>> FindText(const std::string& name_or_path) {
   const std::string resource = "skeletons/" + name_or_path + ".yaml";
-  if (const auto text = FindResource(resource)) return ParseSkeleton(std::string(*text), resource);
+  if (const auto text = FindResource(resource)) return std::pair(std::string(*text), resource);
   std::error_code ignored;
   if (std::filesystem::is_regular_file(name_or_path, ignored)) {
-    const auto text = ReadFile(name_or_path);
+    auto text = ReadFile(name_or_path);
     if (!text) return Forward(text);
-    return ParseSkeleton(*text, DisplayPath(name_or_path));
+    return std::pair(*std::move(text), DisplayPath(name_or_path));
   }
   std::string known;
   for (const std::string& name : BuiltInNames()) known += (known.empty() ? "" : ", ") + name;
   const auto nearest = Nearest(name_or_path, BuiltInNames());
   return Fail(ErrorCode::kNotFound, "there is no skeleton '" + name_or_path + "', neither built in nor as a file", {},
               nearest ? "did you mean '" + *nearest + "'?" : "built in: " + known);
+}
+
+}  // namespace
+
+Expected<SkeletonPtr> ParseSkeleton(const std::string& yaml, const std::string& name) {
+  const auto file = ParseFile(yaml, name);
+  if (!file) return Forward(file);
+  return Build(*file, name);
+}
+
+Expected<SkeletonPtr> LoadSkeleton(const std::string& name_or_path) {
+  const auto text = FindText(name_or_path);
+  if (!text) return Forward(text);
+  return ParseSkeleton(text->first, text->second);
+}
+
+Expected<std::vector<PointPlace>> LoadPointPlaces(const std::string& name_or_path) {
+  const auto text = FindText(name_or_path);
+  if (!text) return Forward(text);
+  const auto file = ParseFile(text->first, text->second);
+  if (!file) return Forward(file);
+  if (const auto sound = Build(*file, text->second); !sound) return Forward(sound);
+  std::vector<PointPlace> places;
+  for (const PlaceEntry& entry : file->on_body) {
+    places.push_back({entry.point, entry.joint, {entry.offset[0], entry.offset[1], entry.offset[2]}, entry.spread});
+  }
+  return places;
 }
 
 }  // namespace mocurate

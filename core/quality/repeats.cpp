@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kAbrupt = 1e-3;    // metres: who stands still by intent sets out more softly, and no sensor is so sure
 constexpr double kByChance = 0.01;  // stillnesses of a clip on a grid, above which one is no defect
+constexpr int kMostTimes = 4;       // that a frame is written: 15 Hz in a file of 60
+constexpr double kNearlyAll = 0.9;  // of the frames
+constexpr int kFewestRepeated = 5;  // different frames
 constexpr double kCollapsed = 0.02;  // metres: no body is so small
 
 /// Calls with [begin, end) of each run of frames in which `holds`.
@@ -124,12 +127,35 @@ std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats,
   return holds;
 }
 
+/// Whether nearly all frames stand two to four times: how many frames there are for each different one; 0: they do not.
+double TimesRepeated(const TrackedPoints& points, const std::function<bool(int)>& body) {
+  int runs = 0, short_runs = 0, covered = 0;
+  ForRuns(points.frames(), body, [&](int begin, int end) {
+    const int count = end - begin + 1;
+    ++runs;
+    short_runs += count <= kMostTimes ? 1 : 0;
+    covered += count;
+  });
+  const bool nearly_all = covered >= kNearlyAll * points.frames() && short_runs >= kNearlyAll * runs;
+  return runs >= kFewestRepeated && nearly_all ? static_cast<double>(covered) / runs : 0.0;
+}
+
+Finding RepeatedFrames(const TrackedPoints& points, double times) {
+  const double hz = (points.frames() - 1) / (points.time_s.back() - points.time_s.front());
+  return FrameFinding("repeated_frames", 0, points.frames(), "", times,
+                      "nearly all frames stand " + Digits(times) + " times (mean): a recording of " +
+                          Digits(hz / times) + " Hz written at " + Digits(hz) + " Hz, or one of " + Digits(hz) +
+                          " Hz whose rate is said wrongly; write each once");
+}
+
 }  // namespace
 
 std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits& limits) {
   std::vector<Finding> findings;
   const Repeats repeats(points);
   const auto body = [&](int f) { return repeats.Body(f); };
+  const double times = TimesRepeated(points, body);
+  if (times > 0.0) return {RepeatedFrames(points, times)};
   ForRuns(points.frames(), body, [&](int begin, int end) {
     const int count = end - begin + 1;  // with the frame that is repeated
     if (count < limits.frozen_frames || !repeats.AbruptBody(begin - 1, end)) return;

@@ -13,6 +13,8 @@ struct RepeatLimits {
 /// that hung, and joints that another program filled with their last value.
 ///   "frozen_frames": every joint that is seen repeats; the span is the repeating frames, value their count. Two
 ///                    frames are of severity info.
+///   "repeated_frames": nearly all frames stand two to four times, the clip over; value: how often in the mean. Then
+///                    nothing else is told.
 ///   "held_joint": one joint repeats and others do not; value the count of frames.
 /// Stillness that is entered and left softly (by steps below 1 mm, or that grow to more than twice) is meant: authored
 /// and simulated motion stands so, and a sensor's noise does not let it. A clip in which at least half of the joints'

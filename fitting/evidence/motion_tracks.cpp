@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/motion/operations.h"
+#include "fitting/evidence/tracker_points.h"
 
 namespace mocurate {
 namespace {
@@ -90,10 +91,15 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
 Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton, OtherJoints other,
                                       std::vector<std::string>* left_out) {
   Expected<JointTracks> given;
+  const TrackerPoints points = TrackerPointsOf(clip, *skeleton);
   const JointTracks* tracks = clip.evidence.tracks ? &*clip.evidence.tracks : nullptr;
   std::vector<std::string> unknown;
+  if (points.tracker) {
+    given = OnBodyOf(points, *tracks, *skeleton);
+    tracks = &*given;
+  }
   if (tracks != nullptr && other == OtherJoints::kLeaveOut) {
-    given = KnownTracks(*tracks, *skeleton, unknown);
+    given = JointTracks(KnownTracks(*tracks, *skeleton, unknown));
     tracks = &*given;
   }
   if (tracks == nullptr && clip.motion) {
@@ -109,6 +115,7 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   }
   Expected<SkeletonTracks> mapped = MapTracks(*tracks, skeleton);
   if (!mapped) return tl::unexpected<Error>(Of(clip, mapped.error()));
+  mapped->place_spread = PlaceSpreads(points, *skeleton);
   if (left_out != nullptr) *left_out = std::move(unknown);
   return mapped;
 }

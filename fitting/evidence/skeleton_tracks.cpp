@@ -159,6 +159,7 @@ SkeletonTracks OnBody(SkeletonTracks tracks, const SkeletonPtr& body) {
 SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
   SkeletonTracks cut;
   cut.skeleton = tracks.skeleton;
+  cut.place_spread = tracks.place_spread;
   cut.time_s.assign(tracks.time_s.begin() + begin, tracks.time_s.begin() + end);
   cut.positions = JointPositions(end - begin, tracks.joints());
   const auto first = static_cast<std::ptrdiff_t>(begin) * tracks.joints();

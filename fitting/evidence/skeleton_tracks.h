@@ -21,6 +21,9 @@ struct SkeletonTracks {
   /// (F*J) or none: recorded world rotations, up to a constant turn within each joint; see JointTracks.
   std::vector<Quaterniond> rotation;
   std::vector<double> rotation_confidence;  ///< (F*J) or none
+  /// (J) or none: how far from where the skeleton has it a tracked point may lie on the person, all along, standard
+  /// deviation per axis; 0 for what is a joint.
+  std::vector<double> place_spread;
 
   int frames() const { return positions.frames; }
   int joints() const { return positions.joints; }

@@ -8,9 +8,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kTorn = 0.15;         ///< metres by which a bone is too long, at least
-constexpr double kTornOfBone = 0.5;    ///< of its length
-constexpr double kTornSigmas = 6.0;    ///< of a difference of two joints
+constexpr double kTorn = 0.15;       ///< metres by which a bone is too long, at least
+constexpr double kTornOfBone = 0.5;  ///< of its length
+constexpr double kTornSigmas = 6.0;  ///< of a difference of two joints
+constexpr double kWrongBone = 0.05;  ///< metres by which a bone is wrong that is not torn
+constexpr double kWrongSigmas = 3.0;
 constexpr int kFewestFrames = 3;       ///< shorter runs are outliers among their neighbours in time
 constexpr double kJumpReach_s = 0.5;   ///< how far the jump may be from what is torn
 constexpr double kJump = 0.15;         ///< metres
@@ -110,6 +112,34 @@ class Search {
     }
     for (int j = 0; j < joints; ++j) {
       if (part[j] >= 0 && !of_body[part[j]]) excess[j] = off[part[j]];
+    }
+    for (int j = 1; j < joints; ++j) {
+      if (excess[j] > 0.0) BlameAbove(f, j, part, excess);
+    }
+  }
+
+  /// What hangs from a joint that is elsewhere seems to be torn off from it, while the joint itself is still near
+  /// enough to its own parent. It is off instead where all its other bones are wrong, and what hangs from it is where
+  /// the rest of the body lets it be.
+  void BlameAbove(int f, int joint, const std::vector<int>& part, double* excess) const {
+    const auto fine = [&](int other) { return tracks_.seen(f, other) && excess[other] == 0.0; };
+    int above = tracks_.skeleton->joints[joint].parent;
+    while (above >= 0 && !tracks_.seen(f, above)) above = tracks_.skeleton->joints[above].parent;
+    if (above < 0 || !fine(above)) return;
+    int others = 0;
+    bool wrong = true, reached = true;
+    Walk(above, -1, 0.0, fine, [&](int other, double length) {
+      const double away = (tracks_.positions.at(f, other) - tracks_.positions.at(f, above)).norm() - length;
+      wrong = wrong && std::abs(away) > std::max(kWrongBone, kWrongSigmas * noise_);
+      ++others;
+    });
+    const auto but_above = [&](int other) { return other != above && fine(other); };
+    Walk(joint, -1, 0.0, but_above,
+         [&](int other, double length) { reached = reached && Excess(f, joint, other, length) == 0.0; });
+    if (others == 0 || !wrong || !reached) return;
+    excess[above] = excess[joint];
+    for (int j = 0; j < tracks_.joints(); ++j) {
+      if (part[j] == part[joint]) excess[j] = 0.0;
     }
   }
 

@@ -44,6 +44,24 @@ class Repairs {
     }
   }
 
+  /// Frames in which all joints stand in one point, however many: nobody was seen.
+  void LeaveOutNobody() {
+    for (const Finding& finding : FindBlanks(points())) {
+      if (finding.code != "zero_frames" && finding.code != "collapsed_frames") continue;
+      TrackRepair repair;
+      repair.code = finding.code;
+      repair.frame_begin = finding.frame_begin;
+      repair.frame_end = finding.frame_end;
+      repair.value = finding.value;
+      repair.message = finding.message;
+      for (int j = 0; j < result_.tracks.joints(); ++j) {
+        repair.joints.push_back(j);
+        for (int f = finding.frame_begin; f < finding.frame_end; ++f) result_.tracks.confidence[At(f, j)] = 0.0;
+      }
+      result_.repairs.push_back(std::move(repair));
+    }
+  }
+
   void LeaveOutCollapsed() {
     const SkeletonTracks given = result_.tracks;  // of a chain in one place every joint is told
     SkeletonTracks& tracks = result_.tracks;
@@ -182,7 +200,10 @@ void MendBodies(double noise_sigma, double least_margin, Repairs& repairs) {
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options) {
   Repairs repairs(given);
-  if (options.collapsed) repairs.LeaveOutCollapsed();
+  if (options.collapsed) {
+    repairs.LeaveOutNobody();
+    repairs.LeaveOutCollapsed();
+  }
   if (options.teleports) repairs.LeaveOut(FindTeleports(repairs.points()), options.longest_teleport_s);
   if (options.held) {
     const auto least = static_cast<int>(options.held_frames);

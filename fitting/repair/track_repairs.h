@@ -15,7 +15,7 @@ struct TrackRepair {
   enum class Action { kExchanged, kLeftOut };
 
   std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames", "zero_length_bone",
-                     ///< "joint_torn_off"
+                     ///< "joint_torn_off", "zero_frames", "collapsed_frames"
   Action action = Action::kLeftOut;
   int frame_begin = 0;
   int frame_end = 0;

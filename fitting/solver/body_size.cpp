@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/base/text.h"
 #include "fitting/association/rig_diagnosis.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr double kShortBone = 0.1;        ///< metres of the rest pose; shorter ones are hardly measured
 constexpr double kSmallestPerson = 0.35;  ///< against the rest skeleton
 constexpr double kLargestPerson = 2.0;
+constexpr double kPoint = 0.02;         ///< metres, standard deviation of joints along their longest direction
 constexpr double kFlat = 0.005;         ///< thickness against extent, of standard deviations
 constexpr int kFewestFlatFrames = 10;   ///< fewer may be a planar pose
 constexpr double kNearlyAlways = 0.95;  ///< of the frames
@@ -42,6 +44,9 @@ std::optional<std::pair<double, double>> Extents(const SkeletonTracks& clip, int
       Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
   return std::pair(std::sqrt(squares[0]), std::sqrt(squares[2]));
 }
+
+/// Millimetres to the tenth.
+double Tenths(double metres) { return std::round(1e4 * metres) / 10.0; }
 
 bool IsNear(double a, double b) { return std::abs(std::log(a / b)) <= std::log(kAnotherSize); }
 
@@ -90,26 +95,30 @@ Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_len
               where, "mend the unit of this clip, or give it another person");
 }
 
-std::optional<Finding> FindFlatBody(const SkeletonTracks& clip) {
-  std::vector<double> thickness;
-  int flat = 0;
+Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
+  std::vector<double> thickness, length;
+  int points = 0, flat = 0;
   for (int f = 0; f < clip.frames(); ++f) {
     const auto extents = Extents(clip, f);
     if (!extents) continue;
     thickness.push_back(extents->first);
+    length.push_back(extents->second);
+    points += extents->second < kPoint ? 1 : 0;
     flat += extents->first <= kFlat * extents->second ? 1 : 0;
   }
   const auto frames = static_cast<long long>(thickness.size());
+  if (frames > 0 && points == frames) {
+    return Fail(ErrorCode::kInconsistent,
+                "nobody is there: all joints lie in one point (to " + RoundedText(Tenths(Median(length)), 3) +
+                    " mm in the median) in all of " + Counted(frames, "frame"),
+                where, "drop the clip; where it stands for \"not seen\", say so with ingest.source.missing: zero");
+  }
   if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(frames)) return {};
-  Finding finding;
-  finding.code = "flat_body";
-  finding.severity = Severity::kError;
-  finding.value = std::round(1e4 * Median(thickness)) / 10.0;
-  finding.message = "all joints lie in one plane (to " + RoundedText(finding.value, 3) + " mm in the median) in " +
-                    std::to_string(flat) + " of " + Counted(frames, "frame") +
-                    ": 2-D points without depth are no joint tracks; the pose across the plane is not known";
-  finding.action = "flagged";
-  return finding;
+  return Fail(ErrorCode::kInconsistent,
+              "flat_body: all joints lie in one plane (to " + RoundedText(Tenths(Median(thickness)), 3) +
+                  " mm in the median) in " + std::to_string(flat) + " of " + Counted(frames, "frame") +
+                  ": 2-D points without depth are no joint tracks; the pose across the plane is not known",
+              where, "give positions with their depth, or the 2-D points of two calibrated cameras (keypoints)");
 }
 
 }  // namespace mocurate

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/base/finding.h"
 #include "fitting/evidence/skeleton_tracks.h"
 
 namespace mocurate {
@@ -24,8 +22,8 @@ std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes);
 /// would explain it.
 Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length, const std::string& where);
 
-/// An error "flat_body" where all joints of nearly every frame (ten at least) lie in one plane, to 1/200 of their
-/// extent: 2-D points, whose depth nobody measured. Value: median thickness, mm.
-std::optional<Finding> FindFlatBody(const SkeletonTracks& clip);
+/// Error kInconsistent where the tracks show nobody: all joints of every frame lie in one point (within 2 cm), or, in
+/// nearly all frames (ten at least), in one plane to 1/200 of their extent: 2-D points, whose depth nobody measured.
+Status CheckBody(const SkeletonTracks& clip, const std::string& where);
 
 }  // namespace mocurate

@@ -41,8 +41,8 @@ double HeldTurn(const PoseState& state, const std::vector<int>& children) {
   return kEndTurn;
 }
 
-/// Unknowns: the root's place, rotations that the evidence moves, then ends of unmeasured bones and rotations of joints
-/// that are held; three columns each, along the world's axes.
+/// Unknowns: the root's place, rotations that the evidence moves, then ends of unmeasured bones, rotations of joints
+/// that are held and where tracked points lie on the person; three columns each, along the world's axes.
 class BodyEquations {
  public:
   BodyEquations(const TrackWindow& whole, std::vector<bool> unmeasured)
@@ -51,7 +51,8 @@ class BodyEquations {
         shown_(whole.tracks.SeenJoints()),
         children_(whole.tracks.skeleton->Children()),
         turn_(shown_.size(), -1),
-        bone_(shown_.size(), -1) {
+        bone_(shown_.size(), -1),
+        place_(shown_.size(), -1) {
     for (int j = 0; j < whole.state.joints(); ++j) {
       if (!whole.state.active(j)) continue;
       turn_[static_cast<std::size_t>(j)] = pose_;
@@ -67,6 +68,10 @@ class BodyEquations {
         turn_[j] = all_;
         all_ += 3;
       }
+      if (shown_[j] && PlaceSpread(j) > 0.0) {
+        place_[j] = all_;
+        all_ += 3;
+      }
     }
   }
 
@@ -78,7 +83,9 @@ class BodyEquations {
     for (int j = 0; j < state.joints(); ++j) {
       if (!shown_[static_cast<std::size_t>(j)]) continue;
       const double sigma = whole_.joint_sigma[static_cast<std::size_t>(j)];
-      const auto of_joint = moves.middleRows<3>(3 * j);
+      Eigen::MatrixXd of_joint = moves.middleRows<3>(3 * j);
+      if (const int place = place_[static_cast<std::size_t>(j)]; place >= 0)
+        of_joint.middleCols<3>(place).setIdentity();
       information.selfadjointView<Eigen::Lower>().rankUpdate(of_joint.transpose(), 1.0 / (sigma * sigma));
     }
     // L L' = information, the pose first: the last rows of L^-1 J' are what is open of the body, carried to the joints
@@ -94,6 +101,10 @@ class BodyEquations {
   }
 
  private:
+  double PlaceSpread(std::size_t j) const {
+    return whole_.tracks.place_spread.empty() ? 0.0 : whole_.tracks.place_spread[j];
+  }
+
   /// Derivatives of all positions by all unknowns, 3J x unknowns.
   Eigen::MatrixXd Moves(int frame) const {
     const PoseState& state = whole_.state;
@@ -123,6 +134,8 @@ class BodyEquations {
         const double turn = j == 0 ? kUnknownTurn : state.active(j) ? kBend : HeldTurn(state, children_[at]);
         information.diagonal().segment<3>(turn_[at]).setConstant(1.0 / (turn * turn));
       }
+      if (place_[at] >= 0)
+        information.diagonal().segment<3>(place_[at]).setConstant(1.0 / (PlaceSpread(at) * PlaceSpread(at)));
       if (bone_[at] < 0) continue;
       const double spread = SpreadOf(*whole_.tracks.skeleton, j);
       information.diagonal().segment<3>(bone_[at]).setConstant(1.0 / (spread * spread));
@@ -134,9 +147,10 @@ class BodyEquations {
   std::vector<bool> unmeasured_;
   std::vector<bool> shown_;
   std::vector<std::vector<int>> children_;
-  std::vector<int> turn_;  ///< first column of a joint's rotation; -1: none
-  std::vector<int> bone_;  ///< first column of the end of a bone; -1: measured
-  int pose_ = 3;           ///< columns of the pose
+  std::vector<int> turn_;   ///< first column of a joint's rotation; -1: none
+  std::vector<int> bone_;   ///< first column of the end of a bone; -1: measured
+  std::vector<int> place_;  ///< first column of how far a tracked point is from its place; -1: it is a joint
+  int pose_ = 3;            ///< columns of the pose
   int all_ = 0;
 };
 
@@ -144,7 +158,8 @@ class BodyEquations {
 
 std::vector<float> CovarianceOfBody(const TrackWindow& whole) {
   std::vector<bool> unmeasured = UnmeasuredBones(whole.tracks, whole.state);
-  if (std::find(unmeasured.begin(), unmeasured.end(), true) == unmeasured.end()) return {};
+  const bool measured = std::find(unmeasured.begin(), unmeasured.end(), true) == unmeasured.end();
+  if (measured && whole.tracks.place_spread.empty()) return {};
   const BodyEquations equations(whole, std::move(unmeasured));
   const auto joints = static_cast<std::size_t>(whole.state.joints());
   const std::vector<double>& time_s = whole.tracks.time_s;

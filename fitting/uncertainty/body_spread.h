@@ -20,7 +20,8 @@ inline constexpr double kLimbTurn = 1.0;
 inline constexpr double kEndTurn = 0.3;
 
 /// Covariance (F*J*6; xx xy xz yy yz zz, m^2) that the unmeasured part of the body, and joints that are held, add to
-/// positions of joints; empty where all bones are measured: both their ends are seen in the tracks, in some frame. The
+/// positions of joints; empty where all bones are measured: both their ends are seen in the tracks, in some frame.
+/// Points of a tracker that are no joints (SkeletonTracks::place_spread) add where they may lie on the person. The
 /// others are off by the spreads above, each on its own, and the pose follows them: what it makes up for, and what the
 /// seen joints say about the bones between them, is taken off (consider covariance, Schmidt 1966, with the body's given
 /// the evidence of one frame). So the hand beyond the last seen joint has the whole spread of its bone and of the

@@ -2,7 +2,8 @@
 // per class and person, or all 34 variants), whose bodies the fitter does not know, and compares with the truth. Noise
 // of 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames unless options say otherwise. gap=SECONDS: in the middle
 // of each clip nobody is seen for so long, and how far off and how well covered joints are there. unseen=1: the
-// trackers know no spine above the pelvis, neck, collars, hands and feet; the same of these.
+// trackers know no spine above the pelvis, neck, collars, hands and feet; the same of these. kard=1: they are OpenNI's,
+// as KARD writes them; the same of neck, head and wrists, of which it lists other points. kard=2: by their names alone.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,8 +14,12 @@
 #include <Eigen/Cholesky>
 
 #include "core/motion/kinematics.h"
+#include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/motion_tracks.h"
+#include "fitting/evidence/tracker_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "ingest/synthetic/body_points.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/studio_clips.h"
@@ -74,6 +79,35 @@ void HideJoints(const std::vector<bool>& joints, StudioClip& clip) {
   }
 }
 
+/// Joints in whose place OpenNI's tracker lists another point.
+std::vector<bool> Displaced(const Skeleton& skeleton) {
+  std::vector<bool> displaced;
+  for (const Joint& joint : skeleton.joints) {
+    bool found = joint.name == "neck" || joint.name == "head";
+    displaced.push_back(found || joint.name.find("wrist") != std::string::npos);
+  }
+  return displaced;
+}
+
+/// What OpenNI's tracker says of the same person instead.
+void TrackAsKard(const StudioClipErrors& errors, std::uint64_t seed, bool placed, StudioClip& clip) {
+  Clip source;
+  if (placed) source.provenance[kSourceSkeleton] = "openni15";
+  const std::vector<std::string> names = NamesOf(KardPlaces());
+  const TrackedTake seen =
+      Track(PlacesOf(clip.truth, KardPlaces()), names, errors.tracker, static_cast<std::int64_t>(seed), clip.name);
+  JointTracks tracks;
+  tracks.names = names;
+  tracks.time_s = clip.tracks.time_s;
+  tracks.positions = seen.positions;
+  for (const std::uint8_t there : seen.seen) tracks.confidence.push_back(there);
+  source.evidence.tracks = std::move(tracks);
+  const auto mapped = TracksOfClip(source, WithTrackerPoints(clip.tracks.skeleton, source), OtherJoints::kLeaveOut);
+  if (!mapped) std::fprintf(stderr, "%s\n", mapped.error().Message().c_str()), std::exit(1);
+  clip.tracks = *mapped;
+  clip.exchanged.clear();
+}
+
 }  // namespace
 }  // namespace mocurate
 
@@ -90,19 +124,24 @@ int main(int argc, char** argv) {
   bool true_bones = false;
   double gap_s = 0.0;
   bool few_joints = false;
+  int kard = 0;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
     if (name == "true_bones") true_bones = true;
     if (name == "gap") gap_s = value;
+    if (name == "kard") kard = static_cast<int>(value);
     if (name == "unseen") few_joints = value != 0.0;
     Set(name, value, options, repair, errors);
   }
   std::vector<StudioClip> clips = StudioClips(seed, subjects, variants, errors, rate_hz);
+  for (StudioClip& clip : clips) {
+    if (kard > 0) TrackAsKard(errors, seed, kard == 1, clip);
+  }
   std::map<const StudioClip*, std::pair<int, int>> gaps;
   for (StudioClip& clip : clips) gaps[&clip] = HideMiddle(gap_s, clip);
   FitScore all;
   FitScore hidden;
   FitScore unseen;
-  unseen.only = Unknown(**LoadSkeleton("smpl24"));
+  unseen.only = kard > 0 ? Displaced(**LoadSkeleton("smpl24")) : Unknown(**LoadSkeleton("smpl24"));
   if (few_joints) {
     for (StudioClip& clip : clips) HideJoints(unseen.only, clip);
   }
@@ -121,12 +160,16 @@ int main(int argc, char** argv) {
     for (const StudioClip& clip : clips) {
       if (clip.subject != person) continue;
       const auto start = std::chrono::steady_clock::now();
-      const auto fit = RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.truth.rate,
-                                    true_bones ? clip.truth.bone_length : bones->bone_length, repair, options);
+      auto fit = RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.truth.rate,
+                              true_bones ? clip.truth.bone_length : bones->bone_length, repair, options);
       seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
+      if (kard == 1) {
+        const SkeletonPtr body = fit->motion.skeleton;
+        fit->motion = WithoutDetectorPoints(fit->motion, WithoutTrackerPoints(body));
+      }
       all.Add(*fit, clip);
-      if (few_joints) unseen.Add(*fit, clip);
+      if (few_joints || kard > 0) unseen.Add(*fit, clip);
       if (gap_s > 0.0) hidden.Add(*fit, clip, gaps[&clip].first, gaps[&clip].second);
       of_class[clip.action].Add(*fit, clip);
       swaps.Add(*fit, clip);
@@ -158,9 +201,9 @@ int main(int argc, char** argv) {
       "%.2f), within sigma %.1f %%, 2 sigma %.1f %%, noise %.1f mm, %.0f frames/s\n",
       clips.size(), all.frames, all.joint_mm(), all.seen_mm(), all.hidden_mm(), all.rotation_deg(), all.full_deg(),
       all.bone_deg(), 100.0 * all.within_one(), 100.0 * all.within_two(), 1e3 * sigma, all.frames / seconds);
-  if (few_joints) {
-    std::printf("unseen: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", unseen.joint_mm(),
-                100.0 * unseen.within_one(), 100.0 * unseen.within_two());
+  if (few_joints || kard > 0) {
+    std::printf("%s: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", kard > 0 ? "other points" : "unseen",
+                unseen.joint_mm(), 100.0 * unseen.within_one(), 100.0 * unseen.within_two());
   }
   if (hidden.frames == 0) return 0;
   std::printf("in gaps of %.2f s: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", gap_s, hidden.joint_mm(),

@@ -60,10 +60,10 @@ TEST(BadTracks, OfOneAndTwoFramesAreFitted) {
 }
 
 /// 2-D points whose depth is a constant.
-TEST(BadTracks, InOnePlaneAreAnErrorThatSaysSo) {
+TEST(BadTracks, InOnePlaneAreRefused) {
   Take take = SmoothTake(60);
   AddNoise(take.tracks, 0.01, 3);
-  EXPECT_EQ(Told(SoundFit(ClipOf(take)), "flat_body"), 0);
+  SoundFit(ClipOf(take));
   const Matrix3d tilted = ExpQuaternion(Vector3d(0.3, 0.7, 0.1)).toRotationMatrix();
   for (int f = 0; f < 60; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) {
@@ -72,10 +72,35 @@ TEST(BadTracks, InOnePlaneAreAnErrorThatSaysSo) {
       take.tracks.positions.at(f, j) = tilted * place;
     }
   }
-  const Clip clip = ClipOf(take);
-  const FitResult fit = SoundFit(clip);
-  EXPECT_EQ(Told(fit, "flat_body"), 1);
-  EXPECT_EQ(OutcomeOfFit(clip, fit, FittingOptions{}).kind, OutcomeKind::kDoubtful);
+  const auto fit = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
+  ASSERT_FALSE(fit.has_value());
+  EXPECT_NE(fit.error().what.find("one plane (to 0 mm in the median) in 60 of 60 frames"), std::string::npos)
+      << fit.error().what;
+}
+
+/// A tracker's word for nobody: what is written there was not observed.
+TEST(BadTracks, AtZeroAreNotObserved) {
+  Take take = SmoothTake(60);
+  AddNoise(take.tracks, 0.01, 3);
+  const auto zero_from = [&](int begin) {
+    for (int f = begin; f < 60; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j).setZero();
+    }
+  };
+  zero_from(20);
+  const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
+  EXPECT_EQ(Told(fit, "zero_frames"), 1);
+  for (int f = 0; f < 60; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      const JointState state = fit.motion.state[static_cast<std::size_t>(f) * 14 + static_cast<std::size_t>(j)];
+      EXPECT_EQ(state == JointState::kObserved, f < 20) << f << " " << j;
+    }
+  }
+  EXPECT_GT(SigmaAt(fit, 59, 5), 5.0 * SigmaAt(fit, 10, 5));
+  zero_from(0);
+  const auto nobody = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
+  ASSERT_FALSE(nobody.has_value());
+  EXPECT_NE(nobody.error().what.find("all joints lie in one point"), std::string::npos) << nobody.error().what;
 }
 
 TEST(BadTracks, WithInfinitiesAreRefusedByPlace) {
@@ -179,8 +204,7 @@ TEST(BadTracks, WithBonesOfNoLengthAreFittedAndDoubted) {
   const auto person = EstimateProportions({*tracks}, TestSkeleton(), ProportionsOptions{});
   ASSERT_TRUE(person.has_value());
   for (const double length : person->bone_length) EXPECT_TRUE(std::isfinite(length) && length >= 0.0);
-  const FitResult point = SoundFit(clip, take.truth.bone_length);
-  EXPECT_EQ(OutcomeOfFit(clip, point, FittingOptions{}).kind, OutcomeKind::kDoubtful);
+  EXPECT_FALSE(FitTracksOfClip(clip, TestSkeleton(), take.truth.bone_length, FittingOptions{}).has_value());
 }
 
 }  // namespace

@@ -192,6 +192,30 @@ TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
   EXPECT_TRUE(OfCode(Fit(NoisyTake(90)), "joint_torn_off").empty());
 }
 
+/// A wrist beside the forearm is hardly farther from the elbow than it may be, but far from its hand.
+TEST(Repair, BlamesTheJointThatIsOffAndNotWhatHangsFromIt) {
+  auto body = std::make_shared<Skeleton>(*TestSkeleton());
+  for (const int wrist : {5, 8}) {
+    Joint hand = body->joints[static_cast<std::size_t>(wrist)];
+    hand.name = wrist == 5 ? "left_hand" : "right_hand";
+    hand.parent = wrist;
+    hand.rest_offset = Vector3d(wrist == 5 ? 0.1 : -0.1, 0.0, 0.0);
+    hand.mirror = wrist == 5 ? 15 : 14;
+    body->joints.push_back(hand);
+  }
+  Take take = SmoothTake(90, Quaterniond::Identity(), 30.0, 0.4, body);
+  AddNoise(take.tracks, kNoise, 5);
+  for (int f = 40; f < 50; ++f) {
+    const Vector3d forearm = take.truth.joints.at(f, 5) - take.truth.joints.at(f, 4);
+    take.tracks.positions.at(f, 5) += 0.28 * forearm.unitOrthogonal();
+  }
+  const std::vector<Finding> findings = OfCode(Fit(take), "joint_torn_off");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].joint, "left_wrist");
+  EXPECT_NEAR(findings[0].frame_begin, 40, 1);
+  EXPECT_NEAR(findings[0].frame_end, 50, 1);
+}
+
 /// Between two joints that a torn bone joins the one is off that the others do not reach.
 TEST(Repair, BlamesTheJointThatIsOffAndNotItsNeighbours) {
   Take take = NoisyTake(90);

@@ -4,6 +4,7 @@
 
 #include "core/quality/checks.h"
 #include "core/quality/rate.h"
+#include "core/quality/repeats.h"
 #include "tests/quality/people.h"
 
 namespace mocurate::test {
@@ -57,6 +58,29 @@ TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
     EXPECT_EQ(found[0].frame_end, begin + length);
     EXPECT_EQ(found[0].value, length);
     EXPECT_EQ(found[0].severity, length == 2 ? Severity::kInfo : Severity::kWarning);
+  }
+}
+
+/// 30 Hz in a file of 60 or 90, or of 72 (some frames twice, some three times): nobody's stream hangs.
+TEST(Defects, FramesThatAllStandSeveralTimesAreToldOnce) {
+  for (const auto& [each, more] : {std::pair{2, 0}, {3, 0}, {2, 1}}) {
+    const TakeOptions who = Somebody(3);
+    const Take once = Perform(3, who);
+    std::vector<int> from;
+    for (int f = 0; f < once.positions.frames; ++f) from.insert(from.end(), each + (f % 2 == 0 ? more : 0), f);
+    Take take = once;
+    take.positions = JointPositions(static_cast<int>(from.size()), once.positions.joints);
+    take.confidence.clear();
+    take.time_s.clear();
+    for (std::size_t f = 0; f < from.size(); ++f) {
+      take.time_s.push_back(static_cast<double>(f) / who.rate_hz / each);
+      for (int k = 0; k < once.positions.joints; ++k)
+        take.positions.at(static_cast<int>(f), k) = once.positions.at(from[f], k).eval();
+    }
+    const std::vector<Finding> found = FindRepeats(take.view());
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].code, "repeated_frames");
+    EXPECT_NEAR(found[0].value, each + 0.5 * more, 0.01);
   }
 }
 

@@ -1,0 +1,241 @@
+#include "fitting/evidence/implausible_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "fitting/evidence/noise.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kFewestFrames = 20;
+constexpr double kMadToSigma = 1.4826;
+constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
+// Limits are beyond what 1,214 clips of KARD, Florence3D, UTKinect and MSR-Action3D show, of which the largest is in
+// brackets.
+constexpr double kExchanged = 0.1;      ///< metres by which the upper bone of a limb differs, in the median (0.08)
+constexpr double kExchangeRatio = 3.0;  ///< of what it differs by with the lower joint in the upper's place (2.5)
+constexpr double kMisplaced = 0.15;     ///< metres by which a bone is longer than the other side's (0.12)
+constexpr double kMisplacedOfBone = 0.5;
+constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth to the last (0.25 of who bends)
+constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
+constexpr double kGrowthSpread = 0.35;  ///< of bones' growth, against the growth (0.43): a scale is the same of all
+constexpr int kParts = 5;
+constexpr double kLargest = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
+constexpr double kSmallest = 0.4;  ///< newborn
+
+struct Bone {
+  int joint = 0;
+  int parent = 0;              ///< nearest joint above that is seen
+  double rest = 0.0;           ///< metres, of the skeleton
+  std::vector<double> length;  ///< of the frames that show it
+  std::vector<double> time_s;
+  double median = 0.0;
+};
+
+double MedianOf(std::vector<double> values) { return Median(values); }
+
+double SpreadOf(std::vector<double> values) {
+  const double centre = MedianOf(values);
+  for (double& value : values) value = std::abs(value - centre);
+  return kMadToSigma * Median(values);
+}
+
+/// Median of how far lengths are from one.
+double DepartureFrom(double length, std::vector<double> lengths) {
+  for (double& seen : lengths) seen = std::abs(seen - length);
+  return Median(lengths);
+}
+
+/// Distances between two joints.
+Bone Between(const SkeletonTracks& tracks, int joint, int parent) {
+  Bone bone;
+  bone.joint = joint;
+  bone.parent = parent;
+  for (int f = 0; f < tracks.frames(); ++f) {
+    if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) continue;
+    bone.length.push_back((tracks.positions.at(f, joint) - tracks.positions.at(f, parent)).norm());
+    bone.time_s.push_back(tracks.time_s[static_cast<std::size_t>(f)]);
+  }
+  bone.median = MedianOf(bone.length);
+  return bone;
+}
+
+class Judge {
+ public:
+  explicit Judge(const SkeletonTracks& tracks) : tracks_(tracks), shown_(tracks.SeenJoints()) {
+    const Skeleton& skeleton = *tracks.skeleton;
+    std::vector<Vector3d> rest(skeleton.joints.size(), Vector3d::Zero());
+    for (int j = 1; j < skeleton.joint_count(); ++j) {
+      rest[j] = rest[skeleton.joints[j].parent] + skeleton.joints[j].rest_offset;
+      int above = skeleton.joints[j].parent;
+      while (above >= 0 && !shown_[above]) above = skeleton.joints[above].parent;
+      if (above < 0 || !shown_[j]) continue;
+      Bone bone = Between(tracks, j, above);
+      bone.rest = (rest[j] - rest[above]).norm();
+      if (bone.length.size() >= kFewestFrames && bone.median > 0.0) bones_.push_back(std::move(bone));
+    }
+    double low = 0.0, high = 0.0;
+    for (const Vector3d& joint : rest) {
+      low = std::min(low, joint.y());
+      high = std::max(high, joint.y());
+    }
+    rest_stature_ = high - low;
+    std::vector<double> ratios;
+    for (const Bone& bone : bones_) {
+      if (bone.rest >= kLongBone) ratios.push_back(bone.median / bone.rest);
+    }
+    scale_ = ratios.size() >= 3 ? Median(ratios) : 0.0;
+  }
+
+  std::vector<Finding> Findings() {
+    JudgeExchanges();
+    if (findings_.empty()) JudgePlaces();
+    JudgeGrowth();
+    JudgeSize();
+    return std::move(findings_);
+  }
+
+ private:
+  std::string Name(int joint) const { return tracks_.skeleton->joints[static_cast<std::size_t>(joint)].name; }
+
+  void Tell(const char* code, Severity severity, int joint, double value, std::string message) {
+    Finding finding;
+    finding.code = code;
+    finding.severity = severity;
+    if (joint >= 0) finding.joint = Name(joint);
+    finding.value = value;
+    finding.message = std::move(message);
+    finding.action = "flagged";
+    findings_.push_back(std::move(finding));
+  }
+
+  void JudgeExchanges() {
+    for (const Bone& lower : bones_) {
+      const auto upper =
+          std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
+      if (upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone) continue;
+      const Bone* other = Mirrored(*upper);
+      const Bone across = Between(tracks_, lower.joint, upper->parent);
+      if (other == nullptr || across.length.size() < kFewestFrames) continue;
+      const double named = DepartureFrom(other->median, upper->length);
+      const double exchanged = DepartureFrom(other->median, across.length);
+      if (named < kExchanged || named < kExchangeRatio * exchanged) continue;
+      if (SpreadOf(across.length) >= SpreadOf(upper->length)) continue;  // then it is the other side
+      Tell("joints_exchanged", Severity::kError, upper->joint, named,
+           Name(upper->joint) + " and " + Name(lower.joint) + " have each other's places: the bone from " +
+               Name(upper->parent) + " differs from the other side's by " + RoundedText(named, 3) +
+               " m in the median, with the two exchanged by " + RoundedText(exchanged, 2) +
+               " m: mend the order of the joints in the source");
+    }
+  }
+
+  const Bone* Mirrored(const Bone& bone) const {
+    const auto& joints = tracks_.skeleton->joints;
+    const int joint = joints[bone.joint].mirror, parent = joints[bone.parent].mirror;
+    if (joint == bone.joint) return nullptr;
+    const auto found = std::find_if(bones_.begin(), bones_.end(),
+                                    [&](const Bone& other) { return other.joint == joint && other.parent == parent; });
+    return found == bones_.end() ? nullptr : &*found;
+  }
+
+  /// By how much a bone is too long; 0: it is not.
+  double Departure(const Bone& bone) const {
+    const Bone* other = Mirrored(bone);
+    const double expected = other != nullptr ? other->median : scale_ * bone.rest;
+    const double away = std::abs(bone.median - expected);
+    const double slack = other != nullptr ? kMisplacedOfBone * expected : 2.0 * kMisplacedOfBone * expected;
+    return away > std::max(kMisplaced, slack) && bone.median > expected ? away : 0.0;
+  }
+
+  /// The joint with most bones that are off, none that is not, again and again.
+  void JudgePlaces() {
+    if (scale_ <= 0.0) return;
+    std::vector<double> off;
+    for (const Bone& bone : bones_) off.push_back(Departure(bone));
+    for (;;) {
+      int worst = -1, most = 0;
+      double far = 0.0;
+      for (int j = 0; j < tracks_.joints(); ++j) {
+        int wrong = 0, right = 0;
+        double away = 0.0;
+        for (std::size_t b = 0; b < bones_.size(); ++b) {
+          if (bones_[b].joint != j && bones_[b].parent != j) continue;
+          (off[b] > 0.0 ? wrong : right) += 1;
+          away = std::max(away, off[b]);
+        }
+        if (right > 0 || wrong < most || (wrong == most && away <= far)) continue;
+        worst = j;
+        most = wrong;
+        far = away;
+      }
+      if (most == 0) return;
+      for (std::size_t b = 0; b < bones_.size(); ++b) {
+        if (bones_[b].joint == worst || bones_[b].parent == worst) off[b] = 0.0;
+      }
+      Tell("joint_misplaced", Severity::kError, worst, far,
+           Name(worst) + " is elsewhere throughout: " + (most > 1 ? "bones there are" : "its bone is") +
+               " longer than the other side's or the body's by up to " + RoundedText(far, 3) +
+               " m: another point, or an offset of the source");
+    }
+  }
+
+  void JudgeGrowth() {
+    const double begin = tracks_.time_s.front(), length = tracks_.time_s.back() - begin;
+    std::vector<std::vector<double>> part_sizes(kParts);
+    int grow = 0, all = 0;
+    for (const Bone& bone : bones_) {
+      if (bone.rest < kLongBone) continue;
+      std::vector<std::vector<double>> parts(kParts);
+      for (std::size_t i = 0; i < bone.length.size(); ++i) {
+        const auto part = static_cast<int>(kParts * (bone.time_s[i] - begin) / length);
+        parts[static_cast<std::size_t>(std::min(part, kParts - 1))].push_back(bone.length[i] / bone.median);
+      }
+      if (std::any_of(parts.begin(), parts.end(),
+                      [](const auto& part) { return part.size() < kFewestFrames / kParts; }))
+        continue;
+      for (std::size_t p = 0; p < parts.size(); ++p) part_sizes[p].push_back(std::log(Median(parts[p])));
+      grow += part_sizes.back().back() > part_sizes.front().back() ? 1 : 0;
+      ++all;
+    }
+    if (all < 5) return;
+    std::vector<double> size, growths;
+    for (std::size_t b = 0; b < part_sizes.front().size(); ++b)
+      growths.push_back(part_sizes.back()[b] - part_sizes.front()[b]);
+    for (auto& part : part_sizes) size.push_back(Median(part));
+    const double growth = size.back() - size.front();
+    const double share = static_cast<double>(growth > 0.0 ? grow : all - grow) / all;
+    bool steady = true;
+    for (int p = 1; p < kParts; ++p) steady = steady && (size[p] - size[p - 1]) * growth > 0.0;
+    const bool alike = SpreadOf(growths) <= kGrowthSpread * std::abs(growth);
+    if (std::abs(growth) < kGrowth || share < kGrowingBones || !steady || !alike) return;
+    const double percent = 100.0 * (std::exp(growth) - 1.0);
+    Tell("body_grows", Severity::kWarning, -1, percent,
+         std::to_string(growth > 0.0 ? grow : all - grow) + " of " + Counted(all, "bone") +
+             (growth > 0.0 ? " grow" : " shrink") + " steadily, by " + RoundedText(std::abs(percent), 3) +
+             " % from the clip's first fifth to its last: a scale that drifts; one body of constant bones is fitted");
+  }
+
+  void JudgeSize() {
+    const double stature = scale_ * rest_stature_;
+    if (scale_ <= 0.0 || (stature <= kLargest && stature >= kSmallest)) return;
+    Tell("size_doubtful", Severity::kWarning, -1, stature,
+         "the body would be " + RoundedText(stature, 3) + " m tall from lowest to highest joint, " +
+             RoundedText(scale_, 3) + " times the skeleton's: people have " + RoundedText(kSmallest, 2) + " to " +
+             RoundedText(kLargest, 2) + " m; is the scale of the source right?");
+  }
+
+  const SkeletonTracks& tracks_;
+  std::vector<bool> shown_;
+  std::vector<Bone> bones_;
+  double rest_stature_ = 0.0;
+  double scale_ = 0.0;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace
+
+std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return Judge(tracks).Findings(); }
+
+}  // namespace mocurate

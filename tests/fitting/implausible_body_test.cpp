@@ -1,0 +1,94 @@
+#include "fitting/evidence/implausible_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/fitting/takes.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kElbow = 4, kWrist = 5;
+
+/// The left arm bends and stretches.
+Take NoisyTake(double sigma = 0.005) {
+  Take take = SmoothTake(120);
+  for (int f = 0; f < 120; ++f) {
+    const Vector3d elbow = take.truth.joints.at(f, kElbow);
+    const Vector3d upper = (elbow - Vector3d(take.truth.joints.at(f, 3))).normalized();
+    const double bend = 1.0 + 0.9 * std::sin(f / 9.0);
+    take.tracks.positions.at(f, kWrist) =
+        elbow + 0.25 * (std::cos(bend) * upper + std::sin(bend) * upper.unitOrthogonal());
+  }
+  AddNoise(take.tracks, sigma, 7);
+  return take;
+}
+
+std::vector<std::string> Codes(const SkeletonTracks& tracks) {
+  std::vector<std::string> codes;
+  for (const Finding& finding : FindImplausibleBody(tracks)) codes.push_back(finding.code + " " + finding.joint);
+  return codes;
+}
+
+TEST(ImplausibleBody, IsNoneOfASoundTakeHoweverManyJointsAreHidden) {
+  Take take = NoisyTake();
+  EXPECT_TRUE(FindImplausibleBody(take.tracks).empty());
+  for (int f = 0; f < 120; ++f) {
+    Hide(take.tracks, f, kElbow);
+    if (f % 3 == 0) Hide(take.tracks, f, 1);
+  }
+  EXPECT_TRUE(FindImplausibleBody(take.tracks).empty());
+}
+
+TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
+  Take take = NoisyTake();
+  for (int f = 0; f < 120; ++f) {
+    const Vector3d elbow = take.tracks.positions.at(f, kElbow);
+    take.tracks.positions.at(f, kElbow) = Vector3d(take.tracks.positions.at(f, kWrist));
+    take.tracks.positions.at(f, kWrist) = elbow;
+  }
+  const std::vector<Finding> findings = FindImplausibleBody(take.tracks);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "joints_exchanged");
+  EXPECT_EQ(findings[0].joint, "left_elbow");
+  EXPECT_GT(findings[0].value, 0.1);
+}
+
+TEST(ImplausibleBody, HasAJointElsewhereThroughout) {
+  for (const int joint : {2, kElbow, kWrist}) {
+    Take take = NoisyTake();
+    for (int f = 0; f < 120; ++f) take.tracks.positions.at(f, joint) += Vector3d(0.3, 0.0, 0.4);
+    const std::vector<Finding> findings = FindImplausibleBody(take.tracks);
+    ASSERT_EQ(findings.size(), 1u) << joint;
+    EXPECT_EQ(findings[0].code, "joint_misplaced");
+    EXPECT_EQ(findings[0].joint, take.tracks.skeleton->joints[static_cast<std::size_t>(joint)].name);
+    EXPECT_GT(findings[0].value, 0.15);
+  }
+}
+
+TEST(ImplausibleBody, Grows) {
+  for (const double growth : {0.1, -0.1}) {
+    Take take = NoisyTake(0.003);
+    for (int f = 0; f < 120; ++f) {
+      for (int j = 0; j < 14; ++j) take.tracks.positions.at(f, j) *= 1.0 + growth * f / 119.0;
+    }
+    const std::vector<Finding> findings = FindImplausibleBody(take.tracks);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].code, "body_grows");
+    EXPECT_NEAR(findings[0].value, 80.0 * growth, 2.0);
+  }
+}
+
+TEST(ImplausibleBody, IsOfNobodysSize) {
+  for (const double scale : {1.7, 0.2}) {
+    Take take = NoisyTake();
+    for (double& value : take.tracks.positions.xyz) value *= scale;
+    EXPECT_EQ(Codes(take.tracks), std::vector<std::string>{"size_doubtful "}) << scale;
+  }
+}
+
+}  // namespace
+}  // namespace mocurate
