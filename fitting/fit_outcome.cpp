@@ -161,10 +161,10 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   std::vector<std::string> left_out;
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
-  if (Status body = CheckBody(*tracks, clip.id()); !body) return tl::unexpected<Error>(body.error());
   if (!bone_length.empty()) {
     if (Status size = CheckSize(*tracks, bone_length, clip.id()); !size) return tl::unexpected<Error>(size.error());
   }
+  if (Status body = CheckBody(*tracks, clip.id()); !body) return tl::unexpected<Error>(body.error());
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (!fit) return fit;

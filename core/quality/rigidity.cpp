@@ -40,22 +40,7 @@ std::optional<BoneLength> Measure(const TrackedPoints& points, int point, int pa
   return bone;
 }
 
-/// Whether most points keep their distance to some other, as points of a body do in whatever order.
-bool KeepDistances(const TrackedPoints& points) {
-  constexpr double kRigid = 0.2;  // as relative spread; of rotations more
-  std::vector<double> least;
-  for (int k = 0; k < points.count(); ++k) {
-    double spread = 1.0;
-    for (int other = 0; other < points.count(); ++other) {
-      const auto bone = other == k ? std::nullopt : Measure(points, k, other);
-      if (bone) spread = std::min(spread, bone->spread);
-    }
-    least.push_back(spread);
-  }
-  return Median(least) <= kRigid;
-}
-
-/// All but the root within pi and no two that keep their distance: as axis-angle vectors are.
+/// All but the root within pi: as axis-angle vectors are.
 bool LooksLikeRotations(const TrackedPoints& points) {
   constexpr double kPi = 3.14159265358979;
   for (int k = 0; k < points.count(); ++k) {
@@ -64,7 +49,7 @@ bool LooksLikeRotations(const TrackedPoints& points) {
       if (points.sees(f, k) && points.at(f, k).cwiseAbs().maxCoeff() > kPi) return false;
     }
   }
-  return !KeepDistances(points);
+  return true;
 }
 
 constexpr const char* kSpreadWords = "bones change";
@@ -100,10 +85,11 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
                                     Digits(std::exp(limits.proportion))
                               : kSpreadWords + std::string(" their length by ") + Digits(spread) +
                                     " of it (median), a person's at most " + Digits(limits.spread);
-  Finding finding = FrameFinding(
-      "not_joint_positions", 0, 0, "", proportion > limits.proportion ? std::exp(proportion) : spread,
-      why + ": joints in another order, or no joint positions" +
-          (LooksLikeRotations(points) ? " (rotations? all numbers lie within pi, as Lie parameters do)" : ""));
+  Finding finding =
+      FrameFinding("not_joint_positions", 0, 0, "", proportion > limits.proportion ? std::exp(proportion) : spread,
+                   why + (LooksLikeRotations(points)
+                              ? ": joints in another order, or rotations such as Lie parameters in their place"
+                              : ": joints in another order, or no joint positions"));
   finding.severity = Severity::kError;
   return {finding};
 }

@@ -152,11 +152,17 @@ TEST_F(FitVerbs, WhatContradictsTheDeclarationIsToldAndTheExitCodeSaysSo) {
   EXPECT_TRUE(found) << json.out;
 }
 
-TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {
+TEST_F(FitVerbs, PointsOfATrackerThatAreNoJointsOfTheSkeletonAreNotLeftOut) {
   const Result result = Fit(kard(), {"--source", "kard", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(Fitted().skeleton->name, "smpl24");
-  EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), HasSubstr("has no torso"));
+  EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), Not(HasSubstr("joints_left_out")));
+}
+
+TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {
+  const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "ntu14", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), HasSubstr("skeleton 'ntu14' has no torso"));
 }
 
 TEST_F(FitVerbs, WhatNoFileTellsIsAskedForAllAtOnce) {
