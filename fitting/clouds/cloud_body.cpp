@@ -6,17 +6,6 @@
 namespace mocurate {
 namespace {
 
-/// Mobility against hips, knees, shoulders and elbows (1): rough standard deviations of what people do, in radians.
-constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1", 0.3},
-                                                                      {"spine2", 0.3},
-                                                                      {"spine3", 0.3},
-                                                                      {"neck", 0.3},
-                                                                      {"head", 0.3},
-                                                                      {"collar", 0.25},
-                                                                      {"ankle", 0.4},
-                                                                      {"foot", 0.2},
-                                                                      {"wrist", 0.4}}};
-
 /// Of joints that are not named.
 constexpr double kBodyError = 0.0107;
 constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0138},
@@ -35,16 +24,6 @@ constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvi
                                                                          {"hand", 0.0196}}};
 
 }  // namespace
-
-std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread) {
-  std::vector<double> spreads(skeleton.joints.size(), rest_spread);
-  for (const auto& [name, mobility] : kMobility) {
-    for (const char* side : {"", "left_", "right_"}) {
-      if (const auto joint = skeleton.FindJoint(std::string(side) + name)) spreads[*joint] = rest_spread * mobility;
-    }
-  }
-  return spreads;
-}
 
 std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
   std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);

@@ -13,11 +13,6 @@ inline CapsuleEnds EndsOf(const FleshCapsule& capsule, const PoseState& state, i
                 state.position(frame, capsule.end_joint));
 }
 
-/// (J) how far each joint usually is from the rest pose, radians: `rest_spread` times the joint's mobility. Limbs move
-/// freely; the trunk, collars, feet and hands of a skeleton with these names little, so that they do not take up the
-/// error of a capsule body.
-std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread);
-
 /// (J) how far joints of this body usually are from those of the person whose surface it lies on, metres, standard
 /// deviation per axis: bones and flesh are the template's, scaled by one height. Measured on synthetic people whose
 /// bodies have other shapes (`bench_fit_clouds`).

@@ -7,6 +7,7 @@
 
 #include "core/geometry/rotation.h"
 #include "fitting/costs/huber.h"
+#include "fitting/solver/rest_spreads.h"
 #include "fitting/solver/trust_region.h"
 
 namespace mocurate {

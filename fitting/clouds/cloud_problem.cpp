@@ -10,6 +10,7 @@
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
+#include "fitting/solver/rest_spreads.h"
 
 namespace mocurate {
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "fitting/clouds/cloud_equations.h"
+#include "fitting/solver/rest_spreads.h"
 
 namespace mocurate {
 namespace {

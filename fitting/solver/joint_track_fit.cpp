@@ -13,6 +13,7 @@
 #include "fitting/frames_without_evidence.h"
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
+#include "fitting/solver/rest_spreads.h"
 #include "fitting/solver/track_window.h"
 #include "fitting/uncertainty/track_uncertainty.h"
 #include "fitting/uncertainty/walk_factors.h"
@@ -35,8 +36,9 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   result.initial_cost = result.final_cost = 0.0;
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= length ? frames : begin + length;
-    const auto solution = solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin,
-                                 end, begin > 0, whole.walks, whole.rotations, whole.step, whole.memory});
+    const auto solution =
+        solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin, end, begin > 0,
+               whole.walks, whole.rotations, whole.step, whole.memory, whole.rest_spreads});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -63,7 +65,7 @@ Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, cons
   whole.state.SetActive(free);
   const RotationTargets* rotations = step.evidence == StepEvidence::kAll ? whole.rotations : nullptr;
   Status solved = SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, whole.bones, options, 0,
-                                whole.end, false, whole.walks, rotations, step, whole.memory},
+                                whole.end, false, whole.walks, rotations, step, whole.memory, whole.rest_spreads},
                                result);
   whole.state.SetActive(active);
   return solved;
@@ -183,6 +185,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
   BlockTridiagonal memory;
   whole.memory = &memory;
+  const std::vector<double> rest_spreads = RestSpreads(tracks, options.rest_spread);
+  whole.rest_spreads = &rest_spreads;
   std::vector<Finding> disagreements;
   for (const TrackStep& step : options.steps) {
     const bool last = &step == &options.steps.back();

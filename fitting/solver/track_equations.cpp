@@ -62,7 +62,7 @@ double TrackEquations::Cost() const {
       }
       if (j == 0 || !state.active(j)) continue;
       const Eigen::Map<const Vector3d> w(state.rotation(f, j));
-      twice += w.squaredNorm() / Square(options.rest_spread);
+      twice += w.squaredNorm() / Square(window_.RestSpread(j));
       const auto& limits = window_.tracks.skeleton->joints[j].limits;
       for (int i = 0; limits && i < 3; ++i) {
         twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / options.limit_spread);
@@ -195,13 +195,13 @@ void TrackEquations::AddStep(int frame, BlockTridiagonal& equations) const {
 
 void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
   const PoseState& state = window_.state;
-  const double rest = 1.0 / Square(window_.options.rest_spread);
   const double limit = 1.0 / Square(window_.options.limit_spread);
   auto diagonal = equations.Diagonal(frame - window_.begin);
   auto gradient = equations.Gradient(frame - window_.begin);
   for (int j = 1; j < state.joints(); ++j) {
     const int c = column(j);
     if (c < 0) continue;
+    const double rest = 1.0 / Square(window_.RestSpread(j));
     const auto& limits = window_.tracks.skeleton->joints[j].limits;
     for (int i = 0; i < 3; ++i) {
       const double w = state.rotation(frame, j)[i];

@@ -40,12 +40,17 @@ struct TrackWindow {
   const RotationTargets* rotations = nullptr;  ///< recorded, of all frames of the tracks
   TrackStep step = {};                         ///< how long it is solved
   BlockTridiagonal* memory = nullptr;          ///< for banded equations, used again by the next solve; none: their own
+  const std::vector<double>* rest_spreads = nullptr;  ///< (J) radians; none: options.rest_spread of all
 
   /// First frame whose kinematics the window reads.
   int first() const { return after_held ? begin - 1 : begin; }
   /// Seconds from a frame to the next; smoothed together only up to options.max_gap_s.
   double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
   bool Joined(int frame) const { return Step(frame) <= options.max_gap_s; }
+  /// Standard deviation per axis of a joint's angle from the rest pose, radians.
+  double RestSpread(int joint) const {
+    return rest_spreads != nullptr ? (*rest_spreads)[static_cast<std::size_t>(joint)] : options.rest_spread;
+  }
   /// Variances per axis of a joint's turn (rad^2) and move (m^2) from a frame to the next.
   double TurnVariance(int frame, int joint) const {
     const double walk = options.rotation_walk * (walks != nullptr ? walks->rotation[Index(frame, joint)] : 1.0);

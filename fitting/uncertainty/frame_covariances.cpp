@@ -21,6 +21,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     window.end = std::min(end + context, whole.end);
     window.walks = whole.walks;
     window.rotations = whole.rotations;
+    window.rest_spreads = whole.rest_spreads;
     TrackEquations track(window);
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
     equations.Resize(window.end - window.begin, track.size(), 0);

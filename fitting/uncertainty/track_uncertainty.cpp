@@ -16,9 +16,10 @@ constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordin
 
 /// Variance of a joint's angle per axis without evidence (F*J): a random walk tied to the rest pose, cut at gaps.
 std::vector<double> PriorVariance(const TrackWindow& whole) {
-  const double rest = 1.0 / (whole.options.rest_spread * whole.options.rest_spread);
-  std::vector<double> information(whole.tracks.confidence.size(), rest);
+  std::vector<double> information(whole.tracks.confidence.size());
   for (int j = 0; j < whole.tracks.joints(); ++j) {
+    const double rest = 1.0 / (whole.RestSpread(j) * whole.RestSpread(j));
+    for (int f = 0; f < whole.end; ++f) information[whole.Index(f, j)] = rest;
     /// Information of a Gaussian chain that reaches the other side of a step.
     const auto through = [&](int f, double before) {
       if (!whole.Joined(f)) return 0.0;

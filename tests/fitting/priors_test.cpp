@@ -47,6 +47,22 @@ double RmsOf(const Motion& fitted, const Motion& truth, const std::string& joint
   return std::sqrt(sum);
 }
 
+TEST(Priors, ATrunkThatNobodySeesDoesNotTurnAgainstItselfBetweenHipsAndShoulders) {
+  Take take = Shuffling(0.1);
+  for (const char* joint : {"pelvis", "spine1", "spine2", "spine3", "neck", "head", "left_collar", "right_collar"}) {
+    for (int f = 0; f < take.truth.frame_count(); ++f) Hide(take.tracks, f, *take.truth.skeleton->FindJoint(joint));
+  }
+  AddNoise(take.tracks, 0.02, 7);
+  const Motion fitted = Fitted(take);
+  for (const char* joint : {"pelvis", "spine1", "spine2", "spine3"}) {
+    const std::size_t j = *take.truth.skeleton->FindJoint(joint);
+    const std::size_t joints = take.truth.skeleton->joints.size();
+    double mean = 0.0;
+    for (std::size_t f = 0; f < 120; ++f) mean += LogQuaternion(fitted.rotation[f * joints + j]).norm() / 120;
+    EXPECT_LT(mean, 0.1) << joint << ": it stands straight";
+  }
+}
+
 TEST(Priors, AFootThatStandsIsHeldStill) {
   Take take = Shuffling(0.0);
   AddNoise(take.tracks, 0.02, 3);
