@@ -11,6 +11,22 @@ namespace mocurate {
 namespace {
 
 constexpr double kWeakRatio = 0.6;  // where the other limbs change sides in the same frame
+constexpr double kHasty = 2.5;      // m/s of the middle of the body, with which most people do not walk
+constexpr double kTimes = 3.0;      // the speed that is usual in the clip
+constexpr double kJitter = 0.05;    // metres that a tracker's noise moves it
+
+/// Fastest that the middle of the body goes in one step of the clip, unless time is missing there, m/s.
+double FastestStep(const TrackedPoints& points, const std::vector<BodyCentre>& centres) {
+  std::vector<double> speeds;
+  for (int f = 1; f < points.frames(); ++f) {
+    const BodyCentre &here = centres[static_cast<std::size_t>(f)], &before = centres[static_cast<std::size_t>(f) - 1];
+    const double seconds = points.time_s[f] - points.time_s[f - 1];
+    if (here.seen && before.seen && seconds > 0.0) speeds.push_back((here.place - before.place).norm() / seconds);
+  }
+  if (speeds.empty()) return kHasty;
+  std::nth_element(speeds.begin(), speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2), speeds.end());
+  return std::max(kHasty, kTimes * speeds[speeds.size() / 2]);
+}
 
 std::string Plain(const std::string& name) {
   std::string plain;
@@ -63,7 +79,7 @@ class Limbs {
  public:
   Limbs(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
         const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits)
-      : points_(points), centres_(centres), pairs_(pairs), limits_(limits) {}
+      : points_(points), centres_(centres), pairs_(pairs), limits_(limits), fastest_(FastestStep(points, centres)) {}
 
   /// `also`: frames in which a weaker sign is enough.
   std::vector<Exchange> Exchanges(const std::set<int>& also) const {
@@ -72,13 +88,16 @@ class Limbs {
     std::vector<int> last(pairs_.size(), -1);  // where each pair was last seen; a repeated frame is as old as its first
     for (int f = 0; f < points_.frames(); ++f) {
       Costs costs;
+      bool jumps = false;
       for (std::size_t i = 0; i < pairs_.size(); ++i) {
         if (!Seen(f, pairs_[i]) || (last[i] >= 0 && Repeats(f, last[i], pairs_[i]))) continue;
         const int before = last[i];
         last[i] = f;
-        if (before >= 0 && points_.time_s[f] - points_.time_s[before] <= limits_.gap_s)
-          Add(f, before, pairs_[i], costs);
+        if (before < 0 || points_.time_s[f] - points_.time_s[before] > limits_.gap_s) continue;
+        Add(f, before, pairs_[i], costs);
+        jumps = jumps || Jumps(f, before);
       }
+      if (jumps) continue;
       const double ratio = also.count(f) != 0 ? std::max(limits_.ratio, kWeakRatio) : limits_.ratio;
       if (!costs.Say(costs.straight, limits_.step) || costs.crossed >= ratio * costs.straight) continue;
       exchanges.push_back({f, costs.crossed / costs.straight});
@@ -111,6 +130,13 @@ class Limbs {
     costs.straight += (At(f, left) - At(before, left)).squaredNorm() + (At(f, right) - At(before, right)).squaredNorm();
     costs.crossed += (At(f, left) - At(before, right)).squaredNorm() + (At(f, right) - At(before, left)).squaredNorm();
     ++costs.compared;
+  }
+
+  /// Whether the body itself is elsewhere: frames are missing, and half a stride looks like an exchange of the legs.
+  bool Jumps(int f, int before) const {
+    const Vector3d step =
+        centres_[static_cast<std::size_t>(f)].place - centres_[static_cast<std::size_t>(before)].place;
+    return step.norm() > fastest_ * (points_.time_s[f] - points_.time_s[before]) + kJitter;
   }
 
   /// Whether frames a and b, near in time, clearly name the sides alike.
@@ -151,6 +177,7 @@ class Limbs {
   const std::vector<BodyCentre>& centres_;
   const std::vector<std::array<int, 2>>& pairs_;
   const SwapLimits& limits_;
+  const double fastest_;  ///< m/s
 };
 
 struct Span {

@@ -226,6 +226,23 @@ TEST(Defects, SidesThatSwapAreFoundInTheFramesInWhichTheyAre) {
   }
 }
 
+TEST(Defects, HalfAStrideOfLostFramesIsNoSwapOfTheLegs) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    for (const int lost : {10, 15, 20}) {
+      TakeOptions who;
+      who.walk = 1.2;
+      Take take = Perform(seed, who);
+      const auto joints = static_cast<std::ptrdiff_t>(take.positions.xyz.size()) / who.frames;
+      auto& xyz = take.positions.xyz;
+      xyz.erase(xyz.begin() + 40 * joints, xyz.begin() + (40 + lost) * joints);
+      take.positions.frames -= lost;
+      take.time_s.resize(take.time_s.size() - static_cast<std::size_t>(lost));
+      for (const Finding& finding : CheckPoints(take.view(), who.rate_hz))
+        EXPECT_NE(finding.code, "swapped_sides") << seed;
+    }
+  }
+}
+
 TEST(Defects, ASwapWhoseChangeBackIsLostEndsWhereTheLimbsLieAsBefore) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who = Somebody(seed);
