@@ -69,7 +69,9 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   clip.skeleton_from = layout.value.empty() ? "unknown" : "measured";
   clip.skeleton_confidence = layout.confidence;
   clip.skeleton_evidence = layout.evidence;
-  for (const Finding& doubt : DoubtKeypointNumbers(everybody)) clip.remarks.push_back(RemarkOf(doubt));
+  std::vector<OpenPosePerson> here;
+  for (const OpenPoseFrame& frame : frames) here.insert(here.end(), frame.people.begin(), frame.people.end());
+  for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(RemarkOf(doubt));
   if (without > 0) {
     clip.remarks.push_back({"empty_person", Severity::kInfo, static_cast<double>(without),
                             std::to_string(without) + " entries of people hold no keypoints"});

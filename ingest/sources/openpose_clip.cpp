@@ -66,6 +66,19 @@ const KeypointLayout* LayoutNamed(const std::string& name) {
   return nullptr;
 }
 
+/// Each camera's numbers alone: one of several may have been written otherwise.
+void DoubtNumbers(const SourceFile& file, const ViewFrames& view, IngestedClip& ingested) {
+  std::vector<OpenPosePerson> people;
+  for (const Poses& poses : view.frames) {
+    for (const auto& pose : poses) people.emplace_back().pose = pose;
+  }
+  for (Finding& doubt : DoubtKeypointNumbers(people)) {
+    doubt.message = "camera " + view.camera->name + ": " + doubt.message;
+    doubt.action = file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    ingested.findings.push_back(std::move(doubt));
+  }
+}
+
 /// The declared layout, checked against what the bones say, or the measured one.
 Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vector<ViewFrames>& views,
                                          IngestedClip& ingested) {
@@ -93,10 +106,7 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
       }
     }
   }
-  for (Finding& doubt : DoubtKeypointNumbers(people)) {
-    doubt.action = file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
-    ingested.findings.push_back(std::move(doubt));
-  }
+  for (const ViewFrames& view : views) DoubtNumbers(file, view, ingested);
   const Measured measured = SenseKeypointLayout(people);
   const bool declared = file.source.keypoints != "measured";
   if (!declared && measured.value.empty()) {
