@@ -49,9 +49,8 @@ class Parser {
       if (!read) return Forward(read);
       more = *read;
     }
-    if (amc_.frames == 0) {
+    if (amc_.frames == 0)
       return Fail(ErrorCode::kMalformed, "the file holds no frame", name_, "is it cut off? Copy it again");
-    }
     if (Status closed = CloseFrame(true); !closed) return Forward(closed);
     if (Status whole = LastFrame(); !whole) return Forward(whole);
     if (Status missing = JudgeMissing(); !missing) return Forward(missing);
@@ -73,7 +72,7 @@ class Parser {
     const bool damage = std::string_view(code) != "frame_number" && frame < 0;
     if (damage && !Damaged()) amc_.damaged.push_back(amc_.frames - 1);
     if (amc_.findings.size() >= kMostFindings) return nullptr;
-    Finding finding;
+    Finding& finding = amc_.findings.emplace_back();
     finding.code = code;
     finding.joint = Shown(bone);
     finding.frame_begin = frame < 0 ? amc_.frames - 1 : frame;
@@ -81,8 +80,7 @@ class Parser {
     finding.value = value;
     finding.message = std::move(message);
     finding.action = damage ? "dropped" : "kept";
-    amc_.findings.push_back(std::move(finding));
-    return &amc_.findings.back();
+    return &finding;
   }
 
   /// The frame that is being read.
@@ -148,6 +146,8 @@ class Parser {
     const Expected<bool> more = LineEnds("frame number " + Shown(text));
     if (!more) return more;
     const int before = amc_.frames > 0 ? amc_.frame_numbers.back() : 0;
+    // Began at a stray line before its number, which is this one.
+    if (unnumbered_ && !HoldsBone() && number == before) return more;
     if (Status begun = Begin(static_cast<int>(number)); !begun) return Forward(begun);
     if (amc_.frames > 1 && number != before + 1.0) {
       Report("frame_number", "", number,
@@ -156,6 +156,7 @@ class Parser {
     return more;
   }
 
+  bool HoldsBone() const { return std::find(here_.begin(), here_.end(), 1) != here_.end(); }
   /// Whether the frame that is being read has ended, as the one before it did: what follows begins another.
   bool FollowsWhole() const {
     return Reports() && amc_.frames > 1 && last_ == last_before_ && here_[last_before_] != 0;
@@ -164,21 +165,21 @@ class Parser {
   /// A frame whose number is damaged or missing has the one that is next.
   Status BeginUnnumbered(const std::string& what) {
     const int number = amc_.frame_numbers.back() + 1;
-    const std::string place = Place(line_);
-    if (Status begun = Begin(number); !begun) return begun;
-    Report(
-        "frame_number", "", number,
-        place + ": " + what + " where frame number " + std::to_string(number) + " is expected: taken for that frame");
+    const std::string place = Place(line_), expected = std::to_string(number);
+    if (Status begun = Begin(number, true); !begun) return begun;
+    Report("frame_number", "", number,
+           place + ": " + what + " where frame number " + expected + " is expected: taken for that frame");
     return {};
   }
 
-  Status Begin(int number) {
+  Status Begin(int number, bool unnumbered = false) {
     if (Status closed = CloseFrame(false); !closed) return closed;
     if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
     amc_.frame_numbers.push_back(number);
     ++amc_.frames;
     frame_lines_.push_back(line_);
     last_before_ = last_;
+    unnumbered_ = unnumbered;
     row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
     here_.assign(amc_.bones.size(), 0);
     return {};
@@ -191,8 +192,8 @@ class Parser {
     numbers_.clear();
     const Token token = scanner_.Numbers(numbers_);
     const bool whole = token == Token::kLineEnd || token == Token::kEnd;
-    auto found = index_.find(bone);
     const bool learns = options_.skeleton == nullptr && amc_.frames == 1;
+    auto found = index_.find(bone);
     if (found == index_.end() && whole && numbers_.empty() && FollowsWhole()) {
       if (Status begun = BeginUnnumbered("'" + Shown(bone) + "' stands"); !begun) return Forward(begun);
       return token == Token::kLineEnd;
@@ -227,8 +228,7 @@ class Parser {
     if (found->second == first_ && here_[first_] != 0 && FollowsWhole()) {
       if (Status begun = BeginUnnumbered(called + " stands"); !begun) return Forward(begun);
     }
-    if (amc_.frames == 1 && std::none_of(here_.begin(), here_.end(), [](std::uint8_t here) { return here != 0; }))
-      first_ = found->second;
+    if (amc_.frames == 1 && !HoldsBone()) first_ = found->second;
     last_ = found->second;
     if (here_[found->second] != 0) {
       if (!Reports() || amc_.frames < 2) return Bad(called + " stands twice");
@@ -261,10 +261,9 @@ class Parser {
   /// `last`: of the file. A frame without a bone is damaged, or where the file was cut off.
   Status CloseFrame(bool last) {
     if (amc_.frames == 0) return {};
-    if (std::none_of(here_.begin(), here_.end(), [](std::uint8_t here) { return here != 0; })) {
-      if (!Reports() || amc_.frames < 2) {
+    if (!HoldsBone()) {
+      if (!Reports() || amc_.frames < 2)
         return Bad("the frame holds no bone", "the file is cut off, or damaged: copy it again");
-      }
       if (!last && !Damaged()) {
         Report("bone_missing", "", static_cast<double>(amc_.bones.size()),
                Place(frame_lines_.back()) + ": frame " + std::to_string(amc_.frame_numbers.back()) + " holds no bone");
@@ -388,6 +387,7 @@ class Parser {
   std::vector<int> frame_lines_;            ///< (frames) of the frame numbers
   std::size_t first_ = 0;                   ///< bone with which frames begin
   std::size_t last_ = 0, last_before_ = 0;  ///< with which this frame and the one before it ended
+  bool unnumbered_ = false;                 ///< this frame began without its number
   int line_ = 1;
 };
 

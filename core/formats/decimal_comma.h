@@ -6,11 +6,13 @@
 
 namespace mocurate {
 
-/// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers.
+/// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers,
+/// one of them with a comma at least; an exponent may follow.
 bool HasDecimalCommas(std::string_view line);
 
-/// The table with points for commas and blanks for semicolons, where each of its first rows of digits has decimal
-/// commas in two words or more; nothing otherwise. Line ends stay where they are.
+/// The table with points for commas and blanks for semicolons, where its first rows have several words each, of digits
+/// with at most one comma, and two such commas or more together; nothing otherwise. Rows of whole numbers alone say
+/// nothing. Line ends stay where they are.
 std::optional<std::string> WithDecimalPoints(std::string_view bytes);
 
 }  // namespace mocurate

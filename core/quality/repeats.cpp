@@ -129,14 +129,14 @@ std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats,
 
 /// Whether nearly all frames stand two to four times: how many frames there are for each different one; 0: they do not.
 double TimesRepeated(const TrackedPoints& points, const std::function<bool(int)>& body) {
-  int runs = 0, short_runs = 0, covered = 0;
+  int runs = 0, covered = 0;
   ForRuns(points.frames(), body, [&](int begin, int end) {
     const int count = end - begin + 1;
+    if (count > kMostTimes) return;  // a stream that hung
     ++runs;
-    short_runs += count <= kMostTimes ? 1 : 0;
     covered += count;
   });
-  const bool nearly_all = covered >= kNearlyAll * points.frames() && short_runs >= kNearlyAll * runs;
+  const bool nearly_all = covered >= kNearlyAll * points.frames();
   return runs >= kFewestRepeated && nearly_all ? static_cast<double>(covered) / runs : 0.0;
 }
 

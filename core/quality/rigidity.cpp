@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/quality/median.h"
+
 namespace mocurate {
 namespace {
 
@@ -11,12 +13,6 @@ constexpr int kFewestFrames = 8;
 constexpr std::size_t kFewestBones = 3;
 constexpr double kShortestBone = 1e-3;  // metres; a joint that lies on its parent says nothing
 constexpr double kShortestRest = 0.03;  // of the rest pose: of shorter ones trackers disagree
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// One bone over the frames that show it; medians, as single frames may be far off.
 struct BoneLength {

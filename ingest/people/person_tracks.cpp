@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -116,13 +117,6 @@ std::string PersonTrack::Name() const {
   std::string name;
   for (const std::uint64_t id : ids) name += (name.empty() ? "" : "+") + std::to_string(id);
   return name;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::vector<double> JointVariances(const PersonTrack& track) {

@@ -23,9 +23,6 @@ struct PersonTrack {
   std::string Name() const;  ///< its ids, "72057594037931101" or "72...101+72...368"
 };
 
-/// Middle value, the upper of two; 0 of none.
-double Median(std::vector<double> values);
-
 /// Summed variance of the coordinates of each joint that is ever seen, m2.
 std::vector<double> JointVariances(const PersonTrack& track);
 

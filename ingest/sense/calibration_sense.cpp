@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
+#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
@@ -26,13 +27,6 @@ constexpr double kContradiction = 0.99;
 std::string Rounded(double value) {
   const double digits = value == 0.0 ? 1.0 : std::pow(10.0, 2.0 - std::floor(std::log10(std::abs(value))));
   return FormatDouble(std::round(value * digits) / digits);
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// What one reading of a calibration implies.

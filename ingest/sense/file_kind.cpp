@@ -135,12 +135,14 @@ bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
 
 /// A table: only numbers in the first lines.
 FileKind NumbersKind(std::string_view bytes) {
-  const std::string_view head = bytes.substr(0, 4096);
+  std::string_view head = bytes.substr(0, 4096);
+  if (head.size() < bytes.size()) {  // whole rows, or whole words of a row that is longer
+    const std::size_t end = head.rfind('\n');
+    head = head.substr(0, end != std::string_view::npos ? end : head.find_last_of(" \t\r,"));
+  }
   if (WithDecimalPoints(head)) return FileKind::kNumbers;
-  const std::size_t end = head.size() < bytes.size() ? head.find_last_of(" \t\r\n,") : head.size();
   int numbers = 0;
-  for (const std::string_view line :
-       SplitText(head.substr(0, end == std::string_view::npos ? head.size() : end), '\n')) {
+  for (const std::string_view line : SplitText(head, '\n')) {
     for (const std::string_view part : SplitText(line, ',')) {
       for (const std::string_view word : SplitBlanks(Trim(part))) {
         if (Trim(word).empty()) continue;

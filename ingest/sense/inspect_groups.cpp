@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_report.h"
@@ -153,11 +154,6 @@ std::optional<FirstPlace> PlaceOf(const Json& clip) {
   return first;
 }
 
-double MedianOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 /// Clips in which two axes are exchanged: the person is where nobody of the folder is, but for that.
 void TellPlaces(const std::vector<Json*>& group, Json& findings) {
   std::vector<const Json*> clips;
@@ -171,14 +167,14 @@ void TellPlaces(const std::vector<Json*>& group, Json& findings) {
     sizes.push_back(place->size);
   }
   if (places.size() <= kFewestVotes) return;
-  const double least = kLeastSpread * MedianOf(sizes);
+  const double least = kLeastSpread * Median(sizes);
   std::array<double, 3> middle{}, spread{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> values, off;
     for (const FirstPlace& place : places) values.push_back(place.place[axis]);
-    middle[axis] = MedianOf(values);
+    middle[axis] = Median(values);
     for (const double value : values) off.push_back(std::abs(value - middle[axis]));
-    spread[axis] = std::max(least, kFromMad * MedianOf(off));
+    spread[axis] = std::max(least, kFromMad * Median(off));
   }
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const auto off = [&](std::size_t axis, std::size_t read) {

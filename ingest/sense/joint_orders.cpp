@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 
+#include "core/quality/median.h"
 #include "ingest/sense/point_exchange.h"
 #include "ingest/synthetic/tracker.h"
 
@@ -24,13 +25,6 @@ std::vector<std::string> SmplJoints(std::size_t count) {
   return names;
 }
 
-double MedianOf(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Median and robust relative spread of the distance between two points; spread 1 when hardly ever seen together.
 struct Distance {
   double median = 0.0;
@@ -48,10 +42,10 @@ Distance DistanceBetween(const JointPositions& positions, const std::vector<doub
   }
   Distance distance;
   if (lengths.size() < 2) return distance;
-  distance.median = MedianOf(lengths);
+  distance.median = Median(lengths);
   if (!(distance.median > 0.0)) return distance;
   for (double& length : lengths) length = std::abs(length - distance.median);
-  distance.spread = std::min(1.0, kFromMad * MedianOf(lengths) / distance.median);
+  distance.spread = std::min(1.0, kFromMad * Median(lengths) / distance.median);
   return distance;
 }
 
@@ -148,8 +142,7 @@ BodyScore ScoreBones(const std::vector<ObservedBone>& bones, const DistanceOfPoi
   }
   score.spread = spread / static_cast<double>(bones.size());
   if (ratios.empty()) return score;
-  std::vector<double> sorted = ratios;
-  const double scale = MedianOf(sorted);
+  const double scale = Median(ratios);
   double sum = 0.0;
   for (const double ratio : ratios) sum += std::min(1.0, std::abs(ratio - scale));
   score.proportion = sum / static_cast<double>(ratios.size());
@@ -208,7 +201,7 @@ double Rigidity(const JointPositions& positions, const std::vector<double>& conf
     }
     best.push_back(smallest);
   }
-  return MedianOf(best);
+  return Median(best);
 }
 
 }  // namespace mocurate

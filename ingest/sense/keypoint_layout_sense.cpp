@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
@@ -52,12 +53,6 @@ constexpr Bone kBones[] = {
     {"left_eye", "left_ear", 0.055},
     {"right_eye", "right_ear", 0.055},
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::optional<double> Mismatch(const OpenPosePerson& person, const KeypointLayout& layout) {
   std::vector<double> logs;

@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
+#include "core/quality/median.h"
 #include "ingest/sense/length_units.h"
 
 namespace mocurate {
@@ -26,13 +27,6 @@ constexpr double kUnsureHands = 0.5;    // most of hands that reach both ways
 constexpr double kByFeet = 0.6;         // how sure feet make then
 constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
 constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
-
-double MedianOf(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Sum of directions, one a frame.
 struct Directions {
@@ -65,7 +59,7 @@ class Body {
     for (int f = 0; f < frames(); ++f) {
       if (Has(f, a) && Has(f, b)) lengths.push_back((At(f, a) - At(f, b)).norm());
     }
-    return MedianOf(lengths);
+    return Median(lengths);
   }
 
   /// Head to foot along the bones; 0 if a part is not there.
@@ -84,7 +78,7 @@ class Body {
       if (Has(f, p_.head)) head.push_back((At(f, p_.head) - Middle(f, p_.shoulder)).norm());
     }
     if (legs == 0 || trunk.empty() || head.empty()) return 0.0;
-    return leg / legs + MedianOf(trunk) + MedianOf(head);
+    return leg / legs + Median(trunk) + Median(head);
   }
 
   Directions Up() const {
@@ -184,7 +178,7 @@ double Extent(const ObservedClip& clip) {
     }
     if (high.x() >= low.x()) extents.push_back((high - low).maxCoeff());
   }
-  return MedianOf(extents);
+  return Median(extents);
 }
 
 void MeasureFacing(const Body& body, ClipMeasures& m) {
@@ -231,7 +225,7 @@ Measured StepEvidence(const ObservedClip& clip, double metres_per_unit) {
     std::nth_element(frame.begin(), tenth, frame.end());
     steps.push_back(*tenth * metres_per_unit);
   }
-  const double step = MedianOf(steps);
+  const double step = Median(steps);
   if (!(step > 1e-5)) return rate;
   const double usual = kTypicalSpeed / step;
   rate.evidence = "the faster joints move " + ShownLength(1000.0 * step) + " mm from frame to frame, as people do at " +

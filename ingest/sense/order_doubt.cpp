@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/sense/point_exchange.h"
 
@@ -16,12 +17,6 @@ constexpr double kHeadBelow = -0.2;  // cosine of trunk and head
 constexpr double kMuchBetter = 0.6;  // of the score, with two points exchanged
 constexpr double kClearlyBetter =
     0.06;  // that it falls by; of recorded clips (KARD, Florence3D, MSR, UTKinect) by 0.055 at most, to 0.7
-
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Median cosine between the directions from hips to shoulders and from shoulders to head; nothing where the points are
 /// not there or seen together in too few frames.
@@ -43,7 +38,7 @@ std::optional<double> HeadOverShoulders(const ObservedClip& clip) {
     if (trunk.norm() > 0.0 && head.norm() > 0.0) cosines.push_back(trunk.dot(head) / (trunk.norm() * head.norm()));
   }
   if (static_cast<int>(cosines.size()) < kFewestFrames) return std::nullopt;
-  return MedianOf(cosines);
+  return Median(cosines);
 }
 
 std::string Percent(double share) { return FormatDouble(std::round(1000.0 * share) / 10.0) + " %"; }

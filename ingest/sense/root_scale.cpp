@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/sense/path_axes.h"
 
@@ -25,12 +26,6 @@ constexpr double kStands = 0.25;  // of a step, that a foot may slide by and sti
 constexpr double kLeastVotes = 0.2, kFewVotes = 0.1;
 constexpr double kHighestFloor = 10.0;  // lengths of a leg
 constexpr double kHeightSure = 0.6;
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Between two frames in which one foot stands.
 struct RootStep {
@@ -75,7 +70,7 @@ std::optional<StandingBody> StandingBody::Of(const JointPositions& places, const
   std::vector<double> reach;
   for (int f = 0; f < places.frames; ++f)
     reach.push_back((Vector3d(places.at(f, feet[0])) - Vector3d(places.at(f, 0))).norm());
-  standing.reach = MedianOf(reach);
+  standing.reach = Median(reach);
   return standing;
 }
 
@@ -99,9 +94,9 @@ std::optional<RootScale> ByHeight(const JointPositions& places, const int (&feet
     feet_height.push_back(std::min(up.dot(places.at(f, feet[0])), up.dot(places.at(f, feet[1]))));
     root_height.push_back(up.dot(places.at(f, 0)));
   }
-  const double over_floor = MedianOf(feet_height);
+  const double over_floor = Median(feet_height);
   if (!(over_floor > kHighestFloor * reach)) return std::nullopt;
-  const double factor = reach / MedianOf(root_height);
+  const double factor = reach / Median(root_height);
   return RootScale{factor, kHeightSure,
                    "the feet are " + Digits(over_floor / reach) + " lengths of a leg above the zero of the frame"};
 }
@@ -152,7 +147,7 @@ std::optional<RootScale> MeasureRootScale(const JointPositions& places, const Ha
     const double share = against / all;
     if (share < kLeastShare) continue;
     most = factors.size();
-    const double factor = MedianOf(factors);
+    const double factor = Median(factors);
     best = RootScale{factor, share,
                      Digits(100.0 * share) + " % of the way in " + Counted(steps.size(), "moment") +
                          " on a standing foot agree: where the root moves by 1, the body moves by " + Digits(factor)};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {

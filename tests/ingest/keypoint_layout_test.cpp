@@ -13,6 +13,7 @@
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "tests/formats/damage.h"
+#include "tests/ingest/sources.h"
 
 namespace mocurate {
 namespace {
@@ -92,6 +93,28 @@ TEST_F(Trials, AreBody25BByTheirBones) {
     const Measured none = SenseKeypointLayout(shuffled);
     EXPECT_EQ(none.value, "") << none.evidence;
   }
+}
+
+TEST_F(Trials, AWrongLayoutIsToldByTheBones) {
+  const auto declared = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=BODY_25"}));
+  ASSERT_TRUE(declared);
+  const Ingested wrong = RunIngest(declared->items.at(0), "wrong_layout");
+  ASSERT_TRUE(wrong.outcome) << wrong.outcome.error().Message();
+  EXPECT_EQ(wrong.outcome->kind, OutcomeKind::kDoubtful);
+  ASSERT_EQ(wrong.outcome->findings.size(), 1u);
+  EXPECT_EQ(wrong.outcome->findings[0].code, "keypoints_contradiction");
+  EXPECT_THAT(wrong.outcome->findings[0].message, HasSubstr("BODY_25B"));
+  const auto measured = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=measured"}));
+  ASSERT_TRUE(measured);
+  const Ingested right = RunIngest(measured->items.at(0), "measured_layout");
+  ASSERT_TRUE(right.outcome) << right.outcome.error().Message();
+  EXPECT_EQ(right.clip.evidence.keypoint_names[17], "upper_neck");
+  EXPECT_THAT(right.clip.provenance.at("keypoints"), HasSubstr("BODY_25B (measured"));
+  const auto other = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=COCO_17"}));
+  ASSERT_TRUE(other);
+  const Ingested refused = RunIngest(other->items.at(0), "coco");
+  ASSERT_FALSE(refused.outcome);
+  EXPECT_THAT(refused.outcome.error().Message(), HasSubstr("people have 25 keypoints, the layout COCO_17 has 17"));
 }
 
 TEST(KeypointLayoutSense, IsUnknownForNobodyAndForUnknownCounts) {

@@ -196,27 +196,6 @@ TEST_F(Pose2Sim, TwoPeopleAreTwoClipsOfTheSameViews) {
   EXPECT_THAT(Codes(*a.outcome), ::testing::Not(::testing::Contains("keypoint_count")));
 }
 
-TEST_F(Pose2Sim, AWrongLayoutIsToldByTheBones) {
-  const auto declared = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=BODY_25"}));
-  ASSERT_TRUE(declared);
-  const Ingested wrong = RunIngest(*Find(*declared, "pose2sim/p1/single"), "wrong_layout");
-  ASSERT_TRUE(wrong.outcome) << wrong.outcome.error().Message();
-  EXPECT_EQ(wrong.outcome->kind, OutcomeKind::kDoubtful);
-  EXPECT_THAT(Codes(*wrong.outcome), ::testing::ElementsAre("keypoints_contradiction"));
-  EXPECT_THAT(wrong.outcome->findings[0].message, HasSubstr("BODY_25B"));
-  const auto measured = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=measured"}));
-  ASSERT_TRUE(measured);
-  const Ingested right = RunIngest(*Find(*measured, "pose2sim/p1/single"), "measured_layout");
-  ASSERT_TRUE(right.outcome) << right.outcome.error().Message();
-  EXPECT_EQ(right.clip.evidence.keypoint_names[17], "upper_neck");
-  EXPECT_THAT(right.clip.provenance.at("keypoints"), HasSubstr("BODY_25B (measured"));
-  const auto other = Discover(Declared("pose2sim_single", {"ingest.source.keypoints=COCO_17"}));
-  ASSERT_TRUE(other);
-  const Ingested refused = RunIngest(*Find(*other, "pose2sim/p1/single"), "coco");
-  ASSERT_FALSE(refused.outcome);
-  EXPECT_THAT(refused.outcome.error().Message(), HasSubstr("people have 25 keypoints, the layout COCO_17 has 17"));
-}
-
 TEST_F(Pose2Sim, CamerasOnTheirSidesAreAContradiction) {
   const auto discovery = Discover(Declared("pose2sim_single", {"ingest.source.axes='+x +y +z'"}));
   ASSERT_TRUE(discovery);

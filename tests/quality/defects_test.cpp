@@ -84,6 +84,27 @@ TEST(Defects, FramesThatAllStandSeveralTimesAreToldOnce) {
   }
 }
 
+/// 9 frames twice, one 900 times, 30 once: no rate is written so.
+TEST(Defects, AStreamThatHangsForMostOfAClipIsNoLowerRate) {
+  const Take once = Perform(3, {});
+  std::vector<int> from;
+  for (int f = 0; f < 40; ++f) from.insert(from.end(), f < 9 ? 2 : f == 9 ? 900 : 1, f);
+  Take take = once;
+  take.positions = JointPositions(static_cast<int>(from.size()), once.positions.joints);
+  take.confidence.clear();
+  take.time_s.clear();
+  for (std::size_t f = 0; f < from.size(); ++f) {
+    take.time_s.push_back(static_cast<double>(f) / 30.0);
+    for (int k = 0; k < once.positions.joints; ++k)
+      take.positions.at(static_cast<int>(f), k) = once.positions.at(from[f], k).eval();
+  }
+  const std::vector<Finding> found = FindRepeats(take.view());
+  ASSERT_EQ(found.size(), 10u);
+  for (const Finding& finding : found) EXPECT_EQ(finding.code, "frozen_frames");
+  EXPECT_EQ(found.back().frame_begin, 18);
+  EXPECT_EQ(found.back().value, 900.0);
+}
+
 TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const TakeOptions who = Somebody(seed);
