@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kFewestFrames = 20;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
-// Limits are beyond what 1,214 clips of KARD, Florence3D, UTKinect and MSR-Action3D show, of which the largest is in
+// Limits are beyond what 1,213 clips of the recorded sets show (fitting/README.md), of which the largest is in
 // brackets.
 constexpr double kExchanged = 0.1;      ///< metres by which the upper bone of a limb differs, in the median (0.08)
 constexpr double kExchangeRatio = 3.0;  ///< of what it differs by with the lower joint in the upper's place (2.5)
