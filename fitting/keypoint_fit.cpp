@@ -58,15 +58,17 @@ std::vector<Matrix3d> PrecisionOnBody(const KeypointTracks& found, const Skeleto
 Status CheckNamesAreWrong(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
                           const BodyExchange& body) {
   const auto lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
-  const RigReadings others = FindOverturnedReadings(evidence.keypoint_views, evidence.keypoint_names, lengths,
-                                                    options.triangulation.min_confidence, options.audit.sure);
-  if (others.alike.empty()) return {};
+  const std::vector<RigReading> others =
+      FindOverturnedReadings(evidence.keypoint_views, evidence.keypoint_names, lengths,
+                             options.triangulation.min_confidence, options.audit.sure);
+  if (others.empty()) return {};
   std::string words = "the person is turned over (" + body.evidence + "): all cameras list left as right";
-  for (const RigReading& reading : others.alike) words += "; or " + WordsOf(reading, evidence.keypoint_views);
+  for (const RigReading& reading : others) words += "; or " + WordsOf(reading, evidence.keypoint_views);
   return Fail(ErrorCode::kInconsistent,
               words + "; which one nobody can tell: the rig looks the same from several sides", "keypoints",
-              "look at an image of each camera and put the files right, or set fitting.keypoints.audit.sides to tell: "
-              "the person may then be mirrored");
+              "look at an image of each camera and put the files right; where they are right, set "
+              "fitting.keypoints.audit.exchanged to off: the names are then exchanged; or set "
+              "fitting.keypoints.audit.sides to tell: the person may then be mirrored");
 }
 
 /// Views that agree with each other may all be wrong: rays of one label meet in one point whatever its name is.
@@ -79,7 +81,8 @@ Status MendSides(const Evidence& evidence, const Skeleton& skeleton, const Keypo
   const bool files_wrong = FilesAreWrong(found.report.faults);
   const std::vector<BodyExchange> exchanges = FindBodyExchanges(tracks, sigma, audit.side_margin);
   const bool whole = !exchanges.empty() && CoverAll(exchanges, tracks);
-  if (whole && audit.sides == AuditAction::kCorrect && !FilesAreMended(found.report.faults)) {
+  const bool names_or_files = audit.sides == AuditAction::kCorrect && audit.exchanged == AuditAction::kCorrect;
+  if (whole && names_or_files && !FilesAreMended(found.report.faults)) {
     if (Status names = CheckNamesAreWrong(evidence, skeleton, options, exchanges[0]); !names) return names;
   }
   for (const BodyExchange& body : exchanges) {

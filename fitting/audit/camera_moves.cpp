@@ -18,12 +18,6 @@ constexpr double kPartPenalty = 1.1;
 constexpr double kJumpPenalty = 1.02;  ///< a jump must say something that one pose does not
 constexpr double kUnchanged = 1e-9;    ///< cost of a moment
 
-double Sum(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum;
-}
-
 /// Median pixel error of each moment, axis by axis; NaN where too little is seen.
 std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const TriangulatedTracks& points) {
   const auto keypoints = static_cast<std::size_t>(points.positions.joints);

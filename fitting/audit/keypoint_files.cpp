@@ -31,6 +31,14 @@ bool AreOfOneView(const std::vector<RigReading>& readings) {
   });
 }
 
+/// By what a reading is better; shares that read the same decide nothing.
+std::string Better(const RigReadings& found) {
+  const std::string read = PercentText(found.read), given = PercentText(found.agreement);
+  if (read != given) return read + " % of the entries agree with others, as given " + given + " %";
+  return "entries miss the bodies that others see by " + RoundedText(found.read_cost, 2) + ", as given by " +
+         RoundedText(found.given_cost, 2) + " (0: met, 1: of no body)";
+}
+
 RigFault FaultOf(const RigReadings& found, const std::vector<KeypointView>& views) {
   const RigReading& first = found.alike[0];
   RigFault fault;
@@ -42,8 +50,7 @@ RigFault FaultOf(const RigReadings& found, const std::vector<KeypointView>& view
     fault.message += (fault.message.empty() ? "" : "; or ") + WordsOf(reading, views);
   }
   if (found.alike.size() > 1) fault.message += "; which one nobody can tell: the rig looks the same from several sides";
-  fault.message += "; so " + PercentText(found.read) + " % of the entries agree with others, as given " +
-                   PercentText(found.agreement) + " %";
+  fault.message += "; so " + Better(found);
   return fault;
 }
 
@@ -58,16 +65,18 @@ Expected<bool> MendOnce(Evidence& evidence, const std::vector<KnownLength>& leng
   const bool sure = found.confidence >= audit.sure;
   if (!sure && (!reading.ExchangesFiles() || found.confidence < kLikely)) return false;
   RigFault fault = FaultOf(found, evidence.keypoint_views);
-  const AuditAction action = fault.code == "view_swaps_sides" ? audit.sides : audit.exchanged;
+  const bool of_sides = fault.code == "view_swaps_sides";
+  const AuditAction action = of_sides ? audit.sides : audit.exchanged;
   if (action == AuditAction::kOff) return false;
   if (found.alike.size() > 1 && sure && action == AuditAction::kCorrect) {
     return Fail(
         ErrorCode::kInconsistent,
         fault.message + "; that it is one of them is sure to " + RoundedText(100.0 * found.confidence, 4) + " %",
         "keypoints",
-        "look at an image of each camera and put the files right, or set fitting.keypoints.audit.exchanged to "
-        "tell: the person may then be mirrored");
+        "look at an image of each camera and put the files right, or set fitting.keypoints.audit." +
+            std::string(of_sides ? "sides" : "exchanged") + " to tell: the person may then be mirrored");
   }
+  fault.guessed = !sure;
   fault.corrected = sure && found.alike.size() == 1 && action == AuditAction::kCorrect;
   if (fault.corrected) evidence.keypoint_views = WithReading(evidence.keypoint_views, evidence.keypoint_names, reading);
   faults.push_back(std::move(fault));
@@ -89,7 +98,7 @@ Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, co
 
 bool FilesAreWrong(const std::vector<RigFault>& faults) {
   return std::any_of(faults.begin(), faults.end(),
-                     [](const RigFault& fault) { return IsOfFiles(fault) && !fault.corrected; });
+                     [](const RigFault& fault) { return IsOfFiles(fault) && !fault.corrected && !fault.guessed; });
 }
 
 bool FilesAreMended(const std::vector<RigFault>& faults) {

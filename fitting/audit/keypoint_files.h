@@ -17,7 +17,8 @@ namespace mocurate {
 Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
                  std::vector<RigFault>& faults);
 
-/// Whether files are known to be other than given, and were left so: clocks, places and sides cannot be judged by them.
+/// Whether files are known (to `audit.sure`) to be other than given, and were left so: clocks, places and sides cannot
+/// be judged by them.
 bool FilesAreWrong(const std::vector<RigFault>& faults);
 
 /// Whether files were exchanged or turned over: which side is which may follow from that.

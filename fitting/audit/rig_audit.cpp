@@ -31,12 +31,6 @@ constexpr std::size_t kWitnesses = 3;        ///< that stay where they are: fewe
 constexpr std::size_t kFewestWitnesses = 2;  ///< that tell where others stand at all
 constexpr double kContradiction = 0.25;  ///< of the cost, that another move explains when too few witnesses are left
 
-double Sum(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum;
-}
-
 class Auditor {
  public:
   Auditor(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,

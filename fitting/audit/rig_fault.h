@@ -18,6 +18,7 @@ struct RigFault {
   double value = 0.0;       ///< of the code: ms, mm, share of entries that agree, factor, mean departure, margin
   double confidence = 0.0;  ///< [0, 1]
   bool corrected = false;
+  bool guessed = false;  ///< likely, and less sure than a fault must be: told, and nothing follows from it
   std::string message;
 };
 

@@ -232,7 +232,8 @@ RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::v
   for (const Judged& judged : all) least = std::min(least, judged.mean);
   const Judged* best = BestOf(all, given, least);
   if (best == nullptr) return {};
-  RigReadings found{{best->reading}, given.share, best->share, Confidence(given.costs, best->costs)};
+  RigReadings found{{best->reading}, given.share, best->share,
+                    given.mean,      best->mean,  Confidence(given.costs, best->costs)};
   const std::size_t changes = Changes(best->reading);
   for (const Judged& judged : all) {
     if (&judged == best || AreSame(judged.reading, best->reading)) continue;
@@ -250,8 +251,10 @@ RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::v
   return found;
 }
 
-RigReadings FindOverturnedReadings(const std::vector<KeypointView>& views, const std::vector<std::string>& names,
-                                   const std::vector<KnownLength>& lengths, double min_confidence, double sure) {
+std::vector<RigReading> FindOverturnedReadings(const std::vector<KeypointView>& views,
+                                               const std::vector<std::string>& names,
+                                               const std::vector<KnownLength>& lengths, double min_confidence,
+                                               double sure) {
   if (views.size() > kMostViews) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
@@ -259,9 +262,7 @@ RigReadings FindOverturnedReadings(const std::vector<KeypointView>& views, const
   RigReading as_given;
   as_given.source = AsGiven(views.size());
   const Judged given = judge(as_given);
-  RigReadings found;
-  found.agreement = given.share;
-  double least = 0.0;
+  std::vector<RigReading> found;
   for (const RigReading& reading : Readings(views.size())) {
     const bool exchanged = reading.ExchangesFiles() && reading.Displaced() == 2;
     const bool mirrored = reading.mirrored && !reading.sides && reading.views.size() == views.size();
@@ -269,11 +270,7 @@ RigReadings FindOverturnedReadings(const std::vector<KeypointView>& views, const
     const Judged judged = judge(reading);
     const bool worse = judged.mean > kAlike * given.mean + kAlikeCost;
     if (worse || Confidence(judged.costs, given.costs) >= sure) continue;
-    found.alike.push_back(reading);
-    if (found.alike.size() > 1 && judged.mean >= least) continue;
-    least = judged.mean;
-    found.read = judged.share;
-    found.confidence = Confidence(given.costs, judged.costs);
+    found.push_back(reading);
   }
   return found;
 }

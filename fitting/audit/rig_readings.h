@@ -26,6 +26,8 @@ struct RigReadings {
   std::vector<RigReading> alike;
   double agreement = 0.0;   ///< share of the entries that belong to a body, as given
   double read = 0.0;        ///< and read so
+  double given_cost = 0.0;  ///< of an entry as given (CostOfAgreement), mean
+  double read_cost = 0.0;   ///< and read so: this decides
   double confidence = 0.0;  ///< that the first is better than as given, and than any other reading but those of `alike`
 };
 
@@ -43,8 +45,10 @@ RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::v
 
 /// Of views of which anatomy says that all call left right, the readings that turn the person over instead and on which
 /// they agree no worse than as given: two files exchanged, or all images mirrored. None: it is the names.
-RigReadings FindOverturnedReadings(const std::vector<KeypointView>& views, const std::vector<std::string>& names,
-                                   const std::vector<KnownLength>& lengths, double min_confidence, double sure);
+std::vector<RigReading> FindOverturnedReadings(const std::vector<KeypointView>& views,
+                                               const std::vector<std::string>& names,
+                                               const std::vector<KnownLength>& lengths, double min_confidence,
+                                               double sure);
 
 /// Names of the cameras that are read otherwise: "cam01, cam03".
 std::string CamerasOf(const RigReading& reading, const std::vector<KeypointView>& views);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "fitting/association/person_views.h"
@@ -143,5 +144,7 @@ std::vector<std::vector<double>> ResidualMap(const RigSamples& samples, const Ri
   }
   return map;
 }
+
+double Sum(const std::vector<double>& costs) { return std::accumulate(costs.begin(), costs.end(), 0.0); }
 
 }  // namespace mocurate

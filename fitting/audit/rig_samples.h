@@ -71,6 +71,9 @@ Vector2d PixelError(const ViewKeypoints& view, std::size_t at, const Vector3d& p
 std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
                                   double noise_px);
 
+/// Of all moments.
+double Sum(const std::vector<double>& costs);
+
 /// (views, 12) median pixel error of each view's detections in equal spans of a take; 0 where it sees nobody.
 std::vector<std::vector<double>> ResidualMap(const RigSamples& samples, const RigModel& model,
                                              const std::vector<double>& take_s, const TriangulationOptions& options);

@@ -1,7 +1,6 @@
 #include "fitting/audit/sides_throughout.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "fitting/audit/camera_moves.h"
@@ -12,8 +11,6 @@ namespace {
 constexpr std::size_t kLeastViews = 3;
 constexpr int kLeastMoments = 8;
 constexpr double kExplained = 0.1;  ///< of the cost, at least
-
-double Sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 }  // namespace
 

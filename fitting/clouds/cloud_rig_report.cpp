@@ -12,8 +12,8 @@ constexpr double kSeldomSeen = 0.5;  ///< of the moments without anybody
 }  // namespace
 
 bool DepthRigReport::IsDoubtful() const {
-  const auto strangers = std::count_if(faults.begin(), faults.end(),
-                                       [](const RigFault& fault) { return fault.code == "views_disagree"; });
+  const auto strangers =
+      std::count_if(faults.begin(), faults.end(), [](const RigFault& fault) { return fault.code == "views_disagree"; });
   if (static_cast<std::size_t>(strangers) >= cameras.size() && strangers > 1) return true;
   return std::any_of(faults.begin(), faults.end(), mocurate::IsDoubtful);
 }
@@ -44,7 +44,7 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   if (report.not_audited.empty()) return findings;
   Finding finding;
   finding.code = "rig_not_audited";
-  finding.severity = Severity::kInfo;
+  finding.severity = Severity::kWarning;
   finding.value = static_cast<double>(report.cameras.size());
   finding.message = report.not_audited;
   finding.action = "taken as given";

@@ -7,8 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "fitting/audit/confidence.h"
-
 namespace mocurate {
 namespace {
 
@@ -72,17 +70,6 @@ void TurnOver(const DepthView& view, ViewSurface& surface) {
   surface.image = std::make_shared<const DepthImage>(std::move(image));
 }
 
-/// Of samples that both have.
-double ConfidenceOf(const std::vector<double>& worse, const std::vector<double>& better) {
-  std::pair<std::vector<double>, std::vector<double>> both;
-  for (std::size_t i = 0; i < worse.size(); ++i) {
-    if (worse[i] < 0.0 || better[i] < 0.0) continue;
-    both.first.push_back(worse[i]);
-    both.second.push_back(better[i]);
-  }
-  return ConfidenceOfSeparate(both.first, both.second);
-}
-
 }  // namespace
 
 std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor) {
@@ -117,7 +104,7 @@ std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector
   if (ask(Changed(rig, TurnOver))) found.mirrored = true, found.factor = 1.0;
   const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
   if (!off || found.mended > kMuchBetter * found.loss) return {};
-  found.confidence = ConfidenceOf(losses, better);
+  found.confidence = ConfidenceOfLosses(losses, better);
   return found;
 }
 

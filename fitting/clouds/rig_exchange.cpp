@@ -6,8 +6,6 @@
 #include <memory>
 #include <numeric>
 
-#include "fitting/audit/confidence.h"
-
 namespace mocurate {
 namespace {
 
@@ -84,17 +82,6 @@ class ExchangedRigs {
   std::map<std::array<std::size_t, 3>, std::unique_ptr<ViewSurface>> made_;
 };
 
-/// Of samples that both have.
-double ConfidenceOf(const std::vector<double>& worse, const std::vector<double>& better) {
-  std::pair<std::vector<double>, std::vector<double>> both;
-  for (std::size_t i = 0; i < worse.size(); ++i) {
-    if (worse[i] < 0.0 || better[i] < 0.0) continue;
-    both.first.push_back(worse[i]);
-    both.second.push_back(better[i]);
-  }
-  return ConfidenceOfSeparate(both.first, both.second);
-}
-
 }  // namespace
 
 std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vector<double>& losses) {
@@ -110,13 +97,13 @@ std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vect
     all.push_back(LossOfSamples(exchanged.With(source), cameras));
     const double loss = MeanLoss(all.back());
     if (loss > kMuchBetter * given || (best && loss >= best->exchanged)) continue;
-    best = FileExchange{source, given, loss, true, ConfidenceOf(losses, all.back())};
+    best = FileExchange{source, given, loss, true, ConfidenceOfLosses(losses, all.back())};
     chosen = all.size() - 1;
   }
   if (!best) return {};
   for (std::size_t i = 0; i < all.size(); ++i) {
     best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kAlike * best->exchanged);
-    if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOf(all[i], all[chosen]));
+    if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOfLosses(all[i], all[chosen]));
   }
   return best;
 }

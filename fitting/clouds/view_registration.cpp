@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "fitting/audit/confidence.h"
 #include "fitting/clouds/depth_pose_graph.h"
 
 namespace mocurate {
@@ -168,6 +170,16 @@ double MeanLoss(const std::vector<double>& losses) {
     count += 1.0;
   }
   return count > 0.0 ? sum / count : 0.0;
+}
+
+double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<double>& better) {
+  std::pair<std::vector<double>, std::vector<double>> both;
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    if (worse[i] < 0.0 || better[i] < 0.0) continue;
+    both.first.push_back(worse[i]);
+    both.second.push_back(better[i]);
+  }
+  return ConfidenceOfSeparate(both.first, both.second);
 }
 
 Expected<std::vector<Camera>> Register(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from) {

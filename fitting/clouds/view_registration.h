@@ -33,6 +33,9 @@ std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>&
 /// Mean of the losses that were seen; 0 without any.
 double MeanLoss(const std::vector<double>& losses);
 
+/// How sure it is that losses are lower than others, of those samples that both have seen (ConfidenceOfSeparate).
+double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<double>& better);
+
 /// What places of cameras come to for views of one rig that may be moved, as it is tied to the others by what both see:
 /// point-to-plane distances of all moments together, matched again after every step, each step a pose graph over the
 /// free cameras (node 0: all others) whose edges are the normal equations of the pairs. Where nothing ties a camera it

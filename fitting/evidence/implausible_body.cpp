@@ -12,11 +12,11 @@ namespace {
 constexpr std::size_t kFewestFrames = 20;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
-// Limits are beyond what 1,214 clips of KARD, Florence3D, UTKinect and MSR-Action3D show, of which the largest is in
+// Limits are beyond what 1,213 clips of the recorded sets show (fitting/README.md), of which the largest is in
 // brackets.
 constexpr double kExchanged = 0.1;      ///< metres by which the upper bone of a limb differs, in the median (0.08)
 constexpr double kExchangeRatio = 3.0;  ///< of what it differs by with the lower joint in the upper's place (2.5)
-constexpr double kMisplaced = 0.15;     ///< metres by which a bone is longer than the other side's (0.12)
+constexpr double kMisplaced = 0.15;     ///< metres by which a bone differs from the other side's (0.12)
 constexpr double kMisplacedOfBone = 0.5;
 constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth to the last (0.25 of who bends)
 constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
@@ -140,13 +140,18 @@ class Judge {
     return found == bones_.end() ? nullptr : &*found;
   }
 
-  /// By how much a bone is too long; 0: it is not.
+  /// By how much a bone is off; 0: it is not. Of two sides that differ it is the one that departs more from the body's
+  /// size; where there is but one, a bone that is too long.
   double Departure(const Bone& bone) const {
+    const double of_size = scale_ * bone.rest;
     const Bone* other = Mirrored(bone);
-    const double expected = other != nullptr ? other->median : scale_ * bone.rest;
-    const double away = std::abs(bone.median - expected);
-    const double slack = other != nullptr ? kMisplacedOfBone * expected : 2.0 * kMisplacedOfBone * expected;
-    return away > std::max(kMisplaced, slack) && bone.median > expected ? away : 0.0;
+    if (other == nullptr) {
+      const double longer = bone.median - of_size;
+      return longer > std::max(kMisplaced, 2.0 * kMisplacedOfBone * of_size) ? longer : 0.0;
+    }
+    const double apart = std::abs(bone.median - other->median);
+    if (apart <= std::max(kMisplaced, kMisplacedOfBone * std::min(bone.median, other->median))) return 0.0;
+    return std::abs(bone.median - of_size) > std::abs(other->median - of_size) ? apart : 0.0;
   }
 
   /// The joint with most bones that are off, none that is not, again and again.
@@ -175,8 +180,8 @@ class Judge {
         if (bones_[b].joint == worst || bones_[b].parent == worst) off[b] = 0.0;
       }
       Tell("joint_misplaced", Severity::kError, worst, far,
-           Name(worst) + " is elsewhere throughout: " + (most > 1 ? "bones there are" : "its bone is") +
-               " longer than the other side's or the body's by up to " + RoundedText(far, 3) +
+           Name(worst) + " is elsewhere throughout: " + (most > 1 ? "bones there differ" : "its bone differs") +
+               " from the other side's or the body's by up to " + RoundedText(far, 3) +
                " m: another point, or an offset of the source");
     }
   }

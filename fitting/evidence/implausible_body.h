@@ -10,8 +10,9 @@ namespace mocurate {
 /// What tracks say throughout a clip that no body allows; they are left as they are. Of joints that 20 frames show:
 /// - "joints_exchanged" (error): a joint of a limb and the one below it have each other's columns: with the two
 ///   exchanged its upper bone has the other side's length. Value: by how much it differs, metres.
-/// - "joint_misplaced" (error): all bones at a joint are longer than those of the other side, of a joint on the midline
-///   than those of the skeleton in the person's size. Value: by how much at most, metres.
+/// - "joint_misplaced" (error): all bones at a joint differ from those of the other side, and more than these from the
+///   skeleton's in the person's size; of a joint on the midline they are longer than these. Value: by how much at most,
+///   metres.
 /// - "body_grows" (warning): nearly all bones grow, or shrink, from the clip's begin to its end. Value: by how much, %.
 /// - "size_doubtful" (warning): the body is larger or smaller than people are. Value: stature, metres.
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks);

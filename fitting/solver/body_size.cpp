@@ -97,26 +97,27 @@ Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_len
 
 Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
   std::vector<double> thickness, length;
-  int points = 0, flat = 0;
+  long long frames = 0, flat = 0;
   for (int f = 0; f < clip.frames(); ++f) {
     const auto extents = Extents(clip, f);
     if (!extents) continue;
-    thickness.push_back(extents->first);
+    ++frames;
     length.push_back(extents->second);
-    points += extents->second < kPoint ? 1 : 0;
+    if (extents->second < kPoint) continue;  // nobody is there
+    thickness.push_back(extents->first);
     flat += extents->first <= kFlat * extents->second ? 1 : 0;
   }
-  const auto frames = static_cast<long long>(thickness.size());
-  if (frames > 0 && points == frames) {
+  const auto bodies = static_cast<long long>(thickness.size());
+  if (frames > 0 && bodies == 0) {
     return Fail(ErrorCode::kInconsistent,
                 "nobody is there: all joints lie in one point (to " + RoundedText(Tenths(Median(length)), 3) +
                     " mm in the median) in all of " + Counted(frames, "frame"),
                 where, "drop the clip; where it stands for \"not seen\", say so with ingest.source.missing: zero");
   }
-  if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(frames)) return {};
+  if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(bodies)) return {};
   return Fail(ErrorCode::kInconsistent,
               "flat_body: all joints lie in one plane (to " + RoundedText(Tenths(Median(thickness)), 3) +
-                  " mm in the median) in " + std::to_string(flat) + " of " + Counted(frames, "frame") +
+                  " mm in the median) in " + std::to_string(flat) + " of " + Counted(bodies, "frame") +
                   ": 2-D points without depth are no joint tracks; the pose across the plane is not known",
               where, "give positions with their depth, or the 2-D points of two calibrated cameras (keypoints)");
 }

@@ -23,7 +23,8 @@ std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes);
 Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length, const std::string& where);
 
 /// Error kInconsistent where the tracks show nobody: all joints of every frame lie in one point (within 2 cm), or, in
-/// nearly all frames (ten at least), in one plane to 1/200 of their extent: 2-D points, whose depth nobody measured.
+/// nearly all other frames (ten at least), in one plane to 1/200 of their extent: 2-D points, whose depth nobody
+/// measured.
 Status CheckBody(const SkeletonTracks& clip, const std::string& where);
 
 }  // namespace mocurate

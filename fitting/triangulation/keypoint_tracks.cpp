@@ -378,7 +378,14 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   const std::vector<KnownLength> lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
   if (Status mended = MendFiles(as_seen, lengths, options, faults); !mended) return Forward(mended);
   const bool wrong = FilesAreWrong(faults);
-  return Triangulated(as_seen, skeleton, wrong ? WithoutAudit(options) : options, std::move(faults));
+  if (!wrong) return Triangulated(as_seen, skeleton, options, std::move(faults));
+  Expected<KeypointTracks> found = Triangulated(as_seen, skeleton, WithoutAudit(options), std::move(faults));
+  if (found) {
+    found->findings.push_back(
+        Tell("rig_not_audited", Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
+             "clocks, places and sides of cameras are not judged by files that are not as given", "taken as given"));
+  }
+  return found;
 }
 
 }  // namespace mocurate

@@ -97,6 +97,10 @@ TEST(BadTracks, AtZeroAreNotObserved) {
     }
   }
   EXPECT_GT(SigmaAt(fit, 59, 5), 5.0 * SigmaAt(fit, 10, 5));
+  zero_from(2);
+  const auto hardly = FitTracksOfClip(ClipOf(take), TestSkeleton(), take.truth.bone_length, FittingOptions{});
+  ASSERT_TRUE(hardly.has_value()) << "frames in one point are no flat body: " << hardly.error().what;
+  EXPECT_EQ(Told(*hardly, "zero_frames"), 1);
   zero_from(0);
   const auto nobody = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
   ASSERT_FALSE(nobody.has_value());

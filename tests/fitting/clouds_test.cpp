@@ -146,6 +146,7 @@ TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
   ASSERT_TRUE(fit) << fit.error().Message();
   ASSERT_EQ(fit->findings.size(), 2u);
   EXPECT_EQ(fit->findings[0].code, "rig_not_audited");
+  EXPECT_EQ(fit->findings[0].severity, Severity::kWarning) << "who reads no info must know that nobody looked";
   EXPECT_EQ(fit->findings[1].code, "frames_without_evidence");
   EXPECT_EQ(fit->findings[1].frame_begin, 2);
   EXPECT_EQ(fit->findings[1].frame_end, 3);

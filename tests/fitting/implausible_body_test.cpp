@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/fitting/takes.h"
@@ -66,6 +67,20 @@ TEST(ImplausibleBody, HasAJointElsewhereThroughout) {
     EXPECT_EQ(findings[0].code, "joint_misplaced");
     EXPECT_EQ(findings[0].joint, take.tracks.skeleton->joints[static_cast<std::size_t>(joint)].name);
     EXPECT_GT(findings[0].value, 0.15);
+  }
+}
+
+TEST(ImplausibleBody, HasAWristThatIsTooNearTheElbowAndNotTheOneOfTheOtherSide) {
+  constexpr int kRightElbow = 7, kRightWrist = 8;
+  for (const auto& [elbow, wrist] : {std::pair(kElbow, kWrist), std::pair(kRightElbow, kRightWrist)}) {
+    Take take = NoisyTake();
+    for (int f = 0; f < 120; ++f) {
+      const Vector3d from = take.tracks.positions.at(f, elbow);
+      const Vector3d forearm = Vector3d(take.tracks.positions.at(f, wrist)) - from;
+      take.tracks.positions.at(f, wrist) = from + 0.15 * forearm;
+    }
+    const std::string name = take.tracks.skeleton->joints[static_cast<std::size_t>(wrist)].name;
+    EXPECT_EQ(Codes(take.tracks), std::vector<std::string>{"joint_misplaced " + name});
   }
 }
 

@@ -5,6 +5,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <regex>
+
+#include "fitting/audit/keypoint_files.h"
 #include "fitting/keypoint_fit.h"
 #include "tests/fitting/keypoint_faults.h"
 #include "tests/fitting/keypoint_takes.h"
@@ -32,6 +36,17 @@ std::string Told(const BodyTracks& found) {
   for (const RigFault& fault : found.report.faults)
     text += fault.code + " " + fault.camera + ": " + fault.message + "\n";
   return text;
+}
+
+bool IsTold(const std::string& code, const BodyTracks& found) {
+  return std::any_of(found.findings.begin(), found.findings.end(),
+                     [&](const Finding& finding) { return finding.code == code; });
+}
+
+/// "so 100 % of the entries agree with others, as given 100 %" says nothing.
+void ExpectThatWordsSayWhatIsBetter(const BodyTracks& found) {
+  static const std::regex same("so ([0-9]+) % of the entries agree with others, as given \\1 %");
+  EXPECT_FALSE(std::regex_search(Told(found), same)) << Told(found);
 }
 
 double MeanErrorOf(const SkeletonTracks& tracks, const Motion& truth) {
@@ -73,6 +88,22 @@ TEST(RigReadings, WhereThatIsOnlyToBeToldNothingIsMadeOfIt) {
     EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
     EXPECT_LT(found->report.faults[0].confidence, 0.5);
     for (const RigFault& fault : found->report.faults) EXPECT_FALSE(fault.corrected) << Told(*found);
+    EXPECT_TRUE(IsTold("rig_not_audited", *found)) << "clocks and places were not looked for";
+  }
+}
+
+TEST(RigReadings, AGuessIsToldAndEverythingElseIsLookedForAllTheSame) {
+  KeypointAuditOptions audit;
+  audit.sure = 1.0;
+  for (StudioView take : StudioViews(Views(42, RigKind::kRing, 6), 3)) {
+    ExchangeFiles(take.evidence, 0, 3);
+    const auto found = Tracked(take.evidence, audit);
+    ASSERT_TRUE(found) << found.error().Message();
+    ASSERT_FALSE(found->report.faults.empty());
+    EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
+    EXPECT_TRUE(found->report.faults[0].guessed);
+    EXPECT_FALSE(FilesAreWrong(found->report.faults)) << Told(*found);
+    EXPECT_FALSE(IsTold("rig_not_audited", *found));
   }
 }
 
@@ -89,6 +120,7 @@ TEST(RigReadings, FacingCamerasOfOtherRigsAreExchangedBack) {
       ASSERT_TRUE(sound && found) << take.name;
       ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << Told(*found);
       EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
+      ExpectThatWordsSayWhatIsBetter(*found);
       EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 1.05 * MeanErrorOf(sound->tracks, take.truth) + 1e-3);
     }
   }
