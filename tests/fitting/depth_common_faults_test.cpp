@@ -7,6 +7,7 @@
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
+#include "tests/fitting/noisy_depth_takes.h"
 
 namespace mocurate {
 namespace {
@@ -18,36 +19,12 @@ std::filesystem::path Folder(const std::string& name) {
          ("mocurate_common_faults_" + std::to_string(getpid()) + "_" + name);
 }
 
-/// The studio's people before PHSPD's cameras, with a Kinect's errors.
-class CommonFaults : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    CloudTakeOptions options;
-    options.seed = 821;
-    options.subjects = 1;
-    options.clips = 3;
-    options.frames = 12;
-    takes_ = new std::vector<CloudTake>(CloudTakes(options, Folder("studio")));
-  }
-
-  void SetUp() override {
-    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-  }
-
-  static std::vector<CloudTake>* takes_;
-};
-
-std::vector<CloudTake>* CommonFaults::takes_ = nullptr;
-
-std::string Told(const DepthRigReport& report) {
-  std::string text;
-  for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
-  return text;
-}
+/// The studio's people before PHSPD's cameras.
+using CommonFaults = NoisyDepthTakes<821, 3>;
 
 TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
   for (const double factor : {1.1, 0.92}) {
-    for (const CloudTake& take : *takes_) {
+    for (const CloudTake& take : takes()) {
       std::vector<DepthView> views = take.evidence.depth_views;
       for (DepthView& view : views) view.metres_per_unit *= factor;
       const auto audited = AuditDepthRig(views, {});
@@ -70,7 +47,7 @@ TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
 }
 
 TEST_F(CommonFaults, ImagesThatAreAllMirroredAreRefused) {
-  for (const CloudTake& take : *takes_) {
+  for (const CloudTake& take : takes()) {
     const auto views = WithMirroredImages(take.evidence.depth_views, Folder("mirrored"));
     ASSERT_TRUE(views) << views.error().Message();
     const auto refused = AuditDepthRig(*views, {});

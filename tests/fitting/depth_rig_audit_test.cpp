@@ -13,6 +13,7 @@
 #include "tests/fitting/cloud_scene.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
+#include "tests/fitting/noisy_depth_takes.h"
 
 namespace mocurate {
 namespace {
@@ -44,12 +45,6 @@ Motion Somebody(const SkeletonPtr& skeleton, int frames, bool moves) {
     turn("plain_right_hip", {-0.4 * std::sin(4.0 * t), 0.0, 0.0});
   }
   return MakeMotion(skeleton, FrameRate{30, 1}, translation, rotation, skeleton->RestBoneLengths());
-}
-
-std::string Told(const DepthRigReport& report) {
-  std::string text;
-  for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
-  return text + report.not_audited;
 }
 
 /// How far the person is moved when camera `view` is taken as it is in one rig instead of as in another one, beside
@@ -335,28 +330,10 @@ TEST_F(DepthRig, AFitFromAMovedCameraIsAsGoodAsFromTheRigAsItWas) {
 }
 
 /// The studio's people before PHSPD's cameras, with a Kinect's errors.
-class NoisyDepthRig : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    CloudTakeOptions options;
-    options.seed = 811;
-    options.subjects = 1;
-    options.clips = 4;
-    options.frames = 12;
-    takes_ = new std::vector<CloudTake>(CloudTakes(options, Folder("studio")));
-  }
-
-  void SetUp() override {
-    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-  }
-
-  static std::vector<CloudTake>* takes_;
-};
-
-std::vector<CloudTake>* NoisyDepthRig::takes_ = nullptr;
+using NoisyDepthRig = NoisyDepthTakes<811, 4>;
 
 TEST_F(NoisyDepthRig, ThatIsWellIsLeftAlone) {
-  for (const CloudTake& take : *takes_) ExpectLeftAlone(take.evidence.depth_views);
+  for (const CloudTake& take : takes()) ExpectLeftAlone(take.evidence.depth_views);
 }
 
 /// Floor and wall are in the images, as of captures that nobody masked.
@@ -373,7 +350,7 @@ TEST(DepthRigInARoom, ThatIsWellIsLeftAlone) {
 }
 
 TEST_F(NoisyDepthRig, ExchangedFilesAreExchangedBackAndAMovedCameraIsPutBack) {
-  for (const CloudTake& take : *takes_) {
+  for (const CloudTake& take : takes()) {
     const std::vector<DepthView>& good = take.evidence.depth_views;
     std::vector<DepthView> views = good;
     ExchangeFiles(views[0], views[1]);
