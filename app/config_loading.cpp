@@ -77,7 +77,7 @@ const ConfigNode* FindSaid(const ConfigNode& root, const std::string& option) {
   return node;
 }
 
-std::optional<std::string> PlaceOf(const ConfigNode& root, const std::string& option) {
+std::optional<std::string> PlaceOfOption(const ConfigNode& root, const std::string& option) {
   const ConfigNode* node = FindSaid(root, option);
   if (node == nullptr) return std::nullopt;
   return node->origin.Text();
@@ -100,7 +100,7 @@ class ValueCheck {
   explicit ValueCheck(const ConfigNode& node) : node_(node) {}
 
   void Refuse(const std::string& option, const std::string& what, const std::string& hint) {
-    const auto place = PlaceOf(node_, option);
+    const auto place = PlaceOfOption(node_, option);
     if (place) problems_.Add(*place, option + ": " + what, hint);
   }
 

@@ -44,7 +44,7 @@ Status CheckSkeletons(const JobOptions& options) {
   return {};
 }
 
-Status CheckActions(const IngestOptions& options) {
+Status CheckIngestActions(const IngestOptions& options) {
   if (!options.synthetic.enabled || !options.path.empty()) return {};
   for (const std::string& action : options.synthetic.actions) {
     if (Status known = CheckAction(action); !known) return known;
@@ -116,7 +116,7 @@ FitMethod MethodFor(Gives gives) {
 
 Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
-  if (Status actions = CheckActions(options.ingest); !actions) return actions;
+  if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
   if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }

@@ -16,16 +16,16 @@
 namespace mocurate {
 namespace {
 
-bool HasArtifact(const ItemResult& item) { return !item.artifact.empty(); }
+bool ItemHasArtifact(const ItemResult& item) { return !item.artifact.empty(); }
 
 /// A stage looked at it and gave nothing on.
-bool Ended(const ItemResult& item) { return !HasArtifact(item) && !HasArtifact(item.outcome.kind); }
+bool EndedHere(const ItemResult& item) { return !ItemHasArtifact(item) && !HasArtifact(item.outcome.kind); }
 
 }  // namespace
 
 const ItemResult* ClipRecord::ended() const {
   for (const ItemResult* stage : {&evidence, &motion, &canonical}) {
-    if (Ended(*stage)) return stage;
+    if (EndedHere(*stage)) return stage;
   }
   return nullptr;
 }
@@ -96,7 +96,7 @@ Error FirstReason(const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*
   const ItemResult* first = nullptr;
   for (const ClipRecord& clip : clips) {
     const ItemResult* stage = clip.ended();
-    if (branch == &ClipRecord::baseline && Ended(clip.baseline)) stage = &clip.baseline;
+    if (branch == &ClipRecord::baseline && EndedHere(clip.baseline)) stage = &clip.baseline;
     if (stage != nullptr && !clip.folder() &&
         (first == nullptr || (IsFailure(stage->outcome.kind) && !IsFailure(first->outcome.kind))))
       first = stage;
@@ -141,7 +141,7 @@ namespace {
 
 /// The hash of a clip's file, where the stage failed before it could say it; of a clip of several files that of their
 /// hashes, a line each, in the order in which the stage had them.
-void AddSourceHash(const ItemSpec& spec, ItemResult& failed) {
+void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
   if (failed.outcome.summary.contains("source_sha256")) return;
   std::string hashes;
   std::size_t files = 0;
@@ -165,7 +165,7 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std:
     clip.item = ingested[i].item;
     clip.evidence = ingested[i];
     clip.format = specs[i].options.value("format", std::string());
-    if (IsFailure(clip.evidence.outcome.kind)) AddSourceHash(specs[i], clip.evidence);
+    if (IsFailure(clip.evidence.outcome.kind)) AddHashOfSource(specs[i], clip.evidence);
     for (const StageInput& input : specs[i].inputs) {
       if (input.role == "depth") clip.depth.push_back(input);
     }
@@ -218,7 +218,7 @@ StageInput SkeletonInput(const std::string& name_or_path) {
 std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {
   ItemSpec item{"duplicates", options, {}};
   for (const ClipRecord& clip : clips) {
-    if (HasArtifact(clip.evidence)) item.inputs.push_back(InputFrom("evidence", clip.evidence));
+    if (ItemHasArtifact(clip.evidence)) item.inputs.push_back(InputFrom("evidence", clip.evidence));
   }
   if (item.inputs.size() < 2) return std::nullopt;
   return item;
@@ -235,7 +235,7 @@ void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
     StageOutcome& outcome = record->second->evidence.outcome;
     const Finding& finding = found.outcome.findings[i];
     outcome.findings.push_back(finding);
-    if (finding.action != "dropped" || !HasArtifact(record->second->evidence)) continue;
+    if (finding.action != "dropped" || !ItemHasArtifact(record->second->evidence)) continue;
     record->second->evidence.artifact.clear();
     outcome.kind = OutcomeKind::kLeftOut;
     outcome.summary["threshold"] = dropped.value(record->first, 0.0);
@@ -247,7 +247,7 @@ void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {
   std::map<std::string, std::map<std::string, const ClipRecord*>> persons;
   for (const ClipRecord& clip : clips) {
-    if (HasArtifact(clip.evidence)) persons[clip.person()][clip.item] = &clip;
+    if (ItemHasArtifact(clip.evidence)) persons[clip.person()][clip.item] = &clip;
   }
   std::vector<ItemSpec> items;
   for (const auto& [person, members] : persons) {
@@ -268,13 +268,13 @@ FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string
                       const nlohmann::json& options) {
   FitItems fits;
   for (ClipRecord& clip : clips) {
-    if (!HasArtifact(clip.evidence)) continue;
+    if (!ItemHasArtifact(clip.evidence)) continue;
     const auto person = persons.find(clip.person());
     if (person == persons.end()) {
       clip.motion.outcome.kind = OutcomeKind::kRefused;
       clip.motion.outcome.error =
           Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item, "set ingest.source.person"};
-    } else if (!HasArtifact(person->second)) {
+    } else if (!ItemHasArtifact(person->second)) {
       clip.motion.outcome = person->second.outcome;
     } else {
       ItemSpec item{
@@ -290,7 +290,7 @@ FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string
 FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& options) {
   FitItems given;
   for (ClipRecord& clip : clips) {
-    if (!HasArtifact(clip.evidence)) continue;
+    if (!ItemHasArtifact(clip.evidence)) continue;
     given.items.push_back({clip.item, options, {InputFrom("evidence", clip.evidence)}});
     given.clips.push_back(&clip);
   }
@@ -300,7 +300,7 @@ FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& 
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth) {
   ItemSpec item{"fit_error", nlohmann::json::object(), truth};
   for (const ClipRecord& clip : clips) {
-    if (!HasArtifact(clip.motion)) continue;
+    if (!ItemHasArtifact(clip.motion)) continue;
     item.inputs.push_back(InputFrom("fit", clip.motion));
     item.inputs.push_back(InputFrom("evidence", clip.evidence));
   }

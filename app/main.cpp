@@ -71,7 +71,7 @@ int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, cha
 }
 
 /// An answer that did not reach stdout whole is none: 74 instead of 0.
-int Ended(int exit_code) {
+int ExitCodeAfterFlush(int exit_code) {
   errno = 0;
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && std::ferror(stdout) == 0) return exit_code;
@@ -301,4 +301,4 @@ int Run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return Ended(Run(argc, argv)); }
+int main(int argc, char** argv) { return ExitCodeAfterFlush(Run(argc, argv)); }

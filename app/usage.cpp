@@ -20,7 +20,7 @@ std::vector<std::string> VerbsOf(const CLI::App& app) {
   return verbs;
 }
 
-std::string Listed(const std::vector<std::string>& names) {
+std::string ListedNames(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return list;
@@ -40,7 +40,7 @@ std::optional<Error> UnknownVerb(const CLI::App& app, int argc, char** argv) {
   if (config) meant = "run " + DisplayPath(path);
   if (!config && std::filesystem::exists(path, ignored)) meant = "inspect " + DisplayPath(path);
   return Error{ErrorCode::kUsage, "there is no verb '" + DisplayPath(path) + "'", "command line",
-               meant.empty() ? "the verbs are: " + Listed(verbs) : "did you mean 'mocurate " + meant + "'?"};
+               meant.empty() ? "the verbs are: " + ListedNames(verbs) : "did you mean 'mocurate " + meant + "'?"};
 }
 
 /// The verb that the words led to, and how it is called: "mocurate cache".
@@ -80,7 +80,7 @@ Error Unexpected(const CLI::App& verb, const std::string& called, const std::vec
   }
   const auto near = Nearest(text, verbs);
   return {ErrorCode::kUsage, "there is no '" + called + " " + text + "'", "command line",
-          near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + Listed(verbs)};
+          near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + ListedNames(verbs)};
 }
 
 }  // namespace
@@ -94,7 +94,8 @@ Error UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   if (!words.empty()) return Unexpected(verb, called, words);
   const std::vector<std::string> verbs = VerbsOf(verb);
   if (!verbs.empty()) {
-    return {ErrorCode::kUsage, "'" + called + "' alone does nothing", "command line", "there are: " + Listed(verbs)};
+    return {ErrorCode::kUsage, "'" + called + "' alone does nothing", "command line",
+            "there are: " + ListedNames(verbs)};
   }
   return {ErrorCode::kUsage, error.what(), "command line", "'" + called + " --help' tells more"};
 }

@@ -38,7 +38,7 @@ nlohmann::json Entry(const WantedFile& file) {
 }
 
 /// Where files lie that are looked for, and files that could be meant.
-std::string Remark(const WantedFile& file) {
+std::string RemarkOfFile(const WantedFile& file) {
   std::string remark;
   if (file.found == 0 && file.found_elsewhere > 0) {
     remark = "; " + Counted(static_cast<long long>(file.found_elsewhere), "such file") + " below " +
@@ -84,7 +84,7 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
     for (const WantedFile& file : *wanted) {
       std::printf("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
       std::printf(file.found > 0 ? " (%zu files)" : "", file.found);
-      std::printf("%s\n", Remark(file).c_str());
+      std::printf("%s\n", RemarkOfFile(file).c_str());
     }
   }
   common.answered = common.json;

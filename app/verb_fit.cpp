@@ -165,7 +165,7 @@ void TellOfMirror(const FitArguments& arguments, const SourceOptions& source) {
              right.Text() + "'");
 }
 
-Expected<JobOptions> OptionsOf(const FitArguments& arguments) {
+Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   const Expected<Declared> declared = Declare(arguments);
   if (!declared) return Forward(declared);
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
@@ -315,7 +315,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
     return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
                 "--force overwrites it, -o names another");
   }
-  const Expected<JobOptions> options = OptionsOf(arguments);
+  const Expected<JobOptions> options = FitOptionsOf(arguments);
   if (!options) return Forward(options);
   const ScratchFolder scratch;
   RunnerOptions settings;

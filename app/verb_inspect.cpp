@@ -19,7 +19,7 @@ void PrintJson(const nlohmann::json& document) {
 }
 
 /// Now and then how far a large folder is read, on stderr.
-InspectProgress Progress() {
+InspectProgress TellProgress() {
   using Clock = std::chrono::steady_clock;
   return [told = Clock::now()](std::size_t done, std::size_t all) mutable {
     constexpr std::chrono::seconds kEvery{3};
@@ -103,7 +103,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     if (!declared) return Forward(declared);
     source = *std::move(declared);
   }
-  const InspectProgress progress = common.quiet ? InspectProgress() : Progress();
+  const InspectProgress progress = common.quiet ? InspectProgress() : TellProgress();
   const nlohmann::json inspection = InspectPath(arguments.path, source, AskVideoProgram(), progress);
   common.answered = common.json;
   if (common.json)

@@ -79,9 +79,9 @@ Status Announce(const CommonArguments& common, const StudioEstimate& estimate, c
 }
 
 /// Tells now and then how many files are written.
-class Progress {
+class WrittenProgress {
  public:
-  Progress(std::size_t images, bool quiet) : images_(images), quiet_(quiet) {}
+  WrittenProgress(std::size_t images, bool quiet) : images_(images), quiet_(quiet) {}
   void operator()(const StudioFolder::Counts& counts) {
     const auto now = std::chrono::steady_clock::now();
     if (quiet_ || std::chrono::duration<double>(now - told_).count() < kEverySeconds) return;
@@ -145,7 +145,8 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
   const auto estimate = EstimateStudioLayout(*options, jobs);
   if (!estimate) return Forward(estimate);
   if (Status room = Announce(common, *estimate, arguments.output); !room) return room;
-  const auto counts = WriteStudioLayout(*options, arguments.output, jobs, Progress(estimate->images, common.quiet));
+  const auto counts =
+      WriteStudioLayout(*options, arguments.output, jobs, WrittenProgress(estimate->images, common.quiet));
   if (!counts) return Forward(counts);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::string folder = DisplayPath(arguments.output);

@@ -28,7 +28,7 @@ fs::path Program() {
   return {};
 }
 
-Expected<VideoFacts> FactsOf(const nlohmann::json& line, const fs::path& file) {
+Expected<VideoFacts> VideoFactsOf(const nlohmann::json& line, const fs::path& file) {
   if (line.contains("error")) {
     return Fail(ErrorCode::kMalformed, line.at("error").get<std::string>(), DisplayPath(file),
                 line.value("hint", std::string()));
@@ -52,7 +52,7 @@ void TakeAnswers(const std::string& text, const std::vector<std::size_t>& asked,
     if (!line.is_object() || !line.contains("index") || !line.at("index").is_number_unsigned()) continue;
     const auto index = line.at("index").get<std::size_t>();
     if (index >= asked.size() || answers[asked[index]]) continue;
-    answers[asked[index]] = FactsOf(line, files[asked[index]]);
+    answers[asked[index]] = VideoFactsOf(line, files[asked[index]]);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "canon/splits/splits.h"
 #include "canon/trim/trim.h"
 #include "core/base/file.h"
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/kinematics.h"
@@ -162,7 +163,6 @@ bool SameRest(const Skeleton& a, const Skeleton& b) {
 /// are counted from another rest pose is left out with a finding: a BVH file in an A-pose among T-poses.
 void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
   constexpr double kSame = 5e-3;  // radians
-  const double kPi = std::acos(-1.0);
   std::vector<std::pair<SkeletonPtr, int>> kinds;
   for (const Clip& clip : dataset.clips) {
     const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) {

@@ -29,7 +29,19 @@ if(MOCURATE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
-# What nearly every source includes, parsed once for all of them: a third of the time that compiling the libraries takes.
+# Several sources of a target are compiled as one: parsing headers is most of what a small source takes, and the whole
+# from nothing is compiled in half the time. All sources of a room must then have names of their own in their unnamed
+# namespaces (tests/layers); debug builds, the sanitizers and scripts/tidy.sh compile each source apart, where an include
+# that is missing is noticed.
+function(mocurate_unity target)
+  if(MOCURATE_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+    # A type of an unnamed namespace is of one source still, if not of the one that g++ was given.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
+
+# What nearly every source includes, parsed once for all of them: a quarter of the time that compiling the libraries takes.
 # Only for g++, which takes one header for targets whose other options differ.
 function(mocurate_headers)
   add_library(mocurate_headers OBJECT ${PROJECT_SOURCE_DIR}/core/precompiled.cpp)
@@ -54,12 +66,15 @@ function(mocurate_library name)
   endif()
   add_library(mocurate_${name} STATIC ${sources})
   target_link_libraries(mocurate_${name} PUBLIC mocurate_settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  if(NOT name MATCHES "^fitting")
+    mocurate_unity(mocurate_${name})
+  endif()
   if(TARGET mocurate_headers AND NOT arg_OWN_HEADERS)
     target_precompile_headers(mocurate_${name} REUSE_FROM mocurate_headers)
   endif()
 endfunction()
 
-# What nearly every test includes, parsed once for all of them: a third of the time that compiling the tests takes.
+# What nearly every test includes, parsed once for all of them: a quarter of the time that compiling the tests takes.
 # Tests are compiled with -O1, which takes a fifth less; what they test is compiled as it is installed.
 set(MOCURATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 function(mocurate_test_headers)

@@ -36,7 +36,7 @@ Expected<Inputs> ReadInputs(const StageRequest& request) {
   return inputs;
 }
 
-nlohmann::json ToJson(const FitError& error) {
+nlohmann::json FitErrorJson(const FitError& error) {
   nlohmann::json json = {{"joint_mm", error.joint_mm},
                          {"evidence_mm", error.evidence_mm},
                          {"rotation_deg", error.rotation_deg},
@@ -51,7 +51,7 @@ nlohmann::json ToJson(const FitError& error) {
 }
 
 /// Shares over all components of both.
-void AddCoverage(const Coverage& clip, Coverage& total) {
+void AddClipCoverage(const Coverage& clip, Coverage& total) {
   const std::int64_t components = total.components + clip.components;
   if (clip.components == 0) return;
   const double share = static_cast<double>(clip.components) / static_cast<double>(components);
@@ -80,8 +80,8 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
       if (!first_error) first_error = error.error();
       continue;
     }
-    per_clip[id] = ToJson(*error);
-    AddCoverage(error->coverage, total.coverage);
+    per_clip[id] = FitErrorJson(*error);
+    AddClipCoverage(error->coverage, total.coverage);
     total.frames += error->frames;
     total.joint_mm += error->joint_mm * error->frames;
     total.evidence_mm += error->evidence_mm * error->frames;
@@ -97,7 +97,7 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
     *sum /= total.frames;
   }
   StageOutcome outcome;
-  outcome.summary = ToJson(total);
+  outcome.summary = FitErrorJson(total);
   outcome.summary["clips"] = per_clip.size();
   nlohmann::json artifact = outcome.summary;
   artifact["per_clip"] = std::move(per_clip);

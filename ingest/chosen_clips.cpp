@@ -8,10 +8,10 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMostNamed = 5;
+constexpr std::size_t kMostClipsNamed = 5;
 
 /// Where the clip stands in a file of several; empty: it is the file.
-std::string PlaceOf(const ItemSpec& item) {
+std::string PlaceOfItem(const ItemSpec& item) {
   if (item.options.contains("array")) return item.options.at("array").get<std::string>();
   if (item.options.contains("entry")) return "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
   return "";
@@ -31,7 +31,7 @@ bool NamesClip(const std::string& wanted, const std::string& file, const std::st
 bool NamesClip(const std::string& wanted, const ItemSpec& item) {
   if (wanted == item.item || wanted == item.item.substr(item.item.rfind('/') + 1)) return true;
   if (wanted == item.options.value("entry_name", std::string())) return true;
-  const std::string place = PlaceOf(item);
+  const std::string place = PlaceOfItem(item);
   return std::any_of(item.inputs.begin(), item.inputs.end(), [&](const StageInput& input) {
     return input.role == "source" && NamesClip(wanted, input.name, place);
   });
@@ -47,13 +47,13 @@ Status TakeOnly(const std::vector<std::string>& only, Discovery& discovery) {
     std::string first;
     for (const ItemSpec& item : discovery.items) {
       names.push_back(item.item);
-      if (names.size() <= kMostNamed) first += (first.empty() ? "" : ", ") + item.item;
+      if (names.size() <= kMostClipsNamed) first += (first.empty() ? "" : ", ") + item.item;
     }
     const auto near = Nearest(wanted, names);
     return Fail(ErrorCode::kUsage, "there is no clip '" + wanted + "'", "--clip",
                 near ? "did you mean '" + *near + "'?"
                      : "it has " + Counted(names.size(), "clip") + ": " + first +
-                           (names.size() > kMostNamed ? ", ..." : "") + "; `mocurate inspect` lists them");
+                           (names.size() > kMostClipsNamed ? ", ..." : "") + "; `mocurate inspect` lists them");
   }
   for (auto* items : {&discovery.items, &discovery.truth}) {
     items->erase(std::remove_if(items->begin(), items->end(),

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 5;  // of a clip that may be lifeless
+constexpr int kFewestLifelessFrames = 5;  // of a clip that may be lifeless
 
 CheckLimits LimitsOf(const CheckOptions& options) {
   CheckLimits limits;
@@ -32,7 +32,7 @@ void JudgeLife(const CheckOptions& options, int frames, std::vector<Finding>& fi
     dead.back().code = "lifeless_clip";
   }
   const double share = CoveredShare(dead, "lifeless_clip", frames);
-  if (frames < kFewestFrames || share < options.lifeless_share) return;
+  if (frames < kFewestLifelessFrames || share < options.lifeless_share) return;
   std::string what = "nobody moves or is there";
   for (const auto& [code, words] : {std::pair{"zero_frames", "all joints are at 0 0 0"},
                                     {"collapsed_frames", "all joints lie in one point"},

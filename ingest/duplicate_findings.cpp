@@ -5,7 +5,7 @@
 namespace mocurate {
 namespace {
 
-std::string Span(int begin, int end) { return std::to_string(begin) + "-" + std::to_string(end); }
+std::string SpanText(int begin, int end) { return std::to_string(begin) + "-" + std::to_string(end); }
 
 }  // namespace
 
@@ -17,8 +17,8 @@ Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, c
   if (pair.kind == Duplicate::Kind::kOverlap) {
     finding = FrameFinding("shared_frames", pair.second_begin, pair.second_end, "", pair.shared,
                            std::to_string(pair.shared) + " of " + std::to_string(frames) + " frames are those of '" +
-                               first_name + "' (" + Span(pair.second_begin, pair.second_end) + " here, " +
-                               Span(pair.frame_begin, pair.frame_end) + " there)");
+                               first_name + "' (" + SpanText(pair.second_begin, pair.second_end) + " here, " +
+                               SpanText(pair.frame_begin, pair.frame_end) + " there)");
   } else if (pair.kind == Duplicate::Kind::kMirrored) {
     finding = FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
                            "the mirror image of '" + first_name + "' (" + Digits(pair.distance) + " m apart)");

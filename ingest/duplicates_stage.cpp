@@ -16,7 +16,7 @@ struct Compared {
   MotionSignature signature;
 };
 
-Expected<Compared> Read(const StageInput& input) {
+Expected<Compared> ReadCompared(const StageInput& input) {
   const auto clip = ReadEvidence(input.path);
   if (!clip) return Forward(clip);
   Compared compared{input.name, clip->id(), clip->evidence_sha256, {}};
@@ -49,7 +49,7 @@ Expected<StageOutcome> DuplicatesStage(const StageRequest& request) {
   std::vector<Compared> clips;
   std::vector<MotionSignature> signatures;
   for (const StageInput& input : request.inputs) {
-    auto read = Read(input);
+    auto read = ReadCompared(input);
     if (!read) return Forward(read);
     clips.push_back(*std::move(read));
   }

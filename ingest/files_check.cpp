@@ -11,9 +11,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kHead = 8192;
-
-std::optional<std::pair<SourceFormat, const char*>> FormatOf(FileKind kind) {
+std::optional<std::pair<SourceFormat, const char*>> FormatOfKind(FileKind kind) {
   switch (kind) {
     case FileKind::kBvh:
       return std::pair(SourceFormat::kBvh, "bvh");
@@ -80,10 +78,10 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
   const char* other = nullptr;
   for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
     std::ifstream file(items[at].inputs[0].path, std::ios::binary);
-    std::string head(kHead, '\0');
+    std::string head(kKindHead, '\0');
     file.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(file.gcount()));
-    const auto found = FormatOf(KindOf(head));
+    const auto found = FormatOfKind(KindOf(head));
     const bool same = !found || found->first == source.format || (IsTable(found->first) && IsTable(source.format)) ||
                       (other != nullptr && other != found->second);
     if (same) return {};

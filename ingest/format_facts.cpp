@@ -21,35 +21,35 @@ constexpr FormatFacts kFormats[] = {{SourceFormat::kNone, "none", Gives::kNothin
                                     {SourceFormat::kDepthViews, "depth_views", Gives::kDepthViews, false},
                                     {SourceFormat::kPanoptic, "panoptic", Gives::kJointTracks, false}};
 
-struct Reading {
+struct InspectedFormat {
   SourceFormat format;
   std::string_view inspected;  ///< as `mocurate inspect` calls the content of a file
 };
 
-constexpr Reading kReadings[] = {{SourceFormat::kJointTable, "joint_table"},
-                                 {SourceFormat::kBvh, "bvh"},
-                                 {SourceFormat::kNpy, "npy"},
-                                 {SourceFormat::kNpy, "npz"},
-                                 {SourceFormat::kDepthSequence, "depth_sequence"},
-                                 {SourceFormat::kDepthSequence, "depth_still"},
-                                 {SourceFormat::kNtuSkeleton, "ntu_skeleton"},
-                                 {SourceFormat::kAsfAmc, "amc"},
-                                 {SourceFormat::kAmass, "amass"},
-                                 {SourceFormat::kExpmap, "expmap_table"},
-                                 {SourceFormat::kExpmap, "joint_table"},
-                                 {SourceFormat::kPhspd, "joint_table"},
-                                 {SourceFormat::kVibeTracks, "vibe_tracks"},
-                                 {SourceFormat::kUestc, "vibe_cache"},
-                                 {SourceFormat::kUestc, "vibe_tracks"},
-                                 {SourceFormat::kHumanAct12Pickle, "humanact12_pickle"},
-                                 {SourceFormat::kOpenPose, "openpose"},
-                                 {SourceFormat::kPanoptic, "panoptic_bodies"}};
+constexpr InspectedFormat kInspectedFormats[] = {{SourceFormat::kJointTable, "joint_table"},
+                                                 {SourceFormat::kBvh, "bvh"},
+                                                 {SourceFormat::kNpy, "npy"},
+                                                 {SourceFormat::kNpy, "npz"},
+                                                 {SourceFormat::kDepthSequence, "depth_sequence"},
+                                                 {SourceFormat::kDepthSequence, "depth_still"},
+                                                 {SourceFormat::kNtuSkeleton, "ntu_skeleton"},
+                                                 {SourceFormat::kAsfAmc, "amc"},
+                                                 {SourceFormat::kAmass, "amass"},
+                                                 {SourceFormat::kExpmap, "expmap_table"},
+                                                 {SourceFormat::kExpmap, "joint_table"},
+                                                 {SourceFormat::kPhspd, "joint_table"},
+                                                 {SourceFormat::kVibeTracks, "vibe_tracks"},
+                                                 {SourceFormat::kUestc, "vibe_cache"},
+                                                 {SourceFormat::kUestc, "vibe_tracks"},
+                                                 {SourceFormat::kHumanAct12Pickle, "humanact12_pickle"},
+                                                 {SourceFormat::kOpenPose, "openpose"},
+                                                 {SourceFormat::kPanoptic, "panoptic_bodies"}};
 
 }  // namespace
 
 bool Reads(SourceFormat format, std::string_view inspected) {
   if (format == SourceFormat::kNone) return true;
-  for (const Reading& reading : kReadings) {
+  for (const InspectedFormat& reading : kInspectedFormats) {
     if (reading.format == format && reading.inspected == inspected) return true;
   }
   return false;

@@ -63,7 +63,7 @@ int FrameCount(const Clip& clip) {
   return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
 }
 
-double MissingShare(const Clip& clip) {
+double UnseenShare(const Clip& clip) {
   std::size_t points = 0, unseen = 0;
   for (const KeypointView& view : clip.evidence.keypoint_views) {
     for (std::size_t i = 2; i < view.values.size(); i += 3) ++points, unseen += view.values[i] == 0.0 ? 1 : 0;
@@ -185,7 +185,7 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
                             {"frames", FrameCount(clip)},
                             {"joints", JointCount(clip)},
                             {"rate_hz", clip.rate.hz()},
-                            {"missing_share", MissingShare(clip)}};
+                            {"missing_share", UnseenShare(clip)}};
   if (!style.empty()) summary["style"] = style;
   const std::size_t views = clip.evidence.depth_views.size() + clip.evidence.keypoint_views.size();
   if (views > 0) summary["views"] = views;
@@ -216,8 +216,8 @@ Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error,
 }
 
 /// The files of a clip that several cameras saw; `named` is of all of them then.
-Expected<std::vector<ViewFile>> ReadViews(const SourceOptions& source, const std::vector<StageInput>& inputs,
-                                          NamedFile& named) {
+Expected<std::vector<ViewFile>> ReadViewFiles(const SourceOptions& source, const std::vector<StageInput>& inputs,
+                                              NamedFile& named) {
   std::vector<ViewFile> views;
   std::string together;
   for (const StageInput& input : inputs) {
@@ -278,7 +278,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   file.most_frames = facts.most_frames;
   std::string read = *bytes;
   if (source->views.together) {
-    Expected<std::vector<ViewFile>> views = ReadViews(*source, request.inputs, *named);
+    Expected<std::vector<ViewFile>> views = ReadViewFiles(*source, request.inputs, *named);
     if (!views) return Forward(views);
     file.views = std::move(*views);
     for (std::size_t i = 1; i < file.views.size(); ++i) read += file.views[i].bytes;

@@ -28,7 +28,7 @@ std::vector<std::string> BuiltInLists() {
   return names;
 }
 
-Expected<ConfigSource> ReadList(const std::string& name) {
+Expected<ConfigSource> ReadIssues(const std::string& name) {
   const std::string resource = "known_issues/" + name + ".yaml";
   if (const auto text = FindResource(resource)) return ConfigSource{std::string(*text), resource, {}};
   std::error_code ignored;
@@ -56,7 +56,7 @@ void KnownIssue::Declare(OptionVisitor& v) {
 Expected<KnownIssues> KnownIssues::Load(const std::vector<std::string>& names) {
   KnownIssues known;
   for (const std::string& name : names) {
-    const auto source = ReadList(name);
+    const auto source = ReadIssues(name);
     if (!source) return Forward(source);
     const auto node = LoadConfig(*source);
     if (!node) return Forward(node);

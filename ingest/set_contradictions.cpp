@@ -19,7 +19,7 @@ struct Votes {
   std::string message;  ///< of the first clip that contradicts
 };
 
-std::map<std::string, Votes> Count(const std::vector<ItemResult>& clips) {
+std::map<std::string, Votes> CountVotes(const std::vector<ItemResult>& clips) {
   std::map<std::string, Votes> all;
   for (const ItemResult& clip : clips) {
     const auto shown = clip.outcome.summary.find("shown");
@@ -112,7 +112,7 @@ void Blame(const Finding& of_the_set, bool refuse, std::vector<ItemResult>& clip
 std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vector<ItemResult>& clips) {
   const bool refuse = source.on_contradiction == OnContradiction::kRefuse;
   std::vector<Finding> findings;
-  for (const auto& [code, votes] : Count(clips)) {
+  for (const auto& [code, votes] : CountVotes(clips)) {
     if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
     findings.push_back(Together(code, votes, clips.size(), refuse));
   }

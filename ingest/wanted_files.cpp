@@ -57,8 +57,8 @@ void CountElsewhere(const NamePattern& pattern, const std::filesystem::path& fol
   }
 }
 
-void Count(const NamePattern& pattern, const std::filesystem::path& folder, const std::string& name,
-           WantedFile& wanted) {
+void CountWanted(const NamePattern& pattern, const std::filesystem::path& folder, const std::string& name,
+                 WantedFile& wanted) {
   if (pattern.Match(name)) {
     ++wanted.found;
     return;
@@ -86,7 +86,7 @@ Status CountFiles(const std::filesystem::path& folder, std::vector<WantedFile>& 
     std::error_code unknown;
     if (!at->is_regular_file(unknown)) continue;
     const std::string name = DisplayPath(at->path().lexically_relative(folder));
-    for (std::size_t i = 0; i < patterns.size(); ++i) Count(patterns[i], root, name, wanted[i]);
+    for (std::size_t i = 0; i < patterns.size(); ++i) CountWanted(patterns[i], root, name, wanted[i]);
   }
   return {};
 }

@@ -18,17 +18,17 @@
 namespace mocurate {
 namespace {
 
-constexpr int kPlayerNumbers = 300000;
+constexpr int kClipPlayerNumbers = 300000;
 constexpr std::size_t kBonesDrawn = 3;
 constexpr std::size_t kMostRepairs = 200;
-constexpr int kMostPoints = 1200;  ///< of a curve
+constexpr int kMostCurvePoints = 1200;  ///< of a curve
 
 using Points = std::vector<std::pair<double, double>>;
 
 /// A curve over time; long ones keep the largest of each stretch, so that no peak is lost.
 Points Over(const std::vector<double>& time, const std::vector<double>& values) {
   Points points;
-  const std::size_t step = (values.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t step = (values.size() + kMostCurvePoints - 1) / kMostCurvePoints;
   for (std::size_t i = 0; i < values.size(); i += std::max<std::size_t>(1, step)) {
     std::size_t most = i;
     for (std::size_t k = i; k < std::min(values.size(), i + step); ++k) {
@@ -336,7 +336,7 @@ Expected<std::string> MakeClipPage(const ClipPageInput& input) {
   section("repairs", "Repairs and doubts", RepairsHtml(input));
   section("uncertainty", "How sure", SigmaHtml(*series, motion));
   section("views", "Over the views", ViewsHtml(input, *series));
-  const nlohmann::json players = nlohmann::json::array({PlayerData(input.clip, kPlayerNumbers)});
+  const nlohmann::json players = nlohmann::json::array({PlayerData(input.clip, kClipPlayerNumbers)});
   return html + "</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + " from stored results.") +
          "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(players) +
          "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";

@@ -47,7 +47,7 @@ Vector3d OriginOf(const DrawnClip& clip) {
 
 const char* BoneClass(int side) { return side > 0 ? "bone left" : side < 0 ? "bone right" : "bone"; }
 
-std::string Segment(const Vector3d& a, const Vector3d& b, const char* css_class) {
+std::string SegmentLine(const Vector3d& a, const Vector3d& b, const char* css_class) {
   return "<line x1=\"" + Coordinate(a.x()) + "\" y1=\"" + Coordinate(a.y()) + "\" x2=\"" + Coordinate(b.x()) +
          "\" y2=\"" + Coordinate(b.y()) + "\" class=\"" + css_class + "\"/>";
 }
@@ -82,12 +82,13 @@ class StripDrawing {
     const bool bones = motion != nullptr && layers_ != StripLayers::kEvidence;
     for (const auto& [a, b] : drawing.lines) {
       if (!points || !Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
-      svg += Segment(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
+      svg += SegmentLine(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
     }
     const std::vector<int> sides = motion ? SidesOf(*motion->skeleton) : std::vector<int>();
     for (int j = 1; bones && j < motion->joint_count(); ++j) {
       const int parent = motion->skeleton->joints[j].parent;
-      svg += Segment(place(motion->joints.at(frame, parent)), place(motion->joints.at(frame, j)), BoneClass(sides[j]));
+      svg +=
+          SegmentLine(place(motion->joints.at(frame, parent)), place(motion->joints.at(frame, j)), BoneClass(sides[j]));
     }
     for (int k = 0; points && k < tracks->positions.joints; ++k) {
       if (!Present(*tracks, frame, k)) continue;

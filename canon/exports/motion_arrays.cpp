@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-std::string_view NameOf(RotationArrays rotations) {
+std::string_view NameOfRotations(RotationArrays rotations) {
   return std::find_if(kRotationArraysNames.begin(), kRotationArraysNames.end(),
                       [&](const RotationArraysName& name) { return name.value == rotations; })
       ->name;
@@ -157,7 +157,7 @@ Expected<Npz> ArraysOfMotion(const Clip& clip, RotationArrays rotations) {
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
   AddTexts(npz, "joint_names", {joints}, names);
   Add(npz, "mocap_frame_rate", {}, {motion.rate.hz()});
-  AddTexts(npz, "representation", {}, {std::string(NameOf(rotations))});
+  AddTexts(npz, "representation", {}, {std::string(NameOfRotations(rotations))});
   AddTexts(npz, "skeleton", {}, {motion.skeleton->name});
   AddTexts(npz, "clip", {}, {clip.id()});
   AddTexts(npz, "label", {}, {clip.label});

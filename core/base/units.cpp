@@ -3,12 +3,11 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::vector<UnitSpelling> MakeSpellings() {
   return {

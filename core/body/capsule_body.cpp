@@ -4,10 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/pi.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kGoldenAngle = 2.39996322972865332;
 
 /// Points of one capsule, evenly spread by area: on caps and mantle alike the area per metre along the axis is 2 pi r

@@ -30,9 +30,9 @@ std::vector<Part> PartsOf(std::size_t columns) {
   return parts;
 }
 
-class Reader {
+class AmassReader {
  public:
-  Reader(const Npz& npz, const std::string& name) : npz_(npz), name_(name) {}
+  AmassReader(const Npz& npz, const std::string& name) : npz_(npz), name_(name) {}
 
   Expected<Amass> Read() {
     if (Status s = CheckAxes(); !s) return Forward(s);
@@ -273,7 +273,7 @@ Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, Dama
   Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);
   const DamagedPoses numbers = damaged == DamagedRows::kReport ? ClearDamaged(*npz) : DamagedPoses();
-  Expected<Amass> amass = Reader(*npz, name).Read();
+  Expected<Amass> amass = AmassReader(*npz, name).Read();
   if (!amass) return amass;
   TellDamaged(numbers, name, *amass);
   if (amass->damaged.size() == amass->frames) {

@@ -15,12 +15,12 @@ namespace {
 
 using Token = NumberScanner::Token;
 
-constexpr std::size_t kMostFindings = 200;
+constexpr std::size_t kMostAmcFindings = 200;
 constexpr std::size_t kFewPlaces = 10000;
 
-class Parser {
+class AmcParser {
  public:
-  Parser(std::string_view bytes, const AmcOptions& options, const std::string& name)
+  AmcParser(std::string_view bytes, const AmcOptions& options, const std::string& name)
       : scanner_(bytes, false), options_(options), name_(name), bytes_(bytes.size()) {
     if (options.skeleton == nullptr) return;
     Add("root", options.skeleton->root_order.size());
@@ -71,7 +71,7 @@ class Parser {
   Finding* Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
     const bool damage = std::string_view(code) != "frame_number" && frame < 0;
     if (damage && !Damaged()) amc_.damaged.push_back(amc_.frames - 1);
-    if (amc_.findings.size() >= kMostFindings) return nullptr;
+    if (amc_.findings.size() >= kMostAmcFindings) return nullptr;
     Finding& finding = amc_.findings.emplace_back();
     finding.code = code;
     finding.joint = Shown(bone);
@@ -309,7 +309,7 @@ class Parser {
     const int last = amc_.frames - 1;
     if (Damaged()) amc_.damaged.pop_back();
     while (!amc_.findings.empty() &&
-           (amc_.findings.back().frame_begin == last || amc_.findings.size() >= kMostFindings))
+           (amc_.findings.back().frame_begin == last || amc_.findings.size() >= kMostAmcFindings))
       amc_.findings.pop_back();
     amc_.values.resize(amc_.values.size() - row_.size());
     amc_.present.resize(amc_.present.size() - here_.size());
@@ -394,7 +394,7 @@ class Parser {
 }  // namespace
 
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name) {
-  return Parser(bytes, options, name).Run();
+  return AmcParser(bytes, options, name).Run();
 }
 
 }  // namespace mocurate

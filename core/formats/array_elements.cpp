@@ -14,7 +14,7 @@ constexpr std::size_t kMaxAxes = 32;
 constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
 
 template <class T>
-T Load(const char* bytes, bool swap) {
+T LoadElement(const char* bytes, bool swap) {
   char raw[sizeof(T)];
   for (std::size_t i = 0; i < sizeof(T); ++i) raw[i] = bytes[swap ? sizeof(T) - 1 - i : i];
   T value;
@@ -32,7 +32,7 @@ void Store(T value, bool swap, std::string& bytes) {
 template <class T>
 void Decode(const ElementType& type, std::string_view data, std::vector<double>& values) {
   for (std::size_t at = 0; at + sizeof(T) <= data.size(); at += sizeof(T)) {
-    values.push_back(static_cast<double>(Load<T>(data.data() + at, type.big_endian)));
+    values.push_back(static_cast<double>(LoadElement<T>(data.data() + at, type.big_endian)));
   }
 }
 
@@ -182,7 +182,7 @@ void DecodeNumbers(const ElementType& type, std::string_view data, std::vector<d
       if (type.bytes == 4) return Decode<float>(type, data, values);
       if (type.bytes == 8) return Decode<double>(type, data, values);
       for (std::size_t at = 0; at + 2 <= data.size(); at += 2) {
-        values.push_back(HalfToDouble(Load<std::uint16_t>(data.data() + at, type.big_endian)));
+        values.push_back(HalfToDouble(LoadElement<std::uint16_t>(data.data() + at, type.big_endian)));
       }
       return;
     default:
@@ -201,7 +201,9 @@ std::optional<std::vector<std::string>> DecodeTexts(const ElementType& type, std
       continue;
     }
     std::size_t characters = raw.size() / 4;
-    const auto character = [&](std::size_t i) { return Load<std::uint32_t>(raw.data() + 4 * i, type.big_endian); };
+    const auto character = [&](std::size_t i) {
+      return LoadElement<std::uint32_t>(raw.data() + 4 * i, type.big_endian);
+    };
     while (characters > 0 && character(characters - 1) == 0) --characters;
     std::string text;
     for (std::size_t i = 0; i < characters; ++i) {

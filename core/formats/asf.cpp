@@ -8,12 +8,14 @@
 namespace mocurate {
 namespace {
 
-std::string Shown(double value) {
+std::string AcclaimText(double value) {
   if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
   return FormatDouble(value);
 }
 
-std::string Shown(const Vector3d& v) { return Shown(v.x()) + " " + Shown(v.y()) + " " + Shown(v.z()); }
+std::string AcclaimText(const Vector3d& v) {
+  return AcclaimText(v.x()) + " " + AcclaimText(v.y()) + " " + AcclaimText(v.z());
+}
 
 std::string Upper(std::string text) {
   for (char& c : text) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
@@ -22,8 +24,8 @@ std::string Upper(std::string text) {
 
 void AppendBone(std::string& text, const AsfBone& bone) {
   text += "  begin\n    id " + std::to_string(bone.id) + "\n    name " + bone.name + "\n    direction " +
-          Shown(bone.direction) + "\n    length " + Shown(bone.length) + "\n    axis " + Shown(bone.axis.angles) + " " +
-          bone.axis.order + "\n";
+          AcclaimText(bone.direction) + "\n    length " + AcclaimText(bone.length) + "\n    axis " +
+          AcclaimText(bone.axis.angles) + " " + bone.axis.order + "\n";
   if (!bone.dof.empty()) {
     text += "    dof";
     for (const AcclaimChannel channel : bone.dof) text += std::string(" ") + Name(channel);
@@ -31,7 +33,7 @@ void AppendBone(std::string& text, const AsfBone& bone) {
   }
   for (std::size_t i = 0; i < bone.limits.size(); ++i) {
     text += i == 0 ? "    limits (" : "           (";
-    text += Shown(bone.limits[i].least) + " " + Shown(bone.limits[i].most) + ")\n";
+    text += AcclaimText(bone.limits[i].least) + " " + AcclaimText(bone.limits[i].most) + ")\n";
   }
   for (const std::string& line : bone.other) text += "    " + line + "\n";
   text += "  end\n";
@@ -85,14 +87,14 @@ std::string WriteAsf(const Asf& asf) {
   std::string text;
   if (!asf.version.empty()) text += ":version " + asf.version + "\n";
   if (!asf.name.empty()) text += ":name " + asf.name + "\n";
-  text += ":units\n  mass " + Shown(asf.mass_unit) + "\n  length " + Shown(asf.length_unit) + "\n  angle " +
+  text += ":units\n  mass " + AcclaimText(asf.mass_unit) + "\n  length " + AcclaimText(asf.length_unit) + "\n  angle " +
           (asf.degrees ? "deg" : "rad") + "\n";
   if (!asf.documentation.empty()) text += ":documentation\n";
   for (const std::string& line : asf.documentation) text += "  " + line + "\n";
   text += ":root\n  order";
   for (const AcclaimChannel channel : asf.root_order) text += " " + Upper(Name(channel));
-  text += "\n  axis " + asf.root_axis + "\n  position " + Shown(asf.root_position) + "\n  orientation " +
-          Shown(asf.root_orientation) + "\n:bonedata\n";
+  text += "\n  axis " + asf.root_axis + "\n  position " + AcclaimText(asf.root_position) + "\n  orientation " +
+          AcclaimText(asf.root_orientation) + "\n:bonedata\n";
   for (const AsfBone& bone : asf.bones) AppendBone(text, bone);
   AppendHierarchy(text, asf);
   return text;

@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-std::optional<AcclaimChannel> ChannelOf(std::string_view word) {
+std::optional<AcclaimChannel> AcclaimChannelOf(std::string_view word) {
   for (int i = 0; i <= static_cast<int>(AcclaimChannel::kLength); ++i) {
     if (SameWord(word, Name(static_cast<AcclaimChannel>(i)))) return static_cast<AcclaimChannel>(i);
   }
@@ -31,9 +31,9 @@ std::optional<std::string> AxisOrder(std::string_view word) {
   return order;
 }
 
-class Parser {
+class AsfParser {
  public:
-  Parser(std::string_view bytes, const std::string& name) : lines_(bytes, name) {}
+  AsfParser(std::string_view bytes, const std::string& name) : lines_(bytes, name) {}
 
   Expected<Asf> Run() {
     std::string_view line = Next();
@@ -144,7 +144,7 @@ class Parser {
   Status Channels(std::vector<AcclaimChannel>& to, const Words& words, const std::string& field) const {
     if (!to.empty()) return Bad(field + " stands twice");
     for (std::size_t i = 1; i < words.size(); ++i) {
-      const std::optional<AcclaimChannel> channel = ChannelOf(words[i]);
+      const std::optional<AcclaimChannel> channel = AcclaimChannelOf(words[i]);
       if (!channel) {
         return Bad("unknown channel '" + Shown(words[i]) + "': " + field, "channels are tx ty tz rx ry rz l");
       }
@@ -367,6 +367,6 @@ class Parser {
 
 }  // namespace
 
-Expected<Asf> ParseAsf(std::string_view bytes, const std::string& name) { return Parser(bytes, name).Run(); }
+Expected<Asf> ParseAsf(std::string_view bytes, const std::string& name) { return AsfParser(bytes, name).Run(); }
 
 }  // namespace mocurate

@@ -15,7 +15,7 @@ using nlohmann::ordered_json;
 constexpr double kLongestOver_s = 0.1;  // that a label ends after its sequence: durations are rounded
 
 /// A JSON value with the path that leads to it, for messages.
-struct Place {
+struct BabelPlace {
   const ordered_json* value = nullptr;
   std::string path;
   const std::string* file = nullptr;
@@ -25,12 +25,12 @@ struct Place {
                 "mend it, or leave the file out of ingest.source.annotations");
   }
   /// Null stands for a key that is absent.
-  Place Find(const char* key) const {
+  BabelPlace Find(const char* key) const {
     static const ordered_json kNull;
     const auto found = value->find(key);
     return {found == value->end() ? &kNull : &*found, path + "/" + key, file};
   }
-  Place Item(std::size_t i) const { return {&(*value)[i], path + "/" + std::to_string(i), file}; }
+  BabelPlace Item(std::size_t i) const { return {&(*value)[i], path + "/" + std::to_string(i), file}; }
 
   Status Text(std::string& text) const {
     if (!value->is_string()) return Bad("a text is expected");
@@ -54,7 +54,7 @@ struct Place {
   }
 };
 
-Expected<BabelLabel> Label(const Place& place, bool timed) {
+Expected<BabelLabel> Label(const BabelPlace& place, bool timed) {
   if (!place.value->is_object()) return place.Bad("a label is expected");
   BabelLabel label;
   if (Status s = place.Find("raw_label").Text(label.raw_label); !s) return Forward(s);
@@ -64,7 +64,7 @@ Expected<BabelLabel> Label(const Place& place, bool timed) {
     if (Status s = place.Find("start_t").Number(label.start_t); !s) return Forward(s);
     if (Status s = place.Find("end_t").Number(label.end_t); !s) return Forward(s);
   }
-  const Place categories = place.Find("act_cat");
+  const BabelPlace categories = place.Find("act_cat");
   if (categories.value->is_null()) return label;
   if (!categories.value->is_array()) return categories.Bad("a list of categories is expected");
   label.act_cat.emplace();
@@ -76,18 +76,18 @@ Expected<BabelLabel> Label(const Place& place, bool timed) {
   return label;
 }
 
-Expected<BabelAnnotation> Annotation(const Place& place, bool timed) {
+Expected<BabelAnnotation> Annotation(const BabelPlace& place, bool timed) {
   if (!place.value->is_object()) return place.Bad("an annotation is expected");
   BabelAnnotation annotation;
   if (Status s = place.Find("babel_lid").Text(annotation.babel_lid); !s) return Forward(s);
   if (Status s = place.Find("anntr_id").Text(annotation.anntr_id); !s) return Forward(s);
-  const Place several = place.Find("mul_act");
+  const BabelPlace several = place.Find("mul_act");
   if (several.value->is_boolean()) {
     annotation.mul_act = several.value->get<bool>();
   } else if (!several.value->is_null()) {
     return several.Bad("true or false is expected");
   }
-  const Place labels = place.Find("labels");
+  const BabelPlace labels = place.Find("labels");
   if (!labels.value->is_array()) return labels.Bad("a list of labels is expected");
   for (std::size_t i = 0; i < labels.value->size(); ++i) {
     Expected<BabelLabel> label = Label(labels.Item(i), timed);
@@ -98,9 +98,9 @@ Expected<BabelAnnotation> Annotation(const Place& place, bool timed) {
 }
 
 /// One annotation or none under `one`, several under `many`.
-Status Annotations(const Place& sequence, const char* one, const char* many, bool timed,
+Status Annotations(const BabelPlace& sequence, const char* one, const char* many, bool timed,
                    std::vector<BabelAnnotation>& annotations) {
-  const Place single = sequence.Find(one), several = sequence.Find(many);
+  const BabelPlace single = sequence.Find(one), several = sequence.Find(many);
   if (!single.value->is_null()) {
     Expected<BabelAnnotation> annotation = Annotation(single, timed);
     if (!annotation) return Forward(annotation);
@@ -116,11 +116,11 @@ Status Annotations(const Place& sequence, const char* one, const char* many, boo
   return {};
 }
 
-Expected<BabelSequence> Sequence(const Place& place, const std::string& key) {
+Expected<BabelSequence> Sequence(const BabelPlace& place, const std::string& key) {
   if (!place.value->is_object()) return place.Bad("a sequence is expected");
   BabelSequence sequence;
   sequence.key = key;
-  const Place sid = place.Find("babel_sid");
+  const BabelPlace sid = place.Find("babel_sid");
   if (!sid.value->is_number_integer()) return sid.Bad("an integer is expected");
   sequence.babel_sid = sid.value->get<std::int64_t>();
   if (std::to_string(sequence.babel_sid) != key) {
@@ -185,7 +185,7 @@ Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const st
     return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name, "is it a file of BABEL?");
   std::vector<BabelSequence> sequences;
   for (const auto& [key, value] : root.items()) {
-    Expected<BabelSequence> sequence = Sequence(Place{&value, "/" + key, &name}, key);
+    Expected<BabelSequence> sequence = Sequence(BabelPlace{&value, "/" + key, &name}, key);
     if (!sequence) return Forward(sequence);
     sequences.push_back(std::move(*sequence));
   }

@@ -14,7 +14,7 @@ namespace mocurate {
 namespace {
 
 template <class T>
-double Load(const char* bytes, ByteOrder order) {
+double LoadTyped(const char* bytes, ByteOrder order) {
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), bytes, sizeof(T));
   if (order == ByteOrder::kBig) std::reverse(raw.begin(), raw.end());
@@ -24,7 +24,7 @@ double Load(const char* bytes, ByteOrder order) {
 }
 
 template <class T>
-void Append(std::string& bytes, double value, ByteOrder order) {
+void AppendTyped(std::string& bytes, double value, ByteOrder order) {
   const T typed = static_cast<T>(value);
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), &typed, sizeof(T));
@@ -65,12 +65,12 @@ std::size_t SizeOf(NumberType type) {
 bool IsInteger(NumberType type) { return type != NumberType::kFloat32 && type != NumberType::kFloat64; }
 
 double LoadNumber(const char* bytes, NumberType type, ByteOrder order) {
-  return Typed(type, [&](auto value) { return Load<decltype(value)>(bytes, order); });
+  return Typed(type, [&](auto value) { return LoadTyped<decltype(value)>(bytes, order); });
 }
 
 void AppendNumber(std::string& bytes, double value, NumberType type, ByteOrder order) {
   Typed(type, [&](auto typed) {
-    Append<decltype(typed)>(bytes, value, order);
+    AppendTyped<decltype(typed)>(bytes, value, order);
     return 0;
   });
 }

@@ -14,13 +14,15 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMaxDepth = 512;           // no body is deeper; bounds what a hostile file can make a reader of ours do
+using Token = NumberScanner::Token;
+
+constexpr int kMaxTreeDepth = 512;       // no body is deeper; bounds what a hostile file can make a reader of ours do
 constexpr std::size_t kMostTwins = 100;  // names that stand twice, each told; damaged rows are told besides
 constexpr double kShortestFrame = 1e-6;
 constexpr double kLongestFrame = 1e6;  // seconds
 constexpr const char* kFrameTimeHint = "write the seconds from frame to frame, 0.0333333 for 30 frames a second";
 
-std::optional<BvhChannel> ChannelOf(std::string_view word) {
+std::optional<BvhChannel> BvhChannelOf(std::string_view word) {
   constexpr std::string_view kNames[] = {"Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation"};
   for (int i = 0; i < 6; ++i) {
     if (SameWord(word, kNames[i])) return static_cast<BvhChannel>(i);
@@ -34,9 +36,9 @@ std::string CommaHint(std::string_view text) {
   return "numbers have a decimal point, not a comma: export the file again, or replace the commas";
 }
 
-class Parser {
+class BvhParser {
  public:
-  Parser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
+  BvhParser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
       : lines_(bytes, name), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<Bvh> Run() {
@@ -83,7 +85,7 @@ class Parser {
   tl::unexpected<Error> Twice(const BvhJoint& joint, const std::vector<std::string_view>& words, std::size_t at) const {
     std::string what = "channel '" + Shown(words[at]) + "' of joint '" + joint.name + "' stands twice";
     for (std::string name : {"X", "Y", "Z"}) {
-      name += IsPosition(*ChannelOf(words[at])) ? "position" : "rotation";
+      name += IsPosition(*BvhChannelOf(words[at])) ? "position" : "rotation";
       const auto same = [&](std::string_view word) { return SameWord(word, name); };
       if (std::none_of(words.begin(), words.end(), same)) what += ", " + name + " nowhere";
     }
@@ -99,7 +101,7 @@ class Parser {
     if (!joint.channels.empty()) return Bad("CHANNELS of '" + joint.name + "' stand twice");
     joint.first_channel = bvh_.channel_count;
     for (std::size_t i = 2; i < words.size(); ++i) {
-      const std::optional<BvhChannel> channel = ChannelOf(words[i]);
+      const std::optional<BvhChannel> channel = BvhChannelOf(words[i]);
       if (!channel) {
         return Bad("unknown channel '" + Shown(words[i]) + "' of joint '" + joint.name + "'", 0,
                    "channels are [XYZ]position and [XYZ]rotation");
@@ -124,7 +126,7 @@ class Parser {
              "joint '" + Shown(name) + "' stands twice: which of them a name means cannot be told; rename one");
       bvh_.findings.back().severity = Severity::kWarning;
     }
-    if (static_cast<int>(stack_.size()) >= kMaxDepth) return Bad("joints are nested too deeply");
+    if (static_cast<int>(stack_.size()) >= kMaxTreeDepth) return Bad("joints are nested too deeply");
     return Brace("'" + Shown(name) + "'");
   }
 
@@ -288,7 +290,6 @@ class Parser {
   }
 
   Status Frames() {
-    using Token = NumberScanner::Token;
     NumberScanner scanner(lines_.rest(), false, lines_.number() + 1);
     bvh_.values.reserve(std::min<std::size_t>(lines_.rest().size() / 2 + 1,
                                               static_cast<std::size_t>(std::clamp<long long>(announced_, 0, 1 << 24)) *
@@ -393,7 +394,7 @@ class Parser {
 }  // namespace
 
 Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name, DamagedRows damaged_rows) {
-  return Parser(bytes, name, damaged_rows).Run();
+  return BvhParser(bytes, name, damaged_rows).Run();
 }
 
 }  // namespace mocurate

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxSide = 100'000;
+constexpr int kMaxCameraSide = 100'000;
 constexpr double kFarthest = 1e9;
 
 Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& view) {
@@ -24,7 +24,7 @@ Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& v
   const Expected<std::vector<double>> sides = size->Numbers(2);
   if (!sides) return Forward(sides);
   for (std::size_t i = 0; i < 2; ++i) {
-    const Expected<int> side = size->Item(i).Integer(1, kMaxSide);
+    const Expected<int> side = size->Item(i).Integer(1, kMaxCameraSide);
     if (!side) return Forward(side);
     (i == 0 ? view.width : view.height) = *side;
   }
@@ -152,8 +152,8 @@ Status AddViews(const JsonPlace& list, bool keyed, Read read, Calibration& calib
   return calibration.views.empty() ? list.Bad("at least one camera is expected") : Status();
 }
 
-Expected<Calibration> FromJson(std::string_view bytes, const std::string& name,
-                               Status (*read)(const JsonPlace& root, Calibration& calibration)) {
+Expected<Calibration> CalibrationFromJson(std::string_view bytes, const std::string& name,
+                                          Status (*read)(const JsonPlace& root, Calibration& calibration)) {
   const Expected<json> document = ParseJson(bytes, name);
   if (!document) return Forward(document);
   Calibration calibration;
@@ -198,7 +198,7 @@ Expected<Calibration> ParsePose2SimToml(std::string_view bytes, const std::strin
 }
 
 Expected<Calibration> ParsePlainCameras(std::string_view bytes, const std::string& name) {
-  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
     calibration.dialect = "plain_json";
     for (const char* key : {"units", "convention", "cameras"}) {
       if (const Expected<JsonPlace> at = root.Key(key); !at) return Forward(at);
@@ -221,7 +221,7 @@ Expected<Calibration> ParsePlainCameras(std::string_view bytes, const std::strin
 }
 
 Expected<Calibration> ParseHuman36m(std::string_view bytes, const std::string& name) {
-  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
     calibration.dialect = "human36m";
     const Expected<JsonPlace> subjects = root.Key("extrinsics");
     if (!subjects) return Forward(subjects);
@@ -240,14 +240,14 @@ Expected<Calibration> ParseHuman36m(std::string_view bytes, const std::string& n
 }
 
 Expected<Calibration> ParseCampusShelf(std::string_view bytes, const std::string& name) {
-  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
     calibration.dialect = "campus_shelf";
     return AddViews(root, true, CampusCamera, calibration);
   });
 }
 
 Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::string& name) {
-  return FromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
+  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
     calibration.dialect = "panoptic";
     const Expected<JsonPlace> cameras = root.Key("cameras");
     if (!cameras) return Forward(cameras);

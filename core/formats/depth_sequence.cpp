@@ -12,7 +12,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxFrames = 10'000'000;
-constexpr int kMaxSide = 65536;
+constexpr int kMaxDepthSide = 65536;
 
 std::string TextAt(const json& value, const char* key) {
   const auto found = value.find(key);
@@ -29,7 +29,7 @@ Expected<RigidTransform> Extrinsics(const JsonPlace& place) {
   return RigidTransform{Quaterniond(NearestRotation(*rotation)).normalized(), *t};
 }
 
-Expected<DepthSequenceView> View(const JsonPlace& place, const std::string& name, bool moment) {
+Expected<DepthSequenceView> ReadDepthView(const JsonPlace& place, const std::string& name, bool moment) {
   DepthSequenceView view;
   view.name = name;
   const Expected<RigidTransform> extrinsics = Extrinsics(place);
@@ -43,7 +43,8 @@ Expected<DepthSequenceView> View(const JsonPlace& place, const std::string& name
   const Expected<std::vector<double>> size = NumbersAt(place, "size", 2);
   if (!size) return Forward(size);
   for (const double side : *size) {
-    if (side < 1 || side > kMaxSide || side != std::floor(side)) return place.Bad("the image size is no pair of sizes");
+    if (side < 1 || side > kMaxDepthSide || side != std::floor(side))
+      return place.Bad("the image size is no pair of sizes");
   }
   view.width = static_cast<int>((*size)[0]);
   view.height = static_cast<int>((*size)[1]);
@@ -141,7 +142,7 @@ Expected<DepthSequence> ParseDepthSequence(std::string_view bytes, const std::st
   if (!views->value->is_object() || views->value->empty()) return views->Bad("at least one view is expected");
   for (const auto& item : views->value->items()) {
     Expected<DepthSequenceView> view =
-        View({&item.value(), views->path + "/" + item.key(), &name}, item.key(), sequence.fps == 0.0);
+        ReadDepthView({&item.value(), views->path + "/" + item.key(), &name}, item.key(), sequence.fps == 0.0);
     if (!view) return Forward(view);
     sequence.views.push_back(std::move(*view));
   }

@@ -8,11 +8,11 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kJoints = 24;
-constexpr int kClasses = 12;
+constexpr std::size_t kSmplJoints = 24;
+constexpr int kActionClasses = 12;
 
-Expected<std::vector<double>> Take(const PickleRef& item, const std::vector<std::size_t>& wanted,
-                                   const std::string& name, std::size_t& frames) {
+Expected<std::vector<double>> TakeArray(const PickleRef& item, const std::vector<std::size_t>& wanted,
+                                        const std::string& name, std::size_t& frames) {
   Expected<NpyArray> array = item.Array();
   if (!array) return Forward(array);
   if (Status s = CheckField(*array, wanted, name + ":" + item.path()); !s) return Forward(s);
@@ -53,7 +53,8 @@ Expected<int> HumanAct12Archive::Label(std::size_t clip) const {
   const PickleRef item = pickle_.top().Find("y")->Item(clip);
   const Expected<std::int64_t> label = item.Integer();
   if (!label) return Forward(label);
-  if (*label < 0 || *label >= kClasses) return item.Bad("class " + std::to_string(*label) + " is none of 0 to 11");
+  if (*label < 0 || *label >= kActionClasses)
+    return item.Bad("class " + std::to_string(*label) + " is none of 0 to 11");
   return static_cast<int>(*label);
 }
 
@@ -61,10 +62,10 @@ Expected<HumanAct12Clip> HumanAct12Archive::Clip(std::size_t index) const {
   const PickleRef top = pickle_.top();
   HumanAct12Clip clip;
   Expected<std::vector<double>> taken =
-      Take(top.Find("poses")->Item(index), {kAnyExtent, 3 * kJoints}, pickle_.name, clip.frames);
+      TakeArray(top.Find("poses")->Item(index), {kAnyExtent, 3 * kSmplJoints}, pickle_.name, clip.frames);
   if (!taken) return Forward(taken);
   clip.poses = std::move(*taken);
-  taken = Take(top.Find("joints3D")->Item(index), {clip.frames, kJoints, 3}, pickle_.name, clip.frames);
+  taken = TakeArray(top.Find("joints3D")->Item(index), {clip.frames, kSmplJoints, 3}, pickle_.name, clip.frames);
   if (!taken) return Forward(taken);
   clip.joints = std::move(*taken);
   const Expected<int> label = Label(index);
@@ -90,14 +91,14 @@ Expected<std::string> EncodeHumanAct12Pickle(const std::vector<HumanAct12Clip>& 
   writer.BeginDict();
   writer.Text("poses");
   writer.BeginList();
-  for (const HumanAct12Clip& clip : clips) writer.Array(MakeArray({clip.frames, 3 * kJoints}, clip.poses));
+  for (const HumanAct12Clip& clip : clips) writer.Array(MakeArray({clip.frames, 3 * kSmplJoints}, clip.poses));
   writer.End();
   writer.Text("oldposes");
   writer.BeginList();
   writer.End();
   writer.Text("joints3D");
   writer.BeginList();
-  for (const HumanAct12Clip& clip : clips) writer.Array(MakeArray({clip.frames, kJoints, 3}, clip.joints));
+  for (const HumanAct12Clip& clip : clips) writer.Array(MakeArray({clip.frames, kSmplJoints, 3}, clip.joints));
   writer.End();
   writer.Text("y");
   writer.BeginList();

@@ -106,7 +106,7 @@ std::vector<std::string> ColumnNames(const JointLayout& layout, int columns) {
 }
 
 /// Where the numbers of one frame go.
-void Place(const JointLayout& layout, const double* from, int frame, JointRows& rows) {
+void PlaceFrame(const JointLayout& layout, const double* from, int frame, JointRows& rows) {
   std::size_t joint = static_cast<std::size_t>(frame) * static_cast<std::size_t>(rows.joints);
   for (const JointGroup& group : layout.groups) {
     for (int i = 0; i < group.count; ++i) {
@@ -249,7 +249,7 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   if (Has(layout, JointColumn::kRotationConfidence)) rows.rotation_confidence.resize(joints);
   if (Has(layout, JointColumn::kFrame)) rows.frame_number.resize(frames);
   for (int f = 0; f < rows.frames; ++f) {
-    Place(layout, &read->values[static_cast<std::size_t>(f) * static_cast<std::size_t>(numbers)], f, rows);
+    PlaceFrame(layout, &read->values[static_cast<std::size_t>(f) * static_cast<std::size_t>(numbers)], f, rows);
   }
   CheckFrameNumbers(rows, name);
   return rows;

@@ -38,9 +38,9 @@ bool SaysNan(std::string_view text) {
   return first != std::string_view::npos && (text[first] == 'n' || text[first] == 'N');
 }
 
-class Parser {
+class JointTableParser {
  public:
-  Parser(std::string_view bytes, const JointTableLayout& layout, const std::string& name)
+  JointTableParser(std::string_view bytes, const JointTableLayout& layout, const std::string& name)
       : layout_(layout),
         name_(name),
         scanner_(bytes, layout.separator != JointTableLayout::Separator::kBlanks, layout.first_line) {
@@ -333,7 +333,7 @@ Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLay
   if (layout.damaged_rows == DamagedRows::kReport && layout.columns < 1) {
     return Fail(ErrorCode::kUsage, "damaged rows can be told from others only where the columns are declared", name);
   }
-  return Parser(bytes, layout, name).Run();
+  return JointTableParser(bytes, layout, name).Run();
 }
 
 std::string WriteJointTable(const JointTable& table, char separator) {

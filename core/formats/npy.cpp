@@ -13,7 +13,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::string_view kNpyMagic = "\x93NUMPY";
 constexpr std::size_t kMaxDimensions = 32;
 
 struct Header {
@@ -124,7 +124,7 @@ tl::unexpected<Error> CutHeader(std::string_view bytes, const std::string& name)
 
 Expected<Parts> Split(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
-  const bool begins = bytes.substr(0, kMagic.size()) == kMagic.substr(0, bytes.size());
+  const bool begins = bytes.substr(0, kNpyMagic.size()) == kNpyMagic.substr(0, bytes.size());
   if (!begins) {
     return Fail(ErrorCode::kMalformed, "the file does not begin as a numpy array", name,
                 "it is no .npy file: write the array with numpy.save, or take the file out of the folder");
@@ -261,7 +261,7 @@ Expected<std::string> EncodeNpy(const NpyArray& array, const std::string& name) 
       "{'descr': '" + array.dtype + "', 'fortran_order': False, 'shape': " + ShapeText(array.shape) + ", }";
   while ((10 + header.size() + 1) % 64 != 0) header += ' ';
   header += '\n';
-  std::string bytes(kMagic);
+  std::string bytes(kNpyMagic);
   bytes += '\x01';
   bytes += '\0';
   bytes += static_cast<char>(header.size() & 0xFF);

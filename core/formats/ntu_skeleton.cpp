@@ -44,9 +44,9 @@ auto Tied(const NtuBody& b) {
                   b.hand_right_state, b.is_restricted, b.lean_x, b.lean_y, b.tracking, b.joints);
 }
 
-class Parser {
+class NtuParser {
  public:
-  Parser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
+  NtuParser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
       : scanner_(bytes, false), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<NtuSkeleton> Run() {
@@ -271,7 +271,7 @@ class Parser {
   int frame_ = -1, body_ = -1, joint_ = -1;
 };
 
-void Append(std::string& text, double value) {
+void AppendWord(std::string& text, double value) {
   text += FormatDouble(value);
   text += ' ';
 }
@@ -287,7 +287,7 @@ bool operator==(const NtuJoint& a, const NtuJoint& b) { return Tied(a) == Tied(b
 bool operator==(const NtuBody& a, const NtuBody& b) { return Tied(a) == Tied(b); }
 
 Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name, DamagedRows damaged_rows) {
-  return Parser(bytes, name, damaged_rows).Run();
+  return NtuParser(bytes, name, damaged_rows).Run();
 }
 
 std::string WriteNtuSkeleton(const NtuSkeleton& skeleton) {
@@ -300,13 +300,13 @@ std::string WriteNtuSkeleton(const NtuSkeleton& skeleton) {
                              body.hand_right_confidence, body.hand_right_state, body.is_restricted}) {
         text += std::to_string(flag) + " ";
       }
-      Append(text, body.lean_x);
-      Append(text, body.lean_y);
+      AppendWord(text, body.lean_x);
+      AppendWord(text, body.lean_y);
       text += std::to_string(body.tracking) + "\n25\n";
       for (const NtuJoint& j : body.joints) {
         for (const double value :
              {j.x_m, j.y_m, j.z_m, j.depth_u, j.depth_v, j.colour_u, j.colour_v, j.qw, j.qx, j.qy, j.qz}) {
-          Append(text, value);
+          AppendWord(text, value);
         }
         text += std::to_string(j.tracking) + "\n";
       }

@@ -11,9 +11,9 @@
 namespace mocurate {
 namespace {
 
-class Parser {
+class OpenSimParser {
  public:
-  Parser(std::string_view bytes, const std::string& name) : lines_(bytes, name) {}
+  OpenSimParser(std::string_view bytes, const std::string& name) : lines_(bytes, name) {}
 
   Expected<OpenSimTable> Run() {
     if (lines_.Peek().empty()) return Fail(ErrorCode::kMalformed, "the file is empty", lines_.name(), "copy it again");
@@ -127,7 +127,7 @@ class Parser {
 }  // namespace
 
 Expected<OpenSimTable> ParseOpenSimTable(std::string_view bytes, const std::string& name) {
-  return Parser(bytes, name).Run();
+  return OpenSimParser(bytes, name).Run();
 }
 
 }  // namespace mocurate

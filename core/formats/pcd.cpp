@@ -15,6 +15,8 @@
 namespace mocurate {
 namespace {
 
+using Token = NumberScanner::Token;
+
 constexpr std::uint32_t kColourMask = 0xFFFFFFU;
 
 float ColourAsFloat(double colour) {
@@ -208,7 +210,6 @@ class PcdParser {
       return Contradiction(most, true);
     pcd_.missing.assign(points(), 0);
     NumberScanner scanner(bytes_.substr(at_), false, line_ + 1);
-    using Token = NumberScanner::Token;
     Token token = scanner.Next();
     for (std::size_t i = 0; i < points(); ++i) {
       while (token == Token::kLineEnd) token = scanner.Next();

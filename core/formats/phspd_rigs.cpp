@@ -30,8 +30,8 @@ Expected<RigidTransform> PoseAt(const JsonPlace& place, const std::string& key) 
 }
 
 /// fx fy cx cy k1 k2 k3, of which the last three are not applied.
-Expected<CalibratedView> View(const JsonPlace& rig, const std::string& world, const std::string& name,
-                              const RigidTransform& pose) {
+Expected<CalibratedView> ReadPhspdView(const JsonPlace& rig, const std::string& world, const std::string& name,
+                                       const RigidTransform& pose) {
   CalibratedView view;
   view.name = name;
   view.world = world;
@@ -62,7 +62,7 @@ Status AddBoards(const JsonPlace& rig, const std::string& world, Calibration& ca
 
 Status AddRig(const JsonPlace& rig, const std::string& world, Calibration& calibration) {
   const auto add = [&](const std::string& name, const RigidTransform& pose) -> Status {
-    Expected<CalibratedView> view = View(rig, world, name, pose);
+    Expected<CalibratedView> view = ReadPhspdView(rig, world, name, pose);
     if (!view) return Forward(view);
     calibration.views.push_back(std::move(*view));
     return {};

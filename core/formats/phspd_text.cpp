@@ -20,7 +20,7 @@ std::string OfJoint(const char* what, int index) {
 }
 
 /// Line of a row: blank lines do not count as rows.
-int LineOfRow(std::string_view bytes, int row) {
+int LineOfFilledRow(std::string_view bytes, int row) {
   LineReader lines(bytes, "");
   for (int i = 0; i <= row; ++i) lines.Next();
   return lines.number();
@@ -65,7 +65,7 @@ Expected<JointTable> Rows(std::string_view bytes, std::vector<std::string> names
                   "frame " + FormatDouble(frame) +
                       (whole ? " does not come after frame " + std::to_string(frames.back())
                              : std::string(" is no index of a frame")),
-                  name + ":" + std::to_string(LineOfRow(bytes, row + static_cast<int>(headers))),
+                  name + ":" + std::to_string(LineOfFilledRow(bytes, row + static_cast<int>(headers))),
                   "lines stand in the order of frames");
     }
     rows.push_back(row);
@@ -75,7 +75,7 @@ Expected<JointTable> Rows(std::string_view bytes, std::vector<std::string> names
   return table;
 }
 
-void Append(std::string& text, const std::vector<double>& values, std::size_t row, std::size_t count) {
+void AppendRow(std::string& text, const std::vector<double>& values, std::size_t row, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) text += " " + FormatDouble(values[row * count + i]);
 }
 
@@ -118,7 +118,7 @@ std::string WritePhspdPose(const PhspdPose& pose) {
   std::string text;
   for (std::size_t row = 0; row < pose.frame.size(); ++row) {
     text += std::to_string(pose.frame[row]);
-    Append(text, pose.position_m, row, kPhspdJoints * 3);
+    AppendRow(text, pose.position_m, row, kPhspdJoints * 3);
     text += "\n";
   }
   return text;
@@ -128,9 +128,9 @@ std::string WritePhspdShape(const PhspdShape& shape) {
   std::string text;
   for (std::size_t row = 0; row < shape.frame.size(); ++row) {
     text += std::to_string(shape.frame[row]);
-    Append(text, shape.translation_m, row, 3);
-    Append(text, shape.betas, row, kPhspdBetas);
-    Append(text, shape.pose_rad, row, kPhspdJoints * 3);
+    AppendRow(text, shape.translation_m, row, 3);
+    AppendRow(text, shape.betas, row, kPhspdBetas);
+    AppendRow(text, shape.pose_rad, row, kPhspdJoints * 3);
     text += "\n";
   }
   return text;

@@ -12,6 +12,8 @@
 namespace mocurate {
 namespace {
 
+using Token = NumberScanner::Token;
+
 constexpr std::size_t kMaxItems = 2'000'000'000;
 
 std::optional<NumberType> TypeFromName(std::string_view name) {
@@ -259,7 +261,6 @@ class PlyParser {
   /// One item per line; blank lines are skipped.
   Status Ascii() {
     NumberScanner scanner(bytes_.substr(at_), false, line_ + 1);
-    using Token = NumberScanner::Token;
     Token token = scanner.Next();
     const auto skip_blank_lines = [&] {
       while (token == Token::kLineEnd) token = scanner.Next();

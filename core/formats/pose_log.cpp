@@ -9,11 +9,12 @@
 namespace mocurate {
 namespace {
 
+using Token = NumberScanner::Token;
+
 constexpr double kMostIndex = 2e9;
 
 /// One line of `count` numbers; empty lines are skipped. False at the end of the file.
 Expected<bool> NextRow(NumberScanner& scanner, std::size_t count, const std::string& name, std::vector<double>& row) {
-  using Token = NumberScanner::Token;
   row.clear();
   Token token = scanner.Next();
   while (token == Token::kLineEnd) token = scanner.Next();

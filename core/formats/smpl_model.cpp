@@ -57,9 +57,9 @@ Fields FieldsOf(const Pickle& pickle) {
   };
 }
 
-class Reader {
+class ModelReader {
  public:
-  Reader(Fields fields, const std::string& name) : fields_(std::move(fields)), name_(name) {}
+  ModelReader(Fields fields, const std::string& name) : fields_(std::move(fields)), name_(name) {}
 
   Expected<SmplModel> Read() {
     if (Status s = Template(); !s) return Forward(s);
@@ -178,12 +178,12 @@ Expected<SmplModel> ParseSmplModel(std::string_view bytes, const std::string& na
   if (bytes.substr(0, 2) == "PK") {
     const Expected<Npz> npz = ParseNpz(bytes, name);
     if (!npz) return Forward(npz);
-    return Reader(FieldsOf(*npz), name).Read();
+    return ModelReader(FieldsOf(*npz), name).Read();
   }
   const Expected<Pickle> pickle = ParsePickle(bytes, name);
   if (!pickle) return Forward(pickle);
   if (pickle->top().kind() != PickleKind::kDict) return pickle->top().Bad("a dictionary of arrays is expected");
-  return Reader(FieldsOf(*pickle), name).Read();
+  return ModelReader(FieldsOf(*pickle), name).Read();
 }
 
 Expected<std::string> EncodeSmplModelNpz(const SmplModel& model, const std::string& name) {

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxDepth = 32;
+constexpr int kMaxTomlDepth = 32;
 
 bool IsBare(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -111,7 +111,7 @@ class TomlParser {
         if (key.empty()) return Bad("a key is expected, not '" + ShownText(bytes_.substr(at_, 10)) + "'");
       }
       keys.push_back(std::move(key));
-      if (keys.size() > kMaxDepth) return Bad("tables are nested too deeply");
+      if (keys.size() > kMaxTomlDepth) return Bad("tables are nested too deeply");
       SkipBlanks();
       if (Peek() != '.') return keys;
       ++at_;
@@ -136,7 +136,7 @@ class TomlParser {
   }
 
   Expected<json> Value(int depth) {
-    if (depth > kMaxDepth) return Bad("values are nested too deeply");
+    if (depth > kMaxTomlDepth) return Bad("values are nested too deeply");
     SkipBlanks();
     if (Peek() == '"' || Peek() == '\'') {
       Expected<std::string> text = Text();

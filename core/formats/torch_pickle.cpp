@@ -22,9 +22,9 @@ const char* ElementName(std::string_view dtype) {
 }
 
 /// What becomes of the values that the stack machine read.
-class Reader {
+class TorchReader {
  public:
-  Reader(std::string_view bytes, const std::string& name, const TorchLimits& limits)
+  TorchReader(std::string_view bytes, const std::string& name, const TorchLimits& limits)
       : bytes_(bytes), name_(name), limits_(limits) {}
 
   Expected<TorchTable> ReadLegacy();
@@ -49,7 +49,7 @@ class Reader {
   std::int64_t characters_ = 0;  // of all names and texts of the table
 };
 
-Status Reader::ReadStorages(PickleMachine& machine, int keys) {
+Status TorchReader::ReadStorages(PickleMachine& machine, int keys) {
   if (machine.At(keys).kind != PickleKind::kList) return machine.Bad("the list of storages is no list");
   for (const int key : machine.At(keys).children) {
     const PickleValue& text = machine.At(key);
@@ -70,8 +70,8 @@ Status Reader::ReadStorages(PickleMachine& machine, int keys) {
   return {};
 }
 
-Status Reader::CollectArray(PickleMachine& machine, const PickleValue& value, const std::string& path,
-                            TorchTable& table) {
+Status TorchReader::CollectArray(PickleMachine& machine, const PickleValue& value, const std::string& path,
+                                 TorchTable& table) {
   PickleArray array = machine.pickle().arrays[static_cast<std::size_t>(value.array)];
   if (array.storage >= 0) {
     const PickleStorage& storage = machine.storages()[static_cast<std::size_t>(array.storage)];
@@ -103,7 +103,8 @@ Status Reader::CollectArray(PickleMachine& machine, const PickleValue& value, co
   return {};
 }
 
-Status Reader::Collect(PickleMachine& machine, int position, const std::string& path, int depth, TorchTable& table) {
+Status TorchReader::Collect(PickleMachine& machine, int position, const std::string& path, int depth,
+                            TorchTable& table) {
   if (depth > limits_.depth) return machine.Bad("containers nested deeper than " + std::to_string(limits_.depth));
   characters_ += static_cast<std::int64_t>(path.size());
   if (++visited_ > limits_.objects || characters_ > limits_.characters) {
@@ -146,7 +147,7 @@ Status Reader::Collect(PickleMachine& machine, int position, const std::string& 
   }
 }
 
-Expected<TorchTable> Reader::ReadLegacy() {
+Expected<TorchTable> TorchReader::ReadLegacy() {
   static constexpr char kMagic[] = "\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e";
   constexpr std::size_t kMagicSize = sizeof(kMagic) - 1;
   PickleMachine machine = Machine(bytes_, name_);
@@ -171,7 +172,7 @@ Expected<TorchTable> Reader::ReadLegacy() {
   return table;
 }
 
-Expected<TorchTable> Reader::ReadZip() {
+Expected<TorchTable> TorchReader::ReadZip() {
   static constexpr std::string_view kTop = "data.pkl";
   ZipLimits limits;
   limits.bytes = static_cast<std::size_t>(limits_.elements) * 8;
@@ -236,7 +237,7 @@ const TorchTensor* TorchTable::Find(std::string_view name) const {
 }
 
 Expected<TorchTable> ParseTorchPickle(std::string_view bytes, const std::string& name, const TorchLimits& limits) {
-  Reader reader(bytes, name, limits);
+  TorchReader reader(bytes, name, limits);
   return bytes.substr(0, 2) == "PK" ? reader.ReadZip() : reader.ReadLegacy();
 }
 

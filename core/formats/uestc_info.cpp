@@ -14,19 +14,19 @@ namespace {
 constexpr int kActions = 40, kViews = 9, kSubjects = 118, kSides = 2;
 constexpr int kMostFrames = 10'000'000;
 
-struct Field {
+struct NamePart {
   const char* name;
   char letter;
   int least, most;
   int UestcVideo::*member;
 };
 
-constexpr Field kFields[] = {{"action", 'a', 0, kActions - 1, &UestcVideo::action},
-                             {"view", 'd', 0, kViews - 1, &UestcVideo::view},
-                             {"subject", 'p', 1, kSubjects, &UestcVideo::subject},
-                             {"side", 'c', 1, kSides, &UestcVideo::side}};
+constexpr NamePart kNameParts[] = {{"action", 'a', 0, kActions - 1, &UestcVideo::action},
+                                   {"view", 'd', 0, kViews - 1, &UestcVideo::view},
+                                   {"subject", 'p', 1, kSubjects, &UestcVideo::subject},
+                                   {"side", 'c', 1, kSides, &UestcVideo::side}};
 
-auto Tied(const UestcVideo& v) { return std::tie(v.action, v.view, v.subject, v.side); }
+auto TiedVideo(const UestcVideo& v) { return std::tie(v.action, v.view, v.subject, v.side); }
 
 /// Lines that are counted: none may be empty but those at the end.
 Status EachLine(LineReader& lines, const std::string& what, const std::function<Status(std::string_view)>& take) {
@@ -43,7 +43,7 @@ Status EachLine(LineReader& lines, const std::string& what, const std::function<
 
 }  // namespace
 
-bool operator==(const UestcVideo& a, const UestcVideo& b) { return Tied(a) == Tied(b); }
+bool operator==(const UestcVideo& a, const UestcVideo& b) { return TiedVideo(a) == TiedVideo(b); }
 
 std::string UestcVideo::Name() const {
   const std::string person = std::to_string(subject);
@@ -56,7 +56,7 @@ Expected<UestcVideo> ParseUestcName(std::string_view text, const std::string& wh
   const std::vector<std::string_view> parts = SplitText(text, '_');
   UestcVideo video;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Field& field = kFields[i];
+    const NamePart& field = kNameParts[i];
     const std::string_view part = i < parts.size() ? parts[i] : std::string_view();
     const bool digits = part.size() > 1 && part.substr(1).find_first_not_of("0123456789") == std::string_view::npos;
     const std::optional<long long> number =
@@ -82,7 +82,7 @@ Expected<std::vector<UestcVideo>> ParseUestcNames(std::string_view bytes, const 
     if (line.size() < 10 || line.substr(line.size() - 10) != "_color.avi") {
       return lines.Bad("'" + Shown(line) + "' does not end in _color.avi");
     }
-    if (!seen.insert(Tied(*video)).second) return lines.Bad("'" + Shown(line) + "' stands twice");
+    if (!seen.insert(TiedVideo(*video)).second) return lines.Bad("'" + Shown(line) + "' stands twice");
     videos.push_back(*video);
     return {};
   });

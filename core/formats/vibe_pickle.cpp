@@ -9,34 +9,34 @@ namespace mocurate {
 namespace {
 
 /// A field of a track: its key, where it goes, and its width (0: joints x 3).
-struct Field {
+struct TrackField {
   const char* key;
   std::vector<double> VibeTrack::*values;
   std::size_t columns;
   bool needed;
 };
 
-constexpr std::size_t kJoints = 0;
-constexpr Field kFields[] = {{"pose", &VibeTrack::pose, 72, true},
-                             {"joints3d", &VibeTrack::joints3d, kJoints, true},
-                             {"betas", &VibeTrack::betas, 10, false},
-                             {"orig_cam", &VibeTrack::original_camera, 4, false},
-                             {"pred_cam", &VibeTrack::predicted_camera, 3, false},
-                             {"bboxes", &VibeTrack::boxes, 4, false}};
+constexpr std::size_t kPerJoint = 0;
+constexpr TrackField kTrackFields[] = {{"pose", &VibeTrack::pose, 72, true},
+                                       {"joints3d", &VibeTrack::joints3d, kPerJoint, true},
+                                       {"betas", &VibeTrack::betas, 10, false},
+                                       {"orig_cam", &VibeTrack::original_camera, 4, false},
+                                       {"pred_cam", &VibeTrack::predicted_camera, 3, false},
+                                       {"bboxes", &VibeTrack::boxes, 4, false}};
 
 /// `item` is the array of one field; frames are set by the first one.
-Status Take(const Field& field, const PickleRef& item, const std::string& name, VibeTrack& track) {
+Status TakeTrackField(const TrackField& field, const PickleRef& item, const std::string& name, VibeTrack& track) {
   const Expected<NpyArray> array = item.Array();
   if (!array) return Forward(array);
   const std::string where = name + ":" + item.path();
   const std::size_t frames = track.frames == 0 ? kAnyExtent : track.frames;
   std::vector<std::size_t> wanted{frames, field.columns};
-  if (field.columns == kJoints) wanted = {frames, kAnyExtent, 3};
+  if (field.columns == kPerJoint) wanted = {frames, kAnyExtent, 3};
   if (Status s = CheckField(*array, wanted, where); !s) return s;
   if (array->shape[0] == 0) return item.Bad("the track has no frames");
   track.frames = array->shape[0];
-  if (field.columns == kJoints) track.joints = array->shape[1];
-  if (field.columns == kJoints && track.joints == 0) return item.Bad("the track has no joints");
+  if (field.columns == kPerJoint) track.joints = array->shape[1];
+  if (field.columns == kPerJoint && track.joints == 0) return item.Bad("the track has no joints");
   track.*(field.values) = array->values;
   return {};
 }
@@ -58,22 +58,22 @@ Status TakeFrameIds(const PickleRef& item, const std::string& name, VibeTrack& t
 /// `find` gives the array of a key, or none; None stands for absent in VIBE's files.
 template <class Find>
 Status TakeAll(const Find& find, const PickleRef& holder, const std::string& name, VibeTrack& track) {
-  for (const Field& field : kFields) {
+  for (const TrackField& field : kTrackFields) {
     const std::optional<PickleRef> item = find(field.key);
     if (!item || item->kind() == PickleKind::kNone) {
       if (field.needed) return holder.Bad(std::string("the key '") + field.key + "' is missing");
       continue;
     }
-    if (Status s = Take(field, *item, name, track); !s) return s;
+    if (Status s = TakeTrackField(field, *item, name, track); !s) return s;
   }
   const std::optional<PickleRef> ids = find("frame_ids");
   if (!ids || ids->kind() == PickleKind::kNone) return {};
   return TakeFrameIds(*ids, name, track);
 }
 
-NpyArray ArrayOf(const VibeTrack& track, const Field& field) {
+NpyArray ArrayOf(const VibeTrack& track, const TrackField& field) {
   std::vector<std::size_t> shape{track.frames, field.columns};
-  if (field.columns == kJoints) shape = {track.frames, track.joints, 3};
+  if (field.columns == kPerJoint) shape = {track.frames, track.joints, 3};
   return MakeArray(std::move(shape), track.*(field.values));
 }
 
@@ -143,7 +143,7 @@ Expected<std::string> EncodeVibeTracks(const std::vector<VibeTrack>& tracks, con
   for (const VibeTrack& track : tracks) {
     writer.Integer(track.id);
     writer.BeginDict();
-    for (const Field& field : kFields) {
+    for (const TrackField& field : kTrackFields) {
       if ((track.*(field.values)).empty()) continue;
       writer.Text(field.key);
       writer.Array(ArrayOf(track, field));
@@ -176,7 +176,7 @@ Expected<std::string> EncodeVibeCache(const std::vector<VibeTrack>& videos, cons
     }
     writer.End();
   };
-  for (const Field& field : kFields) {
+  for (const TrackField& field : kTrackFields) {
     list(
         field.key, [&](const VibeTrack& video) { return (video.*(field.values)).empty(); },
         [&](const VibeTrack& video) { return ArrayOf(video, field); });

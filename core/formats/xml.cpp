@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxXmlDepth = 64;
 constexpr std::string_view kBlanks = " \t\r\n";
 
 class XmlParser {
@@ -107,7 +107,7 @@ class XmlParser {
     if (empty) Advance(1);
     if (!At(">")) return Bad("the element '" + ShownText(element.name) + "' has no '>'");
     Advance(1);
-    if (open.size() > kMaxDepth) return Bad("elements are nested too deeply");
+    if (open.size() > kMaxXmlDepth) return Bad("elements are nested too deeply");
     open.push_back(std::move(element));
     if (empty) Close(open);
     return {};

@@ -2,12 +2,12 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/pi.h"
 #include "core/geometry/rotation.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kGimbalLock =
     1e-12;  ///< cosine (Tait-Bryan) or sine (proper) of the middle angle below which it locks
 

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/pi.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmall6DNorm = 1e-12;
 
 /// (1 - cos t) / t^2.

@@ -15,19 +15,19 @@ FrameRate Reduced(std::int64_t numerator, std::int64_t denominator) {
   return FrameRate{numerator / divisor, denominator / divisor};
 }
 
-tl::unexpected<Error> Broken(const std::string& what) { return Fail(ErrorCode::kInconsistent, what, "motion"); }
+tl::unexpected<Error> BrokenMotion(const std::string& what) { return Fail(ErrorCode::kInconsistent, what, "motion"); }
 
 Status CheckShapes(const Motion& m) {
   const std::size_t frames = static_cast<std::size_t>(m.frame_count());
   const std::size_t joints = m.skeleton->joints.size();
   if (m.joint_count() != m.skeleton->joint_count()) {
-    return Broken(std::to_string(m.joint_count()) + " joints, but skeleton '" + m.skeleton->name + "' has " +
-                  std::to_string(joints));
+    return BrokenMotion(std::to_string(m.joint_count()) + " joints, but skeleton '" + m.skeleton->name + "' has " +
+                        std::to_string(joints));
   }
   const auto shape = [](const char* field, std::size_t size, std::size_t expected, bool optional) -> Status {
     if (size == expected || (optional && size == 0)) return {};
-    return Broken(std::string(field) + " has " + std::to_string(size) + " entries, " + std::to_string(expected) +
-                  " are needed");
+    return BrokenMotion(std::string(field) + " has " + std::to_string(size) + " entries, " + std::to_string(expected) +
+                        " are needed");
   };
   const std::size_t full = m.joints_only() ? 0 : 1;
   const std::size_t cells = frames * joints;
@@ -46,7 +46,7 @@ template <class T>
 Status CheckFinite(const char* field, const std::vector<T>& values) {
   const auto bad = std::find_if(values.begin(), values.end(), [](T v) { return !std::isfinite(v); });
   if (bad == values.end()) return {};
-  return Broken(std::string(field) + " is not finite at index " + std::to_string(bad - values.begin()));
+  return BrokenMotion(std::string(field) + " is not finite at index " + std::to_string(bad - values.begin()));
 }
 
 Status CheckNumbers(const Motion& m) {
@@ -59,11 +59,12 @@ Status CheckNumbers(const Motion& m) {
     const double norm = m.rotation[i].norm();
     if (std::abs(norm - 1.0) <= 1e-6) continue;
     const std::size_t joints = m.skeleton->joints.size();
-    return Broken("rotation of frame " + std::to_string(i / joints) + ", joint '" +
-                  m.skeleton->joints[i % joints].name + "' has norm " + FormatDouble(norm) + ", not 1");
+    return BrokenMotion("rotation of frame " + std::to_string(i / joints) + ", joint '" +
+                        m.skeleton->joints[i % joints].name + "' has norm " + FormatDouble(norm) + ", not 1");
   }
   for (std::size_t j = 0; j < m.bone_length.size(); ++j) {
-    if (m.bone_length[j] < 0.0) return Broken("bone of '" + m.skeleton->joints[j].name + "' has a negative length");
+    if (m.bone_length[j] < 0.0)
+      return BrokenMotion("bone of '" + m.skeleton->joints[j].name + "' has a negative length");
   }
   return {};
 }
@@ -79,8 +80,8 @@ Status CheckKinematics(const Motion& m) {
     for (int j = 0; j < m.joint_count(); ++j) {
       const double distance = (m.joints.at(f, j) - computed.joints.at(f, j)).norm();
       if (distance <= 1e-6) continue;
-      return Broken("joint '" + m.skeleton->joints[j].name + "' of frame " + std::to_string(f) + " lies " +
-                    FormatDouble(distance) + " m from where its rotations put it");
+      return BrokenMotion("joint '" + m.skeleton->joints[j].name + "' of frame " + std::to_string(f) + " lies " +
+                          FormatDouble(distance) + " m from where its rotations put it");
     }
   }
   return {};
@@ -137,8 +138,9 @@ bool operator==(const FrameRate& a, const FrameRate& b) {
 }
 
 Status Motion::Check() const {
-  if (!skeleton) return Broken("there is no skeleton");
-  if (rate.numerator <= 0 || rate.denominator <= 0) return Broken("frame rate " + rate.Text() + " is not positive");
+  if (!skeleton) return BrokenMotion("there is no skeleton");
+  if (rate.numerator <= 0 || rate.denominator <= 0)
+    return BrokenMotion("frame rate " + rate.Text() + " is not positive");
   if (Status ok = CheckShapes(*this); !ok) return ok;
   if (Status ok = CheckNumbers(*this); !ok) return ok;
   return joints_only() ? Status{} : CheckKinematics(*this);

@@ -21,7 +21,7 @@ std::string Label(const Skeleton& skeleton, int joint) {
   return "joint " + std::to_string(joint) + " ('" + skeleton.joints[joint].name + "')";
 }
 
-tl::unexpected<Error> Broken(const Skeleton& skeleton, const std::string& what, const std::string& hint = {}) {
+tl::unexpected<Error> BrokenSkeleton(const Skeleton& skeleton, const std::string& what, const std::string& hint = {}) {
   return Fail(ErrorCode::kInconsistent, what, "skeleton '" + skeleton.name + "'", hint);
 }
 
@@ -36,11 +36,11 @@ Status CheckNames(const Skeleton& s) {
   std::map<std::string, std::string> seen;  // normalised -> who uses it
   const auto claim = [&](const std::string& name, const std::string& owner) -> Status {
     const std::string key = Normalised(name);
-    if (key.empty()) return Broken(s, "the name of " + owner + " is empty");
+    if (key.empty()) return BrokenSkeleton(s, "the name of " + owner + " is empty");
     const auto [place, fresh] = seen.emplace(key, owner);
     if (fresh) return {};
-    return Broken(s, "the name '" + name + "' stands for " + place->second + " and for " + owner,
-                  "names and synonyms must differ in more than case, blanks, '_' and '-'");
+    return BrokenSkeleton(s, "the name '" + name + "' stands for " + place->second + " and for " + owner,
+                          "names and synonyms must differ in more than case, blanks, '_' and '-'");
   };
   for (int j = 0; j < s.joint_count(); ++j) {
     if (Status ok = claim(s.joints[j].name, Label(s, j)); !ok) return ok;
@@ -57,29 +57,33 @@ Status CheckNames(const Skeleton& s) {
 }
 
 Status CheckTree(const Skeleton& s) {
-  if (s.joints.empty()) return Broken(s, "no joints");
+  if (s.joints.empty()) return BrokenSkeleton(s, "no joints");
   for (int j = 0; j < s.joint_count(); ++j) {
     const Joint& joint = s.joints[j];
-    if (j == 0 && joint.parent != -1) return Broken(s, Label(s, j) + " is the first joint and must have no parent");
+    if (j == 0 && joint.parent != -1)
+      return BrokenSkeleton(s, Label(s, j) + " is the first joint and must have no parent");
     if (j > 0 && (joint.parent < 0 || joint.parent >= j)) {
-      return Broken(s, Label(s, j) + " has parent " + std::to_string(joint.parent),
-                    "exactly the first joint is the root; parents stand before their children");
+      return BrokenSkeleton(s, Label(s, j) + " has parent " + std::to_string(joint.parent),
+                            "exactly the first joint is the root; parents stand before their children");
     }
     if (!joint.rest_offset.allFinite() || joint.rest_offset.norm() > 10.0) {
-      return Broken(s, Label(s, j) + " has a rest offset that is not finite or longer than 10 m", "offsets are metres");
+      return BrokenSkeleton(s, Label(s, j) + " has a rest offset that is not finite or longer than 10 m",
+                            "offsets are metres");
     }
-    if (j == 0 && !joint.rest_offset.isZero(0.0)) return Broken(s, "the root's rest offset must be zero");
-    if (!(joint.radius > 0.0 && joint.radius < 1.0)) return Broken(s, Label(s, j) + " has a radius outside (0, 1) m");
+    if (j == 0 && !joint.rest_offset.isZero(0.0)) return BrokenSkeleton(s, "the root's rest offset must be zero");
+    if (!(joint.radius > 0.0 && joint.radius < 1.0))
+      return BrokenSkeleton(s, Label(s, j) + " has a radius outside (0, 1) m");
     if (joint.limits) {
       const JointLimits& l = *joint.limits;
       if (!l.min.allFinite() || !l.max.allFinite() || (l.min.array() > l.max.array()).any()) {
-        return Broken(s, Label(s, j) + " has limits that are not finite or have min above max");
+        return BrokenSkeleton(s, Label(s, j) + " has limits that are not finite or have min above max");
       }
     }
   }
   for (const Landmark& landmark : s.landmarks) {
     if (landmark.joint < 0 || landmark.joint >= s.joint_count() || !landmark.offset.allFinite()) {
-      return Broken(s, "landmark '" + landmark.name + "' refers to no joint or has an offset that is not finite");
+      return BrokenSkeleton(s,
+                            "landmark '" + landmark.name + "' refers to no joint or has an offset that is not finite");
     }
   }
   return {};
@@ -88,21 +92,21 @@ Status CheckTree(const Skeleton& s) {
 Status CheckMirror(const Skeleton& s) {
   for (int j = 0; j < s.joint_count(); ++j) {
     const int m = s.joints[j].mirror;
-    if (m < 0 || m >= s.joint_count()) return Broken(s, Label(s, j) + " has no mirror partner");
+    if (m < 0 || m >= s.joint_count()) return BrokenSkeleton(s, Label(s, j) + " has no mirror partner");
     if (s.joints[m].mirror != j) {
-      return Broken(s, Label(s, j) + " names " + Label(s, m) + " as mirror partner, which names another one");
+      return BrokenSkeleton(s, Label(s, j) + " names " + Label(s, m) + " as mirror partner, which names another one");
     }
     const int p = s.joints[j].parent;
     if ((p < 0) != (s.joints[m].parent < 0) || (p >= 0 && s.joints[p].mirror != s.joints[m].parent)) {
-      return Broken(s, Label(s, j) + " and its mirror partner hang from joints that are no mirror partners");
+      return BrokenSkeleton(s, Label(s, j) + " and its mirror partner hang from joints that are no mirror partners");
     }
     if (!s.joints[j].reflection) continue;
     const Matrix3d& r = *s.joints[j].reflection;
     if (!r.allFinite() || (r * r.transpose() - Matrix3d::Identity()).norm() > 1e-9 || r.determinant() > 0) {
-      return Broken(s, Label(s, j) + " has a reflection that is not orthogonal with determinant -1");
+      return BrokenSkeleton(s, Label(s, j) + " has a reflection that is not orthogonal with determinant -1");
     }
     if (!s.joints[m].reflection || (*s.joints[m].reflection - r.transpose()).norm() > 1e-9) {
-      return Broken(s, Label(s, j) + " and its mirror partner have reflections that do not undo each other");
+      return BrokenSkeleton(s, Label(s, j) + " and its mirror partner have reflections that do not undo each other");
     }
   }
   return {};
@@ -111,31 +115,31 @@ Status CheckMirror(const Skeleton& s) {
 Status CheckLie(const Skeleton& s) {
   const LieChains& lie = *s.lie;
   if (static_cast<int>(lie.raw_offsets.size()) != s.joint_count()) {
-    return Broken(
+    return BrokenSkeleton(
         s, std::to_string(lie.raw_offsets.size()) + " Lie offsets for " + std::to_string(s.joint_count()) + " joints");
   }
   for (int j = 0; j < s.joint_count(); ++j) {
     const double norm = lie.raw_offsets[j].norm();
     if (std::abs(norm - (j == 0 ? 0.0 : 1.0)) <= 1e-9) continue;
-    return Broken(s, Label(s, j) + " has a Lie offset of length " + std::to_string(norm),
-                  "the root's is zero, all others are unit vectors");
+    return BrokenSkeleton(s, Label(s, j) + " has a Lie offset of length " + std::to_string(norm),
+                          "the root's is zero, all others are unit vectors");
   }
   std::vector<bool> reached(s.joints.size(), false);
   reached[0] = true;
   for (const std::vector<int>& chain : lie.chains) {
-    if (chain.size() < 2) return Broken(s, "a Lie chain has fewer than two joints");
+    if (chain.size() < 2) return BrokenSkeleton(s, "a Lie chain has fewer than two joints");
     for (std::size_t i = 0; i < chain.size(); ++i) {
       if (chain[i] < 0 || chain[i] >= s.joint_count())
-        return Broken(s, "a Lie chain names a joint that does not exist");
+        return BrokenSkeleton(s, "a Lie chain names a joint that does not exist");
       if (i == 0 && !reached[chain[0]]) {
-        return Broken(s, "a Lie chain starts at " + Label(s, chain[0]) + ", which no earlier chain reaches");
+        return BrokenSkeleton(s, "a Lie chain starts at " + Label(s, chain[0]) + ", which no earlier chain reaches");
       }
-      if (i > 0 && reached[chain[i]]) return Broken(s, Label(s, chain[i]) + " is reached by two Lie chains");
+      if (i > 0 && reached[chain[i]]) return BrokenSkeleton(s, Label(s, chain[i]) + " is reached by two Lie chains");
       reached[chain[i]] = true;
     }
   }
   for (int j = 0; j < s.joint_count(); ++j) {
-    if (!reached[j]) return Broken(s, Label(s, j) + " is in no Lie chain");
+    if (!reached[j]) return BrokenSkeleton(s, Label(s, j) + " is in no Lie chain");
   }
   return {};
 }
@@ -211,7 +215,7 @@ std::vector<int> Skeleton::LieParents() const {
 }
 
 Status Skeleton::Check() const {
-  if (name.empty()) return Broken(*this, "the skeleton has no name");
+  if (name.empty()) return BrokenSkeleton(*this, "the skeleton has no name");
   if (Status ok = CheckTree(*this); !ok) return ok;
   if (Status ok = CheckNames(*this); !ok) return ok;
   if (Status ok = CheckMirror(*this); !ok) return ok;

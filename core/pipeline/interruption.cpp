@@ -9,19 +9,19 @@ namespace {
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ};
 
-volatile std::sig_atomic_t count = 0;
+volatile std::sig_atomic_t interruptions = 0;
 volatile std::sig_atomic_t last_signal = 0;
 
 void OnSignal(int signal) {
   last_signal = signal;
-  count = count + 1;
-  if (count > 2) _exit(static_cast<int>(ExitCode::kInterrupted));
+  interruptions = interruptions + 1;
+  if (interruptions > 2) _exit(static_cast<int>(ExitCode::kInterrupted));
 }
 
 }  // namespace
 
 Interruption::Interruption() {
-  count = 0;
+  interruptions = 0;
   for (int i = 0; i < 4; ++i) {
     struct sigaction action {};
     sigemptyset(&action.sa_mask);
@@ -38,7 +38,7 @@ Interruption::~Interruption() {
   for (int i = 0; i < 4; ++i) sigaction(kSignals[i], &saved_[i], nullptr);
 }
 
-int Interruption::Count() { return count; }
+int Interruption::Count() { return interruptions; }
 
 const char* Interruption::SignalName() { return last_signal == SIGTERM ? "SIGTERM" : "SIGINT"; }
 

@@ -7,16 +7,16 @@ namespace mocurate {
 namespace {
 
 constexpr double kSeen = 0.98;
-constexpr int kFewestFrames = 12;
-constexpr double kPace = 0.25;        // of the usual time between frames, that a step in time may differ by
-constexpr double kFloorShare = 0.05;  // of frames that a sole spends at its lowest
+constexpr int kFewestPathFrames = 12;
+constexpr double kPace = 0.25;       // of the usual time between frames, that a step in time may differ by
+constexpr double kSoleShare = 0.05;  // of frames that a sole spends at its lowest
 
-using Path = std::vector<Vector3d>;
+using CentrePath = std::vector<Vector3d>;
 
 /// One point in all frames, gaps bridged; empty where it is seen too rarely.
-Path PathOf(const TrackedPoints& points, int point) {
+CentrePath PathOf(const TrackedPoints& points, int point) {
   if (point < 0) return {};
-  Path path(static_cast<std::size_t>(points.frames()));
+  CentrePath path(static_cast<std::size_t>(points.frames()));
   int before = -1, seen = 0;
   for (int f = 0; f < points.frames(); ++f) {
     if (!points.sees(f, point)) continue;
@@ -45,7 +45,7 @@ bool OnePace(const std::vector<double>& time_s) {
                      [&](double step) { return std::abs(step - usual) <= kPace * usual && usual > 0.0; });
 }
 
-double MedianDistance(const Path& a, const Path& b) {
+double MedianDistance(const CentrePath& a, const CentrePath& b) {
   std::vector<double> lengths;
   for (std::size_t f = 0; f < a.size(); ++f) lengths.push_back((a[f] - b[f]).norm());
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
@@ -53,11 +53,11 @@ double MedianDistance(const Path& a, const Path& b) {
   return *middle;
 }
 
-void AddSole(const Path& path, BodyPath& body) {
+void AddSole(const CentrePath& path, BodyPath& body) {
   std::vector<double> heights;
   for (const Vector3d& place : path) heights.push_back(place.y());
   std::vector<double> sorted = heights;
-  const auto floor = sorted.begin() + static_cast<std::ptrdiff_t>(kFloorShare * static_cast<double>(sorted.size()));
+  const auto floor = sorted.begin() + static_cast<std::ptrdiff_t>(kSoleShare * static_cast<double>(sorted.size()));
   std::nth_element(sorted.begin(), floor, sorted.end());
   for (double& height : heights) height -= *floor;
   body.sole.push_back(std::move(heights));
@@ -66,9 +66,9 @@ void AddSole(const Path& path, BodyPath& body) {
 }  // namespace
 
 std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
-  if (points.frames() < kFewestFrames || !OnePace(points.time_s)) return std::nullopt;
+  if (points.frames() < kFewestPathFrames || !OnePace(points.time_s)) return std::nullopt;
   const HandednessPoints& at = points.body;
-  std::array<Path, 2> hip, knee, ankle, toe, shoulder, wrist;
+  std::array<CentrePath, 2> hip, knee, ankle, toe, shoulder, wrist;
   for (std::size_t side = 0; side < 2; ++side) {
     hip[side] = PathOf(points, at.hip[side]);
     knee[side] = PathOf(points, at.knee[side]);
@@ -78,11 +78,11 @@ std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
     toe[side] = PathOf(points, at.toe[side]);
     wrist[side] = PathOf(points, at.wrist[side]);
   }
-  const Path head = PathOf(points, at.head);
+  const CentrePath head = PathOf(points, at.head);
   BodyPath body;
   for (std::size_t side = 0; side < 2; ++side) {
     body.leg += 0.5 * (MedianDistance(hip[side], knee[side]) + MedianDistance(knee[side], ankle[side]));
-    for (const Path* end : {&wrist[side], &ankle[side]}) {
+    for (const CentrePath* end : {&wrist[side], &ankle[side]}) {
       if (end->empty()) continue;
       body.limb_end.push_back(*end);
       for (std::size_t f = 0; f < end->size(); ++f) body.limb_end.back()[f] -= 0.5 * (hip[0][f] + hip[1][f]);

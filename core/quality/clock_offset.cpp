@@ -7,8 +7,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kReach = 2;          // frames either side of a derivative
-constexpr int kFewestFrames = 12;  // in common
+constexpr int kReach = 2;                // frames either side of a derivative
+constexpr int kFewestCommonFrames = 12;  // in common
 constexpr double kLeastShare = 0.4;
 constexpr double kRival = 0.7;
 constexpr int kMostRivals = 5;
@@ -53,7 +53,7 @@ struct Sums {
 double CorrelationAt(const std::vector<double>& a, const std::vector<double>& b, int frames_a, int frames_b, int points,
                      int lag) {
   const int begin = std::max(0, lag), end = std::min(frames_a, frames_b + lag);
-  const double fewest = std::max<double>(kFewestFrames, kLeastShare * std::min(frames_a, frames_b));
+  const double fewest = std::max<double>(kFewestCommonFrames, kLeastShare * std::min(frames_a, frames_b));
   if (end - begin < fewest) return -2.0;
   double ab = 0.0, aa = 0.0, bb = 0.0;
   for (int k = 0; k < points; ++k) {
@@ -64,7 +64,7 @@ double CorrelationAt(const std::vector<double>& a, const std::vector<double>& b,
       if (x < 0.0 || y < 0.0) continue;
       sum.n += 1.0, sum.a += x, sum.b += y, sum.aa += x * x, sum.bb += y * y, sum.ab += x * y;
     }
-    if (sum.n < kFewestFrames / 2) continue;
+    if (sum.n < kFewestCommonFrames / 2) continue;
     ab += sum.ab - sum.a * sum.b / sum.n;
     aa += sum.aa - sum.a * sum.a / sum.n;
     bb += sum.bb - sum.b * sum.b / sum.n;
@@ -76,7 +76,7 @@ double CorrelationAt(const std::vector<double>& a, const std::vector<double>& b,
 
 std::vector<ClockOffset> CorrelateSpeeds(const TrackedPoints& a, const TrackedPoints& b, double most_s) {
   std::vector<ClockOffset> offsets;
-  if (a.frames() < kFewestFrames || b.frames() < kFewestFrames) return offsets;
+  if (a.frames() < kFewestCommonFrames || b.frames() < kFewestCommonFrames) return offsets;
   const double step = StepOf(a);
   const std::vector<double> speeds_a = SpeedsOf(a, step), speeds_b = SpeedsOf(b, StepOf(b));
   const double between = b.time_s[0] - a.time_s[0];
@@ -151,7 +151,7 @@ ClockStep RefineClock(const TrackedPoints& a, const TrackedPoints& b, const Rigi
       velocity += sample.velocity;
       samples.push_back(sample);
     }
-    if (samples.size() < static_cast<std::size_t>(kFewestFrames)) continue;
+    if (samples.size() < static_cast<std::size_t>(kFewestCommonFrames)) continue;
     residual /= static_cast<double>(samples.size());
     velocity /= static_cast<double>(samples.size());
     double typical = 0.0;

@@ -44,7 +44,8 @@ bool Fill(const TrackedPoints& points, JointPositions& filled, std::vector<doubl
 }
 
 /// kSignatureFrames frames of K + 1 points; `pairs` (left, right) tell the heading, -1 where it is not known.
-std::vector<float> Shape(const JointPositions& filled, const std::vector<double>& time, std::array<int, 2> hips) {
+std::vector<float> PoseSignature(const JointPositions& filled, const std::vector<double>& time,
+                                 std::array<int, 2> hips) {
   const int count = filled.joints;
   const auto middle = [&](int f) -> Vector3d {
     if (hips[0] >= 0) return 0.5 * (filled.at(f, hips[0]) + filled.at(f, hips[1]));
@@ -132,9 +133,9 @@ double Norm(const std::vector<float>& a) {
   return std::sqrt(sum);
 }
 
-using Pairs = std::map<std::pair<std::size_t, std::size_t>, Duplicate>;
+using DuplicatePairs = std::map<std::pair<std::size_t, std::size_t>, Duplicate>;
 
-Duplicate& PairOf(Pairs& pairs, std::size_t a, std::size_t b) {
+Duplicate& PairOf(DuplicatePairs& pairs, std::size_t a, std::size_t b) {
   Duplicate& pair = pairs[{std::min(a, b), std::max(a, b)}];
   pair.first = std::min(a, b);
   pair.second = std::max(a, b);
@@ -142,7 +143,7 @@ Duplicate& PairOf(Pairs& pairs, std::size_t a, std::size_t b) {
 }
 
 /// The norm of a signature and that of its mirror image are equal, so that one order serves both.
-void CompareShapes(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, Pairs& pairs) {
+void CompareShapes(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, DuplicatePairs& pairs) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (!clips[i].shape.empty() && clips[i].spread >= 4.0 * limits.distance)
@@ -174,7 +175,7 @@ struct Shared {
   int begin = 0, end = 0, second_begin = 0, second_end = 0;
 };
 
-void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, Pairs& pairs) {
+void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, DuplicatePairs& pairs) {
   constexpr std::size_t kCommon = 50;  // a pose of so many clips is a rest pose and tells nothing
   std::unordered_map<std::uint64_t, std::vector<std::pair<std::size_t, int>>> holders;
   for (std::size_t i = 0; i < clips.size(); ++i) {
@@ -241,7 +242,7 @@ MotionSignature SignatureOf(const TrackedPoints& points) {
     const std::string name = points.name(pair[0]);
     if (name.find("hip") != std::string::npos || name.find("pperLeg") != std::string::npos) hips = pair;
   }
-  signature.shape = Shape(filled, time, hips);
+  signature.shape = PoseSignature(filled, time, hips);
   const std::size_t stride = signature.shape.size() / kSignatureFrames;
   double spread = 0.0;
   for (std::size_t i = 0; i < stride; ++i) {
@@ -275,7 +276,7 @@ MotionSignature SignatureOf(const TrackedPoints& points) {
 }
 
 std::vector<Duplicate> FindDuplicates(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits) {
-  Pairs pairs;
+  DuplicatePairs pairs;
   CompareShapes(clips, limits, pairs);
   ComparePoses(clips, limits, pairs);
   std::vector<Duplicate> duplicates;

@@ -9,13 +9,13 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestPoints = 5;
+constexpr int kFewestFlatPoints = 5;
 constexpr double kFlat = 1e-4;  // thickness over width; the flattest body that stands still has 0.05
 
 }  // namespace
 
 std::vector<Finding> FindFlat(const TrackedPoints& points) {
-  if (points.count() < kFewestPoints || points.frames() < 2) return {};
+  if (points.count() < kFewestFlatPoints || points.frames() < 2) return {};
   Vector3d sum = Vector3d::Zero();
   int seen = 0;
   for (int f = 0; f < points.frames(); ++f) {
@@ -25,7 +25,7 @@ std::vector<Finding> FindFlat(const TrackedPoints& points) {
       ++seen;
     }
   }
-  if (seen < kFewestPoints) return {};
+  if (seen < kFewestFlatPoints) return {};
   const Vector3d middle = sum / seen;
   Matrix3d spread = Matrix3d::Zero();
   for (int f = 0; f < points.frames(); ++f) {

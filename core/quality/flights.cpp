@@ -9,7 +9,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kOffFloor = 0.05;  // metres over a sole's lowest
-constexpr int kFewestFrames = 5;
+constexpr int kFewestFlightFrames = 5;
 constexpr int kMargin = 3;          // frames before and behind, in which the body is on the floor
 constexpr double kLeastSag = 0.02;  // metres
 constexpr double kVertical = 0.03;  // of the sag, root mean square from a parabola
@@ -42,7 +42,7 @@ double PushOf(const std::vector<Vector3d>& path, int begin, int end, int lag) {
 
 std::optional<Flight> FitFlight(const BodyPath& body, int begin, int end) {
   const int count = end - begin;
-  if (count < kFewestFrames || begin < kMargin || end > body.frames() - kMargin) return std::nullopt;
+  if (count < kFewestFlightFrames || begin < kMargin || end > body.frames() - kMargin) return std::nullopt;
   double vertical = 0.0, unused = 0.0, x = 0.0, z = 0.0;
   const double half = 0.5 * (count - 1);
   const double sag = -Fit(body.centre, begin, end, 1, 2, vertical)[2];

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/pi.h"
 #include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 8;
+constexpr int kFewestBoneFrames = 8;
 constexpr std::size_t kFewestBones = 3;
 constexpr double kShortestBone = 1e-3;  // metres; a joint that lies on its parent says nothing
 constexpr double kShortestRest = 0.03;  // of the rest pose: of shorter ones trackers disagree
@@ -32,13 +33,12 @@ std::optional<BoneLength> Measure(const TrackedPoints& points, int point, int pa
   BoneLength bone{Median(lengths), 0.0, static_cast<int>(lengths.size())};
   if (bone.length < kShortestBone) return std::nullopt;
   for (double& length : lengths) length = std::abs(length - bone.length);
-  bone.spread = 1.4826 * Median(lengths) / bone.length;
+  bone.spread = kMadToSigma * Median(lengths) / bone.length;
   return bone;
 }
 
 /// All but the root within pi: as axis-angle vectors are.
 bool LooksLikeRotations(const TrackedPoints& points) {
-  constexpr double kPi = 3.14159265358979;
   for (int k = 0; k < points.count(); ++k) {
     if (points.parents[static_cast<std::size_t>(k)] < 0) continue;
     for (int f = 0; f < points.frames(); ++f) {
@@ -64,7 +64,7 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
     if (parent < 0) continue;
     const auto bone = Measure(points, k, parent);
     if (!bone) continue;
-    if (bone->frames >= kFewestFrames) spreads.push_back(bone->spread);
+    if (bone->frames >= kFewestBoneFrames) spreads.push_back(bone->spread);
     const double rest = points.rest_lengths.empty() ? 0.0 : points.rest_lengths[static_cast<std::size_t>(k)];
     if (rest > kShortestRest) ratios.push_back(std::log(bone->length / rest));
   }

@@ -11,7 +11,7 @@ constexpr double kUnderBody = 0.7;   // of the centre's speed
 constexpr double kLower = 0.02;      // metres that the standing foot may be higher
 constexpr double kUpright = 0.8;     // height of the centre over the foot, in leg lengths
 constexpr double kStanceToLag = 10;  // frames of a stance per frame of lag
-constexpr int kFewestFrames = 3;
+constexpr int kFewestStepFrames = 3;
 constexpr int kFewestSteps = 4;
 constexpr std::size_t kFewestSamples = 16;  // coordinates
 
@@ -46,7 +46,7 @@ std::vector<Stance> StancesOf(const BodyPath& body) {
     for (int f = 0; f < body.frames(); ++f) {
       const int begin = f;
       while (f < body.frames() && stands(f)) ++f;
-      if (f - begin >= kFewestFrames) stances.push_back({begin, f, side});
+      if (f - begin >= kFewestStepFrames) stances.push_back({begin, f, side});
     }
   }
   return stances;

@@ -75,10 +75,10 @@ struct Exchange {
 };
 
 /// One kind of limb, and what its steps cost with the sides as they are named and exchanged.
-class Limbs {
+class LimbPair {
  public:
-  Limbs(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
-        const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits)
+  LimbPair(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
+           const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits)
       : points_(points), centres_(centres), pairs_(pairs), limits_(limits), fastest_(FastestStep(points, centres)) {}
 
   /// `also`: frames in which a weaker sign is enough.
@@ -233,12 +233,12 @@ std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& li
   std::map<std::pair<int, int>, std::pair<double, std::string>> spans;
   std::set<int> frames_of[2];
   for (const bool legs : {false, true}) {
-    const Limbs limbs(points, centres, legs ? pairs.legs : pairs.arms, limits);
+    const LimbPair limbs(points, centres, legs ? pairs.legs : pairs.arms, limits);
     for (const Exchange& exchange : limbs.Exchanges({})) frames_of[legs ? 1 : 0].insert(exchange.frame);
   }
   for (const bool legs : {false, true}) {
     const auto exchanges =
-        Limbs(points, centres, legs ? pairs.legs : pairs.arms, limits).Exchanges(frames_of[legs ? 0 : 1]);
+        LimbPair(points, centres, legs ? pairs.legs : pairs.arms, limits).Exchanges(frames_of[legs ? 0 : 1]);
     if (exchanges.empty()) continue;
     for (const Span& span : Rarer(exchanges, points.frames())) {
       auto& [ratio, limbs] = spans.emplace(std::pair(span.begin, span.end), std::pair(1.0, "")).first->second;

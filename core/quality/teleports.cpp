@@ -16,9 +16,9 @@ struct Stay {
   int before = -1;
 };
 
-class Path {
+class JumpPath {
  public:
-  Path(const TrackedPoints& points, const TeleportLimits& limits)
+  JumpPath(const TrackedPoints& points, const TeleportLimits& limits)
       : points_(points), limits_(limits), centres_(BodyCentres(points)) {
     Split();
     Chain();
@@ -103,7 +103,7 @@ class Path {
 }  // namespace
 
 std::vector<Finding> FindTeleports(const TrackedPoints& points, const TeleportLimits& limits) {
-  const Path path(points, limits);
+  const JumpPath path(points, limits);
   std::vector<Finding> findings = path.Teleports();
   for (int k = 0; k < points.count(); ++k) {
     for (int f = 0; f < points.frames(); ++f) {

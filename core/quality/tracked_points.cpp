@@ -9,7 +9,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestPoints = 3;
+constexpr int kFewestCentrePoints = 3;
 
 double Middle(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -53,7 +53,8 @@ std::vector<BodyCentre> BodyCentres(const TrackedPoints& points) {
       for (int i = 0; i < 3; ++i) values[i].push_back(place[i]);
     }
     BodyCentre& centre = centres[static_cast<std::size_t>(f)];
-    centre.seen = static_cast<int>(values[0].size()) >= std::min(kFewestPoints, points.count()) && !values[0].empty();
+    centre.seen =
+        static_cast<int>(values[0].size()) >= std::min(kFewestCentrePoints, points.count()) && !values[0].empty();
     for (int i = 0; centre.seen && i < 3; ++i) centre.place[i] = Middle(values[i]);
   }
   return centres;

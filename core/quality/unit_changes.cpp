@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestPoints = 5;
+constexpr std::size_t kFewestScaledPoints = 5;
 constexpr double kNearTen = 0.2;  // of the logarithm of a factor: poses change a size by 1.6 about the median
 constexpr int kLargestPower = 3;  // of ten: millimetres and metres
 // Mean deviation of logarithms: people tracked to 20 mm keep to 0.05, places at random within a centimetre depart by
@@ -18,7 +18,7 @@ constexpr int kLargestPower = 3;  // of ten: millimetres and metres
 constexpr double kOneShape = 0.2;
 constexpr int kFramesLookedAt = 64;
 constexpr std::size_t kPairsOfAPoint = 3;  // of one alone, some places at random keep to 0.2
-constexpr std::size_t kFewestPairs = 8;
+constexpr std::size_t kFewestSteadyPairs = 8;
 
 /// Logarithms of the median distance of points from their middle, a frame each; nothing where too few are seen, or all
 /// lie in one place.
@@ -30,7 +30,7 @@ std::vector<std::optional<double>> SizesOf(const TrackedPoints& points) {
     for (int k = 0; k < points.count(); ++k) {
       if (points.sees(f, k)) distances.push_back((points.at(f, k) - centres[static_cast<std::size_t>(f)].place).norm());
     }
-    if (distances.size() < kFewestPoints) continue;
+    if (distances.size() < kFewestScaledPoints) continue;
     const double size = Median(std::move(distances));
     if (size > 0.0) sizes[static_cast<std::size_t>(f)] = std::log10(size);
   }
@@ -63,9 +63,9 @@ std::optional<double> LogDistance(const TrackedPoints& points, int f, int a, int
 }
 
 /// What poses leave as it is: each point with those at the steadiest distances, over frames of the most common size.
-class Shape {
+class BodyShape {
  public:
-  Shape(const TrackedPoints& points, const std::vector<std::optional<int>>& powers) : points_(points) {
+  BodyShape(const TrackedPoints& points, const std::vector<std::optional<int>>& powers) : points_(points) {
     std::vector<int> usual;
     for (int f = 0; f < points.frames(); ++f) {
       if (powers[static_cast<std::size_t>(f)] == 0) usual.push_back(f);
@@ -85,7 +85,7 @@ class Shape {
       if (!distance) return false;
       ratios.push_back(*distance - pair.log_distance);
     }
-    return ratios.size() >= kFewestPairs && Deviation(ratios, Median(ratios)) < kOneShape;
+    return ratios.size() >= kFewestSteadyPairs && Deviation(ratios, Median(ratios)) < kOneShape;
   }
 
  private:
@@ -126,7 +126,7 @@ std::vector<Finding> FindUnitChanges(const TrackedPoints& points) {
   std::vector<std::optional<int>> powers = PowersOf(SizesOf(points));
   const auto differs = [](const std::optional<int>& power) { return power && *power != 0; };
   if (std::none_of(powers.begin(), powers.end(), differs)) return {};
-  const Shape shape(points, powers);
+  const BodyShape shape(points, powers);
   for (int f = 0; f < points.frames(); ++f) {
     std::optional<int>& power = powers[static_cast<std::size_t>(f)];
     if (differs(power) && !shape.Keeps(f)) power = 0;

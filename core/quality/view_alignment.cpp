@@ -11,8 +11,8 @@ namespace mocurate {
 namespace {
 
 constexpr int kTurns = 8;
-constexpr int kFewestFrames = 12;
-constexpr int kFewestPairs = 60;
+constexpr int kFewestAlignedFrames = 12;
+constexpr int kFewestAlignedPairs = 60;
 constexpr int kMostFrames = 120;   // that are compared, evenly over the clip
 constexpr double kWell = 0.5;      // product of both confidences
 constexpr double kLine = 0.02;     // metres
@@ -20,16 +20,16 @@ constexpr double kSettled = 1e-5;  // seconds
 constexpr double kAsGood = 1.1;    // of the least distance: the offset nearer to 0 is taken then
 constexpr double kMirrored = 0.7;
 
-struct Pairs {
+struct SeenPairs {
   Eigen::Matrix3Xd a, b;
   Eigen::VectorXd weights;
   int frames = 0;
 };
 
-Pairs PairsAt(const TrackedPoints& a, const TrackedPoints& b, double offset_s, double least) {
+SeenPairs PairsAt(const TrackedPoints& a, const TrackedPoints& b, double offset_s, double least) {
   std::vector<Vector3d> of_a, of_b;
   std::vector<double> weights;
-  Pairs pairs;
+  SeenPairs pairs;
   const int step = std::max(1, a.frames() / kMostFrames);
   for (int f = 0; f < a.frames(); f += step) {
     const std::size_t before = weights.size();
@@ -57,9 +57,9 @@ Pairs PairsAt(const TrackedPoints& a, const TrackedPoints& b, double offset_s, d
 }
 
 /// What both see well; where that is too little, what both see at all.
-Pairs PairsOf(const TrackedPoints& a, const TrackedPoints& b, double offset_s) {
-  Pairs pairs = PairsAt(a, b, offset_s, kWell);
-  if (pairs.weights.size() >= kFewestPairs && pairs.frames >= kFewestFrames) return pairs;
+SeenPairs PairsOf(const TrackedPoints& a, const TrackedPoints& b, double offset_s) {
+  SeenPairs pairs = PairsAt(a, b, offset_s, kWell);
+  if (pairs.weights.size() >= kFewestAlignedPairs && pairs.frames >= kFewestAlignedFrames) return pairs;
   return PairsAt(a, b, offset_s, 1e-6);
 }
 
@@ -74,9 +74,9 @@ std::optional<ViewAlignment> AlignFrom(const TrackedPoints& a, const TrackedPoin
   view.offset_s = offset_s;
   const double step = FrameStep(a);
   for (int turn = 0;; ++turn) {
-    const Pairs pairs = PairsOf(a, b, view.offset_s);
+    const SeenPairs pairs = PairsOf(a, b, view.offset_s);
     view.pairs = static_cast<int>(pairs.weights.size());
-    if (view.pairs < kFewestPairs || pairs.frames < kFewestFrames) return std::nullopt;
+    if (view.pairs < kFewestAlignedPairs || pairs.frames < kFewestAlignedFrames) return std::nullopt;
     const RobustAlignment fit = AlignPointsRobustly(pairs.b, pairs.a, pairs.weights);
     if (fit.spread < kLine) return std::nullopt;
     view.a_from_b = fit.target_from_source;
@@ -103,7 +103,8 @@ std::optional<ViewAlignment> AlignFrom(const TrackedPoints& a, const TrackedPoin
 bool ViewAlignment::Mirrored() const { return mirrored_median < kMirrored * median && median > 0.02; }
 
 std::optional<ViewAlignment> AlignViews(const TrackedPoints& a, const TrackedPoints& b, double most_offset_s) {
-  if (a.frames() < kFewestFrames || b.frames() < kFewestFrames || a.count() != b.count()) return std::nullopt;
+  if (a.frames() < kFewestAlignedFrames || b.frames() < kFewestAlignedFrames || a.count() != b.count())
+    return std::nullopt;
   std::optional<ViewAlignment> best = AlignFrom(a, b, 0.0, false, most_offset_s);
   std::vector<ViewAlignment> found;
   for (const ClockOffset& offset : CorrelateSpeeds(a, b, most_offset_s)) {

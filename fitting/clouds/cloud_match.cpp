@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/body/capsule_body.h"
+#include "core/quality/median.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
@@ -55,7 +56,7 @@ std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& stat
 double RobustSigma(std::vector<double> distances) {
   if (distances.empty()) return kLeastSigma;
   for (double& distance : distances) distance = std::abs(distance);
-  return std::max(kLeastSigma, 1.4826 * Median(distances));
+  return std::max(kLeastSigma, kMadToSigma * Median(distances));
 }
 
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,

@@ -8,10 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/pi.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kHeadings = 8;                                               ///< tried, evenly around
 constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< rad, where the facing is known
 constexpr double kFacingError = 1.4;  ///< rad; a pose that faces another way is none

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
 
 constexpr std::size_t kFewestFrames = 20;
-constexpr double kMadToSigma = 1.4826;
 constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
 // Limits are beyond what 1,213 clips of the recorded sets show (fitting/README.md), of which the largest is in
 // brackets.

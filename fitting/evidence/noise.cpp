@@ -6,10 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/quality/median.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kMadToSigma = 1.4826;
 /// Below, data outweigh the priors so far that the solver creeps along what they hardly determine (twist of straight
 /// limbs), and no tracker knows where a joint is to less.
 constexpr double kSmallestSigma = 1e-3;

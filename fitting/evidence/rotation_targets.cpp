@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
+#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmallestSigma = 0.5 * kPi / 180.0;  ///< rad; nothing is recorded more finely
 constexpr double kLargestSigma = 30.0 * kPi / 180.0;
 constexpr std::size_t kFewest = 10;  ///< samples; fewer do not tell how recorded frames lie and how they scatter
@@ -53,7 +54,7 @@ double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& mid
   const auto half = departures.begin() + static_cast<std::ptrdiff_t>(departures.size() / 2);
   std::nth_element(departures.begin(), half, departures.end());
   const auto count = static_cast<double>(rotations.size());
-  return std::max(1.4826 * *half * std::sqrt(count / (count - 1.0)), kSmallestSigma);  // the middle is of them too
+  return std::max(kMadToSigma * *half * std::sqrt(count / (count - 1.0)), kSmallestSigma);  // the middle is of them too
 }
 
 Finding TooFew(int joints) {

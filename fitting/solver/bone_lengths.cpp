@@ -5,12 +5,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/quality/median.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kMadToSigma = 1.4826;
 
 double Square(double value) { return value * value; }
 

@@ -36,7 +36,7 @@ Box BoxOf(const PersonTrack& track, std::size_t row) {
 }
 
 /// Median over the joints of how far they are from their mean place, metres, root mean square.
-double Wander(const PersonTrack& track) { return std::sqrt(Median(JointVariances(track))); }
+double WanderOf(const PersonTrack& track) { return std::sqrt(Median(JointVariances(track))); }
 
 /// Mean distance of the bones' log lengths from a person's, after the best scale.
 double ProportionOf(const std::vector<double>& signature, const std::vector<double>& rest_lengths) {
@@ -58,7 +58,7 @@ double SpreadOf(const PersonTrack& track, const std::vector<int>& parents, const
     if (signature[k] < 0.05) continue;
     std::vector<double> off = BoneLengths(track, parents, k);
     for (double& length : off) length = std::abs(length - signature[k]);
-    spreads.push_back(1.4826 * Median(off) / signature[k]);
+    spreads.push_back(kMadToSigma * Median(off) / signature[k]);
   }
   return Median(spreads);
 }
@@ -98,7 +98,7 @@ std::string GhostReason(const std::vector<PersonTrack>& tracks, std::size_t i, c
   if (count < limits.fewest_frames || count < limits.least_share * frames) {
     return "short: in " + std::to_string(count) + " of " + std::to_string(frames) + " frames";
   }
-  if (const double wander = Wander(track); wander < limits.still) {
+  if (const double wander = WanderOf(track); wander < limits.still) {
     return "frozen: its joints move by " + metres(wander);
   }
   for (std::size_t k = 0; k < tracks.size(); ++k) {

@@ -10,11 +10,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kDoubtful = 0.6;     // of max_disagreement
-constexpr double kLateFrames = 0.5;   // a finding
-constexpr double kVeryLate_s = 0.05;  // a warning
-constexpr double kAgree = 0.1;        // metres
-constexpr double kSpread = 0.05;      // metres, of Cauchy weights
+constexpr double kDoubtful = 0.6;       // of max_disagreement
+constexpr double kLateFrames = 0.5;     // a finding
+constexpr double kVeryLate_s = 0.05;    // a warning
+constexpr double kAgree = 0.1;          // metres
+constexpr double kCauchySpread = 0.05;  // metres, of Cauchy weights
 constexpr int kMergeTurns = 8;
 
 /// All people of a camera side by side, frame by frame.
@@ -81,17 +81,17 @@ bool Agrees(const Pair& pair, const PlaceOptions& options) {
   return pair.alignment && !pair.alignment->Mirrored() && pair.alignment->median <= options.max_disagreement;
 }
 
-std::string Millimetres(double metres) { return Digits(1e3 * metres) + " mm"; }
+std::string DigitsOfMillimetres(double metres) { return Digits(1e3 * metres) + " mm"; }
 
 std::string WhyNot(const Pair& pair, const PlaceOptions& options) {
   if (!pair.alignment) return "they see too little in common";
   const ViewAlignment& view = *pair.alignment;
   if (view.Mirrored()) {
-    return "one is mirrored: joints lie " + Millimetres(view.mirrored_median) + " apart with it flipped, " +
-           Millimetres(view.median) + " without";
+    return "one is mirrored: joints lie " + DigitsOfMillimetres(view.mirrored_median) + " apart with it flipped, " +
+           DigitsOfMillimetres(view.median) + " without";
   }
-  return "joints lie " + Millimetres(view.median) + " apart when aligned, more than " +
-         Millimetres(options.max_disagreement);
+  return "joints lie " + DigitsOfMillimetres(view.median) + " apart when aligned, more than " +
+         DigitsOfMillimetres(options.max_disagreement);
 }
 
 void NoteUsed(const CameraPeople& camera, const std::string& reference, const ViewAlignment& view, double rate_hz,
@@ -110,7 +110,7 @@ void NoteUsed(const CameraPeople& camera, const std::string& reference, const Vi
   }
   if (view.median > kDoubtful * options.max_disagreement) {
     NoteCapture(findings, "views_disagree", Severity::kWarning, 1e3 * view.median,
-                "the joints of " + camera.view + " and " + reference + " lie " + Millimetres(view.median) +
+                "the joints of " + camera.view + " and " + reference + " lie " + DigitsOfMillimetres(view.median) +
                     " apart when aligned (median of " + std::to_string(view.pairs) + ")",
                 "flagged");
   }
@@ -226,7 +226,7 @@ JointTracks MergePerson(const std::vector<CameraPeople>& cameras, const PlacedVi
         Vector3d sum = Vector3d::Zero();
         double total = 0.0;
         for (const PointAt& point : said) {
-          const double off = turn == 0 ? 0.0 : (point.place - place).norm() / kSpread;
+          const double off = turn == 0 ? 0.0 : (point.place - place).norm() / kCauchySpread;
           const double weight = point.confidence * point.confidence / (1.0 + off * off);
           sum += weight * point.place;
           total += weight;

@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestBones = 4;
+constexpr std::size_t kFewestTrackedBones = 4;
 
 /// Middle of the joints that are seen in a row of the track.
 Vector3d CentreOf(const PersonTrack& track, std::size_t row) {
@@ -39,7 +39,7 @@ void CopyRow(const PersonTrack& from, std::size_t row, PersonTrack& to) {
 }
 
 /// Rows of both in order of their frames; they share none.
-PersonTrack Joined(const PersonTrack& a, const PersonTrack& b) {
+PersonTrack JoinedTrack(const PersonTrack& a, const PersonTrack& b) {
   PersonTrack track;
   track.ids = a.ids;
   track.ids.insert(track.ids.end(), b.ids.begin(), b.ids.end());
@@ -104,7 +104,7 @@ void JoinInterleaved(std::vector<PersonTrack>& tracks, const std::vector<double>
         continue;
       }
       NoteStitch(tracks[i], tracks[k], "never seen together, each where the other just was", findings);
-      tracks[i] = Joined(tracks[i], tracks[k]);
+      tracks[i] = JoinedTrack(tracks[i], tracks[k]);
       tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(k));
       k = i + 1;
     }
@@ -166,7 +166,7 @@ double SignatureDistance(const std::vector<double>& a, const std::vector<double>
     sum += std::abs(std::log(a[k] / b[k]));
     ++bones;
   }
-  return bones < kFewestBones ? 1.0 : sum / static_cast<double>(bones);
+  return bones < kFewestTrackedBones ? 1.0 : sum / static_cast<double>(bones);
 }
 
 std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std::vector<int>& parents,
@@ -207,7 +207,7 @@ std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std
     for (int to = next[static_cast<std::size_t>(i)]; to >= 0; to = next[static_cast<std::size_t>(to)]) {
       const PersonTrack& more = tracks[static_cast<std::size_t>(to)];
       NoteStitch(person, more, "lost and found again, with the same bones", findings);
-      person = Joined(person, more);
+      person = JoinedTrack(person, more);
     }
     people.push_back(std::move(person));
   }

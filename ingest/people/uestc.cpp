@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
@@ -16,12 +17,12 @@ constexpr std::size_t kPoseJoints = 24;
 using Quaternion = Eigen::Vector4d;  // (w, x, y, z), as it comes: signs matter here
 
 /// Every field of a track that has one row per frame.
-struct Field {
+struct TrackField {
   std::vector<double> VibeTrack::*values;
   std::size_t columns;
 };
 
-std::vector<Field> FieldsOf(const VibeTrack& track) {
+std::vector<TrackField> TrackFields(const VibeTrack& track) {
   return {{&VibeTrack::joints3d, track.joints * 3}, {&VibeTrack::betas, 10}, {&VibeTrack::original_camera, 4},
           {&VibeTrack::predicted_camera, 3},        {&VibeTrack::boxes, 4},  {&VibeTrack::pose, kPoseJoints * 3}};
 }
@@ -44,7 +45,7 @@ Status Check(const std::vector<VibeTrack>& tracks) {
     if (track.boxes.size() != 4 * track.frames)
       return Fail(ErrorCode::kInconsistent, name + " has no box per frame", "bboxes",
                   "the performer is told from others by boxes");
-    for (const Field& field : FieldsOf(track)) {
+    for (const TrackField& field : TrackFields(track)) {
       const std::vector<double>& values = track.*(field.values);
       if (!values.empty() && values.size() != field.columns * track.frames)
         return Fail(ErrorCode::kInconsistent, name + " has a field that is not as long as its frames", "tracks");
@@ -101,7 +102,7 @@ Vector3d Between(const double* from, const double* to, double share, bool root, 
 /// Row of every field `share` of the way from the last of `track` to row `row` of `piece`, at the end of `track`.
 void AppendBetween(const VibeTrack& piece, std::size_t row, std::size_t last_row, double share, UestcRule rule,
                    VibeTrack& track) {
-  for (const Field& field : FieldsOf(piece)) {
+  for (const TrackField& field : TrackFields(piece)) {
     const std::vector<double>& to = piece.*(field.values);
     std::vector<double>& values = track.*(field.values);
     if (to.empty()) continue;
@@ -134,7 +135,7 @@ void AppendRow(const VibeTrack& piece, std::size_t row, UestcRule rule, UestcPer
       ++track.frames;
     }
   }
-  for (const Field& field : FieldsOf(piece)) {
+  for (const TrackField& field : TrackFields(piece)) {
     const std::vector<double>& from = piece.*(field.values);
     if (from.empty()) continue;
     const auto at = from.begin() + static_cast<std::ptrdiff_t>(row * field.columns);
@@ -265,7 +266,6 @@ Expected<std::vector<Vector3d>> UestcTranslation(const std::vector<double>& orig
 
 Matrix3d UestcWorldFromView(int view, int side) {
   if (side == 1) return Matrix3d::Identity();
-  constexpr double kPi = 3.14159265358979323846;
   return ExpMatrix(Vector3d(0.0, -view * kPi / 4.0, 0.0));
 }
 

@@ -9,13 +9,13 @@ namespace mocurate {
 namespace {
 
 /// Bones between VIBE's first points, which are OpenPose's BODY_25, and about how long they are, metres.
-struct Bone {
+struct VibeBone {
   int point, parent;
   double length;
 };
-constexpr Bone kBones[] = {{1, 8, 0.52},  {2, 1, 0.17},   {3, 2, 0.28},  {4, 3, 0.25},  {5, 1, 0.17},
-                           {6, 5, 0.28},  {7, 6, 0.25},   {9, 8, 0.10},  {10, 9, 0.40}, {11, 10, 0.41},
-                           {12, 8, 0.10}, {13, 12, 0.40}, {14, 13, 0.41}};
+constexpr VibeBone kVibeBones[] = {{1, 8, 0.52},  {2, 1, 0.17},   {3, 2, 0.28},  {4, 3, 0.25},  {5, 1, 0.17},
+                                   {6, 5, 0.28},  {7, 6, 0.25},   {9, 8, 0.10},  {10, 9, 0.40}, {11, 10, 0.41},
+                                   {12, 8, 0.10}, {13, 12, 0.40}, {14, 13, 0.41}};
 constexpr std::size_t kPointsWithBones = 15;
 
 /// Frames of the video in which anybody is, [first, last].
@@ -46,7 +46,7 @@ Expected<FrameRange> FramesOf(const std::vector<VibeTrack>& tracks, const std::s
 }
 
 /// Frames are counted from `first`.
-Expected<PersonTrack> PersonOf(const VibeTrack& track, std::int64_t first, const std::string& name) {
+Expected<PersonTrack> PersonOfTrack(const VibeTrack& track, std::int64_t first, const std::string& name) {
   const auto lacks = [&](const char* field) {
     return Fail(ErrorCode::kInconsistent, "track " + std::to_string(track.id) + " has no '" + field + "'", name,
                 "it says where and when somebody is: name the person by ingest.source.track instead");
@@ -76,11 +76,11 @@ Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const
   std::vector<PersonTrack> people;
   const int frames = static_cast<int>(range.last - range.first + 1);
   for (const VibeTrack& track : tracks) {
-    Expected<PersonTrack> person = PersonOf(track, range.first, name);
+    Expected<PersonTrack> person = PersonOfTrack(track, range.first, name);
     if (!person) return Forward(person);
     people.push_back(std::move(*person));
   }
-  for (const Bone& bone : kBones) {
+  for (const VibeBone& bone : kVibeBones) {
     parents[static_cast<std::size_t>(bone.point)] = bone.parent;
     lengths[static_cast<std::size_t>(bone.point)] = bone.length;
   }

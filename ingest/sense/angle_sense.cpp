@@ -4,18 +4,18 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kPi = 3.14159265358979;
 constexpr double kManyOver = 0.05;     // share of angles over a whole turn that is no root alone
 constexpr double kMostRadians = 1.1;   // of pi, that a joint is turned by
 constexpr double kLeastRadians = 0.5;  // of the joint that is turned most
-constexpr std::size_t kFewestBones = 10;
-constexpr std::size_t kBodyJoints = 22;  // hands and face of SMPL-H and SMPL-X are often still
+constexpr std::size_t kFewestTurningBones = 10;
+constexpr std::size_t kLivelyJoints = 22;  // hands and face of SMPL-H and SMPL-X are often still
 
 struct Angles {
   double largest = 0.0;
@@ -30,7 +30,7 @@ struct Angles {
   double share() const { return all == 0 ? 0.0 : static_cast<double>(over) / static_cast<double>(all); }
 };
 
-Finding Contradiction(double value, std::string message) {
+Finding AngleContradiction(double value, std::string message) {
   Finding finding =
       FrameFinding("angle_unit_contradiction", 0, 0, "", std::round(value * 1e4) / 1e4, std::move(message));
   finding.severity = Severity::kError;
@@ -123,14 +123,14 @@ std::optional<Finding> DoubtAngles(const Bvh& bvh) {
     }
     turning += turns ? 1 : 0;
   }
-  if (turning < kFewestBones || !MayBeRadians(angles)) return std::nullopt;
-  return Contradiction(angles.largest, "a BVH is in degrees, but no joint is turned by more than " +
-                                           Digits(angles.largest) + " in any of " + Counted(bvh.frames, "frame") +
-                                           ": they are radians; multiply them by 180 / pi = 57.2958");
+  if (turning < kFewestTurningBones || !MayBeRadians(angles)) return std::nullopt;
+  return AngleContradiction(angles.largest, "a BVH is in degrees, but no joint is turned by more than " +
+                                                Digits(angles.largest) + " in any of " + Counted(bvh.frames, "frame") +
+                                                ": they are radians; multiply them by 180 / pi = 57.2958");
 }
 
 std::optional<Finding> DoubtAngles(const Amass& amass) {
-  const std::size_t joints = std::min(kBodyJoints, amass.pose_columns / 3);
+  const std::size_t joints = std::min(kLivelyJoints, amass.pose_columns / 3);
   Angles angles;
   for (std::size_t f = 0; f < amass.frames; ++f) {
     for (std::size_t j = 0; j < joints; ++j) {
@@ -139,24 +139,24 @@ std::optional<Finding> DoubtAngles(const Amass& amass) {
     }
   }
   if (angles.share() < kManyOver) return std::nullopt;
-  return Contradiction(angles.largest,
-                       "the rotation vectors in 'poses' are " + OverWords(angles) +
-                           ": radians of a body are not, degrees are; multiply them by pi / 180 = 0.0174533");
+  return AngleContradiction(angles.largest,
+                            "the rotation vectors in 'poses' are " + OverWords(angles) +
+                                ": radians of a body are not, degrees are; multiply them by pi / 180 = 0.0174533");
 }
 
 std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {
-  if (amc.bones.size() < kFewestBones || (!amc.degrees && skeleton == nullptr)) return std::nullopt;
+  if (amc.bones.size() < kFewestTurningBones || (!amc.degrees && skeleton == nullptr)) return std::nullopt;
   const bool degrees = amc.degrees ? *amc.degrees : skeleton->degrees;
   const std::string who = amc.degrees ? "the header says " : "the skeleton's :units say ";
   const Angles angles = AnglesOfBones(amc, skeleton);
   if (!degrees && angles.share() >= kManyOver) {
-    return Contradiction(angles.largest, who + ":RADIANS, but angles of bones are " + OverWords(angles) +
-                                             ": they are degrees; write :DEGREES");
+    return AngleContradiction(angles.largest, who + ":RADIANS, but angles of bones are " + OverWords(angles) +
+                                                  ": they are degrees; write :DEGREES");
   }
   if (degrees && MayBeRadians(angles) && !RootTurnsInDegrees(amc, skeleton)) {
-    return Contradiction(angles.largest, who + ":DEGREES, but no bone is turned by more than " +
-                                             Digits(angles.largest) + " in any of " + std::to_string(amc.frames) +
-                                             " frames: they are radians; write :RADIANS");
+    return AngleContradiction(angles.largest, who + ":DEGREES, but no bone is turned by more than " +
+                                                  Digits(angles.largest) + " in any of " + std::to_string(amc.frames) +
+                                                  " frames: they are radians; write :RADIANS");
   }
   return std::nullopt;
 }
@@ -168,10 +168,10 @@ std::optional<Finding> DoubtAngles(const Asf& asf, const Amc* amc) {
   const std::string other = amc == nullptr || !amc->degrees ? ""
                             : *amc->degrees                 ? ", the motion's header :DEGREES"
                                                             : ", the motion's header :RADIANS";
-  return Contradiction(number->value, "the skeleton's :units say `angle rad`" + other + ", but " + number->place +
-                                          " is " + Digits(number->value) +
-                                          ", more than a whole turn of 2 pi: its angles are degrees; write "
-                                          "`angle deg` under :units");
+  return AngleContradiction(number->value, "the skeleton's :units say `angle rad`" + other + ", but " + number->place +
+                                               " is " + Digits(number->value) +
+                                               ", more than a whole turn of 2 pi: its angles are degrees; write "
+                                               "`angle deg` under :units");
 }
 
 }  // namespace mocurate

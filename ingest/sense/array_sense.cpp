@@ -12,8 +12,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestFrames = 8;  // fewer tell no spread of lengths
-constexpr std::size_t kFewestJoints = 10, kMostJoints = 200;
+constexpr std::size_t kFewestArrayFrames = 8;  // fewer tell no spread of lengths
+constexpr std::size_t kFewestArrayJoints = 10, kMostArrayJoints = 200;
 constexpr double kClearlyRigid = 0.5 * kRigid;
 
 /// Axes of the array that are frames, joints and coordinates.
@@ -23,7 +23,8 @@ constexpr Axes kExchanged[] = {{1, 0, 2}, {0, 2, 1}, {2, 0, 1}, {1, 2, 0}, {2, 1
 
 bool Possible(const NpyArray& array, const Axes& axes) {
   const std::size_t frames = array.shape[axes[0]], joints = array.shape[axes[1]];
-  return array.shape[axes[2]] == 3 && frames >= kFewestFrames && joints >= kFewestJoints && joints <= kMostJoints;
+  return array.shape[axes[2]] == 3 && frames >= kFewestArrayFrames && joints >= kFewestArrayJoints &&
+         joints <= kMostArrayJoints;
 }
 
 struct Points {
@@ -31,7 +32,7 @@ struct Points {
   std::vector<double> confidence;
 };
 
-Points Read(const NpyArray& array, const Axes& axes) {
+Points ReadPoints(const NpyArray& array, const Axes& axes) {
   const std::array<std::size_t, 3> stride = {array.shape[1] * array.shape[2], array.shape[2], 1};
   const auto frames = static_cast<int>(array.shape[axes[0]]), joints = static_cast<int>(array.shape[axes[1]]);
   Points points{JointPositions(frames, joints), {}};
@@ -58,7 +59,7 @@ std::optional<std::string> BodyIn(const Points& points) {
   return scores[0].order->name;
 }
 
-std::string Held(const Axes& axes) {
+std::string ShapeOfAxes(const Axes& axes) {
   std::array<std::string, 3> names;
   names[axes[0]] = "frames";
   names[axes[1]] = "joints";
@@ -76,7 +77,7 @@ std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints
   bool loose = true;  // no two points keep their distance as they lie
   if (array.shape[2] == 3) {
     if (joints > 0 && array.shape[1] == joints) return std::nullopt;
-    const Points points = Read(array, kAsItLies);
+    const Points points = ReadPoints(array, kAsItLies);
     if (BodyIn(points)) return std::nullopt;
     loose = Rigidity(points.positions, points.confidence) > kRigid;
   }
@@ -85,14 +86,14 @@ std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints
   double least = kClearlyRigid;
   for (const Axes& axes : kExchanged) {
     if (!Possible(array, axes) || (joints > 0 && array.shape[axes[1]] != joints)) continue;
-    const Points points = Read(array, axes);
+    const Points points = ReadPoints(array, axes);
     const std::optional<std::string> body = BodyIn(points);
     const double rigidity = body || !loose ? kClearlyRigid : Rigidity(points.positions, points.confidence);
     const bool rigid = rigidity < least;
     const bool declared = joints > 0 && !likeliest;
     if (!body && !rigid && !declared) continue;
     AxisOrder order;
-    order.words = "its axes are " + Held(axes) + ", not (frames, joints, 3): so " +
+    order.words = "its axes are " + ShapeOfAxes(axes) + ", not (frames, joints, 3): so " +
                   (body    ? "the points are a body in the order '" + *body + "', as they lie they are none"
                    : rigid ? "the points keep their distances, as they lie they do not"
                            : "it has the " + std::to_string(joints) + " joints that are declared");

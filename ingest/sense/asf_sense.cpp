@@ -9,8 +9,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestBones = 15;           // of a whole person
-constexpr double kShortest = 1.0, kLongest = 3.0;  // metres, of a person's rest pose from end to end
+constexpr std::size_t kBonesOfPerson = 15;                         // of a whole person
+constexpr double kShortestRestPose = 1.0, kLongestRestPose = 3.0;  // metres, of a person's rest pose from end to end
 constexpr double kMetresPerInch = 0.0254;
 constexpr double kMostUnequal = 5.0;
 constexpr double kSameUnit = 0.05;  // of their ratio: recipes round 1 / 0.45
@@ -30,14 +30,14 @@ double ExtentAtRest(const Asf& asf) {
   return (high - low).maxCoeff();
 }
 
-Finding Contradiction(const char* code, const std::string& bone, double value, std::string message) {
+Finding AsfContradiction(const char* code, const std::string& bone, double value, std::string message) {
   Finding finding = FrameFinding(code, 0, 0, bone, std::round(value * 1e4) / 1e4, std::move(message));
   finding.severity = Severity::kError;
   return finding;
 }
 
 /// "rfemur" of "lfemur", "RightLeg" of "LeftLeg".
-std::string PartnerOf(const std::string& bone) {
+std::string PartnerBone(const std::string& bone) {
   for (const auto& [left, right] : {std::pair<const char*, const char*>{"left", "right"}, {"Left", "Right"}}) {
     if (bone.rfind(left, 0) == 0) return right + bone.substr(std::string(left).size());
   }
@@ -50,7 +50,7 @@ std::string PartnerOf(const std::string& bone) {
 std::vector<Finding> DoubtLengths(const Asf& asf, std::optional<double> declared_m) {
   std::vector<Finding> findings;
   for (const AsfBone& left : asf.bones) {
-    const int partner = asf.Find(PartnerOf(left.name));
+    const int partner = asf.Find(PartnerBone(left.name));
     if (partner < 0) continue;
     const AsfBone& right = asf.bones[static_cast<std::size_t>(partner)];
     if (!(left.length > 0.0) || !(right.length > 0.0)) continue;
@@ -58,13 +58,13 @@ std::vector<Finding> DoubtLengths(const Asf& asf, std::optional<double> declared
     if (ratio < kMostUnequal) continue;
     const AsfBone& shorter = left.length < right.length ? left : right;
     const AsfBone& longer = left.length < right.length ? right : left;
-    findings.push_back(Contradiction("bone_length", shorter.name, ratio,
-                                     "bone '" + shorter.name + "' of length " + Digits(shorter.length) + " is " +
-                                         Digits(ratio) + " times shorter than '" + longer.name +
-                                         "' of the other side, " + Digits(longer.length) +
-                                         ": mend `length` of one of them"));
+    findings.push_back(AsfContradiction("bone_length", shorter.name, ratio,
+                                        "bone '" + shorter.name + "' of length " + Digits(shorter.length) + " is " +
+                                            Digits(ratio) + " times shorter than '" + longer.name +
+                                            "' of the other side, " + Digits(longer.length) +
+                                            ": mend `length` of one of them"));
   }
-  if (asf.bones.size() < kFewestBones || !(asf.length_unit > 0.0)) return findings;
+  if (asf.bones.size() < kBonesOfPerson || !(asf.length_unit > 0.0)) return findings;
   const double units = ExtentAtRest(asf);
   const double metres = units / asf.length_unit * kMetresPerInch;
   if (!(units > 0.0)) return findings;
@@ -72,14 +72,14 @@ std::vector<Finding> DoubtLengths(const Asf& asf, std::optional<double> declared
                           Digits(asf.length_unit) + "` under :units (numbers divided by it are inches) that is " +
                           Digits(metres) + " m";
   const std::string said = declared_m ? Digits(units * *declared_m) + " m by the source's `units`" : std::string();
-  if (metres < kShortest || metres > kLongest) {
-    findings.push_back(Contradiction("length_unit_contradiction", "", metres,
-                                     own + ", which is no person" + (said.empty() ? "" : " (" + said + ")") +
-                                         ": mend that `length`, or those of the bones"));
+  if (metres < kShortestRestPose || metres > kLongestRestPose) {
+    findings.push_back(AsfContradiction("length_unit_contradiction", "", metres,
+                                        own + ", which is no person" + (said.empty() ? "" : " (" + said + ")") +
+                                            ": mend that `length`, or those of the bones"));
   } else if (declared_m && std::abs(units * *declared_m / metres - 1.0) > kSameUnit) {
     findings.push_back(
-        Contradiction("length_unit_contradiction", "", metres,
-                      own + ", but " + said + ": mend that `length`, or say ingest.source.units of this skeleton"));
+        AsfContradiction("length_unit_contradiction", "", metres,
+                         own + ", but " + said + ": mend that `length`, or say ingest.source.units of this skeleton"));
   }
   return findings;
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
@@ -15,16 +16,15 @@
 namespace mocurate {
 namespace {
 
-constexpr std::array<PoseReading, 3> kReadings = {PoseReading::kWorldToCamera, PoseReading::kCentre,
-                                                  PoseReading::kCameraToWorld};
-constexpr double kPi = 3.14159265358979323846;
+constexpr std::array<PoseReading, 3> kPoseReadings = {PoseReading::kWorldToCamera, PoseReading::kCentre,
+                                                      PoseReading::kCameraToWorld};
 constexpr double kAimError = 8.0 * kPi / 180.0;  ///< how far cameras aim beside the common point
 constexpr double kDepthRange = 5.0;              ///< metres; Kinect-like depth cameras measure nothing beyond
 constexpr std::size_t kMaxPointsPerCloud = 1500;
 constexpr std::size_t kMaxPairs = 12;
 constexpr double kContradiction = 0.99;
 
-std::string Rounded(double value) {
+std::string ThreeDigits(double value) {
   const double digits = value == 0.0 ? 1.0 : std::pow(10.0, 2.0 - std::floor(std::log10(std::abs(value))));
   return FormatDouble(std::round(value * digits) / digits);
 }
@@ -125,7 +125,7 @@ class Judge {
   Judge(const Calibration& calibration, const CalibrationEvidence& evidence)
       : calibration_(calibration), evidence_(evidence) {
     for (std::size_t i = 0; i < calibration.views.size(); ++i) worlds_[calibration.views[i].world].push_back(i);
-    for (const PoseReading reading : kReadings) scores_.push_back(Score(reading));
+    for (const PoseReading reading : kPoseReadings) scores_.push_back(Score(reading));
     // Distances between clouds count by their ratio to the best reading's.
     std::vector<double> medians;
     for (const ReadingScore& score : scores_) medians.push_back(Median(score.cloud_distance));
@@ -150,7 +150,8 @@ class Judge {
     const std::map<std::string, double> metres_of = {{"m", 1.0}, {"cm", 0.01}, {"inch", 0.0254}};
     const auto known = metres_of.find(sense.unit.value);
     const double metres = known == metres_of.end() ? 0.001 : known->second;
-    for (const CalibratedView& view : calibration_.views) cameras.push_back(CameraOf(view, kReadings[chosen], metres));
+    for (const CalibratedView& view : calibration_.views)
+      cameras.push_back(CameraOf(view, kPoseReadings[chosen], metres));
     sense.up = Up(cameras);
     if (!sense.unit.value.empty()) sense.cameras = std::move(cameras);
     return sense;
@@ -158,8 +159,8 @@ class Judge {
 
  private:
   static std::size_t IndexOf(std::string_view reading) {
-    for (std::size_t r = 0; r < kReadings.size(); ++r) {
-      if (Name(kReadings[r]) == reading) return r;
+    for (std::size_t r = 0; r < kPoseReadings.size(); ++r) {
+      if (Name(kPoseReadings[r]) == reading) return r;
     }
     return 0;
   }
@@ -201,15 +202,15 @@ class Judge {
   static std::string Words(const ReadingScore& score) {
     std::string text;
     if (!score.miss.empty()) {
-      text = "optical axes pass " + Rounded(Median(score.miss)) + " units from a common point " +
-             Rounded(Median(score.distance)) + " units away, " + std::to_string(score.behind) + " of " +
+      text = "optical axes pass " + ThreeDigits(Median(score.miss)) + " units from a common point " +
+             ThreeDigits(Median(score.distance)) + " units away, " + std::to_string(score.behind) + " of " +
              std::to_string(score.miss.size()) + " cameras have it behind them";
     }
     const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
     if (score.subject_share)
-      add(Rounded(100.0 * *score.subject_share) + " % of the subject's points are in view and in reach");
+      add(ThreeDigits(100.0 * *score.subject_share) + " % of the subject's points are in view and in reach");
     if (!score.cloud_distance.empty()) {
-      add("clouds of neighbouring views lie " + Rounded(Median(score.cloud_distance)) + " units apart");
+      add("clouds of neighbouring views lie " + ThreeDigits(Median(score.cloud_distance)) + " units apart");
     }
     return text.empty() ? "nothing to compare" : text;
   }
@@ -223,10 +224,10 @@ class Judge {
     for (const ReadingScore& score : scores_) {
       total += std::exp(score.log_likelihood - scores_[best].log_likelihood);
     }
-    Measured reading{std::string(Name(kReadings[best])), 1.0 / total, ""};
+    Measured reading{std::string(Name(kPoseReadings[best])), 1.0 / total, ""};
     std::string others;
     for (std::size_t r = 0; r < scores_.size(); ++r) {
-      if (r != best) others += "; as " + std::string(Name(kReadings[r])) + ": " + Words(scores_[r]);
+      if (r != best) others += "; as " + std::string(Name(kPoseReadings[r])) + ": " + Words(scores_[r]);
     }
     reading.evidence = "as " + reading.value + ": " + Words(scores_[best]) + others;
     if (calibration_.reading != PoseReading::kUnknown) {
@@ -259,9 +260,9 @@ class Judge {
       const double sees = std::atan2(half, view.fx);
       if (sees <= kWidest) continue;
       sense.remarks.push_back({"calibration_contradiction", Severity::kError, view.fx,
-                               "camera '" + view.name + "': a focal length of " + Rounded(view.fx) +
-                                   " px beside a middle at " + Rounded(half) + " px sees " +
-                                   Rounded(2.0 * sees * 180.0 / kPi) +
+                               "camera '" + view.name + "': a focal length of " + ThreeDigits(view.fx) +
+                                   " px beside a middle at " + ThreeDigits(half) + " px sees " +
+                                   ThreeDigits(2.0 * sees * 180.0 / kPi) +
                                    " degrees: is it in millimetres, or divided by the image's size?"});
     }
   }
@@ -285,11 +286,11 @@ class Judge {
     }
     if (total > 0.0) {
       unit = {kUnits[best].first, likelihood[best] / total,
-              "cameras stand " + Rounded(distance) + " units from where they look: " +
-                  Rounded(distance * kUnits[best].second) + " m if the unit is " + kUnits[best].first};
+              "cameras stand " + ThreeDigits(distance) + " units from where they look: " +
+                  ThreeDigits(distance * kUnits[best].second) + " m if the unit is " + kUnits[best].first};
       for (std::size_t u = 0; u < kUnits.size(); ++u) {
         if (u == best || likelihood[u] < 0.05 * total) continue;
-        unit.evidence += ", " + Rounded(distance * kUnits[u].second) + " m if it is " + kUnits[u].first;
+        unit.evidence += ", " + ThreeDigits(distance * kUnits[u].second) + " m if it is " + kUnits[u].first;
       }
     } else {
       unit.evidence = "the cameras look at no common point, so nothing gives a scale";

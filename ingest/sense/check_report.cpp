@@ -25,7 +25,7 @@ Matrix3d MetresYUp(double metres, const std::string& up) {
 }
 
 /// What the file says is zero stands there for the checks, as it does for whoever ingests it.
-std::vector<double> ConfidenceOf(const ObservedClip& clip) {
+std::vector<double> CheckedConfidence(const ObservedClip& clip) {
   std::vector<double> confidence = clip.confidence;
   for (std::size_t i = 0; i < clip.zeros.size(); ++i) {
     if (clip.zeros[i] != 0) confidence[i] = 1.0;
@@ -137,7 +137,7 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   const bool declared = source && source->rate_hz;
   const std::optional<double> rate = declared ? source->rate_hz : clip.rate_doubt ? std::nullopt : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
-  metres.confidence = ConfidenceOf(clip);
+  metres.confidence = CheckedConfidence(clip);
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options = source ? source->checks : CheckOptions();
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known);

@@ -21,21 +21,19 @@ constexpr double kSetSure = 0.5;      // files of a set may have been thinned ou
 
 using Json = nlohmann::json;
 
-double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
-
 /// A declared value, with what was measured beside it.
-Json Declared(Json value, const std::string& who, const Measured& measured) {
+Json DeclaredValue(Json value, const std::string& who, const Measured& measured) {
   if (value.is_string() && value.get<std::string>().empty()) return ReportValue(measured);
   Json json = ReportValue(std::move(value), "declared", 1.0, who);
   if (!measured.value.empty()) {
     json["measured"] = {
-        {"value", measured.value}, {"confidence", Rounded(measured.confidence)}, {"evidence", measured.evidence}};
+        {"value", measured.value}, {"confidence", FourDecimals(measured.confidence)}, {"evidence", measured.evidence}};
   }
   return json;
 }
 
 /// A declared unit that is none.
-void CheckUnits(const Statements& said, const std::string& where, Json& findings) {
+void TellUnknownUnits(const Statements& said, const std::string& where, Json& findings) {
   const auto declared = MetresPerUnit(said.units);
   if (declared) return;
   findings.push_back(InspectionFinding("units_unknown", Severity::kError, where, 0.0, declared.error().Message()));
@@ -55,41 +53,41 @@ void CompareRates(const ObservedClip& clip, const SourceOptions& source, const s
   findings.push_back(InspectionFinding(differs->code, Severity::kError, where, differs->value, differs->message));
 }
 
-std::string Joined(const std::string& first, const std::string& second) {
+std::string JoinedText(const std::string& first, const std::string& second) {
   return first + (first.empty() || second.empty() ? "" : "; ") + second;
 }
 
 /// "range": [lowest, highest] Hz, null where there is no limit.
 void AddRange(const RateMeasure& measure, Json& json) {
   if (!measure.Tells()) return;
-  const auto limit = [](double hz) { return hz > 0.0 && std::isfinite(hz) ? Json(Rounded(hz)) : Json(); };
+  const auto limit = [](double hz) { return hz > 0.0 && std::isfinite(hz) ? Json(FourDecimals(hz)) : Json(); };
   json["range"] = {limit(measure.lowest), limit(measure.highest)};
 }
 
 /// By the file, the source, flights of the body, or the set; where none tells, the range that the motion allows.
-Json RateOf(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m,
-            const RateMeasure& measure) {
+Json ReportedRate(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m,
+                  const RateMeasure& measure) {
   const std::string shown = measure.Tells() ? "the motion fits " + measure.Range() + ": " + measure.Words() : "";
   Json json;
   if (source && source->rate_hz) {
-    json = Declared(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
+    json = DeclaredValue(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
   } else if (clip.rate_hz) {
     json = ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
   } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
-    json = ReportValue(clip.set_rate_hz, "declared", kSetSure, Joined(clip.set_says, "the file holds no times"));
+    json = ReportValue(clip.set_rate_hz, "declared", kSetSure, JoinedText(clip.set_says, "the file holds no times"));
   } else if (measure.rate_hz() && measure.confidence() > kRateTold) {
     json = ReportValue(std::round(*measure.rate_hz() * 10.0) / 10.0, "measured", measure.confidence(), shown);
     AddRange(measure, json);
     return json;
   } else {
     const std::string silence = clip.rate_evidence.empty() ? "the file does not say it" : clip.rate_evidence;
-    json = ReportValue(Json(), "unknown", 0.0, Joined(silence, shown.empty() ? m.rate.evidence : shown));
+    json = ReportValue(Json(), "unknown", 0.0, JoinedText(silence, shown.empty() ? m.rate.evidence : shown));
     AddRange(measure, json);
     return json;
   }
   if (!measure.Tells()) return json;
-  json["measured"] = {{"value", measure.rate_hz() ? Json(Rounded(*measure.rate_hz())) : Json()},
-                      {"confidence", Rounded(measure.confidence())},
+  json["measured"] = {{"value", measure.rate_hz() ? Json(FourDecimals(*measure.rate_hz())) : Json()},
+                      {"confidence", FourDecimals(measure.confidence())},
                       {"evidence", shown}};
   AddRange(measure, json["measured"]);
   return json;
@@ -101,8 +99,9 @@ Json FirstFrame(const ObservedClip& clip) {
   for (int j = 0; j < clip.positions.joints; ++j) {
     const bool seen = clip.confidence.empty() || clip.confidence[j] > 0.0;
     const auto at = clip.positions.at(0, j);
-    points.push_back({{"joint", clip.names.empty() ? Json() : Json(clip.names[j])},
-                      {"position", seen ? Json({Rounded(at.x()), Rounded(at.y()), Rounded(at.z())}) : Json()}});
+    points.push_back(
+        {{"joint", clip.names.empty() ? Json() : Json(clip.names[j])},
+         {"position", seen ? Json({FourDecimals(at.x()), FourDecimals(at.y()), FourDecimals(at.z())}) : Json()}});
   }
   return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
@@ -122,11 +121,11 @@ void AddNameFields(const ObservedClip& clip, const SourceOptions& source, const 
   json["label"] = ReportValue(named->label, "declared", 1.0, "name of the file");
 }
 
-Json MissingShare(const ObservedClip& clip, const ClipMeasures& m) {
+Json ReportedMissingShare(const ObservedClip& clip, const ClipMeasures& m) {
   if (clip.missing_share)
-    return ReportValue(Rounded(*clip.missing_share), "measured", 1.0, "of the numbers of the file");
+    return ReportValue(FourDecimals(*clip.missing_share), "measured", 1.0, "of the numbers of the file");
   if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
-  return ReportValue(Rounded(m.missing_share), "measured", 1.0,
+  return ReportValue(FourDecimals(m.missing_share), "measured", 1.0,
                      clip.zeros.empty() ? "joints that are no numbers, or have confidence 0"
                                         : "joints that are zero, no numbers, or have confidence 0");
 }
@@ -144,7 +143,8 @@ ClipMeasures MeasuresOf(const ObservedClip& clip) {
 Json ReportValue(Json value, const char* from, double confidence, const std::string& evidence) {
   const bool unknown = value.is_null() || (value.is_string() && value.get<std::string>().empty());
   if (unknown) return {{"value", nullptr}, {"from", "unknown"}, {"confidence", 0.0}, {"evidence", evidence}};
-  return {{"value", std::move(value)}, {"from", from}, {"confidence", Rounded(confidence)}, {"evidence", evidence}};
+  return {
+      {"value", std::move(value)}, {"from", from}, {"confidence", FourDecimals(confidence)}, {"evidence", evidence}};
 }
 
 Json ReportValue(const Measured& measured) {
@@ -185,12 +185,12 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
       ReportValue(Json{{"min", clip.fewest_people}, {"max", clip.people}}, "declared", 1.0, clip.people_evidence);
   json["skeleton"] =
       ReportValue(clip.skeleton, clip.skeleton_from.c_str(), clip.skeleton_confidence, clip.skeleton_evidence);
-  json["units"] = Declared(said.units, said.who, m.units);
-  json["up"] = Declared(said.up, said.who, m.up);
-  json["handedness"] = Declared(said.handedness, said.who, m.handedness);
-  json["facing"] = Declared(said.facing, said.who, m.facing);
-  json["axes"] = Declared(said.axes, said.who, m.axes);
-  json["missing_share"] = MissingShare(clip, m);
+  json["units"] = DeclaredValue(said.units, said.who, m.units);
+  json["up"] = DeclaredValue(said.up, said.who, m.up);
+  json["handedness"] = DeclaredValue(said.handedness, said.who, m.handedness);
+  json["facing"] = DeclaredValue(said.facing, said.who, m.facing);
+  json["axes"] = DeclaredValue(said.axes, said.who, m.axes);
+  json["missing_share"] = ReportedMissingShare(clip, m);
   json["first_frame"] = FirstFrame(clip);
   if (!clip.facts.empty()) {
     Json facts = Json::object();
@@ -199,7 +199,8 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   }
 
   for (const Remark& remark : clip.remarks) {
-    findings.push_back(InspectionFinding(remark.code, remark.severity, where, Rounded(remark.value), remark.message));
+    findings.push_back(
+        InspectionFinding(remark.code, remark.severity, where, FourDecimals(remark.value), remark.message));
   }
   if (clip.rate_doubt && !(source && source->rate_hz)) {
     const Finding& doubt = *clip.rate_doubt;
@@ -207,11 +208,11 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   }
   if (m.missing_share > kManyMissing) {
     findings.push_back(
-        InspectionFinding("many_missing", Severity::kWarning, where, Rounded(m.missing_share),
-                          FormatDouble(Rounded(100.0 * m.missing_share)) + " % of the joints are missing"));
+        InspectionFinding("many_missing", Severity::kWarning, where, FourDecimals(m.missing_share),
+                          FormatDouble(FourDecimals(100.0 * m.missing_share)) + " % of the joints are missing"));
   }
   const bool pixels = clip.positions.empty() && clip.units == "px" && said.units == "px";
-  if (!said.units.empty() && !pixels && (source || !clip.positions.empty())) CheckUnits(said, where, findings);
+  if (!said.units.empty() && !pixels && (source || !clip.positions.empty())) TellUnknownUnits(said, where, findings);
   std::string units = said.units.empty() ? m.units.value : said.units;
   std::string up = said.up.empty() ? m.up.value : said.up;
   bool contradicted = std::any_of(clip.remarks.begin(), clip.remarks.end(),
@@ -231,7 +232,7 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   if (source) CompareRates(clip, *source, where, findings);
   const bool no_body = std::any_of(clip.remarks.begin(), clip.remarks.end(),
                                    [](const Remark& remark) { return remark.code == "not_joint_positions"; });
-  json["rate_hz"] = RateOf(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));
+  json["rate_hz"] = ReportedRate(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));
   ReportChecks(clip, source, contradicted ? "" : units, contradicted ? "" : up, where, findings);
   return json;
 }

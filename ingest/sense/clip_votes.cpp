@@ -14,9 +14,9 @@ using Json = nlohmann::json;
 
 constexpr double kMostOfThem = 0.6;  // share of names of one form, above which the others are another source's
 
-std::string Rounded(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
-
 }  // namespace
+
+std::string TwoDecimals(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
 
 ClipVotes::ClipVotes(const Json& inspection, std::string format) : format_(std::move(format)) {
   std::map<std::string, std::vector<const Json*>> by_joints;
@@ -112,7 +112,7 @@ Vote ClipVotes::Ask(const char* field) const {
     vote.comment = "declared by the file: " + evidence;
   } else {
     vote.comment = "measured: " + std::to_string(counts[most->first]) + " of " + std::to_string(clips_.size()) +
-                   " clips say so, the clearest " + Rounded(clearest->at("confidence").get<double>()) + " sure (" +
+                   " clips say so, the clearest " + TwoDecimals(clearest->at("confidence").get<double>()) + " sure (" +
                    evidence + ")";
   }
   return vote;

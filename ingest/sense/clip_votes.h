@@ -44,4 +44,7 @@ class ClipVotes {
   std::vector<std::string> other_files_;
 };
 
+/// "0.93", as a declaration says how sure it is.
+std::string TwoDecimals(double value);
+
 }  // namespace mocurate

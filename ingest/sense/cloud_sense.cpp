@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestPoints = 20;
+constexpr std::size_t kFewestCloudPoints = 20;
 constexpr double kNear = 0.9;       // share of the points that the others are measured by
 constexpr double kFarRadii = 20.0;  // of theirs
 constexpr double kFarthestRadii = 1000.0;
@@ -33,7 +33,7 @@ Vector3d Middle(const std::vector<Vector3d>& points) {
 }
 
 /// "m.obj:101: the vertex", "m.ply: vertex 100", "m.pcd: point 100".
-std::string PlaceOf(const ObservedCloud& cloud, std::size_t point, const std::string& file) {
+std::string PlaceOfPoint(const ObservedCloud& cloud, std::size_t point, const std::string& file) {
   const std::string number =
       std::to_string(point < cloud.places.size() ? cloud.places[point] : static_cast<int>(point));
   if (cloud.format == "obj") return file + ":" + number + ": the vertex";
@@ -43,7 +43,7 @@ std::string PlaceOf(const ObservedCloud& cloud, std::size_t point, const std::st
 }  // namespace
 
 std::optional<Remark> DoubtPoints(const ObservedCloud& cloud, const std::string& units, const std::string& file) {
-  if (cloud.points.size() < kFewestPoints) return std::nullopt;
+  if (cloud.points.size() < kFewestCloudPoints) return std::nullopt;
   const Vector3d middle = Middle(cloud.points);
   std::vector<double> distances;
   for (const Vector3d& point : cloud.points) distances.push_back((point - middle).norm());
@@ -63,7 +63,7 @@ std::optional<Remark> DoubtPoints(const ObservedCloud& cloud, const std::string&
   const Vector3d& point = cloud.points[at];
   return Remark{
       "point_far", error ? Severity::kError : Severity::kWarning, farthest,
-      PlaceOf(cloud, at, file) + " at " + RoundedText(point.x()) + " " + RoundedText(point.y()) + " " +
+      PlaceOfPoint(cloud, at, file) + " at " + RoundedText(point.x()) + " " + RoundedText(point.y()) + " " +
           RoundedText(point.z()) + " is " + Digits(*first) + " from the middle of the cloud" +
           (count > 1 ? ", and " + Counted(count - 1, "other") + " are so far" : "") + "; nine in ten of the " +
           std::to_string(cloud.points.size()) + " points are within " + Digits(radius) + ", and " +

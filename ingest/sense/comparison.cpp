@@ -16,8 +16,6 @@ constexpr double kPathSlack = 2.0;       // factor by which a path may differ fr
 constexpr double kRateTolerance = 0.01;  // relative
 constexpr double kUnitSlack = 1.5;       // factor within which a length is a usual unit
 
-double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
-
 /// "-z": where a canonical direction lies in the source's axes.
 std::string SourceAxis(const AxisConvention& axes, int canonical) {
   for (int i = 0; i < 3; ++i) {
@@ -39,7 +37,7 @@ std::string UnitName(double metres) {
 /// A path of the root in another unit than the body that it carries.
 void ComparePath(const Statements& said, const RootScale& root, double declared, std::vector<Comparison>& comparisons) {
   const std::string unit = UnitName(root.factor * declared);
-  Comparison units{"units_contradiction", said.units, unit, Rounded(root.factor), root.sure, false, ""};
+  Comparison units{"units_contradiction", said.units, unit, FourDecimals(root.factor), root.sure, false, ""};
   units.contradicts = root.factor > kPathSlack || root.factor < 1.0 / kPathSlack;
   units.message = "the path of the root is declared in " + said.units + ", but does not fit the body's steps" +
                   (unit.empty() ? "" : ": in " + unit + " it would") + " (" + root.evidence + ")";
@@ -52,10 +50,10 @@ void CompareUnits(const Statements& said, const ClipMeasures& m, std::vector<Com
   if (!declared) return;
   if (m.root) return ComparePath(said, *m.root, *declared, comparisons);
   const double metres = m.body * *declared;
-  Comparison units{"units_contradiction", said.units, m.units.value, Rounded(metres), 1.0, false, ""};
+  Comparison units{"units_contradiction", said.units, m.units.value, FourDecimals(metres), 1.0, false, ""};
   units.contradicts = metres < kLeastBody || metres > kLongestBody;
-  units.message = "in the declared unit '" + said.units + "' the person measures " + FormatDouble(Rounded(metres)) +
-                  " m from head to foot" +
+  units.message = "in the declared unit '" + said.units + "' the person measures " +
+                  FormatDouble(FourDecimals(metres)) + " m from head to foot" +
                   (m.units.value.empty() ? "" : "; in " + m.units.value + " it would be a person");
   comparisons.push_back(std::move(units));
 }
@@ -63,7 +61,7 @@ void CompareUnits(const Statements& said, const ClipMeasures& m, std::vector<Com
 void Compare(const char* code, const char* what, const std::string& declared, const Measured& measured,
              std::vector<Comparison>& comparisons) {
   if (declared.empty() || measured.value.empty() || measured.confidence < kContradicts) return;
-  comparisons.push_back({code, declared, measured.value, Rounded(measured.confidence), measured.confidence,
+  comparisons.push_back({code, declared, measured.value, FourDecimals(measured.confidence), measured.confidence,
                          measured.value != declared,
                          std::string(what) + " is declared " + declared + ", the motion says " + measured.value + ", " +
                              RoundedText(100.0 * measured.confidence, 3) + " % sure (" + measured.evidence + ")"});
@@ -89,7 +87,7 @@ double ContradictionThreshold(const std::string& code, double value, const Sourc
   if (code == "units_contradiction") {
     const bool path = source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap;
     if (path) return value > 1.0 ? kPathSlack : 1.0 / kPathSlack;
-    return Rounded(value > kTallestBody ? kLongestBody : kLeastBody);
+    return FourDecimals(value > kTallestBody ? kLongestBody : kLeastBody);
   }
   if (code == "up_contradiction" || code == "handedness_contradiction") return kContradicts;
   if (code == "joint_order_contradiction") return kPlausibleOrder;

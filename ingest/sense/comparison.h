@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,5 +62,8 @@ inline constexpr double kPlausibleOrder = 0.12;
 /// Clips of one source or folder that tell, before the others are told by them, and the least share of their votes.
 inline constexpr std::size_t kFewestVotes = 5;
 inline constexpr double kAgreement = 0.95;
+
+/// As many as a report says.
+inline double FourDecimals(double value) { return std::round(value * 1e4) / 1e4; }
 
 }  // namespace mocurate

@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/formats/depth_sequence.h"
 #include "ingest/sense/declaration_writer.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
 
 namespace mocurate {
@@ -26,12 +27,8 @@ bool IsDepthPng(const std::filesystem::path& path) {
   return head[kBitDepthAt] == 16 && head[kBitDepthAt + 1] == 0;
 }
 
-bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-bool IsAlnum(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
-
 /// Whether two characters that follow each other belong to one word or one number.
-bool OnePart(char a, char b) { return IsAlnum(a) && IsAlnum(b) && IsDigit(a) == IsDigit(b); }
+bool OnePart(char a, char b) { return IsDigit(a) ? IsDigit(b) : IsLetter(a) && IsLetter(b); }
 
 /// Where `part` next stands in `text` as whole words and numbers: "p" in "p_01" and "p01", not in "depth".
 std::size_t FindPart(const std::string& text, const std::string& part, std::size_t from) {
@@ -50,7 +47,7 @@ void ReplaceParts(std::string& text, const std::string& from, const std::string&
 }
 
 /// One name as a pattern; empty where no camera is in it.
-std::string PatternOf(const std::string& name, const std::vector<std::string>& cameras, const std::string& field) {
+std::string CameraPattern(const std::string& name, const std::vector<std::string>& cameras, const std::string& field) {
   std::string longest;
   for (const std::string& camera : cameras) {
     if (camera.size() > longest.size() && FindPart(name, camera, 0) != std::string::npos) longest = camera;
@@ -103,7 +100,7 @@ std::string GuessImages(const std::vector<std::string>& names, const std::vector
                         const std::string& field) {
   std::map<std::string, std::size_t> counts;
   for (const std::string& name : names) {
-    const std::string pattern = PatternOf(name, cameras, field);
+    const std::string pattern = CameraPattern(name, cameras, field);
     if (!pattern.empty()) ++counts[pattern];
   }
   if (counts.empty()) return "";

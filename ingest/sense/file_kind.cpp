@@ -15,15 +15,14 @@ namespace mocurate {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::size_t kHead = 8192;
 constexpr std::size_t kMostKeys = 64;
 
 bool StartsWith(std::string_view text, std::string_view begin) { return text.substr(0, begin.size()) == begin; }
 
 /// Lines of the head, trimmed, without the last one, which may be cut off.
 std::vector<std::string_view> LinesOf(std::string_view bytes) {
-  std::string_view head = bytes.substr(0, kHead);
-  if (bytes.size() >= kHead) head = head.substr(0, std::max<std::size_t>(head.rfind('\n') + 1, 1));
+  std::string_view head = bytes.substr(0, kKindHead);
+  if (bytes.size() >= kKindHead) head = head.substr(0, std::max<std::size_t>(head.rfind('\n') + 1, 1));
   std::vector<std::string_view> lines = SplitText(head, '\n');
   for (std::string_view& line : lines) line = Trim(line);
   return lines;
@@ -101,7 +100,7 @@ struct LineContent {
   int numbers = 0, words = 0;
 };
 
-LineContent ContentOf(std::string_view line) {
+LineContent ContentOfLine(std::string_view line) {
   LineContent content;
   for (const std::string_view part : SplitText(line, ',')) {
     for (const std::string_view word : SplitBlanks(Trim(part))) {
@@ -119,7 +118,7 @@ bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
   constexpr int kFewestNumbers = 3;
   int header = 0, first = 0;
   for (const std::string_view line : lines) {
-    const LineContent content = ContentOf(line);
+    const LineContent content = ContentOfLine(line);
     if (content.numbers + content.words == 0) continue;
     if (StartsWith(line, "PathFileType")) return false;
     if (content.words > 0 && first == 0) {
@@ -206,7 +205,7 @@ FileKind KindOf(std::string_view bytes) {
   if (IsVideo(bytes)) return FileKind::kVideo;
   if (StartsWith(bytes, "PK\x03\x04")) return FileKind::kZip;
   if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
-  if (BeginsAsOldPickle(bytes.substr(0, kHead))) return FileKind::kPickle;
+  if (BeginsAsOldPickle(bytes.substr(0, kKindHead))) return FileKind::kPickle;
   if (IsWideBvh(bytes)) return FileKind::kBvh;
   if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n\f\v");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace mocurate {
@@ -29,7 +30,8 @@ enum class FileKind {
   kVideo  ///< AVI, MP4 and its kin, Matroska, MPEG
 };
 
-/// Looks at the first 8 KiB only.
+constexpr std::size_t kKindHead = 8192;  ///< bytes at the start of a file that KindOf looks at
+
 FileKind KindOf(std::string_view bytes);
 
 /// What a JSON file is, by its keys; kOther: none of these, it may be a calibration.

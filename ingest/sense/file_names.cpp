@@ -10,9 +10,6 @@
 namespace mocurate {
 namespace {
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
 /// A name in pieces; `joints` are the characters between them.
 struct Pieces {
   std::vector<std::string> parts;
@@ -20,7 +17,7 @@ struct Pieces {
   std::string ending;
 };
 
-Pieces Cut(const std::string& name) {
+Pieces PiecesOf(const std::string& name) {
   Pieces pieces;
   const std::size_t dot = name.rfind('.');
   const bool has_ending = dot != std::string::npos && name.find('/', dot) == std::string::npos;
@@ -94,19 +91,24 @@ GuessedNames Unlike(const Pieces& first) {
 
 }  // namespace
 
+std::string FolderOf(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string::npos ? "" : name.substr(0, slash);
+}
+
 bool GuessedNames::Has(const std::string& field) const {
   return std::find(fields.begin(), fields.end(), field) != fields.end();
 }
 
 std::string FormOf(const std::string& name) {
-  const Pieces pieces = Cut(name);
+  const Pieces pieces = PiecesOf(name);
   return pieces.joints + pieces.ending;
 }
 
 GuessedNames GuessNames(const std::vector<std::string>& names) {
   if (names.empty()) return {};
   std::vector<Pieces> all;
-  for (const std::string& name : names) all.push_back(Cut(name));
+  for (const std::string& name : names) all.push_back(PiecesOf(name));
   const Pieces& first = all.front();
   if (names.size() == 1) {
     GuessedNames one = Unlike(first);

@@ -6,6 +6,14 @@
 
 namespace mocurate {
 
+// Of a name: ASCII.
+inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+inline bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+inline bool IsAlnum(char c) { return IsDigit(c) || IsLetter(c); }
+
+/// "a/b" of "a/b/c.bvh"; empty of a name without a folder.
+std::string FolderOf(const std::string& name);
+
 /// A pattern that all of some names follow, guessed from what they have in common.
 struct GuessedNames {
   std::string pattern;              ///< as ingest.source.files; of one field {clip} where the names have no common form

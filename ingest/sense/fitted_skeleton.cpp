@@ -9,7 +9,7 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kUsual = "smpl24";
+constexpr const char* kUsualSkeleton = "smpl24";
 constexpr const char* kFolder = "skeletons/";
 constexpr double kNearHips = 0.1;  // metres, in the rest pose
 
@@ -39,8 +39,8 @@ bool RootBetweenHips(const Skeleton& skeleton) {
 }  // namespace
 
 std::string FittedSkeleton(const std::vector<std::string>& joints) {
-  const Expected<SkeletonPtr> usual = LoadSkeleton(kUsual);
-  if (usual && HoldsAll(joints, **usual)) return kUsual;
+  const Expected<SkeletonPtr> usual = LoadSkeleton(kUsualSkeleton);
+  if (usual && HoldsAll(joints, **usual)) return kUsualSkeleton;
   SkeletonPtr best;
   for (const std::string& path : ResourcePaths()) {
     const std::string file = path.rfind(kFolder, 0) == 0 ? path.substr(std::string(kFolder).size()) : "";

@@ -4,28 +4,26 @@
 #include <cctype>
 
 #include "core/base/text.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
 namespace {
 
-bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-bool IsAlnum(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
-
 /// "cam01.0000.json" as "cam01.", "0000", ".json".
-struct Split {
+struct FrameSplit {
   std::string before;
   std::string after;
 };
 
-std::optional<Split> AtFrame(const std::string& file) {
+std::optional<FrameSplit> AtFrame(const std::string& file) {
   const std::size_t dot = std::min(file.rfind('.'), file.size());
   std::size_t end = dot;
   while (end > 0 && !IsDigit(file[end - 1])) --end;
   if (end == 0) return std::nullopt;
   std::size_t begin = end;
   while (begin > 0 && IsDigit(file[begin - 1])) --begin;
-  return Split{file.substr(0, begin), file.substr(end)};
+  return FrameSplit{file.substr(0, begin), file.substr(end)};
 }
 
 /// The beginning that folder and file share, up to its last letter or digit.
@@ -36,9 +34,9 @@ std::string Shared(const std::string& folder, const std::string& file) {
   return folder.substr(0, length);
 }
 
-std::string PatternOf(const std::string& name, bool cameras) {
+std::string GatheredPattern(const std::string& name, bool cameras) {
   const std::vector<std::string_view> parts = SplitText(name, '/');
-  const std::optional<Split> split = AtFrame(std::string(parts.back()));
+  const std::optional<FrameSplit> split = AtFrame(std::string(parts.back()));
   if (!split) return {};
   const std::string folder(parts.size() > 1 ? parts[parts.size() - 2] : "");
   const std::size_t above = parts.size() < 2 ? 0 : parts.size() - 2;
@@ -93,7 +91,7 @@ CameraNames NamesOfCameras(const std::vector<std::string>& all) {
 std::optional<GatheredNames> GuessGathered(const std::vector<std::string>& files, bool cameras) {
   GatheredNames best;
   for (const std::string& file : files) {
-    const std::string text = PatternOf(file, cameras);
+    const std::string text = GatheredPattern(file, cameras);
     if (text.empty() || text == best.pattern) continue;
     const auto pattern = NamePattern::Parse(text, "ingest.source.files");
     if (!pattern) continue;

@@ -307,7 +307,7 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
   if (announced && findings().size() > before) findings().back()["value"] = *announced;
 }
 
-std::string FormatOf(const Json& inspection) {
+std::string FormatTold(const Json& inspection) {
   std::set<std::string> formats;
   for (const char* list : {"clips", "cameras", "clouds", "companions"}) {
     if (!formats.empty()) break;  // what stands beside clips does not make them mixed
@@ -354,7 +354,7 @@ void Inspector::Finish(const std::string& path) {
     findings().push_back(InspectionFinding("no_clips", Severity::kError, path, 0.0,
                                            "no file of the folder holds motion in a known format"));
   }
-  inspection["format"] = FormatOf(inspection);
+  inspection["format"] = FormatTold(inspection);
   inspection["groups"] = GroupsOf(inspection["clips"]);
 }
 

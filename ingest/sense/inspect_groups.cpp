@@ -13,19 +13,19 @@
 #include "ingest/options.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/comparison.h"
+#include "ingest/sense/file_names.h"
 
 namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kNearTen = 0.05;         // of the logarithm of a factor
-constexpr std::size_t kFewestPoints = 5;  // that tell where a body is
-constexpr double kLeastSpread = 0.1;      // of the size of a body, of places that count as different
-constexpr double kFromMad = 1.4826;
-constexpr double kElsewhere = 6.0;  // of the spread, from the middle of all: nobody else is there
-constexpr double kThere = 3.0;      // of the spread, where the others are
-constexpr double kSure = 0.6;       // of a handedness that is kept against that of all others
+constexpr double kNearTen = 0.05;             // of the logarithm of a factor
+constexpr std::size_t kFewestSeenPoints = 5;  // that tell where a body is
+constexpr double kLeastSpread = 0.1;          // of the size of a body, of places that count as different
+constexpr double kElsewhere = 6.0;            // of the spread, from the middle of all: nobody else is there
+constexpr double kThere = 3.0;                // of the spread, where the others are
+constexpr double kSureHandedness = 0.6;       // of a handedness that is kept against that of all others
 
 /// What most clips of a group say, weighted by confidence.
 Json Pooled(const std::vector<const Json*>& clips, const char* key) {
@@ -52,18 +52,14 @@ Json Pooled(const std::vector<const Json*>& clips, const char* key) {
   return best;
 }
 
-std::string FolderOf(const Json& clip) {
-  const std::string file = clip.at("file");
-  const std::size_t slash = file.rfind('/');
-  return slash == std::string::npos ? "" : file.substr(0, slash);
-}
+std::string ClipFolder(const Json& clip) { return FolderOf(clip.at("file")); }
 
 /// Clips by folder, format and joints.
 template <class Clip>
 std::map<std::string, std::vector<Clip*>> Members(Clip& clips) {
   std::map<std::string, std::vector<Clip*>> members;
   for (auto& clip : clips) {
-    members[FolderOf(clip) + "\n" + clip.at("format").template get<std::string>() + "\n" +
+    members[ClipFolder(clip) + "\n" + clip.at("format").template get<std::string>() + "\n" +
             clip.at("joints").at("value").dump()]
         .push_back(&clip);
   }
@@ -137,7 +133,7 @@ struct FirstPlace {
   double size = 0.0;
 };
 
-std::optional<FirstPlace> PlaceOf(const Json& clip) {
+std::optional<FirstPlace> FirstPlaceOf(const Json& clip) {
   const Json& points = clip.at("first_frame").at("value");
   if (!points.is_array()) return std::nullopt;
   FirstPlace first;
@@ -146,7 +142,7 @@ std::optional<FirstPlace> PlaceOf(const Json& clip) {
     for (const Json& point : points) {
       if (!point.at("position").is_null()) values.push_back(point.at("position").at(axis));
     }
-    if (values.size() < kFewestPoints) return std::nullopt;
+    if (values.size() < kFewestSeenPoints) return std::nullopt;
     std::sort(values.begin(), values.end());
     first.place[axis] = values[values.size() / 2];
     first.size = std::max(first.size, values.back() - values.front());
@@ -160,7 +156,7 @@ void TellPlaces(const std::vector<Json*>& group, Json& findings) {
   std::vector<FirstPlace> places;
   std::vector<double> sizes;
   for (const Json* clip : group) {
-    const std::optional<FirstPlace> place = PlaceOf(*clip);
+    const std::optional<FirstPlace> place = FirstPlaceOf(*clip);
     if (!place) continue;
     clips.push_back(clip);
     places.push_back(*place);
@@ -174,7 +170,7 @@ void TellPlaces(const std::vector<Json*>& group, Json& findings) {
     for (const FirstPlace& place : places) values.push_back(place.place[axis]);
     middle[axis] = Median(values);
     for (const double value : values) off.push_back(std::abs(value - middle[axis]));
-    spread[axis] = std::max(least, kFromMad * Median(off));
+    spread[axis] = std::max(least, kMadToSigma * Median(off));
   }
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const auto off = [&](std::size_t axis, std::size_t read) {
@@ -199,7 +195,7 @@ constexpr std::size_t kFewestMeshes = 2;  // beside one that has no faces
 void TellCutMeshes(const Json& clouds, Json& findings) {
   std::map<std::string, std::vector<const Json*>> folders;
   for (const Json& cloud : clouds) {
-    if (cloud.at("format") == "obj") folders[FolderOf(cloud)].push_back(&cloud);
+    if (cloud.at("format") == "obj") folders[ClipFolder(cloud)].push_back(&cloud);
   }
   for (const auto& [folder, meshes] : folders) {
     const auto has_faces = [](const Json* mesh) { return mesh->at("triangles").get<std::size_t>() > 0; };
@@ -254,7 +250,7 @@ void TellByGroup(Json& clips, Json& findings) {
           if ((*clip)[field].at("from") == "measured")
             (*clip)[field] = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder");
         }
-        if (handedness.at("confidence").get<double>() >= kSure) {
+        if (handedness.at("confidence").get<double>() >= kSureHandedness) {
           handedness = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder: " + own);
           continue;
         }

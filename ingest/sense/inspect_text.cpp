@@ -17,46 +17,46 @@ std::string Text(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-std::string Percent(const Json& share) {
+std::string WholePercent(const Json& share) {
   return std::to_string(static_cast<int>(share.get<double>() * 100.0 + 0.5)) + " %";
 }
 
-std::string Line(const std::string& name, const std::string& text) {
+std::string NamedLine(const std::string& name, const std::string& text) {
   return "  " + name + std::string(name.size() < 12 ? 12 - name.size() : 1, ' ') + text + "\n";
 }
 
-std::string Field(const char* name, const Json& field) {
+std::string FieldText(const char* name, const Json& field) {
   std::string text = Text(field.at("value"));
   const std::string from = field.at("from");
   if (from == "measured")
-    text += "  measured, " + Percent(field.at("confidence")) + " sure: " + field.at("evidence").get<std::string>();
+    text += "  measured, " + WholePercent(field.at("confidence")) + " sure: " + field.at("evidence").get<std::string>();
   if (from == "declared") text += "  " + field.at("evidence").get<std::string>();
   if (from == "unknown") text += "  " + field.at("evidence").get<std::string>();
   if (field.contains("measured")) {
     const Json& measured = field.at("measured");
     text += "; measured " + (measured.at("value").is_null() ? "" : Text(measured.at("value")) + ", ") +
-            Percent(measured.at("confidence")) + " sure: " + measured.at("evidence").get<std::string>();
+            WholePercent(measured.at("confidence")) + " sure: " + measured.at("evidence").get<std::string>();
   }
-  return Line(name, text);
+  return NamedLine(name, text);
 }
 
 std::string ClipText(const Json& clip) {
   std::string text = clip.at("id").get<std::string>() + ": " + clip.at("format").get<std::string>() + "\n";
   for (const char* name : {"person", "label"}) {
-    if (clip.contains(name)) text += Field(name, clip.at(name));
+    if (clip.contains(name)) text += FieldText(name, clip.at(name));
   }
   for (const char* name : {"frames", "rate_hz", "joints", "people", "skeleton", "units", "up", "handedness", "facing",
                            "axes", "missing_share"}) {
-    text += Field(name, clip.at(name));
+    text += FieldText(name, clip.at(name));
   }
-  if (clip.contains("facts")) text += Line("facts", clip.at("facts").dump());
+  if (clip.contains("facts")) text += NamedLine("facts", clip.at("facts").dump());
   return text;
 }
 
 /// A declaration is one for all clips: what they show is told by the findings.
 std::string Agreement(const Json& field) {
   const bool all_say_so = field.at("from") == "declared" && field.at("share").get<double>() >= 1.0;
-  return all_say_so ? "" : ", " + Percent(field.at("share")) + " agree";
+  return all_say_so ? "" : ", " + WholePercent(field.at("share")) + " agree";
 }
 
 std::string GroupText(const Json& group) {
@@ -64,14 +64,14 @@ std::string GroupText(const Json& group) {
   std::string text =
       (group.at("folder").get<std::string>().empty() ? "" : group.at("folder").get<std::string>() + "/: ") +
       Counted(group.at("clips").get<long long>(), "clip") + ", " + group.at("format").get<std::string>() + "\n";
-  text += Line("frames",
-               Text(frames.at("sum")) + " (" + Text(frames.at("min")) + " to " + Text(frames.at("max")) + " a clip)");
-  text += Line("joints", Text(group.at("joints")));
+  text += NamedLine(
+      "frames", Text(frames.at("sum")) + " (" + Text(frames.at("min")) + " to " + Text(frames.at("max")) + " a clip)");
+  text += NamedLine("joints", Text(group.at("joints")));
   for (const char* name : {"rate_hz", "skeleton", "units", "up", "handedness", "facing", "axes"}) {
     const Json& field = group.at(name);
     std::string value = Text(field.at("value"));
     if (!field.at("value").is_null()) value += "  " + field.at("from").get<std::string>() + Agreement(field);
-    text += Line(name, value);
+    text += NamedLine(name, value);
   }
   return text;
 }
@@ -81,8 +81,8 @@ std::string SceneText(const Json& inspection) {
   std::map<std::string, int> cameras;
   for (const Json& camera : inspection.at("cameras")) {
     ++cameras[camera.at("file").get<std::string>() + ": " + camera.at("format").get<std::string>() + "\n" +
-              Field("units", camera.at("units")) + Field("reading", camera.at("reading")) +
-              Field("up", camera.at("up")) + Line("image_size", Text(camera.at("image_size").at("value")))];
+              FieldText("units", camera.at("units")) + FieldText("reading", camera.at("reading")) +
+              FieldText("up", camera.at("up")) + NamedLine("image_size", Text(camera.at("image_size").at("value")))];
   }
   std::string text;
   for (const auto& [lines, count] : cameras) {
@@ -91,8 +91,8 @@ std::string SceneText(const Json& inspection) {
   for (const Json& cloud : inspection.at("clouds")) {
     text += "\n" + cloud.at("id").get<std::string>() + ": " + cloud.at("format").get<std::string>() + ", " +
             Counted(cloud.at("points").get<long long>(), "point") + ", " +
-            Counted(cloud.at("triangles").get<long long>(), "triangle") + "\n" + Field("extent", cloud.at("extent")) +
-            Field("units", cloud.at("units"));
+            Counted(cloud.at("triangles").get<long long>(), "triangle") + "\n" +
+            FieldText("extent", cloud.at("extent")) + FieldText("units", cloud.at("units"));
   }
   std::map<std::string, std::vector<const Json*>> companions;
   for (const Json& companion : inspection.at("companions")) {

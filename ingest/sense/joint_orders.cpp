@@ -13,7 +13,6 @@ namespace mocurate {
 namespace {
 
 constexpr int kFramesLookedAt = 64;
-constexpr double kFromMad = 1.4826;
 
 std::vector<std::string> SmplJoints(std::size_t count) {
   std::vector<std::string> names = {"pelvis",     "left_hip",      "right_hip",      "spine1",      "left_knee",
@@ -45,7 +44,7 @@ Distance DistanceBetween(const JointPositions& positions, const std::vector<doub
   distance.median = Median(lengths);
   if (!(distance.median > 0.0)) return distance;
   for (double& length : lengths) length = std::abs(length - distance.median);
-  distance.spread = std::min(1.0, kFromMad * Median(lengths) / distance.median);
+  distance.spread = std::min(1.0, kMadToSigma * Median(lengths) / distance.median);
   return distance;
 }
 

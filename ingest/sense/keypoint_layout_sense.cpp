@@ -15,15 +15,15 @@ namespace {
 constexpr std::size_t kFewestBones = 8;
 constexpr double kBodyLike = 0.5;        ///< mismatch of a body in any pose
 constexpr double kSpreadOfBones = 0.35;  ///< scale of the differences of log lengths by pose and build
-constexpr double kSure = 0.9;
+constexpr double kSureLayout = 0.9;
 
-struct Bone {
+struct BodyBone {
   const char* from;
   const char* to;
   double length;  ///< share of stature (Drillis and Contini; the head's from the body mesh)
 };
 
-constexpr Bone kBones[] = {
+constexpr BodyBone kBodyBones[] = {
     {"left_shoulder", "left_elbow", 0.172},
     {"right_shoulder", "right_elbow", 0.172},
     {"left_elbow", "left_wrist", 0.146},
@@ -56,7 +56,7 @@ constexpr Bone kBones[] = {
 
 std::optional<double> Mismatch(const OpenPosePerson& person, const KeypointLayout& layout) {
   std::vector<double> logs;
-  for (const Bone& bone : kBones) {
+  for (const BodyBone& bone : kBodyBones) {
     const int from = layout.Find(bone.from);
     const int to = layout.Find(bone.to);
     if (from < 0 || to < 0) continue;
@@ -117,7 +117,7 @@ Measured SenseKeypointLayout(const std::vector<OpenPosePerson>& people) {
     layout.evidence += (layout.evidence.empty() ? "" : "; ") + ("as " + score.layout) + " bones are off by " +
                        FormatDouble(percent) + " % on the average of " + std::to_string(score.people) + " people";
   }
-  if (layout.confidence >= kSure) layout.value = best.layout;
+  if (layout.confidence >= kSureLayout) layout.value = best.layout;
   return layout;
 }
 

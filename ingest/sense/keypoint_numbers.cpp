@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestPoints = 10;
+constexpr std::size_t kFewestKeypoints = 10;
 constexpr double kInTheCorner_px = 2.0;  // nobody is seen as small as that
 constexpr double kMostConfidence = 1.5;  // peaks of heat maps reach a little beyond 1
 
@@ -34,7 +34,7 @@ std::vector<Finding> DoubtKeypointNumbers(const std::vector<OpenPosePerson>& peo
     }
   }
   std::vector<Finding> findings;
-  if (confidence.size() < kFewestPoints) return findings;
+  if (confidence.size() < kFewestKeypoints) return findings;
   if (farthest < kInTheCorner_px) {
     findings.push_back(Doubt("keypoints_not_pixels", farthest,
                              "no keypoint is farther than " + Digits(farthest) +

@@ -166,7 +166,7 @@ void AskTheFloor(const Body& body, const ObservedClip& clip, Measured& up) {
 }
 
 /// Without names: the longest side of the box around all points.
-double Extent(const ObservedClip& clip) {
+double LongestSide(const ObservedClip& clip) {
   std::vector<double> extents;
   for (int f = 0; f < clip.positions.frames; ++f) {
     Vector3d low = Vector3d::Constant(1e300), high = Vector3d::Constant(-1e300);
@@ -276,7 +276,7 @@ ClipMeasures Measure(const ObservedClip& clip) {
   } else if (m.body > 0.0) {
     m.units = UnitsFromLength(m.body, kHeadToFoot, "head to foot along the bones", 1.0, true);
   } else if (clip.joints >= kFewestInBox) {
-    m.units = UnitsFromLength(Extent(clip), kBox, "the longest side of the box around all points", 0.5, false);
+    m.units = UnitsFromLength(LongestSide(clip), kBox, "the longest side of the box around all points", 0.5, false);
   } else {
     m.units.evidence = "no head, hips and legs are named, and " + Counted(clip.joints, "point") + " are no person";
   }

@@ -9,7 +9,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 8;  // fewer tell no spread of lengths
+constexpr int kFewestNamedFrames = 8;  // fewer tell no spread of lengths
 
 /// Points by the names of a skeleton.
 HandednessPoints PointsByName(const std::vector<std::string>& names, const Skeleton& skeleton) {
@@ -22,11 +22,12 @@ HandednessPoints PointsByName(const std::vector<std::string>& names, const Skele
   });
 }
 
-std::string Rounded(double value) { return FormatDouble(std::round(value * 1000.0) / 1000.0); }
+std::string ThreeDecimals(double value) { return FormatDouble(std::round(value * 1000.0) / 1000.0); }
 
 std::string Words(const OrderScore& score) {
-  return "order '" + score.order->name + "': bones change their length by " + Rounded(100.0 * score.score.spread) +
-         " %, proportions are off by " + Rounded(100.0 * score.score.proportion) + " %";
+  return "order '" + score.order->name + "': bones change their length by " +
+         ThreeDecimals(100.0 * score.score.spread) + " %, proportions are off by " +
+         ThreeDecimals(100.0 * score.score.proportion) + " %";
 }
 
 /// Names the points in that order; says what they contradict.
@@ -97,7 +98,7 @@ void DoubtPositions(ObservedClip& clip) {
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   if (rigidity > kRigid) {
     clip.remarks.push_back({"not_joint_positions", Severity::kError, rigidity,
-                            "no two points keep their distance (it changes by " + Rounded(100.0 * rigidity) +
+                            "no two points keep their distance (it changes by " + ThreeDecimals(100.0 * rigidity) +
                                 " % for the most rigid pairs): these numbers are no joint positions"});
   } else if (!scores.empty()) {
     clip.remarks.push_back({"not_joint_positions", Severity::kError, scores[0].score.proportion,
@@ -130,14 +131,14 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   const BodyScore score = ScoreBody(clip.positions, clip.confidence, BonesOf(clip.names, **skeleton));
   clip.skeleton_evidence = clip.frames < 2
                                ? "1 frame does not tell whether bones keep their length"
-                               : "bones change their length by " + Rounded(100.0 * score.spread) +
-                                     " %, proportions are off by " + Rounded(100.0 * score.proportion) + " %";
+                               : "bones change their length by " + ThreeDecimals(100.0 * score.spread) +
+                                     " %, proportions are off by " + ThreeDecimals(100.0 * score.proportion) + " %";
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   const bool better = !scores.empty() && scores[0].score.IsBody() && scores[0].score.total() < 0.6 * score.total();
   std::string why = better && score.total() >= kPlausibleOrder ? Words(scores[0]) : "";
   if (const auto doubt = why.empty() ? DoubtOrder(clip, score, BonesOf(clip.names, **skeleton)) : std::nullopt)
     why = *doubt;
-  if (clip.frames < kFewestFrames || why.empty()) return;
+  if (clip.frames < kFewestNamedFrames || why.empty()) return;
   clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
                           "read in the declared order, " + clip.skeleton_evidence + " (" + RoundedText(score.total()) +
                               ", the spread and half of that); " + why});

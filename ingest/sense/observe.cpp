@@ -100,6 +100,15 @@ Remark RemarkOf(const Finding& finding) {
           lost ? finding.frame_end : 0};
 }
 
+void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip, int rows) {
+  for (const Finding& finding : findings) {
+    Remark remark = RemarkOf(finding);
+    remark.frame_begin /= rows;
+    remark.frame_end = (remark.frame_end + rows - 1) / rows;
+    clip.remarks.push_back(std::move(remark));
+  }
+}
+
 Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source) {
   switch (KindOf(file.bytes)) {
     case FileKind::kBvh:

@@ -35,7 +35,7 @@ bool Begins(const std::string& skeleton, const std::string& motion) {
 }
 
 /// The longest such name, in the motion's folder, then in the one above.
-Beside SkeletonOf(const fs::path& motion) {
+Beside SkeletonBeside(const fs::path& motion) {
   Beside beside;
   const std::string stem = LowerCase(DisplayPath(motion.stem()));
   const fs::path folder = motion.has_parent_path() ? motion.parent_path() : fs::path(".");
@@ -68,12 +68,6 @@ std::optional<double> RateOfName(const fs::path& path) {
   const auto rate = ParseInteger(words[4]);
   if (!rate || *rate < 1) return std::nullopt;
   return static_cast<double>(*rate);
-}
-
-void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip) {
-  for (const Finding& finding : findings) {
-    clip.remarks.push_back(RemarkOf(finding));
-  }
 }
 
 /// Places where the bones begin; the root first.
@@ -109,7 +103,7 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
   ObservedClip clip;
   clip.format = "amc";
   clip.rate_evidence = "the file does not say it";
-  const Beside beside = SkeletonOf(file.path);
+  const Beside beside = SkeletonBeside(file.path);
   std::optional<Asf> asf;
   if (!beside.skeleton.empty()) {
     const std::string skeleton = DisplayPath(beside.skeleton.filename());

@@ -40,7 +40,7 @@ HandednessPoints PointsOfMarkers(const std::vector<std::string>& labels) {
   return points;
 }
 
-constexpr int kBodyJoints = 22;  // of SMPL-H and SMPL-X; SMPL's two hands are their fingers
+constexpr int kJointsBesideHands = 22;  // of SMPL-H and SMPL-X; SMPL's two hands are their fingers
 
 /// The rotations on SMPL's tree, which is the same for every body: joints of standard proportions, that are upright
 /// where the person is, bend as the person does, and say nothing of lengths.
@@ -48,7 +48,7 @@ Expected<Motion> PoseTree(const Amass& amass) {
   const Expected<SkeletonPtr> skeleton = KnownSkeleton("smpl24");
   if (!skeleton) return Forward(skeleton);
   const SmplRotations rotations{amass.poses, amass.frames, amass.pose_columns,
-                                amass.pose_columns == 3 * kSmplJoints ? kSmplJoints : kBodyJoints};
+                                amass.pose_columns == 3 * kSmplJoints ? kSmplJoints : kJointsBesideHands};
   Expected<std::vector<Quaterniond>> local = SmplLocalRotations(**skeleton, rotations, Quaterniond::Identity());
   if (!local) return Forward(local);
   std::vector<Vector3d> pelvis;

@@ -17,7 +17,7 @@ std::size_t JointsDeclared(const SourceOptions& source) {
   return skeleton ? (*skeleton)->joints.size() : 0;
 }
 
-void TellDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
+void RemarkDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
   for (const Finding& finding : damaged.findings)  // its frames reach from the first to the last such number
     clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
 }
@@ -68,7 +68,7 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
       if (!finite(value)) clip.confidence[i / 3] = 0.0;
     }
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
-    TellDamaged(DamagedNumbersOf(array.values.data() + c * clip.positions.xyz.size(), frames, joints, name), clip);
+    RemarkDamaged(DamagedNumbersOf(array.values.data() + c * clip.positions.xyz.size(), frames, joints, name), clip);
     if (declared)
       DeclareOrder(*source, clip);
     else if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))

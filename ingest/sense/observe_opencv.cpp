@@ -10,10 +10,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;
+constexpr double kStoredRotationTolerance = 1e-3;
 
 /// Matrices and names of a storage. Where OpenCV itself may be linked, ingest/sources/opencv_calibration.h reads them.
-struct Storage {
+struct StorageText {
   std::string file;
   std::map<std::string, std::vector<double>> numbers;
   std::vector<std::string> names;
@@ -46,7 +46,7 @@ std::vector<std::string> WordsIn(std::string_view text) {
   return words;
 }
 
-Status SetNumbers(std::string_view text, const std::string& key, Storage& storage) {
+Status SetNumbers(std::string_view text, const std::string& key, StorageText& storage) {
   std::vector<double>& values = storage.numbers[key];
   for (const std::string& word : WordsIn(text)) {
     const auto value = ParseDouble(word);
@@ -59,8 +59,8 @@ Status SetNumbers(std::string_view text, const std::string& key, Storage& storag
 }
 
 /// <KEY type_id="opencv-matrix"> ... <data>numbers</data></KEY>, <names>words</names>.
-Expected<Storage> ParseStorageXml(const std::string& bytes, const std::string& name) {
-  Storage storage{name, {}, {}};
+Expected<StorageText> ParseStorageXml(const std::string& bytes, const std::string& name) {
+  StorageText storage{name, {}, {}};
   const auto inside = [&](std::size_t from, const std::string& tag) -> std::optional<std::string_view> {
     const std::size_t begin = bytes.find("<" + tag + ">", from);
     const std::size_t end = bytes.find("</" + tag + ">", from);
@@ -81,8 +81,8 @@ Expected<Storage> ParseStorageXml(const std::string& bytes, const std::string& n
 }
 
 /// "KEY: !!opencv-matrix" with "data: [...]" below, over several lines; "names:" as a list in either form.
-Expected<Storage> ParseStorageYaml(const std::string& bytes, const std::string& name) {
-  Storage storage{name, {}, {}};
+Expected<StorageText> ParseStorageYaml(const std::string& bytes, const std::string& name) {
+  StorageText storage{name, {}, {}};
   std::string key, list;
   enum class In { kNothing, kNames, kData } in = In::kNothing;
   const auto finish = [&]() -> Status {
@@ -123,7 +123,7 @@ Expected<Storage> ParseStorageYaml(const std::string& bytes, const std::string& 
   return storage;
 }
 
-Status SetPinhole(const Storage& storage, const std::string& key, CalibratedView& view) {
+Status SetPinhole(const StorageText& storage, const std::string& key, CalibratedView& view) {
   const auto matrix = storage.Get(key, 9, 9);
   if (!matrix) return Forward(matrix);
   const std::string fault = SetIntrinsics(*matrix, view);
@@ -131,21 +131,21 @@ Status SetPinhole(const Storage& storage, const std::string& key, CalibratedView
 }
 
 /// k1 k2 p1 p2, and k3 where there is one.
-Status SetDistortion(const Storage& storage, const std::string& key, CalibratedView& view) {
+Status SetDistortion(const StorageText& storage, const std::string& key, CalibratedView& view) {
   const auto k = storage.Get(key, 4, 5);
   if (!k) return Forward(k);
   view.distortion = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], k->size() > 4 ? (*k)[4] : 0.0};
   return {};
 }
 
-Status SetPose(const Storage& storage, const std::string& matrix_key, const std::string& vector_key,
+Status SetPose(const StorageText& storage, const std::string& matrix_key, const std::string& vector_key,
                const std::string& t_key, CalibratedView& view) {
   const bool has_matrix = storage.numbers.count(matrix_key) > 0;
   const auto numbers = has_matrix ? storage.Get(matrix_key, 9, 9) : storage.Get(vector_key, 3, 3);
   if (!numbers) return Forward(numbers);
   if (has_matrix) {
     view.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data());
-    const std::string fault = RotationFault(view.rotation, kRotationTolerance);
+    const std::string fault = RotationFault(view.rotation, kStoredRotationTolerance);
     if (!fault.empty()) return Fail(ErrorCode::kInconsistent, fault, storage.file + ":" + matrix_key);
   } else {
     view.rotation = ExpMatrix(Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]));
@@ -157,14 +157,14 @@ Status SetPose(const Storage& storage, const std::string& matrix_key, const std:
 }
 
 /// Half a camera is told by the field that is not there. `part`: a storage with some of it, or null.
-tl::unexpected<Error> Missing(const Storage& part, const std::string& key, const std::string& what) {
+tl::unexpected<Error> Missing(const StorageText& part, const std::string& key, const std::string& what) {
   return Fail(
       ErrorCode::kMalformed, "the field is missing: " + what, part.file + ":" + key,
       "a rig is two files in one folder: K_n and dist_n of each camera n of `names`, and R_n or Rot_n with T_n; "
       "a view is one file with intrinsic, R and t");
 }
 
-bool HoldsAny(const Storage& storage, std::initializer_list<const char*> prefixes) {
+bool HoldsAny(const StorageText& storage, std::initializer_list<const char*> prefixes) {
   for (const auto& [key, numbers] : storage.numbers) {
     for (const char* prefix : prefixes) {
       if (key.rfind(prefix, 0) == 0) return true;
@@ -174,8 +174,9 @@ bool HoldsAny(const Storage& storage, std::initializer_list<const char*> prefixe
 }
 
 /// Why storages are no calibration: a part of one, with the field that it lacks, or something else.
-tl::unexpected<Error> Fault(const std::vector<Storage>& storages, const Storage* intrinsic, const Storage* extrinsic) {
-  for (const Storage& storage : storages) {
+tl::unexpected<Error> Fault(const std::vector<StorageText>& storages, const StorageText* intrinsic,
+                            const StorageText* extrinsic) {
+  for (const StorageText& storage : storages) {
     const bool of_rig = HoldsAny(storage, {"K_", "R_", "Rot_", "T_", "dist_"});
     if (of_rig && storage.names.empty()) return Missing(storage, "names", "the cameras are not listed");
     const bool of_view = storage.numbers.count("R") > 0 || storage.numbers.count("t") > 0;
@@ -196,15 +197,15 @@ tl::unexpected<Error> Fault(const std::vector<Storage>& storages, const Storage*
 
 Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages) {
   Calibration calibration;
-  const Storage* intrinsic = nullptr;
-  const Storage* extrinsic = nullptr;
-  std::vector<Storage> parsed;
+  const StorageText* intrinsic = nullptr;
+  const StorageText* extrinsic = nullptr;
+  std::vector<StorageText> parsed;
   for (const auto& [name, bytes] : storages) {
     auto storage = bytes.substr(0, 5) == "%YAML" ? ParseStorageYaml(bytes, name) : ParseStorageXml(bytes, name);
     if (!storage) return Forward(storage);
     parsed.push_back(std::move(*storage));
   }
-  for (const Storage& storage : parsed) {
+  for (const StorageText& storage : parsed) {
     if (storage.numbers.count("intrinsic") > 0) {
       CalibratedView view;
       view.name = storage.file.substr(storage.file.rfind('/') == std::string::npos ? 0 : storage.file.rfind('/') + 1);

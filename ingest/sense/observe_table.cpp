@@ -89,16 +89,6 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
   return clip;
 }
 
-/// Of a table whose frames are `rows` rows of the clip's.
-void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip, int rows = 1) {
-  for (const Finding& finding : findings) {
-    Remark remark = RemarkOf(finding);
-    remark.frame_begin /= rows;
-    remark.frame_end = (remark.frame_end + rows - 1) / rows;
-    clip.remarks.push_back(std::move(remark));
-  }
-}
-
 /// By `layout`, as an ingest reads it.
 Expected<ObservedClip> LayoutReading(std::string_view bytes, const SourceOptions& source, const std::string& name) {
   const Expected<JointLayout> layout = TableLayout(source);

@@ -1,5 +1,6 @@
 #include <string>
 
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/remark.h"
@@ -7,13 +8,8 @@
 namespace mocurate {
 namespace {
 
-std::string FolderOf(const std::string& name) {
-  const std::size_t slash = name.rfind('/');
-  return slash == std::string::npos ? "" : name.substr(0, slash);
-}
-
 /// A number of 4 bytes, most significant first.
-double BigEndian(std::string_view bytes, std::size_t at) {
+double PngNumber(std::string_view bytes, std::size_t at) {
   double value = 0.0;
   for (std::size_t i = 0; i < 4; ++i) value = value * 256.0 + static_cast<unsigned char>(bytes[at + i]);
   return value;
@@ -69,8 +65,8 @@ void ObservedSequences::AddImage(const FileBytes& head, bool png) {
   ObservedCompanion image{FolderOf(head.name), png ? "png" : "jpeg", {}, {{"files", 1.0}}};
   if (png && head.bytes.size() >= 26) {
     const auto colour = static_cast<unsigned char>(head.bytes[25]);
-    image.numbers.emplace_back("width", BigEndian(head.bytes, 16));
-    image.numbers.emplace_back("height", BigEndian(head.bytes, 20));
+    image.numbers.emplace_back("width", PngNumber(head.bytes, 16));
+    image.numbers.emplace_back("height", PngNumber(head.bytes, 20));
     image.numbers.emplace_back("bits", static_cast<unsigned char>(head.bytes[24]));
     image.numbers.emplace_back("channels", colour == 2 ? 3.0 : colour == 4 ? 2.0 : colour == 6 ? 4.0 : 1.0);
   }

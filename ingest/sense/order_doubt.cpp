@@ -12,9 +12,9 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 8;     // fewer tell no spread of lengths
-constexpr double kHeadBelow = -0.2;  // cosine of trunk and head
-constexpr double kMuchBetter = 0.6;  // of the score, with two points exchanged
+constexpr int kFewestDoubtedFrames = 8;       // fewer tell no spread of lengths
+constexpr double kHeadBelow = -0.2;           // cosine of trunk and head
+constexpr double kMuchBetterExchanged = 0.6;  // of the score, with two points exchanged
 constexpr double kClearlyBetter =
     0.06;  // that it falls by; of recorded clips (KARD, Florence3D, MSR, UTKinect) by 0.055 at most, to 0.7
 
@@ -37,17 +37,17 @@ std::optional<double> HeadOverShoulders(const ObservedClip& clip) {
     const Vector3d trunk = shoulders - 0.5 * (at(p.hip[0]) + at(p.hip[1])), head = at(p.head) - shoulders;
     if (trunk.norm() > 0.0 && head.norm() > 0.0) cosines.push_back(trunk.dot(head) / (trunk.norm() * head.norm()));
   }
-  if (static_cast<int>(cosines.size()) < kFewestFrames) return std::nullopt;
+  if (static_cast<int>(cosines.size()) < kFewestDoubtedFrames) return std::nullopt;
   return Median(cosines);
 }
 
-std::string Percent(double share) { return FormatDouble(std::round(1000.0 * share) / 10.0) + " %"; }
+std::string TenthsOfPercent(double share) { return FormatDouble(std::round(1000.0 * share) / 10.0) + " %"; }
 
 }  // namespace
 
 std::optional<std::string> DoubtOrder(const ObservedClip& clip, const BodyScore& score,
                                       const std::vector<ObservedBone>& bones) {
-  if (clip.frames < kFewestFrames) return std::nullopt;
+  if (clip.frames < kFewestDoubtedFrames) return std::nullopt;
   if (const auto head = HeadOverShoulders(clip); head && *head < kHeadBelow) {
     return "the head would lie below the shoulders, on the side of the hips (cosine " + Digits(*head) +
            " in the median frame)";
@@ -55,12 +55,12 @@ std::optional<std::string> DoubtOrder(const ObservedClip& clip, const BodyScore&
   const std::optional<PointExchange> exchange = BestExchange(clip.positions, clip.confidence, bones);
   if (!exchange) return std::nullopt;
   const double total = exchange->score.total();
-  if (total > kMuchBetter * score.total() || total > score.total() - kClearlyBetter) return std::nullopt;
+  if (total > kMuchBetterExchanged * score.total() || total > score.total() - kClearlyBetter) return std::nullopt;
   const auto name = [&](int point) { return "'" + clip.names[static_cast<std::size_t>(point)] + "'"; };
   return "with " + name(exchange->first) + " and " + name(exchange->second) +
-         " exchanged bones change their length by " + Percent(exchange->score.spread) + " and proportions are off by " +
-         Percent(exchange->score.proportion) + ", as they are named by " + Percent(score.spread) + " and " +
-         Percent(score.proportion);
+         " exchanged bones change their length by " + TenthsOfPercent(exchange->score.spread) +
+         " and proportions are off by " + TenthsOfPercent(exchange->score.proportion) + ", as they are named by " +
+         TenthsOfPercent(score.spread) + " and " + TenthsOfPercent(score.proportion);
 }
 
 }  // namespace mocurate

@@ -20,12 +20,12 @@ bool IsUsual(double hz) {
   return std::any_of(kUsual.begin(), kUsual.end(), [&](double usual) { return std::abs(hz / usual - 1.0) < kSame; });
 }
 
-struct Reading {
+struct NamedRate {
   double hz;
   const char* word;
 };
 
-std::string Rounded(double value) { return RoundedText(value, 6); }
+std::string RateText(double value) { return RoundedText(value, 6); }
 
 }  // namespace
 
@@ -33,26 +33,26 @@ std::optional<Finding> DoubtRate(double hz, RateWord word, const std::string& pl
   if (!(hz > 0.0) || (hz > kSlowestRecorded_hz && hz <= kFastestRecorded_hz)) return std::nullopt;
   const bool seconds = word == RateWord::kSecondsPerFrame;
   const double written = seconds ? 1.0 / hz : hz;
-  const std::array<Reading, 4> readings = {
+  const std::array<NamedRate, 4> readings = {
       {{seconds ? written : 1.0 / written, seconds ? "frames per second" : "seconds per frame"},
        {1e3 / written, "milliseconds per frame"},
        {1e6 / written, "microseconds per frame"},
        {seconds ? 1e-3 / written : 1e3 * written, seconds ? "seconds per 1000 frames" : "frames per millisecond"}}};
-  const auto likely = [](const Reading& reading) { return reading.hz >= kLeastLikely && reading.hz <= kMostLikely; };
+  const auto likely = [](const NamedRate& reading) { return reading.hz >= kLeastLikely && reading.hz <= kMostLikely; };
   const auto* best = std::find_if(readings.begin(), readings.end(),
-                                  [&](const Reading& reading) { return likely(reading) && IsUsual(reading.hz); });
+                                  [&](const NamedRate& reading) { return likely(reading) && IsUsual(reading.hz); });
   if (best == readings.end()) best = std::find_if(readings.begin(), readings.end(), likely);
   Finding finding = FrameFinding("rate_implausible", 0, 0, "", hz, "");
   finding.severity = Severity::kError;
-  finding.message = place + ": " + (seconds ? "Frame Time: " : "") + Rounded(written) +
-                    (seconds ? " is " + Rounded(hz) + " frames per second: " : " frames per second: ") +
+  finding.message = place + ": " + (seconds ? "Frame Time: " : "") + RateText(written) +
+                    (seconds ? " is " + RateText(hz) + " frames per second: " : " frames per second: ") +
                     "nobody records motion at " + (hz > kFastestRecorded_hz ? "more than 2000" : "1 or less") + "; ";
   if (best == readings.end()) {
     finding.message += "mend it, or declare ingest.source.rate";
   } else {
-    finding.message += Rounded(written) + " looks like " + best->word + ": write " +
-                       (seconds ? "Frame Time: " + Rounded(1.0 / best->hz) : Rounded(best->hz)) +
-                       ", or declare ingest.source.rate: " + Rounded(best->hz);
+    finding.message += RateText(written) + " looks like " + best->word + ": write " +
+                       (seconds ? "Frame Time: " + RateText(1.0 / best->hz) : RateText(best->hz)) +
+                       ", or declare ingest.source.rate: " + RateText(best->hz);
   }
   return finding;
 }

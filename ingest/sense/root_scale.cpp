@@ -116,7 +116,7 @@ std::vector<Matrix3d> AxisExchanges() {
 }
 
 /// "+x +z +y": where x, y and z of the body stand in the path.
-std::string WordsOf(const Matrix3d& turn) {
+std::string WordsOfTurn(const Matrix3d& turn) {
   std::string words;
   for (int i = 0; i < 3; ++i) {
     int at = 0;
@@ -180,7 +180,7 @@ std::optional<PathAxes> MeasurePathAxes(const JointPositions& places, const Hand
     if (!denied || exchanged <= most) continue;
     most = exchanged;
     axes.share = exchanged / all;
-    axes.words = WordsOf(turn);
+    axes.words = WordsOfTurn(turn);
   }
   return axes;
 }

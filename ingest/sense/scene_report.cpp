@@ -8,17 +8,16 @@
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/cloud_sense.h"
+#include "ingest/sense/comparison.h"
 
 namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kShortest = 1.2, kTallest = 2.1;     // metres, of a person from sole to crown
-constexpr double kThinnest = 0.08, kThickest = 0.35;  // a person's depth against the height
-constexpr double kStray = 0.005;                      // share of points on each side that may be junk
-
-double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
+constexpr double kShortestPerson = 1.2, kTallestPerson = 2.1;  // metres, of a person from sole to crown
+constexpr double kThinnest = 0.08, kThickest = 0.35;           // a person's depth against the height
+constexpr double kStray = 0.005;                               // share of points on each side that may be junk
 
 /// Declared where the format says it, else as measured.
 Json Decided(const Measured& measured, bool declared) {
@@ -26,7 +25,7 @@ Json Decided(const Measured& measured, bool declared) {
 }
 
 /// Sides of the box around all points but a share on each side.
-std::array<double, 3> Extent(const std::vector<Vector3d>& points, double share) {
+std::array<double, 3> BoxSides(const std::vector<Vector3d>& points, double share) {
   std::array<double, 3> extent{};
   std::vector<double> values(points.size());
   const auto stray = static_cast<std::size_t>(share * static_cast<double>(points.size()));
@@ -47,9 +46,9 @@ Json UnitsOf(std::array<double, 3> extent) {
   const double thin = extent[2] > 0.0 ? extent[0] / extent[2] : 0.0;
   for (const auto& [name, metres] : {std::pair{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}}) {
     const double height = extent[2] * metres;
-    if (height < kShortest || height > kTallest || thin < kThinnest || thin > kThickest) continue;
+    if (height < kShortestPerson || height > kTallestPerson || thin < kThinnest || thin > kThickest) continue;
     return ReportValue(name, "measured", 0.6,
-                       "the longest side is " + FormatDouble(Rounded(height)) + " m in " + name +
+                       "the longest side is " + FormatDouble(FourDecimals(height)) + " m in " + name +
                            ", and the shape as flat as a person");
   }
   return ReportValue(Json(), "unknown", 0.0,
@@ -74,29 +73,30 @@ void ReportCameras(const Calibration& calibration, const std::string& file, Json
     camera["centre_m"] = nullptr;
     if (i < sense.cameras.size()) {
       const Vector3d centre = Inverse(sense.cameras[i].camera_from_world).translation;
-      camera["centre_m"] = {Rounded(centre.x()), Rounded(centre.y()), Rounded(centre.z())};
+      camera["centre_m"] = {FourDecimals(centre.x()), FourDecimals(centre.y()), FourDecimals(centre.z())};
     }
     cameras.push_back(std::move(camera));
   }
   for (const Remark& remark : sense.remarks) {
-    findings.push_back(InspectionFinding(remark.code, remark.severity, file, Rounded(remark.value), remark.message));
+    findings.push_back(
+        InspectionFinding(remark.code, remark.severity, file, FourDecimals(remark.value), remark.message));
   }
 }
 
 Json CloudReport(const ObservedCloud& cloud, const std::string& file, Json& findings) {
-  const Json units = UnitsOf(Extent(cloud.points, kStray));
+  const Json units = UnitsOf(BoxSides(cloud.points, kStray));
   const std::string unit = units.at("value").is_null() ? std::string() : units.at("value").get<std::string>();
   if (const auto far = DoubtPoints(cloud, unit, file)) {
-    findings.push_back(InspectionFinding(far->code, far->severity, file, Rounded(far->value), far->message));
+    findings.push_back(InspectionFinding(far->code, far->severity, file, FourDecimals(far->value), far->message));
   }
-  const std::array<double, 3> extent = Extent(cloud.points, 0.0);
+  const std::array<double, 3> extent = BoxSides(cloud.points, 0.0);
   return {{"id", file},
           {"file", file},
           {"format", cloud.format},
           {"points", cloud.points.size()},
           {"triangles", cloud.triangles},
-          {"extent", ReportValue(Json{Rounded(extent[0]), Rounded(extent[1]), Rounded(extent[2])}, "measured", 1.0,
-                                 "x, y, z in the file's unit")},
+          {"extent", ReportValue(Json{FourDecimals(extent[0]), FourDecimals(extent[1]), FourDecimals(extent[2])},
+                                 "measured", 1.0, "x, y, z in the file's unit")},
           {"units", units}};
 }
 

@@ -49,8 +49,6 @@ const std::map<std::string, std::string>& Formats() {
   return formats;
 }
 
-std::string Rounded(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
-
 void WriteAxes(const ClipVotes& source, DeclarationWriter& writer) {
   const Vote axes = source.Ask("axes");
   const Vote up = source.Ask("up");
@@ -182,7 +180,7 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
   }
   if (missing > 0.0) {
     writer.Value("missing", "zero",
-                 "measured: up to " + Rounded(100.0 * missing) + " % of a clip's joints are at the origin");
+                 "measured: up to " + TwoDecimals(100.0 * missing) + " % of a clip's joints are at the origin");
   }
 }
 

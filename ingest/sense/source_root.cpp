@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/inspect.h"
 
 namespace mocurate {
@@ -15,11 +16,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::uintmax_t kLargestCalibration = 1 << 20;
-
-std::string FolderOf(const std::string& name) {
-  const std::size_t slash = name.rfind('/');
-  return slash == std::string::npos ? "" : name.substr(0, slash);
-}
 
 /// The skeleton's name below the root: beside the motion, else in the nearest folder above; nothing where it is higher.
 std::optional<std::string> SkeletonBelow(const fs::path& root, const std::string& motion, const std::string& skeleton) {

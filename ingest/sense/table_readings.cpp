@@ -9,8 +9,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestJoints = 10;
-constexpr int kMostJoints = 60;
+constexpr int kFewestTableJoints = 10;
+constexpr int kMostTableJoints = 60;
 
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
@@ -162,7 +162,7 @@ std::vector<RowLayout> PossibleLayouts(int rows, int columns) {
   std::vector<RowLayout> layouts;
   if (columns == 171) layouts.push_back(Cad60RowLayout());
   if (columns == 3 || columns == 4) {
-    for (int joints = kFewestJoints; joints <= kMostJoints; ++joints) {
+    for (int joints = kFewestTableJoints; joints <= kMostTableJoints; ++joints) {
       if (rows % joints == 0) layouts.push_back({joints, joints, 0, columns, {}, RowWords(rows, joints, columns)});
     }
     return layouts;
@@ -171,7 +171,7 @@ std::vector<RowLayout> PossibleLayouts(int rows, int columns) {
     for (const int per_joint : {3, 4}) {
       const int rest = columns - leading;
       const int joints = rest / per_joint;
-      if (rest % per_joint != 0 || joints < kFewestJoints || joints > kMostJoints) continue;
+      if (rest % per_joint != 0 || joints < kFewestTableJoints || joints > kMostTableJoints) continue;
       layouts.push_back({joints,
                          1,
                          leading,
@@ -190,7 +190,7 @@ std::optional<RowLayout> CountedLayout(const JointTable& rows) {
     const int rest = rows.columns - leading;
     if (rest != 3 && rest != 4) continue;
     const int joints = RowsCountedAlike(rows);
-    if (joints < kFewestJoints || joints > kMostJoints || rows.frames % joints != 0) continue;
+    if (joints < kFewestTableJoints || joints > kMostTableJoints || rows.frames % joints != 0) continue;
     if (leading == 2 && !CountsJoints(rows, joints)) continue;
     return RowLayout{joints,
                      joints,

@@ -12,7 +12,7 @@ namespace mocurate {
 namespace {
 
 /// The first few of a list.
-std::string Listed(const std::vector<std::string>& names) {
+std::string FirstNames(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 5;
   std::string list;
   for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i) list += (i > 0 ? ", " : "") + names[i];
@@ -100,7 +100,7 @@ void CompareTree(const SourceOptions& source, ObservedClip& clip) {
   std::string message;
   const auto say = [&](const std::vector<std::string>& joints, const std::string& what) {
     if (joints.empty()) return;
-    message += (message.empty() ? "" : "; ") + std::to_string(joints.size()) + " " + what + ": " + Listed(joints);
+    message += (message.empty() ? "" : "; ") + std::to_string(joints.size()) + " " + what + ": " + FirstNames(joints);
   };
   say(missing, "of its " + std::to_string((*skeleton)->joint_count()) + " joints are not in the file");
   say(others, "of the file's " + std::to_string(clip.joints) + " are not in it");

@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kHead = 1 << 16;
+constexpr std::size_t kArrayHead = 1 << 16;
 constexpr std::size_t kFewestJoints = 3;
 constexpr int kDigits = 4;
 
@@ -40,7 +40,7 @@ void AddClips(const std::vector<std::size_t>& shape, const std::string& member, 
 }
 
 /// Whether a file of so many bytes can hold arrays of the shape: no number takes less than a byte.
-bool Holds(const std::vector<std::size_t>& shape, std::uintmax_t bytes) {
+bool HoldsArrays(const std::vector<std::size_t>& shape, std::uintmax_t bytes) {
   const std::optional<ArrayShape> joints = ShapeOfJoints(shape);
   return joints && joints->clips <= bytes / joints->frames / (3 * joints->joints);
 }
@@ -84,7 +84,7 @@ std::string OtherThanJoints(const std::vector<std::size_t>& shape) {
 
 std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std::string& name) {
   std::ifstream file(path, std::ios::binary);
-  std::string head(kHead, '\0');
+  std::string head(kArrayHead, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
   std::vector<ArrayClip> clips;
@@ -92,7 +92,7 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std
     const Expected<NpyArray> array = ParseNpyHeader(head, name);
     std::error_code unknown;
     const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-    if (array && !unknown && Holds(array->shape, bytes)) AddClips(array->shape, "", clips);
+    if (array && !unknown && HoldsArrays(array->shape, bytes)) AddClips(array->shape, "", clips);
   } else if (KindOf(head) == FileKind::kZip) {
     const auto mapped = MappedFile::Open(path);
     if (!mapped) return clips;

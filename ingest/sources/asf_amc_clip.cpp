@@ -29,7 +29,7 @@ Status CheckDof(const Asf& asf, const std::string& name) {
 }
 
 /// The unit that the source says, metres; none where it says none.
-std::optional<double> Declared(const SourceOptions& source) {
+std::optional<double> DeclaredUnit(const SourceOptions& source) {
   const Expected<double> metres = MetresPerUnit(source.units);
   return metres ? std::optional<double>(*metres) : std::nullopt;
 }
@@ -104,7 +104,7 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = asf->findings;
-  for (const std::vector<Finding>& more : {amc->findings, DoubtLengths(*asf, Declared(source))})
+  for (const std::vector<Finding>& more : {amc->findings, DoubtLengths(*asf, DeclaredUnit(source))})
     ingested.findings.insert(ingested.findings.end(), more.begin(), more.end());
   std::optional<Finding> angles = DoubtAngles(*asf, &*amc);
   if (!angles) angles = DoubtAngles(*amc, &*asf);

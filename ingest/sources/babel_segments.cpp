@@ -44,7 +44,7 @@ Finding Found(const char* code, double value, std::string message, const char* a
   return finding;
 }
 
-std::string NameOf(const BabelLabel& label) {
+std::string NameOfLabel(const BabelLabel& label) {
   const auto& name = label.proc_label ? label.proc_label : label.raw_label;
   return name.value_or("");
 }
@@ -132,7 +132,7 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
   }
   int withheld = 0;
   for (const BabelLabel& label : annotations[0].labels) {
-    const std::string name = NameOf(label);
+    const std::string name = NameOfLabel(label);
     if (name.empty()) {
       ++withheld;
       continue;

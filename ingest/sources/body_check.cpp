@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 8;  // fewer tell nothing about the order of joints
+constexpr int kFewestBodyFrames = 8;  // fewer tell nothing about the order of joints
 
 /// Back to the units and axes of the file, in which the declaration speaks.
 JointPositions InFile(const SourceOptions& source, JointPositions positions) {
@@ -49,7 +49,7 @@ std::optional<ObservedClip> Observed(const SourceOptions& source, const Clip& cl
   observed.frames = observed.positions.frames;
   observed.joints = observed.positions.joints;
   observed.rate_hz = clip.rate.hz();
-  if (listed && !source.skeleton.empty() && observed.frames >= kFewestFrames) DeclareOrder(source, observed);
+  if (listed && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames) DeclareOrder(source, observed);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   observed.points = clip.evidence.tracks
                         ? PointsOfBody(clip.evidence.tracks->names, skeleton ? skeleton->get() : nullptr)

@@ -17,7 +17,7 @@
 namespace mocurate {
 namespace {
 
-std::string Millimetres(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
+std::string SlideText(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
 
 /// Joints whose bones change their length: flagged up to `max_slide`, refused beyond.
 Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide, const std::string& name,
@@ -27,8 +27,8 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
     if (slide <= BvhOffsets::kConstant || offsets.joints[j].above_carrier) continue;
     if (slide > max_slide) {
       return Fail(ErrorCode::kUnsupported,
-                  "joint '" + bvh.joints[j].name + "' slides along its bone by " + Millimetres(slide) +
-                      ", more than the " + Millimetres(max_slide) + " of max_slide",
+                  "joint '" + bvh.joints[j].name + "' slides along its bone by " + SlideText(slide) +
+                      ", more than the " + SlideText(max_slide) + " of max_slide",
                   name,
                   "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
     }

@@ -36,7 +36,7 @@ BvhOffsets::Joint MeasureJoint(const Bvh& bvh, int joint, const Matrix3d& metres
 }
 
 /// Partner by name: "left" and "right", or a lone L and R at either end ("Hand_L", "LHipJoint", "LeftUpLeg").
-std::string Mirrored(const std::string& name) {
+std::string MirroredName(const std::string& name) {
   for (const auto& [a, b] : {std::pair{"Left", "Right"}, {"left", "right"}, {"LEFT", "RIGHT"}}) {
     const std::size_t at = name.find(a);
     if (at != std::string::npos) return name.substr(0, at) + b + name.substr(at + std::string(a).size());
@@ -69,7 +69,7 @@ SkeletonPtr FromFile(const Bvh& bvh, const BvhOffsets& offsets, const std::strin
   for (const Joint& joint : skeleton->joints) names_of.push_back(joint.name);
   names_of = WithoutNamespace(names_of);
   for (int j = 0; j < paired.joint_count(); ++j) {
-    const std::string partner = Mirrored(names_of[j]);
+    const std::string partner = MirroredName(names_of[j]);
     for (int k = 0; k < paired.joint_count(); ++k) {
       if (k == j || names_of[k] != partner) continue;
       paired.joints[j].mirror = k;

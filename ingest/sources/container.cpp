@@ -13,30 +13,30 @@ namespace mocurate {
 namespace {
 
 /// What a container looked like when it was opened: another file under its name is opened again.
-struct Version {
+struct FileVersion {
   std::filesystem::path path;
   std::uintmax_t size = 0;
   std::filesystem::file_time_type written;
 };
 
-bool operator==(const Version& a, const Version& b) {
+bool operator==(const FileVersion& a, const FileVersion& b) {
   return a.path == b.path && a.size == b.size && a.written == b.written;
 }
 
-Version VersionOf(const std::filesystem::path& path) {
+FileVersion VersionOf(const std::filesystem::path& path) {
   std::error_code unknown;
   return {path, std::filesystem::file_size(path, unknown), std::filesystem::last_write_time(path, unknown)};
 }
 
 /// UESTC's cache with the bytes that it points into.
 struct OpenCache {
-  Version version;
+  FileVersion version;
   std::shared_ptr<const MappedFile> file;
   VibeCache cache;
 };
 
 struct OpenPickle {
-  Version version;
+  FileVersion version;
   std::shared_ptr<const MappedFile> file;
   HumanAct12Archive archive;
 };
@@ -76,7 +76,7 @@ Expected<std::vector<ContainerEntry>> UestcEntries(const std::filesystem::path& 
 
 Expected<std::shared_ptr<const OpenPickle>> HumanAct12Of(const std::filesystem::path& path) {
   static std::shared_ptr<const OpenPickle> last;
-  const Version version = VersionOf(path);
+  const FileVersion version = VersionOf(path);
   if (last && last->version == version) return last;
   last.reset();
   auto file = MappedFile::Open(path);
@@ -102,13 +102,13 @@ Expected<std::vector<ContainerEntry>> HumanAct12Entries(const std::filesystem::p
 }
 
 struct OpenMotions {
-  Version version;
+  FileVersion version;
   DatasetClips clips;
 };
 
 Expected<std::shared_ptr<const OpenMotions>> MotionsOf(const std::filesystem::path& path, DatasetClips::Check check) {
   static std::shared_ptr<const OpenMotions> last;
-  const Version version = VersionOf(path);
+  const FileVersion version = VersionOf(path);
   if (last && last->version == version) return last;
   last.reset();
   Expected<DatasetClips> clips = DatasetClips::Open(path, check);
@@ -146,7 +146,7 @@ Expected<std::vector<ContainerEntry>> EntriesOf(const SourceOptions& source, con
 
 Expected<VibeTrack> ReadUestcVideo(const std::filesystem::path& container, int entry, const std::string& name) {
   static std::optional<OpenCache> last;
-  const Version version = VersionOf(container);
+  const FileVersion version = VersionOf(container);
   if (!last || !(last->version == version)) {
     last.reset();
     auto file = MappedFile::Open(container);

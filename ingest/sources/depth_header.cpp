@@ -8,7 +8,7 @@ namespace mocurate {
 namespace {
 
 /// A number of 4 bytes, most significant first.
-int BigEndian(const std::string& bytes, std::size_t at) {
+int HeaderNumber(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = 256 * value + static_cast<unsigned char>(bytes[at + i]);
   return static_cast<int>(value & 0x7fffffffu);
@@ -31,8 +31,8 @@ Status SetImageSize(const StageInput& input, Camera& camera) {
                     std::to_string(static_cast<int>(head[25])),
                 input.name, "depth images are 16-bit grey PNG (colour type 0)");
   }
-  camera.width = BigEndian(head, 16);
-  camera.height = BigEndian(head, 20);
+  camera.width = HeaderNumber(head, 16);
+  camera.height = HeaderNumber(head, 20);
   return {};
 }
 

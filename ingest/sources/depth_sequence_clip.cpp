@@ -42,9 +42,9 @@ long long FirstNumber(const DepthSequence& sequence, const std::map<std::string,
   return first.value_or(0);
 }
 
-Expected<DepthView> MakeView(const SourceFile& file, const DepthSequence& sequence, const DepthSequenceView& view,
-                             const FilesOfView& files, long long first, FrameRate rate,
-                             const RigidTransform& world_from_rig) {
+Expected<DepthView> MakeDepthView(const SourceFile& file, const DepthSequence& sequence, const DepthSequenceView& view,
+                                  const FilesOfView& files, long long first, FrameRate rate,
+                                  const RigidTransform& world_from_rig) {
   DepthView made;
   made.camera.name = view.name;
   made.camera.width = view.width;
@@ -92,8 +92,8 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   const long long first = FirstNumber(*sequence, *views);
   for (const DepthSequenceView& view : sequence->views) {
     const auto files = views->find(view.name);
-    Expected<DepthView> made = MakeView(file, *sequence, view, files == views->end() ? FilesOfView() : files->second,
-                                        first, clip.rate, world_from_rig);
+    Expected<DepthView> made = MakeDepthView(
+        file, *sequence, view, files == views->end() ? FilesOfView() : files->second, first, clip.rate, world_from_rig);
     if (!made) return Forward(made);
     clip.evidence.depth_views.push_back(std::move(*made));
   }

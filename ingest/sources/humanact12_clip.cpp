@@ -13,7 +13,7 @@ namespace {
 constexpr double kFits = 1e-3;  // metres; as far as the places that were recorded may lie off those of the rotations
 
 /// Median distance of each joint from its parent.
-std::vector<double> BoneLengths(const JointPositions& joints, const Skeleton& skeleton) {
+std::vector<double> FileBoneLengths(const JointPositions& joints, const Skeleton& skeleton) {
   std::vector<double> lengths(skeleton.joints.size(), 0.0);
   for (int j = 1; j < skeleton.joint_count(); ++j) {
     std::vector<double> frames;
@@ -77,7 +77,7 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   IngestedClip ingested;
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
-                                    BoneLengths(joints, **skeleton));
+                                    FileBoneLengths(joints, **skeleton));
   NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
   ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
   return ingested;

@@ -14,7 +14,7 @@
 namespace mocurate {
 namespace {
 
-std::string ShapeText(const NpyArray& array) {
+std::string ShapeWords(const NpyArray& array) {
   std::string text = "(";
   for (std::size_t i = 0; i < array.shape.size(); ++i) text += (i ? ", " : "") + std::to_string(array.shape[i]);
   return text + ")";
@@ -50,8 +50,8 @@ Expected<FileOrder> OrderOf(const SourceOptions& source, const Skeleton& skeleto
 
 /// Positions as joint tracks, in metres in the world; a point with a number that is no coordinate of a person is
 /// missing.
-JointTracks TracksOf(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
-                     const Matrix3d& metres_from_file, const FrameRate& rate) {
+JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
+                          const Matrix3d& metres_from_file, const FrameRate& rate) {
   const int joints = static_cast<int>(order.joint.size());
   JointTracks tracks;
   tracks.positions = JointPositions(static_cast<int>(array.shape[0]), joints);
@@ -119,15 +119,15 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
     return Fail(ErrorCode::kInconsistent, "the array holds texts, joint positions are needed", file.name);
   }
   if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
-    return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeText(*array) + " holds " + other, file.name);
+    return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeWords(*array) + " holds " + other, file.name);
   }
   if (const auto axes = ExchangedAxes(*array, wide); axes && !cube) {
-    return Fail(ErrorCode::kInconsistent, "the array has shape " + ShapeText(*array) + ": " + axes->words, file.name,
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + ShapeWords(*array) + ": " + axes->words, file.name,
                 axes->way_out);
   }
   if ((!cube && !flat) || array->shape[0] == 0) {
     return Fail(ErrorCode::kInconsistent,
-                "the array has shape " + ShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
+                "the array has shape " + ShapeWords(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
                 file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
   }
   const int frames = static_cast<int>(array->shape[0]);
@@ -140,7 +140,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
-  JointTracks tracks = TracksOf(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
+  JointTracks tracks = TracksOfArray(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
   if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
       static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
     return NobodySeen(array->values.size(), file.name);

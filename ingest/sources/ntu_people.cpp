@@ -17,14 +17,15 @@ const char* const kJointNames[kNtuJoints] = {
     "left_ankle",    "left_foot",      "right_hip",      "right_knee",  "right_ankle",   "right_foot", "spine_shoulder",
     "left_hand_tip", "left_thumb",     "right_hand_tip", "right_thumb"};
 
-double ConfidenceOf(const NtuJoint& joint, double inferred) {
+double TrackingConfidence(const NtuJoint& joint, double inferred) {
   const bool nowhere = joint.x_m == 0.0 && joint.y_m == 0.0 && joint.z_m == 0.0;
   if (nowhere || joint.tracking == 0) return 0.0;
   return joint.tracking == 1 ? inferred : 1.0;
 }
 
 /// The ids of a file in metres and canonical axes, in the order in which they appear.
-std::vector<PersonTrack> TracksOf(const NtuSkeleton& skeleton, const Matrix3d& canonical_from_source, double inferred) {
+std::vector<PersonTrack> TracksOfIds(const NtuSkeleton& skeleton, const Matrix3d& canonical_from_source,
+                                     double inferred) {
   std::vector<PersonTrack> tracks;
   for (std::size_t f = 0; f < skeleton.frames.size(); ++f) {
     for (const NtuBody& body : skeleton.frames[f]) {
@@ -37,7 +38,7 @@ std::vector<PersonTrack> TracksOf(const NtuSkeleton& skeleton, const Matrix3d& c
       track->frames.push_back(static_cast<int>(f));
       ++track->positions.frames;
       for (const NtuJoint& joint : body.joints) {
-        const double confidence = ConfidenceOf(joint, inferred);
+        const double confidence = TrackingConfidence(joint, inferred);
         const Vector3d raw(joint.x_m, joint.y_m, joint.z_m);
         const Vector3d place = confidence > 0.0 ? Vector3d(canonical_from_source * raw) : Vector3d(Vector3d::Zero());
         track->positions.xyz.insert(track->positions.xyz.end(), place.data(), place.data() + 3);
@@ -49,15 +50,15 @@ std::vector<PersonTrack> TracksOf(const NtuSkeleton& skeleton, const Matrix3d& c
 }
 
 /// Line through (x, y): intercept and slope, without those farther off than `off`; nothing where x hardly differs.
-struct Line {
+struct DepthLine {
   double intercept = 0.0, slope = 0.0, off = 0.0;  ///< off: median distance in y
 };
 
-std::optional<Line> LineThrough(const std::vector<Vector2d>& points) {
+std::optional<DepthLine> LineThrough(const std::vector<Vector2d>& points) {
   constexpr std::size_t kFewest = 100;
   constexpr double kNarrow = 0.02;
   constexpr double kFar = 1.0;  // pixels
-  Line line;
+  DepthLine line;
   bool started = false;
   for (int pass = 0; pass < 3; ++pass) {
     double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
@@ -94,7 +95,7 @@ std::optional<std::array<double, 4>> NtuIntrinsics(const NtuSkeleton& skeleton) 
       }
     }
   }
-  const std::optional<Line> u = LineThrough(across), v = LineThrough(down);
+  const std::optional<DepthLine> u = LineThrough(across), v = LineThrough(down);
   if (!u || !v || u->off > kBelong || v->off > kBelong) return std::nullopt;
   return std::array<double, 4>{u->slope, v->slope, u->intercept, v->intercept};
 }
@@ -110,7 +111,7 @@ Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& sou
   for (std::size_t f = 0; f < skeleton.frames.size(); ++f) time_s.push_back(rate.FrameTime(static_cast<int>(f)));
   const PeopleOptions& options = source.people;
   std::vector<Finding> stitched;
-  std::vector<PersonTrack> tracks = TracksOf(skeleton, axes->canonical_from_source, source.inferred_confidence);
+  std::vector<PersonTrack> tracks = TracksOfIds(skeleton, axes->canonical_from_source, source.inferred_confidence);
   tracks = JoinIds(std::move(tracks), options, bones.parents, time_s, stitched);
   People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.ghosts, GhostLimits(), bones.parents,
                                bones.rest_lengths, static_cast<int>(skeleton.frames.size()));

@@ -55,7 +55,7 @@ int FrameOfView(int frame, const ViewAlignment& alignment, double rate_hz) {
 }
 
 /// Which frames of the reference all cameras cover, with images where they have any.
-struct Span {
+struct SharedFrames {
   int begin = 0, end = 0;
 };
 
@@ -64,15 +64,16 @@ bool HasImage(const Sensor& sensor, int frame) {
          sensor.images[static_cast<std::size_t>(frame)] != nullptr;
 }
 
-Span Covered(const Span& span, const std::function<bool(int)>& has) {
-  Span covered = span;
+SharedFrames Covered(const SharedFrames& span, const std::function<bool(int)>& has) {
+  SharedFrames covered = span;
   while (covered.begin < covered.end && !has(covered.begin)) ++covered.begin;
   while (covered.begin < covered.end && !has(covered.end - 1)) --covered.end;
   return covered;
 }
 
 /// Intrinsics of a camera whose axes are x right, y down, z forward, and where they are from.
-Camera CameraOf(const Sensor& sensor, const SourceOptions& source, std::vector<Finding>& findings, std::string& from) {
+Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vector<Finding>& findings,
+                    std::string& from) {
   Camera camera;
   camera.name = sensor.file->view;
   camera.width = static_cast<int>(source.views.image_size[0]);
@@ -103,7 +104,7 @@ Camera CameraOf(const Sensor& sensor, const SourceOptions& source, std::vector<F
 }
 
 Expected<DepthView> ViewOf(const Sensor& sensor, Camera camera, const SourceFile& file, const ViewAlignment& alignment,
-                           const Matrix3d& canonical_from_sensor, const Span& span, FrameRate rate) {
+                           const Matrix3d& canonical_from_sensor, const SharedFrames& span, FrameRate rate) {
   DepthView view;
   // The sensor's axes are x to its left, y up, z away; the camera's x right, y down, z forward.
   const RigidTransform camera_from_sensor{Quaterniond(0.0, 0.0, 0.0, 1.0), Vector3d::Zero()};
@@ -137,7 +138,7 @@ void SayEstimates(const PlacedViews& placed, const std::vector<Sensor>& sensors,
 }
 
 Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, const PlacedViews& placed,
-                const Matrix3d& canonical_from_sensor, const std::vector<char>& with_depth, const Span& span,
+                const Matrix3d& canonical_from_sensor, const std::vector<char>& with_depth, const SharedFrames& span,
                 IngestedClip& ingested) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (with_depth[i] == 0) continue;
@@ -154,7 +155,7 @@ Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, cons
       continue;
     }
     std::string from;
-    Camera camera = CameraOf(sensors[i], file.source, ingested.findings, from);
+    Camera camera = SensorCamera(sensors[i], file.source, ingested.findings, from);
     ingested.clip.provenance["view." + name + ".intrinsics"] = from;
     Expected<DepthView> view = ViewOf(sensors[i], std::move(camera), file, placed.views[i].alignment,
                                       canonical_from_sensor, span, ingested.clip.rate);
@@ -210,15 +211,15 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   ingested.findings.insert(ingested.findings.end(), placed->findings.begin(), placed->findings.end());
   if (Status sorted = SortImages(file, sensors); !sorted) return Forward(sorted);
 
-  const Span whole{0, cameras[placed->reference].frames};
-  Span span = whole;
+  const SharedFrames whole{0, cameras[placed->reference].frames};
+  SharedFrames span = whole;
   std::vector<char> with_depth(sensors.size(), 0);
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const PlacedView& view = placed->views[i];
     if (!view.used) continue;
     with_depth[i] = !sensors[i].images.empty();
     const auto shorten = [&](const std::function<bool(int)>& has) {
-      const Span covered = Covered(span, has);
+      const SharedFrames covered = Covered(span, has);
       if (covered.end - covered.begin >= kLeastCovered * whole.end) span = covered;
     };
     shorten([&](int f) {

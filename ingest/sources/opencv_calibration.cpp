@@ -11,7 +11,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kRotationTolerance = 1e-3;
-constexpr double kAgreement = 1e-4;  ///< radians between R_n and Rot_n; files print 6 decimals
+constexpr double kRotationAgreement = 1e-4;  ///< radians between R_n and Rot_n; files print 6 decimals
 
 /// A file in memory. OpenCV throws on what it cannot parse.
 class Storage {
@@ -136,7 +136,7 @@ Status SetRotation(const Storage& storage, const std::string& camera, Calibrated
   if (!matrix) return Forward(matrix);
   if (storage.Has(vector_key)) {
     const double angle = LogMatrix(NearestRotation(*matrix).transpose() * view.rotation).norm();
-    if (angle > kAgreement) {
+    if (angle > kRotationAgreement) {
       return Fail(ErrorCode::kInconsistent,
                   vector_key + " and " + matrix_key + " are " + FormatDouble(angle) + " rad apart", storage.name());
     }

@@ -29,7 +29,7 @@ struct UnsurePoints {
   std::string first_file;
 };
 
-bool Seen(const OpenPosePerson& person) {
+bool SeenKeypoints(const OpenPosePerson& person) {
   return std::any_of(person.pose.begin(), person.pose.end(), [](const DetectedKeypoint& p) { return p.detected(); });
 }
 
@@ -44,14 +44,14 @@ ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const
     if (!frame) return Forward(frame);
     if (frame->unsure_points > 0 && unsure.points == 0) unsure.first_file = name;
     unsure.points += frame->unsure_points;
-    const auto seen = std::count_if(frame->people.begin(), frame->people.end(), Seen);
+    const auto seen = std::count_if(frame->people.begin(), frame->people.end(), SeenKeypoints);
     if (seen > kMostPeople) {
       return Fail(ErrorCode::kInconsistent,
                   std::to_string(seen) + " people are seen, at most " + std::to_string(kMostPeople) + " are read", name,
                   "is it of one image?");
     }
     for (OpenPosePerson& person : frame->people) {
-      if (Seen(person)) view.frames[static_cast<std::size_t>(f)].push_back(std::move(person.pose));
+      if (SeenKeypoints(person)) view.frames[static_cast<std::size_t>(f)].push_back(std::move(person.pose));
     }
     return {};
   };
@@ -135,7 +135,7 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
   return layout;
 }
 
-KeypointView MakeView(const ViewFrames& frames, std::size_t points, FrameRate rate, std::size_t& odd) {
+KeypointView MakeKeypointView(const ViewFrames& frames, std::size_t points, FrameRate rate, std::size_t& odd) {
   KeypointView view;
   view.camera = *frames.camera;
   std::size_t most = 0;
@@ -214,7 +214,7 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   clip.evidence.subject = file.named.body - 1;
   std::size_t odd = 0;
   for (const ViewFrames& view : views) {
-    clip.evidence.keypoint_views.push_back(MakeView(view, (*layout)->points.size(), clip.rate, odd));
+    clip.evidence.keypoint_views.push_back(MakeKeypointView(view, (*layout)->points.size(), clip.rate, odd));
   }
   if (odd > 0) {
     ingested.findings.push_back(CameraFinding(

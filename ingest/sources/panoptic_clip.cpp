@@ -26,7 +26,7 @@ std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
 }
 
 /// Frames per second by the files' own clock, between the first and the last that have one.
-double RateOf(const std::vector<PanopticBodies>& frames) {
+double ClockRate(const std::vector<PanopticBodies>& frames) {
   int first = -1, last = -1;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     if (frames[f].time_ms <= 0.0) continue;
@@ -92,7 +92,7 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
       }
     }
   }
-  if (const double hz = RateOf(frames); hz > 0.0) RateOfFile(file.source, hz, ingested);
+  if (const double hz = ClockRate(frames); hz > 0.0) RateOfFile(file.source, hz, ingested);
   NoteEmptyFrames(tracks, ingested.findings);
   clip.evidence.tracks = std::move(tracks);
   clip.provenance["body_id"] = std::to_string(id);

@@ -13,13 +13,13 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMostNamed = 5;
+constexpr std::size_t kMostCamerasNamed = 5;
 
 /// "cam01, cam02, ... (7 in all)".
-std::string Listed(const std::vector<std::string>& names) {
+std::string ListedCameras(const std::vector<std::string>& names) {
   std::string text;
-  for (std::size_t i = 0; i < names.size() && i < kMostNamed; ++i) text += (i == 0 ? "" : ", ") + names[i];
-  return names.size() <= kMostNamed ? text : text + ", ... (" + std::to_string(names.size()) + " in all)";
+  for (std::size_t i = 0; i < names.size() && i < kMostCamerasNamed; ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return names.size() <= kMostCamerasNamed ? text : text + ", ... (" + std::to_string(names.size()) + " in all)";
 }
 
 std::string LettersAndDigits(const std::string& text) {
@@ -36,8 +36,8 @@ bool IsOpenCv(const std::string& bytes) {
 }
 
 /// One file per camera: named by the {camera} of its name.
-Expected<Calibration> ReadViews(const std::vector<std::pair<std::string, std::string>>& files,
-                                const NamePattern& pattern) {
+Expected<Calibration> ReadCameraFiles(const std::vector<std::pair<std::string, std::string>>& files,
+                                      const NamePattern& pattern) {
   Calibration all;
   for (const auto& [name, bytes] : files) {
     Expected<Calibration> one = ObserveOpenCv({{name, bytes}});
@@ -69,7 +69,7 @@ Expected<Calibration> ReadFiles(const SourceFile& file, std::string& content) {
   if (std::find(fields.begin(), fields.end(), "camera") != fields.end()) {
     const Expected<NamePattern> pattern = NamePattern::Parse(declared[0], "ingest.source.calibration");
     if (!pattern) return Forward(pattern);
-    return ReadViews(files, *pattern);
+    return ReadCameraFiles(files, *pattern);
   }
   if (IsOpenCv(files[0].second)) return ObserveOpenCv(files);
   if (files.size() > 1) {
@@ -112,7 +112,7 @@ Status Declare(const SourceOptions& source, Calibration& calibration, std::vecto
   return {};
 }
 
-std::string Told(const char* what, const Measured& measured, bool given) {
+std::string ToldMeasure(const char* what, const Measured& measured, bool given) {
   return std::string(what) + " " + measured.value +
          (given ? "" : " (measured: " + measured.evidence + "; " + RoundedText(measured.confidence, 3) + ")");
 }
@@ -181,8 +181,8 @@ Expected<Rig> ReadRig(const SourceFile& file) {
                 pose ? "write ingest.source.camera_pose: world_to_camera, centre or camera_to_world"
                      : "write ingest.source.units: m, cm or mm");
   }
-  rig.meaning =
-      Told("pose", sense.reading, pose_given) + ", " + Told("unit", sense.unit, calibration->metres_per_unit > 0.0);
+  rig.meaning = ToldMeasure("pose", sense.reading, pose_given) + ", " +
+                ToldMeasure("unit", sense.unit, calibration->metres_per_unit > 0.0);
   for (const Remark& remark : sense.remarks) {
     Finding finding;
     finding.code = remark.code;
@@ -267,18 +267,18 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
   }
   if (!uncalibrated.empty()) {
     findings.push_back(CameraFinding("camera_not_calibrated", static_cast<double>(uncalibrated.size()),
-                                     "no calibration is named as the files of " + Listed(uncalibrated) +
+                                     "no calibration is named as the files of " + ListedCameras(uncalibrated) +
                                          "; ingest.source.cameras says which is theirs",
                                      "left out"));
   }
   if (!unused.empty()) {
     findings.push_back(CameraFinding("camera_without_files", static_cast<double>(unused.size()),
-                                     "there are no files of the calibrated " + Listed(unused), "left out"));
+                                     "there are no files of the calibrated " + ListedCameras(unused), "left out"));
   }
   if (partners.empty()) {
     return Fail(ErrorCode::kInconsistent,
-                "no camera of the files is calibrated: those of the files are " + Listed(uncalibrated) +
-                    ", calibrated are " + Listed(unused),
+                "no camera of the files is calibrated: those of the files are " + ListedCameras(uncalibrated) +
+                    ", calibrated are " + ListedCameras(unused),
                 file.calibrations[0].name, "write ingest.source.cameras: {name in the files: name in the calibration}");
   }
   return partners;

@@ -38,7 +38,7 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
 /// The label that a text stands for. Error kInconsistent where `labels` lists others only; `name` for messages.
 Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name);
 /// One thing of the declaration that a clip can speak of.
-struct Shown {
+struct ShownFact {
   bool contradicts = false;
   double weight = 0.0;  ///< how much the clip tells, 0 to 1
 };
@@ -48,7 +48,7 @@ struct IngestedClip {
   Clip clip;
   std::vector<Finding> findings;
   std::string content;  ///< what was read of a file that holds other clips too; empty: all of the file
-  std::map<std::string, Shown> shown = {};  ///< by the code that a contradiction has; what the clip does not show lacks
+  std::map<std::string, ShownFact> shown = {};  ///< by the code that a contradiction has; what the clip does not show lacks
 };
 
 /// The bytes of numbers, as they lie in memory.

@@ -11,14 +11,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestFrames = 8;  // fewer tell nothing about the order of joints
+constexpr int kFewestTableFrames = 8;  // fewer tell nothing about the order of joints
 
-constexpr double kMuchBetter = 0.7;  // of two readings of one table, before the less usual one is believed
+constexpr double kMuchBetterReading = 0.7;  // of two readings of one table, before the less usual one is believed
 
 /// How body-like the rows are in the declared order; nothing where the declaration or the rows do not tell.
 std::optional<BodyScore> ScoreRows(const JointRows& rows, const SourceOptions& source) {
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-  if (!skeleton || rows.frames < kFewestFrames) return std::nullopt;
+  if (!skeleton || rows.frames < kFewestTableFrames) return std::nullopt;
   if (static_cast<int>(source.joints.size()) != rows.joints) return std::nullopt;
   JointPositions positions(rows.frames, rows.joints);
   std::vector<double> confidence(static_cast<std::size_t>(rows.frames) * static_cast<std::size_t>(rows.joints), 0.0);
@@ -69,7 +69,7 @@ Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view 
   Expected<JointRows> odd_first = ParseJointRows(bytes, *layout, table, name, OddFrame::kFirst);
   if (!odd_first) return rows;
   const std::optional<BodyScore> first = ScoreRows(*odd_first, source);
-  if (first && first->IsBody() && first->total() < kMuchBetter * cut->total()) return odd_first;
+  if (first && first->IsBody() && first->total() < kMuchBetterReading * cut->total()) return odd_first;
   if (cut->IsBody()) return rows;
   return Fail(ErrorCode::kInconsistent, CountWords(*rows, table.rows_per_frame), name,
               "neither where joints go on nor the lengths of bones tell which: compare the file with its source, or "

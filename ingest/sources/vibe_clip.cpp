@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMidHip = 8;  // of VIBE's 49 points
 
-Vector3d Place(const VibeTrack& track, std::size_t frame, std::size_t joint) {
+Vector3d JointPlace(const VibeTrack& track, std::size_t frame, std::size_t joint) {
   const double* xyz = &track.joints3d[(frame * track.joints + joint) * 3];
   return {xyz[0], xyz[1], xyz[2]};
 }
@@ -50,7 +50,7 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
   if (rotations) {
     std::vector<Vector3d> root_translation;
     for (std::size_t f = 0; f < track.frames; ++f) {
-      root_translation.push_back(world_from_file * Vector3d(shift[f] + Place(track, f, kMidHip)));
+      root_translation.push_back(world_from_file * Vector3d(shift[f] + JointPlace(track, f, kMidHip)));
     }
     Expected<std::vector<Quaterniond>> local =
         SmplLocalRotations(**skeleton, SmplRotations{track.pose, track.frames}, world_from_file);
@@ -69,7 +69,7 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
     told[*joint] = true;
     for (int f = 0; f < joints.frames; ++f) {
       const auto frame = static_cast<std::size_t>(f);
-      joints.at(f, *joint) = world_from_file * Vector3d(shift[frame] + Place(track, frame, k));
+      joints.at(f, *joint) = world_from_file * Vector3d(shift[frame] + JointPlace(track, frame, k));
     }
   }
   for (int j = 0; j < joints.joints; ++j) {
@@ -83,7 +83,7 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
   return ingested;
 }
 
-void Cut(std::vector<double>& values, std::size_t frames, std::size_t wanted) {
+void KeepFrames(std::vector<double>& values, std::size_t frames, std::size_t wanted) {
   if (frames > 0) values.resize(values.size() / frames * wanted);
 }
 
@@ -105,7 +105,7 @@ Expected<std::vector<Vector3d>> ShiftOf(const VibeTrack& track, const SourceOpti
 }
 
 /// The person of a file of tracks, by name or by `people.rule`.
-Expected<UestcPerson> PersonOf(const SourceFile& file, bool by_name) {
+Expected<UestcPerson> ChosenPerson(const SourceFile& file, bool by_name) {
   Expected<std::vector<VibeTrack>> tracks = ParseVibeTracks(file.bytes, file.name);
   if (!tracks) return Forward(tracks);
   if (!by_name) return ChooseVibePerson(*tracks, file.source.people, *file.source.rate_hz, file.name);
@@ -119,7 +119,8 @@ Expected<UestcPerson> PersonOf(const SourceFile& file, bool by_name) {
 }
 
 /// The clip of who was chosen.
-Expected<IngestedClip> ClipOf(const UestcPerson& person, const SourceFile& file, const Quaterniond& world_from_file) {
+Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile& file,
+                                    const Quaterniond& world_from_file) {
   const Expected<std::vector<Vector3d>> shift = ShiftOf(person.track, file.source, file.name);
   if (!shift) return Forward(shift);
   Expected<IngestedClip> ingested = MotionOf(person.track, file.source, world_from_file, *shift, file.name);
@@ -137,8 +138,8 @@ Expected<IngestedClip> ClipOf(const UestcPerson& person, const SourceFile& file,
 Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
   const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
   if (!world_from_file) return Forward(world_from_file);
-  const Expected<UestcPerson> person = PersonOf(file, !file.source.track.empty());
-  return person ? ClipOf(*person, file, *world_from_file) : Forward(person);
+  const Expected<UestcPerson> person = ChosenPerson(file, !file.source.track.empty());
+  return person ? ClipOfPerson(*person, file, *world_from_file) : Forward(person);
 }
 
 Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
@@ -154,7 +155,7 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
   if (!video) return Forward(video);
   UestcPerson person;
   if (file.source.container.empty()) {
-    Expected<UestcPerson> chosen = PersonOf(file, false);
+    Expected<UestcPerson> chosen = ChosenPerson(file, false);
     if (!chosen) return Forward(chosen);
     person = std::move(*chosen);
   } else {
@@ -165,13 +166,13 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
   VibeTrack& track = person.track;
   if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track.frames) {
     const auto wanted = static_cast<std::size_t>(file.most_frames);
-    Cut(track.pose, track.frames, wanted);
-    Cut(track.joints3d, track.frames, wanted);
-    Cut(track.original_camera, track.frames, wanted);
+    KeepFrames(track.pose, track.frames, wanted);
+    KeepFrames(track.joints3d, track.frames, wanted);
+    KeepFrames(track.original_camera, track.frames, wanted);
     track.frames = wanted;
   }
   const Quaterniond turned(UestcWorldFromView(video->view, video->side));
-  return ClipOf(person, file, *world_from_file * turned);
+  return ClipOfPerson(person, file, *world_from_file * turned);
 }
 
 }  // namespace mocurate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/pi.h"
 #include "ingest/synthetic/actions.h"
 
 namespace mocurate {
@@ -8,7 +9,7 @@ namespace mocurate {
 
 constexpr int kLeftSide = 0;
 constexpr int kRightSide = 1;
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kGravity = 9.81;  // m/s^2
 
 /// Up from `rise` to `top`, down from `fall` to `end`.
 double Pulse(double at, double rise, double top, double fall, double end);

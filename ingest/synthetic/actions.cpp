@@ -10,8 +10,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
-
 void Wave(double at, const Manner& m, Pose& pose) {
   const double raised = Pulse(at, 0.0, 0.22, 0.78, 1.0);
   const double to_and_fro = std::sin(2.0 * kPi * m.cycles * at + m.phase) * Pulse(at, 0.12, 0.3, 0.7, 0.85);

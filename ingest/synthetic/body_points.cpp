@@ -6,13 +6,13 @@
 namespace mocurate {
 namespace {
 
-Vector3d Mirrored(const Vector3d& offset) { return {-offset.x(), offset.y(), offset.z()}; }
+Vector3d MirroredOffset(const Vector3d& offset) { return {-offset.x(), offset.y(), offset.z()}; }
 
 /// Places of one side from those of the left, all named without their side.
 std::vector<BodyPlace> Side(const std::string& side, const std::vector<BodyPlace>& left) {
   std::vector<BodyPlace> places;
   for (const BodyPlace& place : left) {
-    const Vector3d offset = side == "left" ? place.offset : Mirrored(place.offset);
+    const Vector3d offset = side == "left" ? place.offset : MirroredOffset(place.offset);
     places.push_back({side + "_" + place.name, side + "_" + place.joint, offset});
   }
   return places;
@@ -98,9 +98,9 @@ const std::vector<BodyPlace>& Body25Places() {
     all.push_back({"mid_hip", "pelvis", {0.0, -0.008, -0.008}});
     Append(OpenPoseLeg("right"), all);
     Append(OpenPoseLeg("left"), all);
-    all.push_back({"right_eye", "head", Mirrored(kEye)});
+    all.push_back({"right_eye", "head", MirroredOffset(kEye)});
     all.push_back({"left_eye", "head", kEye});
-    all.push_back({"right_ear", "head", Mirrored(kEar)});
+    all.push_back({"right_ear", "head", MirroredOffset(kEar)});
     all.push_back({"left_ear", "head", kEar});
     for (const char* side : {"left", "right"}) {
       Append(Side(side, {{"big_toe", "foot", kBigToe}, {"small_toe", "foot", kSmallToe}, {"heel", "ankle", kHeel}}),
@@ -136,9 +136,9 @@ const std::vector<BodyPlace>& Vibe49Places() {
     add("head", "head", {0.0, 0.10, 0.0});
     add("nose", "head", kNose);
     add("left_eye", "head", kEye);
-    add("right_eye", "head", Mirrored(kEye));
+    add("right_eye", "head", MirroredOffset(kEye));
     add("left_ear", "head", kEar);
-    add("right_ear", "head", Mirrored(kEar));
+    add("right_ear", "head", MirroredOffset(kEar));
     return all;
   }();
   return places;

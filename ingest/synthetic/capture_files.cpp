@@ -22,7 +22,7 @@ Expected<nlohmann::json> ReadCapture(const fs::path& artifact) {
 }
 
 /// name -> SHA-256 of what was written; empty when there is no list, or none that can be read.
-std::map<std::string, std::string> ReadList(const fs::path& list) {
+std::map<std::string, std::string> ReadWritten(const fs::path& list) {
   const auto text = ReadFile(list);
   const nlohmann::json json = nlohmann::json::parse(text ? *text : std::string(), nullptr, false);
   std::map<std::string, std::string> written;
@@ -38,7 +38,7 @@ Status WriteList(const std::map<std::string, std::string>& written, const fs::pa
   return WriteFile(list, nlohmann::json(written).dump(1) + "\n");
 }
 
-bool Holds(const fs::path& file, const std::string& sha256) {
+bool HoldsContent(const fs::path& file, const std::string& sha256) {
   const auto bytes = ReadFile(file);
   return bytes && Sha256Hex(*bytes) == sha256;
 }
@@ -59,7 +59,7 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   if (Status made = MakeFolder(folder); !made) return made;
   fs::path list = folder;
   list += ".json";
-  const std::map<std::string, std::string> before = ReadList(list);
+  const std::map<std::string, std::string> before = ReadWritten(list);
   std::map<std::string, std::string> now;
   for (const auto& [name, text] : files->items()) now[name] = Sha256Hex(text.get<std::string>());
 
@@ -68,19 +68,19 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   both.insert(before.begin(), before.end());
   if (both != before) {
     for (const auto& [name, sha256] : now) {
-      if (before.count(name) != 0 || !fs::exists(folder / name) || Holds(folder / name, sha256)) continue;
+      if (before.count(name) != 0 || !fs::exists(folder / name) || HoldsContent(folder / name, sha256)) continue;
       return Fail(ErrorCode::kCannotWrite, "another file has this name", DisplayPath(folder / name),
                   "move it away, or choose another run folder with -o");
     }
     if (Status listed = WriteList(both, list); !listed) return listed;
   }
   for (const auto& [name, text] : files->items()) {
-    if (Holds(folder / name, now[name])) continue;
+    if (HoldsContent(folder / name, now[name])) continue;
     if (Status written = WriteFile(folder / name, text.get_ref<const std::string&>()); !written) return written;
   }
   for (const auto& [name, sha256] : before) {
     std::error_code left;
-    if (now.count(name) == 0 && Holds(folder / name, sha256)) fs::remove(folder / name, left);
+    if (now.count(name) == 0 && HoldsContent(folder / name, sha256)) fs::remove(folder / name, left);
   }
   return now == before ? Status() : WriteList(now, list);
 }

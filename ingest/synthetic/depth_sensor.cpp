@@ -11,7 +11,7 @@ namespace {
 constexpr double kEdge = 0.06;     // metres between neighbours that are not of one surface
 constexpr double kFarthest = 8.0;  // metres; nothing comes back from farther away
 constexpr double kNearest = 0.4;
-constexpr double kMillimetres = 1000.0;
+constexpr double kDepthStepsPerMetre = 1000.0;
 
 class Surface {
  public:
@@ -65,7 +65,8 @@ double Stepped(double metres, const DepthSensorOptions& options) {
 
 std::uint16_t Quantised(double metres, const DepthSensorOptions& options) {
   if (metres < kNearest || metres > kFarthest) return 0;
-  return static_cast<std::uint16_t>(std::clamp(std::lround(Stepped(metres, options) * kMillimetres), 0L, 65535L));
+  return static_cast<std::uint16_t>(
+      std::clamp(std::lround(Stepped(metres, options) * kDepthStepsPerMetre), 0L, 65535L));
 }
 
 }  // namespace

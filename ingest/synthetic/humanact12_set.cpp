@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRateHz = 15.0;
+constexpr double kHumanAct12RateHz = 15.0;
 constexpr double kHurried = 0.6;       // of its natural time: what is cut shorter shows a part of the action
 constexpr double kStepsPerTurn = 1.0;  // radians of a circle that a cycle of walking goes on
 constexpr std::array<double, 7> kShares = {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0};
@@ -57,9 +57,9 @@ std::pair<Manner, int> MannerOf(const PlannedClip& clip, std::uint64_t seed) {
   const std::string action = clip.variant->action;
   const double period = NaturalPeriod(action);
   const double least = kHurried * NaturalDuration(action, period > 0.0 ? 1.0 : 0.0);
-  const int frames = std::max(clip.frames, static_cast<int>(std::ceil(least * kRateHz)));
+  const int frames = std::max(clip.frames, static_cast<int>(std::ceil(least * kHumanAct12RateHz)));
   Manner manner;
-  manner.active_s = frames / kRateHz;
+  manner.active_s = frames / kHumanAct12RateHz;
   manner.amplitude = random.Uniform(0.88, 1.12);
   manner.phase = random.Uniform(-kPi, kPi);
   const double once = NaturalDuration(action, 0.0);

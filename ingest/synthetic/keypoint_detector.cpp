@@ -8,9 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kOwnFlesh = 0.14;  ///< m in front of a point that belong to it
+constexpr double kFleshBeforePoint = 0.14;  ///< m in front of a point that belong to it
 
-double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
+double RoundedToStep(double value, double steps) { return std::round(value * steps) / steps; }
 
 }  // namespace
 
@@ -38,8 +38,8 @@ OpenPosePerson Detected(const std::vector<ImagePoint>& points, const KeypointOpt
       pixel += distance * Vector2d(std::cos(way), std::sin(way));
       confidence *= 0.8;
     }
-    person.pose.push_back(
-        {Rounded(pixel.x(), exact ? 1e6 : 1e3), Rounded(pixel.y(), exact ? 1e6 : 1e3), Rounded(confidence, 1e6)});
+    person.pose.push_back({RoundedToStep(pixel.x(), exact ? 1e6 : 1e3), RoundedToStep(pixel.y(), exact ? 1e6 : 1e3),
+                           RoundedToStep(confidence, 1e6)});
   }
   return person;
 }
@@ -60,7 +60,7 @@ std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCa
     if (point.pixel && !(inside(point.pixel->x(), camera.width) && inside(point.pixel->y(), camera.height))) {
       point.pixel.reset();
     }
-    point.hidden = FirstEntry(in_camera, at) < 1.0 - kOwnFlesh / at.norm();
+    point.hidden = FirstEntry(in_camera, at) < 1.0 - kFleshBeforePoint / at.norm();
     points.push_back(point);
   }
   return points;

@@ -12,7 +12,7 @@ namespace mocurate {
 namespace {
 
 constexpr const char* kDataset = "STUDIO";
-constexpr std::int64_t kRateHz = 120;
+constexpr std::int64_t kAmassRateHz = 120;
 constexpr std::int64_t kSubjects = 4;
 constexpr std::int64_t kSequences = 5;
 constexpr std::size_t kPoseColumns = 156;  // SMPL-H: root, 21 of the body, two hands of 15
@@ -24,7 +24,7 @@ struct BabelWords {
   std::vector<std::string> categories;
 };
 
-BabelWords WordsOf(const HumanAct12Variant& variant) {
+BabelWords WordsOfVariant(const HumanAct12Variant& variant) {
   const std::string label = variant.label;
   if (label == "warm_up") return {"warm up", {"exercise/training"}};
   if (label == "lift_dumbbell") return {"lift weight", {"lift something", "exercise/training"}};
@@ -40,7 +40,7 @@ Amass AmassOf(const Motion& motion) {
   const RigidTransform z_up{Quaterniond(Eigen::AngleAxisd(0.5 * kPi, Vector3d::UnitX())), Vector3d::Zero()};
   const Motion seen = Seen(motion, z_up);
   Amass amass;
-  amass.rate_hz = static_cast<double>(kRateHz);
+  amass.rate_hz = static_cast<double>(kAmassRateHz);
   amass.gender = "neutral";
   amass.frames = static_cast<std::size_t>(motion.frame_count());
   amass.pose_columns = kPoseColumns;
@@ -59,7 +59,7 @@ std::string TakeOf(const PlannedSequence& sequence) {
   return Digits(sequence.subject, 2) + "_" + Digits(sequence.number, 2);
 }
 
-double Rounded(double seconds) { return std::round(1000.0 * seconds) / 1000.0; }
+double RoundedToMillisecond(double seconds) { return std::round(1000.0 * seconds) / 1000.0; }
 
 std::string SegmentId(Random& random) {
   std::string id;
@@ -70,14 +70,14 @@ std::string SegmentId(Random& random) {
   return id;
 }
 
-BabelLabel LabelOf(const BabelWords& words, const ScriptSpan& span, Random& random) {
+BabelLabel LabelOfSpan(const BabelWords& words, const ScriptSpan& span, Random& random) {
   BabelLabel label;
   label.raw_label = words.proc_label;
   label.proc_label = words.proc_label;
   label.act_cat = words.categories;
   label.seg_id = SegmentId(random);
-  label.start_t = Rounded(static_cast<double>(span.begin) / kRateHz);
-  label.end_t = Rounded(static_cast<double>(span.end) / kRateHz);
+  label.start_t = RoundedToMillisecond(static_cast<double>(span.begin) / kAmassRateHz);
+  label.end_t = RoundedToMillisecond(static_cast<double>(span.end) / kAmassRateHz);
   return label;
 }
 
@@ -86,21 +86,21 @@ BabelLabel LabelOf(const BabelWords& words, const ScriptSpan& span, Random& rand
 BabelSequence AnnotationOf(const StudioOptions& options, const PlannedSequence& sequence, std::int64_t sid) {
   Random random(static_cast<std::uint64_t>(options.seed), "studio.babel", sequence.Key());
   const Script& script = sequence.script;
-  const std::vector<ScriptSpan> ways = Transitions(script, FrameRate{kRateHz, 1});
+  const std::vector<ScriptSpan> ways = Transitions(script, FrameRate{kAmassRateHz, 1});
   BabelAnnotation annotation;
   annotation.babel_lid = SegmentId(random);
   annotation.anntr_id = SegmentId(random);
   annotation.mul_act = true;
   if (script.actions.front().begin > 0) {
-    annotation.labels.push_back(LabelOf({"stand", {"stand"}}, {0, script.actions.front().begin}, random));
+    annotation.labels.push_back(LabelOfSpan({"stand", {"stand"}}, {0, script.actions.front().begin}, random));
   }
   for (std::size_t k = 0; k < script.actions.size(); ++k) {
     annotation.labels.push_back(
-        LabelOf(WordsOf(*sequence.kinds[k]), {script.actions[k].begin, script.actions[k].end}, random));
+        LabelOfSpan(WordsOfVariant(*sequence.kinds[k]), {script.actions[k].begin, script.actions[k].end}, random));
     if (k >= ways.size()) continue;
-    annotation.labels.push_back(LabelOf({"transition", {"transition"}}, ways[k], random));
+    annotation.labels.push_back(LabelOfSpan({"transition", {"transition"}}, ways[k], random));
     const int rest = script.actions[k + 1].begin;
-    if (rest > ways[k].end) annotation.labels.push_back(LabelOf({"stand", {"stand"}}, {ways[k].end, rest}, random));
+    if (rest > ways[k].end) annotation.labels.push_back(LabelOfSpan({"stand", {"stand"}}, {ways[k].end, rest}, random));
   }
   for (std::size_t i = annotation.labels.size(); i > 1; --i) {
     std::swap(annotation.labels[i - 1], annotation.labels[random.Below(i)]);
@@ -111,13 +111,13 @@ BabelSequence AnnotationOf(const StudioOptions& options, const PlannedSequence& 
   babel.url = Digits(static_cast<int>(sid), 6) + ".mp4";
   babel.feat_p =
       std::string(kDataset) + "/" + kDataset + "/" + sequence.Person() + "/" + TakeOf(sequence) + "_poses.npz";
-  babel.dur = std::round(100.0 * script.frames / static_cast<double>(kRateHz)) / 100.0;
+  babel.dur = std::round(100.0 * script.frames / static_cast<double>(kAmassRateHz)) / 100.0;
   BabelAnnotation whole;
   whole.babel_lid = SegmentId(random);
   whole.anntr_id = annotation.anntr_id;
   whole.mul_act = true;
   for (const HumanAct12Variant* kind : sequence.kinds) {
-    BabelLabel label = LabelOf(WordsOf(*kind), {0, 0}, random);
+    BabelLabel label = LabelOfSpan(WordsOfVariant(*kind), {0, 0}, random);
     label.start_t.reset();
     label.end_t.reset();
     whole.labels.push_back(std::move(label));
@@ -134,13 +134,13 @@ Status WriteAmassLayout(const StudioOptions& options, const std::vector<Actor>& 
   std::vector<PlannedSequence> sequences;
   for (int s = 1; s <= (options.subjects > 0 ? options.subjects : kSubjects); ++s) {
     for (int n = 1; n <= (options.clips > 0 ? options.clips : kSequences); ++n) {
-      sequences.push_back(PlanSequence(options, s, n, 3, 6, kRateHz));
+      sequences.push_back(PlanSequence(options, s, n, 3, 6, kAmassRateHz));
     }
   }
   Status done = folder.ForEach(sequences.size(), [&](std::size_t i) -> Status {
     const PlannedSequence& sequence = sequences[i];
     const Actor& actor = actors[static_cast<std::size_t>(sequence.subject - 1)];
-    const Motion motion = PerformScript(sequence.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const Motion motion = PerformScript(sequence.script, actor.subject, actor.skeleton, FrameRate{kAmassRateHz, 1});
     const std::string name = std::string(kDataset) + "/" + sequence.Person() + "/" + TakeOf(sequence) + "_poses.npz";
     const Expected<std::string> bytes = EncodeAmass(AmassOf(motion), name);
     if (!bytes) return Forward(bytes);

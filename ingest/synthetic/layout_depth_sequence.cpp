@@ -11,16 +11,16 @@
 namespace mocurate {
 namespace {
 
-nlohmann::json Json(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::json VectorJson(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Camera from the rig's frame: x right, y down, z forward, where PHSPD's polarisation camera stands.
 nlohmann::json ViewJson(const Camera& camera) {
   const RigidTransform camera_from_rig = camera.camera_from_world * Inverse(PhspdPolarFromWorld());
   const Matrix3d r = camera_from_rig.rotation.toRotationMatrix();
   nlohmann::json rows = nlohmann::json::array();
-  for (int i = 0; i < 3; ++i) rows.push_back(Json(r.row(i)));
+  for (int i = 0; i < 3; ++i) rows.push_back(VectorJson(r.row(i)));
   return {{"R_p_to_d", rows},
-          {"t_m", Json(camera_from_rig.translation)},
+          {"t_m", VectorJson(camera_from_rig.translation)},
           {"fx_fy_cx_cy", {camera.fx, camera.fy, camera.cx, camera.cy}},
           {"size", {camera.width, camera.height}}};
 }
@@ -32,12 +32,12 @@ nlohmann::json TruthJson(const Actor& actor, const Motion& seen) {
   for (int f = 0; f < seen.frame_count(); ++f) {
     nlohmann::json vectors = nlohmann::json::array(), joints = nlohmann::json::array();
     for (int j = 0; j < seen.joint_count(); ++j) {
-      vectors.push_back(Json(LogQuaternion(seen.rotation_at(f, j))));
-      joints.push_back(Json(seen.joints.at(f, j)));
+      vectors.push_back(VectorJson(LogQuaternion(seen.rotation_at(f, j))));
+      joints.push_back(VectorJson(seen.joints.at(f, j)));
     }
     frames.push_back({{"frame", f},
                       {"rotvec24", vectors},
-                      {"translation_added", Json(seen.root_translation[f] - pelvis)},
+                      {"translation_added", VectorJson(seen.root_translation[f] - pelvis)},
                       {"joints_m", joints}});
   }
   return frames;

@@ -11,12 +11,12 @@
 namespace mocurate {
 namespace {
 
-std::string NameOf(const PlannedRecording& recording, const CutClip& cut) {
+std::string HumanAct12Name(const PlannedRecording& recording, const CutClip& cut) {
   return "P" + Digits(recording.subject, 2) + "G" + Digits(recording.group, 2) + "R" + Digits(recording.time, 2) + "F" +
          Digits(cut.first, 4) + "T" + Digits(cut.last, 4) + "A" + cut.variant->code;
 }
 
-HumanAct12Clip ClipOf(const Motion& motion, const CutClip& cut) {
+HumanAct12Clip HumanAct12ClipOf(const Motion& motion, const CutClip& cut) {
   HumanAct12Clip clip;
   clip.frames = static_cast<std::size_t>(motion.frame_count());
   clip.joints = motion.joints.xyz;
@@ -42,9 +42,9 @@ Status WriteHumanAct12Clips(const StudioOptions& options, const PlannedRecording
       if (f >= cut.first && f <= cut.last) frames.push_back(f);
     }
     if (frames.empty()) continue;
-    const std::string name = NameOf(recording, cut);
+    const std::string name = HumanAct12Name(recording, cut);
     const Motion seen = Seen(motion, frames, colour.camera_from_world);
-    HumanAct12Clip clip = ClipOf(seen, cut);
+    HumanAct12Clip clip = HumanAct12ClipOf(seen, cut);
     const std::string npy = WriteNpy({{clip.frames, kPhspdJoints, 3}, "<f8", clip.joints, {}});
     if (Status written = folder.Write(folder_name + "/" + name + ".npy", npy); !written) return written;
     ClipIdentity identity;

@@ -10,12 +10,12 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kRateHz = 30;
-constexpr double kMillimetres = 1000.0;
+constexpr std::int64_t kKardRateHz = 30;
+constexpr double kKardUnitsPerMetre = 1000.0;
 
 /// Eight digits, as the set's own files have.
-double Written(double metres) {
-  const double value = metres * kMillimetres;
+double EightDigits(double metres) {
+  const double value = metres * kKardUnitsPerMetre;
   if (value == 0.0) return 0.0;
   const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 7.0);
   return std::round(value / step) * step;
@@ -24,7 +24,7 @@ double Written(double metres) {
 }  // namespace
 
 Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const auto takes = PlanTakes(options, KardClasses(), {10, 3, static_cast<double>(kRateHz), 0.2, 0.5});
+  const auto takes = PlanTakes(options, KardClasses(), {10, 3, static_cast<double>(kKardRateHz), 0.2, 0.5});
   if (!takes) return Forward(takes);
   Random room(static_cast<std::uint64_t>(options.seed), "studio.room");
   const double height = room.Uniform(0.7, 1.0);
@@ -37,7 +37,7 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
     const std::string person = "s" + Digits(take.subject, 2);
     const std::string recording = "a" + Digits(take.kind->id, 2) + "_" + person + "_e" + Digits(take.repetition, 2);
     const Motion motion =
-        Seen(PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1}), sensor_from_world);
+        Seen(PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kKardRateHz, 1}), sensor_from_world);
     const std::vector<std::string> names = NamesOf(KardPlaces());
     TrackedTake tracked = Track(PlacesOf(motion, KardPlaces()), names, options.tracker, options.seed, recording);
     GuessUnseen(options.tracker, options.seed, recording, tracked);  // the set has no word for what was not seen
@@ -48,7 +48,7 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
     for (int f = 0; f < table.frames; ++f) {
       for (int k = 0; k < table.rows_per_frame; ++k) {
         const Vector3d at = tracked.positions.at(f, k);
-        table.values.insert(table.values.end(), {Written(at.x()), Written(at.y()), Written(-at.z())});
+        table.values.insert(table.values.end(), {EightDigits(at.x()), EightDigits(at.y()), EightDigits(-at.z())});
       }
     }
     Status written = folder.Write("kard/" + recording + "_realworld.txt", WriteJointTable(table));

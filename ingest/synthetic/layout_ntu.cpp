@@ -18,7 +18,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kRateHz = 30;
+constexpr std::int64_t kNtuRateHz = 30;
 constexpr std::uint64_t kFirstBody = 72057594037927936u;  // ids of the sensor begin here
 constexpr double kColourFocal = 1050.0;
 constexpr double kColourShift = 0.052;  // metres from the depth to the colour camera
@@ -186,7 +186,7 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     // The first repetition faces camera 2, the second camera 3.
     script.heading += view.take->repetition % 2 == 1 ? -0.25 * kPi : 0.25 * kPi;
     const Motion motion =
-        Later(PerformScript(script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1}), faults.clock_s[sensor]);
+        Later(PerformScript(script, actor.subject, actor.skeleton, FrameRate{kNtuRateHz, 1}), faults.clock_s[sensor]);
     const std::string recording = view.name.Text();
     const BodyView body(actor);
     const JointPositions places = PlacesOf(motion, Kinect25Places());

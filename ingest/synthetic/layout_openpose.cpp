@@ -15,7 +15,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kRateHz = 30;
+constexpr std::int64_t kOpenPoseRateHz = 30;
 
 /// Cameras as plain JSON: world-to-camera in metres, the studio's world.
 std::string CalibrationText(const std::vector<Camera>& cameras) {
@@ -72,8 +72,8 @@ Status WriteKeypoints(const StudioOptions& options, const Actor& actor, const Mo
 }
 
 /// TAKE/depth/CAMERA_NNNN.png of one depth camera, millimetres, the person alone.
-Status WriteDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
-                  const std::string& folder_name, const std::string& take, StudioFolder& folder) {
+Status WriteTakeDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                      const std::string& folder_name, const std::string& take, StudioFolder& folder) {
   const std::vector<Vector2d> rays = PixelRays(camera);
   const BodyView body(actor);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
@@ -104,7 +104,7 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
     const std::string person = "p" + Digits(take.subject, 2);
     const std::string name = std::string(take.kind->label) + "_" + person + "_r" + Digits(take.repetition, 2);
-    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kOpenPoseRateHz, 1});
     if (view == 0) {
       ClipIdentity identity;
       identity.source = source;
@@ -115,7 +115,7 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
     }
     const Motion seen = Later(motion, faults.clock_s[view]);
     return view < colour ? WriteKeypoints(options, actor, seen, faults.real[view], source, name, folder)
-                         : WriteDepth(options, actor, seen, faults.real[view], source, name, folder);
+                         : WriteTakeDepth(options, actor, seen, faults.real[view], source, name, folder);
   });
 }
 
@@ -123,7 +123,7 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
 
 Expected<std::vector<PlannedTake>> PlanOpenPoseTakes(const StudioOptions& options) {
   static const std::vector<SetClass> classes = Classes();
-  return PlanTakes(options, classes, {2, 1, static_cast<double>(kRateHz), 0.3, 0.6});
+  return PlanTakes(options, classes, {2, 1, static_cast<double>(kOpenPoseRateHz), 0.3, 0.6});
 }
 
 Status WriteOpenPoseLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {

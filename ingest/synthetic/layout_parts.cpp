@@ -20,7 +20,7 @@ std::vector<double> ShapeOf(const BodyTemplate& body, std::int64_t seed, const s
   return shape;
 }
 
-Expected<SkeletonPtr> SkeletonOf(const RestBody& rest, const Skeleton& skeleton) {
+Expected<SkeletonPtr> SkeletonOfRest(const RestBody& rest, const Skeleton& skeleton) {
   auto own = std::make_shared<Skeleton>(skeleton);
   for (std::size_t j = 1; j < own->joints.size(); ++j) {
     own->joints[j].rest_offset = rest.joints[j] - rest.joints[own->joints[j].parent];
@@ -43,7 +43,7 @@ Expected<std::vector<Actor>> ActorsOf(const StudioOptions& options, std::int64_t
     Actor actor{std::move(subject), *skeleton, body, {}};
     if (body != nullptr) {
       actor.rest = Shaped(*body, ShapeOf(*body, options.seed, actor.subject.name));
-      const Expected<SkeletonPtr> own = SkeletonOf(actor.rest, **skeleton);
+      const Expected<SkeletonPtr> own = SkeletonOfRest(actor.rest, **skeleton);
       if (!own) return Forward(own);
       actor.skeleton = *own;
       actor.subject.bone_length = (*own)->RestBoneLengths();

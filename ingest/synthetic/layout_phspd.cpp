@@ -37,8 +37,8 @@ Status WriteAnnotation(const Motion& seen, const std::vector<int>& frames, const
 }
 
 /// depth/viewK/RECORDING/depth_F.png of one camera: millimetres, mirrored, as the set's own code reads them.
-Status WriteDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
-                  const std::string& recording, StudioFolder& folder) {
+Status WriteViewDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                      const std::string& recording, StudioFolder& folder) {
   const std::vector<Vector2d> rays = PixelRays(camera);
   const std::vector<float> room = options.depth.room ? RoomDepth(camera, rays, kWall) : std::vector<float>();
   const BodyView body(actor);
@@ -65,7 +65,7 @@ Status WriteRecording(const StudioOptions& options, const PlannedRecording& plan
     const std::vector<Camera> depth = {rig[1], rig[2], rig[3]};
     const RigFaults faults = FaultsOf(options.rig, depth, options.seed);
     const auto k = static_cast<std::size_t>(part - 1);
-    return WriteDepth(options, actor, Later(motion, faults.clock_s[k]), faults.real[k], recording, folder);
+    return WriteViewDepth(options, actor, Later(motion, faults.clock_s[k]), faults.real[k], recording, folder);
   }
   const Motion seen = Seen(motion, rig[0].camera_from_world);
   Status annotated = WriteAnnotation(seen, AnnotatedFrames(options, planned), recording, folder);

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kRateHz = 30;
+constexpr std::int64_t kVibeRateHz = 30;
 constexpr int kViews = 8;  // of UESTC's second camera; the ninth moves
 
 /// Before a level camera at `height` metres, `away` metres off, that sees the subject turned by `turned` about the
@@ -45,7 +45,7 @@ struct Video {
 };
 
 Expected<std::vector<PlannedTake>> UestcTakes(const StudioOptions& options) {
-  return PlanTakes(options, UestcClasses(), {118, 2, static_cast<double>(kRateHz), 0.3, 0.8});
+  return PlanTakes(options, UestcClasses(), {118, 2, static_cast<double>(kVibeRateHz), 0.3, 0.8});
 }
 
 std::vector<Video> VideosOf(const std::vector<PlannedTake>& takes) {
@@ -96,8 +96,8 @@ VibeTrack Piece(const VibeTrack& whole, std::int64_t id, std::size_t begin, std:
 constexpr std::size_t kLost = 3;  // frames between two ids of one person
 
 /// The performer's track; where somebody stood by, of two ids, and that person's.
-std::vector<VibeTrack> TracksOf(const Video& video, const Actor& bystander, const Motion& seen,
-                                const StudioOptions& options) {
+std::vector<VibeTrack> VibeTracksOf(const Video& video, const Actor& bystander, const Motion& seen,
+                                    const StudioOptions& options) {
   const Vector2d image_centre(480.0, 270.0);
   const std::string name = video.name.Name();
   VibeTrack whole = VibeTrackOf(seen, options.tracker, options.seed, name, image_centre);
@@ -106,7 +106,7 @@ std::vector<VibeTrack> TracksOf(const Video& video, const Actor& bystander, cons
   Script standing;
   standing.frames = seen.frame_count();
   standing.sway_phase = random.Uniform(0.0, 2.0 * kPi);
-  const Motion other = PerformScript(standing, bystander.subject, bystander.skeleton, FrameRate{kRateHz, 1});
+  const Motion other = PerformScript(standing, bystander.subject, bystander.skeleton, FrameRate{kVibeRateHz, 1});
   RigidTransform aside = CameraFromWorld(1.1, 4.4, 0.0);
   aside.translation.x() += random.Uniform() < 0.5 ? -1.5 : 1.5;
   VibeTrack theirs = VibeTrackOf(Seen(other, aside), options.tracker, options.seed, name + "/bystander", image_centre);
@@ -126,7 +126,7 @@ Status WriteUestcLayout(const StudioOptions& options, const std::vector<Actor>& 
   Status done = folder.ForEach(videos.size(), [&](std::size_t i) -> Status {
     const Video& video = videos[i];
     const Actor& actor = actors[static_cast<std::size_t>(video.take->subject - 1)];
-    const Motion motion = PerformScript(video.take->script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const Motion motion = PerformScript(video.take->script, actor.subject, actor.skeleton, FrameRate{kVibeRateHz, 1});
     const Motion seen = SeenIn(video, motion);
     tracks[i] = VibeTrackOf(seen, options.tracker, options.seed, video.name.Name());
     frames[i] = motion.frame_count();
@@ -157,11 +157,11 @@ Status WriteUestcVibeLayout(const StudioOptions& options, const std::vector<Acto
     const Video& video = videos[i];
     const auto performer = static_cast<std::size_t>(video.take->subject - 1);
     const Actor& actor = actors[performer];
-    const Motion motion = PerformScript(video.take->script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const Motion motion = PerformScript(video.take->script, actor.subject, actor.skeleton, FrameRate{kVibeRateHz, 1});
     const Motion seen = SeenIn(video, motion);
     const std::string name = video.Recording() + "_color/vibe_output.pkl";
     const Expected<std::string> bytes =
-        EncodeVibeTracks(TracksOf(video, actors[(performer + 1) % actors.size()], seen, options), name);
+        EncodeVibeTracks(VibeTracksOf(video, actors[(performer + 1) % actors.size()], seen, options), name);
     if (!bytes) return Forward(bytes);
     AddVideoTruth(video, "uestc_vibe", seen, folder);
     return folder.Write("uestc_vibe/" + name, *bytes);
@@ -169,7 +169,7 @@ Status WriteUestcVibeLayout(const StudioOptions& options, const std::vector<Acto
 }
 
 Status WriteNtuVibeLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const auto takes = PlanTakes(options, Ntu13Classes(), {40, 2, static_cast<double>(kRateHz), 0.2, 0.6});
+  const auto takes = PlanTakes(options, Ntu13Classes(), {40, 2, static_cast<double>(kVibeRateHz), 0.2, 0.6});
   if (!takes) return Forward(takes);
   std::vector<std::string> names(takes->size());
   Status done = folder.ForEach(takes->size(), [&](std::size_t i) -> Status {
@@ -178,7 +178,7 @@ Status WriteNtuVibeLayout(const StudioOptions& options, const std::vector<Actor>
     const std::string person = "P" + Digits(take.subject, 3);
     const std::string recording =
         "S001C001" + person + "R" + Digits(take.repetition, 3) + "A" + Digits(take.kind->id, 3);
-    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVibeRateHz, 1});
     const Motion seen = Seen(motion, CameraFromWorld(1.2, 3.4, 0.0));
     const VibeTrack track = VibeTrackOf(seen, options.tracker, options.seed, recording);
     names[i] = recording + ".pkl";

@@ -6,14 +6,14 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kRateHz = 15;
+constexpr std::int64_t kPhspdRateHz = 15;
 constexpr double kGapFrames = 4.0;  // mean length of a run without annotation
 
 }  // namespace
 
 Motion PerformRecording(const PlannedRecording& recording, const std::vector<Actor>& actors) {
   const Actor& actor = actors[static_cast<std::size_t>(recording.subject - 1)];
-  return PerformScript(recording.script, actor.subject, actor.skeleton, FrameRate{kRateHz, 1});
+  return PerformScript(recording.script, actor.subject, actor.skeleton, FrameRate{kPhspdRateHz, 1});
 }
 
 std::vector<int> AnnotatedFrames(const StudioOptions& options, const PlannedRecording& recording) {

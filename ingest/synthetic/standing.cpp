@@ -7,11 +7,11 @@
 #include <string>
 
 #include "core/motion/kinematics.h"
+#include "ingest/synthetic/action_parts.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kSupportSoft = 0.012;  // metres over which the weight goes from one foot to the other
 
 /// Metres from a joint of a standing skeleton down to the floor.
@@ -62,18 +62,18 @@ std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double 
 }
 
 /// A part of the body between two joints, sides apart, with its share of the weight (Winter 2009, table 4.1).
-struct Segment {
+struct WeighedPart {
   const char* from;
   const char* to;
   double share;
   double centre;  ///< of its length
 };
-constexpr Segment kLimbs[] = {{"hip", "knee", 0.100, 0.433},
-                              {"knee", "ankle", 0.0465, 0.433},
-                              {"ankle", "foot", 0.0145, 0.5},
-                              {"shoulder", "elbow", 0.028, 0.436},
-                              {"elbow", "wrist", 0.022, 0.682}};
-constexpr double kHead = 0.081, kTrunk = 0.497;
+constexpr WeighedPart kLimbs[] = {{"hip", "knee", 0.100, 0.433},
+                                  {"knee", "ankle", 0.0465, 0.433},
+                                  {"ankle", "foot", 0.0145, 0.5},
+                                  {"shoulder", "elbow", 0.028, 0.436},
+                                  {"elbow", "wrist", 0.022, 0.682}};
+constexpr double kHeadWeight = 0.081, kTrunkWeight = 0.497;
 
 /// How far the centre of mass lies above the root.
 double CentreAboveRoot(const Skeleton& skeleton, const std::vector<Vector3d>& joints) {
@@ -81,10 +81,10 @@ double CentreAboveRoot(const Skeleton& skeleton, const std::vector<Vector3d>& jo
     const std::optional<int> joint = skeleton.FindJoint(name);
     return joint ? joints[static_cast<std::size_t>(*joint)].y() - joints[0].y() : 0.0;
   };
-  double centre = kHead * height("head");
+  double centre = kHeadWeight * height("head");
   for (const std::string side : {"left_", "right_"}) {
-    centre += 0.25 * kTrunk * (height(side + "hip") + height(side + "shoulder"));
-    for (const Segment& limb : kLimbs) {
+    centre += 0.25 * kTrunkWeight * (height(side + "hip") + height(side + "shoulder"));
+    for (const WeighedPart& limb : kLimbs) {
       const double from = height(side + limb.from);
       centre += limb.share * (from + limb.centre * (height(side + limb.to) - from));
     }

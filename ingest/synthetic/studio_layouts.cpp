@@ -59,7 +59,7 @@ Status CheckFolder(const std::filesystem::path& folder) {
 }
 
 /// HumanAct12's classes where the layout performs them by clip; others check their own.
-Status CheckActions(const StudioOptions& options) {
+Status CheckStudioActions(const StudioOptions& options) {
   const bool by_variants = options.layout == StudioLayout::kHumanAct12 || options.layout == StudioLayout::kPhspd ||
                            options.layout == StudioLayout::kDepthSequence;
   if (!by_variants) return {};
@@ -128,7 +128,7 @@ Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& act
 }  // namespace
 
 Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int jobs) {
-  if (Status known = CheckActions(options); !known) return Forward(known);
+  if (Status known = CheckStudioActions(options); !known) return Forward(known);
   const std::size_t images = DepthImagesOf(options, PeopleOf(options));
   if (images == 0) return StudioEstimate();
   std::optional<BodyTemplate> body;
@@ -174,7 +174,7 @@ std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth) {
 Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
                                                  int jobs, const StudioFolder::Progress& progress) {
   if (Status free = CheckFolder(folder); !free) return Forward(free);
-  if (Status known = CheckActions(options); !known) return Forward(known);
+  if (Status known = CheckStudioActions(options); !known) return Forward(known);
   std::optional<BodyTemplate> body;
   const auto actors = ActorsFor(options, PeopleOf(options), body);
   if (!actors) return Forward(actors);

@@ -64,7 +64,7 @@ class Wander {
 };
 
 /// Position in `names` of the same point on the other side; its own where there is none.
-int PartnerOf(const std::vector<std::string>& names, int point) {
+int PartnerPoint(const std::vector<std::string>& names, int point) {
   std::string other = names[point];
   for (const auto& [side, opposite] : {std::pair("left", "right"), std::pair("right", "left")}) {
     const std::size_t at = names[point].find(side);
@@ -89,7 +89,7 @@ class Exchange {
     const auto has = [&](const char* word) { return names_[point].find(word) != std::string::npos; };
     const bool exchanged = arms_ ? has("elbow") || has("wrist") || has("hand") || has("thumb")
                                  : has("knee") || has("ankle") || has("foot");
-    return exchanged ? PartnerOf(names_, point) : point;
+    return exchanged ? PartnerPoint(names_, point) : point;
   }
 
  private:

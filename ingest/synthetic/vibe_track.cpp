@@ -30,7 +30,7 @@ JointPositions ErrorsOf(const Motion& motion, const TrackerOptions& options, std
 }
 
 /// Rotations and root as they are told.
-Motion Told(const Motion& motion, const JointPositions& errors) {
+Motion ToldMotion(const Motion& motion, const JointPositions& errors) {
   const int joints = motion.joint_count();
   std::vector<Vector3d> root = motion.root_translation;
   std::vector<Quaterniond> rotation = motion.rotation;
@@ -56,7 +56,7 @@ VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::
   const JointPositions truth = PlacesOf(motion, Vibe49Places());
   TrackedTake tracked = Track(truth, names, options, seed, item);
   GuessUnseen(options, seed, item, tracked);
-  const Motion told = Told(motion, ErrorsOf(motion, options, seed, item));
+  const Motion told = ToldMotion(motion, ErrorsOf(motion, options, seed, item));
   for (int f = 0; f < motion.frame_count(); ++f) {
     const std::vector<double> pose = RotationVectors(told, f);
     track.pose.insert(track.pose.end(), pose.begin(), pose.end());

@@ -1,5 +1,6 @@
 // Distances to capsules and points on them.
 #include "core/body/capsule_body.h"
+#include "core/base/pi.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +11,6 @@
 
 namespace mocurate {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Vector3d DrawVector(Random& random) { return Vector3d(random.Normal(), random.Normal(), random.Normal()); }
 

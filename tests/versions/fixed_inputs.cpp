@@ -3,13 +3,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/pi.h"
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate::versions {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 bool Has(const std::string& name, const char* word) { return name.find(word) != std::string::npos; }
 

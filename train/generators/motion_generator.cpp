@@ -20,7 +20,7 @@ struct MotionGenerator::Impl {
 
 namespace {
 
-constexpr std::size_t kBatch = 500;  // fits the caches; larger ones gain nothing
+constexpr std::size_t kGeneratedAtOnce = 500;  // fits the caches; larger ones gain nothing
 
 Status CheckRequest(const MotionRequest& request, const Action2MotionConfig& config, std::size_t index) {
   const std::string where = "request " + std::to_string(index);
@@ -46,8 +46,8 @@ struct Batch {
   std::vector<float> bone_length;  // (B,J)
 };
 
-Batch MakeBatch(const MotionRequest* requests, std::size_t count, const Action2MotionConfig& config,
-                const std::vector<double>& rest_length) {
+Batch GeneratorBatch(const MotionRequest* requests, std::size_t count, const Action2MotionConfig& config,
+                     const std::vector<double>& rest_length) {
   Batch batch;
   const std::size_t frames = static_cast<std::size_t>(requests[0].frames),
                     latent = static_cast<std::size_t>(config.latent);
@@ -104,9 +104,9 @@ Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionReq
   const std::vector<double> rest_length = impl_->checkpoint.skeleton->RestBoneLengths();
   const LieLayer layer = config.lie ? LieLayer(*config.lie, config.exp) : LieLayer();
   std::vector<float> result(requests.size() * frames * pose);
-  for (std::size_t begin = 0; begin < requests.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, requests.size() - begin);
-    const Batch batch = MakeBatch(requests.data() + begin, count, config, rest_length);
+  for (std::size_t begin = 0; begin < requests.size(); begin += kGeneratedAtOnce) {
+    const std::size_t count = std::min(kGeneratedAtOnce, requests.size() - begin);
+    const Batch batch = GeneratorBatch(requests.data() + begin, count, config, rest_length);
     const std::vector<float> output = Action2MotionGenerate(config, impl_->checkpoint.parameters, batch.label,
                                                             static_cast<int>(frames), batch.noise, batch.bone_length);
     std::vector<float> joints(count * pose);
@@ -134,7 +134,8 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
   const int J = impl_->config.joints;
   for (std::size_t begin = 0; begin < requests.size();) {
     std::size_t end = begin + 1;
-    while (end < requests.size() && requests[end].frames == requests[begin].frames && end - begin < kBatch) ++end;
+    while (end < requests.size() && requests[end].frames == requests[begin].frames && end - begin < kGeneratedAtOnce)
+      ++end;
     const std::vector<MotionRequest> part(requests.begin() + static_cast<std::ptrdiff_t>(begin),
                                           requests.begin() + static_cast<std::ptrdiff_t>(end));
     const Expected<std::vector<float>> joints = Joints(part);

@@ -20,7 +20,7 @@ struct Recogniser::Impl {
 
 namespace {
 
-constexpr int kBatch = 128;
+constexpr int kRecognisedAtOnce = 128;
 
 Expected<int> Size(const ParameterList& parameters, const std::string& name, std::size_t axis,
                    const std::string& where) {
@@ -154,8 +154,8 @@ Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int 
   output.count = count;
   output.classes = config.classes;
   output.feature_size = config.features;
-  for (int begin = 0; begin < count; begin += kBatch) {
-    const int size = std::min(kBatch, count - begin);
+  for (int begin = 0; begin < count; begin += kRecognisedAtOnce) {
+    const int size = std::min(kRecognisedAtOnce, count - begin);
     GruRecogniserBatch batch = MakeBatch(motions, begin, size, frames, dim);
     if (!lengths.empty()) batch.length.assign(lengths.begin() + begin, lengths.begin() + begin + size);
     batch.initial_hidden = HiddenOf(hidden, begin, size, count, config.hidden);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/pi.h"
 #include "core/base/random.h"
 #include "train/data/standardisation.h"
 #include "train/data/training_clips.h"
@@ -10,8 +11,6 @@
 
 namespace mocurate {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Score {
   double accuracy = 0.0;
