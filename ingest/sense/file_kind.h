@@ -26,7 +26,8 @@ enum class FileKind {
   kToml,
   kPng,
   kJpeg,
-  kVideo  ///< AVI, MP4 and its kin, Matroska, MPEG
+  kVideo,     ///< AVI, MP4 and its kin, Matroska, MPEG
+  kUestcInfo  ///< told by its folder, not by its bytes
 };
 
 /// Looks at the first 8 KiB only.

@@ -246,7 +246,7 @@ void Inspector::Look(const FileToInspect& file) {
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
-  FileKind kind = KindOf(*head);
+  FileKind kind = IsUestcInfo(file.path) ? FileKind::kUestcInfo : KindOf(*head);
   const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
   if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
   const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);

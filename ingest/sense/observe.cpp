@@ -101,6 +101,7 @@ Remark RemarkOf(const Finding& finding) {
 }
 
 Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source) {
+  if (IsUestcInfo(file.path)) return ObserveUestcInfo(file);
   switch (KindOf(file.bytes)) {
     case FileKind::kBvh:
       return Trees(ObserveBvh(file.bytes, file.name), source, SourceFormat::kBvh);
@@ -137,6 +138,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kPng:
     case FileKind::kJpeg:
     case FileKind::kVideo:
+    case FileKind::kUestcInfo:
     case FileKind::kUnknown:
       break;
   }
