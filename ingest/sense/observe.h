@@ -33,12 +33,21 @@ struct ObservedCompanion {
   std::vector<std::pair<std::string, double>> numbers;
 };
 
+/// A motion that an annotation file speaks of.
+struct AnnotatedMotion {
+  std::string file;    ///< of the annotation
+  std::string key;     ///< of the sequence there
+  std::string feat_p;  ///< where BABEL says that it lies
+  double duration_s = 0.0;
+};
+
 /// Everything a file holds; remarks about the file as a whole.
 struct ObservedFile {
   std::vector<ObservedClip> clips;
   std::vector<ObservedCloud> clouds;
   std::vector<Calibration> calibrations;
   std::vector<ObservedCompanion> companions;
+  std::vector<AnnotatedMotion> annotated;
   std::vector<Remark> remarks;
 };
 

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/formats/amass.h"
+
+namespace mocurate {
+
+/// "frozen_pose": frames on end in which every rotation of the body's joints (the root's and the hands' aside) is what
+/// it was to the last digit, while the root is carried on: `trans` changes in at least half of the steps. 5 frames or
+/// more are told, at most 20 spans; value: frames; an error from half of the clip on. Fitted poses of who stands still
+/// differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h).
+std::vector<Finding> DoubtPoses(const Amass& amass);
+
+}  // namespace mocurate
