@@ -112,7 +112,9 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   // Poses of another unit show nothing; markers beside them do.
   const Expected<Motion> posed = angles ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
   if (posed) MeasurePath(*posed, clip);
-  if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
+  const std::optional<Finding> unit = posed && amass.markers > 0 ? DoubtMarkers(amass, posed->joints) : std::nullopt;
+  if (unit) clip.remarks.push_back(RemarkOf(*unit));
+  if (unit || amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
     if (posed)
       StandOnTree(*posed, amass.damaged, clip);
     else

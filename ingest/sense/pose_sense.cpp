@@ -1,8 +1,10 @@
 #include "ingest/sense/pose_sense.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/text.h"
+#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -72,6 +74,31 @@ std::vector<Finding> DoubtPoses(const Amass& amass) {
     if (f == begin + 1) ++f;
   }
   return findings;
+}
+
+std::optional<Finding> DoubtMarkers(const Amass& amass, const JointPositions& posed) {
+  constexpr int kFrames = 50;  // looked at, all over the clip
+  std::vector<double> ratios;
+  const int step = std::max(1, posed.frames / kFrames);
+  JointPositions markers(static_cast<int>(amass.frames), static_cast<int>(amass.markers));
+  markers.xyz = amass.marker_data_m;
+  const std::vector<double> seen(amass.marker_seen.begin(), amass.marker_seen.end()), all, times;
+  const TrackedPoints of_markers{markers, seen, times}, of_body{posed, all, times};
+  for (int f = 0; f < std::min(posed.frames, markers.frames); f += step) {
+    const auto extent = of_markers.Extent(f, 3), body = of_body.Extent(f, 3);
+    if (extent && body && *extent > 0.0 && *body > 0.0) ratios.push_back(*extent / *body);
+  }
+  if (ratios.empty()) return std::nullopt;
+  const double ratio = Median(std::move(ratios)), factor = std::pow(10.0, std::round(std::log10(ratio)));
+  if (factor == 1.0) return std::nullopt;
+  const char* unit = factor == 1000.0 ? " (millimetres)" : factor == 100.0 ? " (centimetres)" : "";
+  Finding finding = FrameFinding("units_contradiction", 0, 0, "", ratio,
+                                 "`marker_data` is " + Digits(ratio) +
+                                     " times as large as the body that `poses` and `trans` give: AMASS has metres, "
+                                     "these numbers are to be divided by " +
+                                     FormatDouble(factor) + unit + "; the body is looked at without them");
+  finding.severity = Severity::kError;
+  return finding;
 }
 
 }  // namespace mocurate
