@@ -36,6 +36,11 @@ std::string ClipRecord::ended_at() const {
   return stage == &evidence ? "ingest" : stage == &motion ? "fitting" : "canon";
 }
 
+std::string ClipRecord::body(BodyOf body_of) const {
+  const std::string recording = evidence.outcome.summary.value("recording", std::string());
+  return body_of == BodyOf::kPerson || recording.empty() ? person() : person() + "/" + recording;
+}
+
 bool ClipRecord::folder() const {
   const std::vector<Finding>& findings = evidence.outcome.findings;
   return evidence.artifact.empty() && !findings.empty() && findings.back().code == kFolderNotRead;
@@ -244,16 +249,17 @@ void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
   }
 }
 
-std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {
-  std::map<std::string, std::map<std::string, const ClipRecord*>> persons;
+std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, BodyOf body_of,
+                                      const nlohmann::json& options) {
+  std::map<std::string, std::map<std::string, const ClipRecord*>> bodies;
   for (const ClipRecord& clip : clips) {
-    if (ItemHasArtifact(clip.evidence)) persons[clip.person()][clip.item] = &clip;
+    if (ItemHasArtifact(clip.evidence)) bodies[clip.body(body_of)][clip.item] = &clip;
   }
   std::vector<ItemSpec> items;
-  for (const auto& [person, members] : persons) {
+  for (const auto& [body, members] : bodies) {
     std::vector<std::string> ids;
     for (const auto& [id, clip] : members) ids.push_back(id);
-    ItemSpec item{person, options, {}};
+    ItemSpec item{body, options, {}};
     for (const std::string& id : ChooseProportionClips(ids)) {
       const ClipRecord& clip = *members.at(id);
       item.inputs.push_back(InputFrom("evidence", clip.evidence));
@@ -264,21 +270,20 @@ std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, cons
   return items;
 }
 
-FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string, ItemResult>& persons,
+FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std::map<std::string, ItemResult>& bodies,
                       const nlohmann::json& options) {
   FitItems fits;
   for (ClipRecord& clip : clips) {
     if (!ItemHasArtifact(clip.evidence)) continue;
-    const auto person = persons.find(clip.person());
-    if (person == persons.end()) {
+    const auto body = bodies.find(clip.body(body_of));
+    if (body == bodies.end()) {
       clip.motion.outcome.kind = OutcomeKind::kRefused;
       clip.motion.outcome.error =
           Error{ErrorCode::kInconsistent, "nothing says who the person is", clip.item, "set ingest.source.person"};
-    } else if (!ItemHasArtifact(person->second)) {
-      clip.motion.outcome = person->second.outcome;
+    } else if (!ItemHasArtifact(body->second)) {
+      clip.motion.outcome = body->second.outcome;
     } else {
-      ItemSpec item{
-          clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", person->second)}};
+      ItemSpec item{clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", body->second)}};
       item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
       fits.items.push_back(std::move(item));
       fits.clips.push_back(&clip);

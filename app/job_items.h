@@ -26,6 +26,8 @@ struct ClipRecord {
   std::string format;             ///< of its file, as the source declares it
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
+  /// Item of the stage `proportions` that the clip's body is of.
+  std::string body(BodyOf body_of) const;
   bool kept() const { return !canonical.artifact.empty(); }
   /// What the stage said that ended it: it failed there, or a rule left it out. Null when none did.
   const ItemResult* ended() const;
@@ -82,9 +84,10 @@ std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, con
 /// Brings what that stage found to the clips: findings, and no artifact for those that are to be left out.
 void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips);
 
-/// One item per person with the evidence of at most 30 of their clips, chosen by hash of the clip ids so that other
-/// clips do not move the choice.
-std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, const nlohmann::json& options);
+/// One item per person, or per recording of a person, with the evidence of at most 30 of their clips, chosen by hash of
+/// the clip ids so that other clips do not move the choice.
+std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, BodyOf body_of,
+                                      const nlohmann::json& options);
 
 /// Items of the stage `fitting`, and the clip of each.
 struct FitItems {
@@ -92,8 +95,8 @@ struct FitItems {
   std::vector<ClipRecord*> clips;
 };
 
-/// One item per clip with evidence; a clip whose person has no proportions is refused here, with the reason.
-FitItems FittingItems(std::vector<ClipRecord>& clips, const std::map<std::string, ItemResult>& persons,
+/// One item per clip with evidence; a clip whose body has no proportions is refused here, with the reason.
+FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std::map<std::string, ItemResult>& bodies,
                       const nlohmann::json& options);
 
 /// One item per clip with a motion that is handed on.

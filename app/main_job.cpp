@@ -149,7 +149,8 @@ class MainJob {
 
   Status Proportions() {
     if (!Fits()) return {};
-    std::vector<ItemSpec> items = ProportionItems(clips_, OptionsToJson(ProportionsOf(options_)));
+    std::vector<ItemSpec> items =
+        ProportionItems(clips_, options_.proportions.body_of, OptionsToJson(ProportionsOf(options_)));
     AddInput(SkeletonInput(options_.proportions.skeleton), items);
     const auto report = runs_.Run(ProportionsDeclaration(), std::move(items));
     if (!report) return Forward(report);
@@ -163,7 +164,8 @@ class MainJob {
       return {};
     }
     const nlohmann::json options = OptionsToJson(options_.fitting);
-    FitItems fits = Fits() ? FittingItems(clips_, persons_, options) : GivenMotionItems(clips_, options);
+    FitItems fits = Fits() ? FittingItems(clips_, options_.proportions.body_of, persons_, options)
+                           : GivenMotionItems(clips_, options);
     AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
     const auto report = runs_.Run(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);

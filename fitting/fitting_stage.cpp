@@ -106,7 +106,11 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   if (!clip) return Forward(clip);
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
   Expected<FitResult> fit = Fit(request, *clip, *options);
-  if (!fit) return Forward(fit);
+  if (!fit) {
+    Error error = fit.error();
+    if (error.where.rfind("frame", 0) == 0) error.where = clip->id() + ": " + error.where;
+    return tl::unexpected<Error>(error);
+  }
   if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
 
   std::optional<SlidingRemoval> removal;

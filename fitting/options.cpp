@@ -175,6 +175,9 @@ void FittingOptions::Declare(OptionVisitor& v) {
 
 void ProportionsSettings::Declare(OptionVisitor& v) {
   v.Text("skeleton", skeleton, "skeleton whose bone lengths are wanted: a name or a YAML file");
+  v.Choice(
+      "body_of", body_of, {{"person", BodyOf::kPerson}, {"recording", BodyOf::kRecording}},
+      "one body for all clips of a person, or one for each recording: of trackers that measure people anew in each");
   v.Bool("symmetric", symmetric, "left and right limbs share their lengths");
   v.Bool(
       "own_directions", own_directions,

@@ -19,6 +19,9 @@ enum class NoiseScale { kPooled, kPerJoint };
 /// What becomes of tracked joints that the skeleton does not have.
 enum class OtherJoints { kRefuse, kLeaveOut };
 
+/// Whose body it is: one of all clips of a person, or one of each recording, for trackers that measure people anew.
+enum class BodyOf { kPerson, kRecording };
+
 /// What solves a problem of a fit. Both minimise the same costs to the same optimum.
 enum class TrackSolver { kCeres, kBanded };
 
@@ -189,6 +192,7 @@ struct FittingOptions {
 
 struct ProportionsSettings {
   std::string skeleton;
+  BodyOf body_of = BodyOf::kPerson;
   bool symmetric = true;            ///< left and right limbs share their lengths
   bool own_directions = true;       ///< bones that start at one joint point where the person's do
   std::int64_t refine_clips = 0;    ///< clips on which bones are fitted together with the pose; 0: medians only

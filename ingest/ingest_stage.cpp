@@ -181,6 +181,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
 nlohmann::json Summary(const Clip& clip, const std::string& style) {
   nlohmann::json summary = {{"clip", clip.id()},
                             {"person", clip.identity.person},
+                            {"recording", clip.identity.recording},
                             {"label", clip.label},
                             {"frames", FrameCount(clip)},
                             {"joints", JointCount(clip)},

@@ -231,7 +231,7 @@ nlohmann::json PlayersJson(const ReportInput& input) {
 std::string PersonsHtml(const ReportInput& input) {
   const nlohmann::json& persons = Field(input.run, "persons");
   if (!persons.is_object() || persons.empty()) return Paragraph("No bone lengths were estimated in this run.");
-  HtmlTable table{"Bone that ends at the joint, mm; one set per person", {"Joint"}, {}, true};
+  HtmlTable table{"Bone that ends at the joint, mm; one set per body", {"Joint"}, {}, true};
   std::vector<std::string> bones;
   std::vector<const nlohmann::json*> shown;
   for (const auto& [name, person] : persons.items()) {
@@ -266,7 +266,7 @@ std::string PersonsHtml(const ReportInput& input) {
     table.rows.push_back(row);
   }
   const int left = static_cast<int>(persons.size()) - static_cast<int>(shown.size());
-  return table.Html() + (left > 0 ? Paragraph("Not shown: " + Counted(left, "more person") + ".", "soft") : "");
+  return table.Html() + (left > 0 ? Paragraph("Not shown: " + Counted(left, "more set") + ".", "soft") : "");
 }
 
 }  // namespace mocurate

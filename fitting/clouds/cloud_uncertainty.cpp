@@ -45,8 +45,9 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const Fused
   equations.Linearise();
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
   if (factor.info() != Eigen::Success) {
-    return Fail(ErrorCode::kInternal, "the information of the pose cannot be factored",
-                "frame " + std::to_string(fit.frame));
+    return Fail(ErrorCode::kInconsistent,
+                "what the depth views show is no body's surface, and determines no pose of one",
+                "frame " + std::to_string(fit.frame), "do they show a person, and is their calibration right?");
   }
   const auto size = equations.matrix().rows();
   const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));

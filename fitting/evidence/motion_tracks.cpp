@@ -45,6 +45,13 @@ JointTracks KnownTracks(const JointTracks& tracks, const Skeleton& skeleton, std
   return kept;
 }
 
+/// What was bridged between frames says nothing: nobody saw it, and the fit bridges it itself.
+bool IsBridged(const Motion& motion, int frame, int joint) {
+  const std::size_t at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count()) +
+                         static_cast<std::size_t>(joint);
+  return !motion.state.empty() && motion.state[at] == JointState::kInterpolated;
+}
+
 /// World rotations of the motion's joints `common`. An end joint has none: its rotation in a motion means nothing.
 void AddRotations(const Motion& motion, const std::vector<int>& common, JointTracks& tracks) {
   const Skeleton& skeleton = *motion.skeleton;
@@ -57,7 +64,8 @@ void AddRotations(const Motion& motion, const std::vector<int>& common, JointTra
     }
     for (const int joint : common) {
       tracks.rotation.push_back(world[joint]);
-      tracks.rotation_confidence.push_back(children[joint].empty() ? 0.0 : 1.0);
+      const bool none = children[joint].empty() || IsBridged(motion, f, joint);
+      tracks.rotation_confidence.push_back(none ? 0.0 : 1.0);
     }
   }
 }
@@ -82,7 +90,10 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
   tracks.confidence.assign(tracks.positions.xyz.size() / 3, 1.0);
   for (int f = 0; f < motion.frame_count(); ++f) {
     tracks.time_s.push_back(motion.rate.FrameTime(f));
-    for (int k = 0; k < tracks.positions.joints; ++k) tracks.positions.at(f, k) = motion.joints.at(f, common[k]);
+    for (int k = 0; k < tracks.positions.joints; ++k) {
+      tracks.positions.at(f, k) = motion.joints.at(f, common[k]);
+      if (IsBridged(motion, f, common[k])) tracks.confidence[static_cast<std::size_t>(f) * common.size() + k] = 0.0;
+    }
   }
   if (!motion.joints_only()) AddRotations(motion, common, tracks);
   return tracks;

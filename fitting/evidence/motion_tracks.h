@@ -10,7 +10,8 @@
 namespace mocurate {
 
 /// The joints of a given motion as tracks of the joints of another skeleton: names that it does not know are left out.
-/// Every sample has confidence 1. Error kInconsistent when the two have no joint in common.
+/// Every sample has confidence 1, but 0 where the motion was interpolated. Error kInconsistent when the two have no
+/// joint in common.
 Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skeleton);
 
 /// What a clip says of the joints of `skeleton`: its tracks, else the joints of its given motion. Names of tracks that

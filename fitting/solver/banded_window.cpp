@@ -19,7 +19,11 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   track.SetParameters(parameters);
   WindowSolution solution;
   double cost = solution.initial_cost = track.Cost();
-  if (!std::isfinite(cost)) return Fail(ErrorCode::kInternal, "the cost of the start is no number", "fitting");
+  if (!std::isfinite(cost)) {
+    return Fail(ErrorCode::kInconsistent, "the cost of the start is no number",
+                "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end),
+                "is it a person in metres that these frames show?");
+  }
   bool moved = true;
   while (solution.iterations < window.step.max_iterations && !region.exhausted()) {
     if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);

@@ -22,7 +22,7 @@ enum class Bones { kFixed, kFree };
 /// closed-form start (Levenberg-Marquardt, sparse Cholesky, one thread). F frames of `given` at `rate`; `bone_length`
 /// (J, metres). Joints whose rotation moves no seen joint stay in the rest pose. Samples that jump away and back are
 /// rejected first (RejectOutliers). States: observed where seen and not rejected, else interpolated where the joint is
-/// seen within max_gap_s, else inferred. Error kInternal if the solver fails.
+/// seen within max_gap_s, else inferred. Error kInconsistent if the solver fails.
 Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
                                    const std::vector<double>& bone_length, Bones bones,
                                    const JointTrackOptions& options);

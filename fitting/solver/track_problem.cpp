@@ -125,8 +125,9 @@ Expected<WindowSolution> SolveWithCeres(const TrackWindow& window) {
   ceres::Solve(options, &problem.problem(), &summary);
   if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);
   if (!summary.IsSolutionUsable()) {
-    return Fail(ErrorCode::kInternal, "the solver failed: " + summary.message,
-                "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end));
+    return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message,
+                "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end),
+                "is it a person in metres that these frames show?");
   }
   WindowSolution solution;
   solution.iterations = static_cast<int>(summary.iterations.size()) - 1;

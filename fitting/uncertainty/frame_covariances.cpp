@@ -27,8 +27,9 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     equations.Resize(window.end - window.begin, track.size(), 0);
     track.Linearise(equations);
     if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
-      return Fail(ErrorCode::kInternal, "the pose is not determined, not even by its priors",
-                  "frames " + std::to_string(begin) + " to " + std::to_string(end));
+      return Fail(ErrorCode::kInconsistent, "the pose is not determined, not even by its priors",
+                  "frames " + std::to_string(begin) + " to " + std::to_string(end),
+                  "is it a person in metres that these frames show?");
     }
     Eigen::MatrixXd next;
     equations.VisitInverse([&](int f, const Eigen::MatrixXd& own, const Eigen::MatrixXd& with_next) {

@@ -23,7 +23,7 @@ struct FrameCovariance {
 
 /// Calls `visit` for every frame of a solved fit: blocks of the inverse of the Gauss-Newton matrix at the solution,
 /// computed part by part with some context, so that memory does not grow with the clip; in a part the last frame comes
-/// first. `whole` is the whole clip; its state's kinematics are updated. Error kInternal if the matrix cannot be
+/// first. `whole` is the whole clip; its state's kinematics are updated. Error kInconsistent if the matrix cannot be
 /// factored.
 Status VisitCovariances(const TrackWindow& whole, const std::function<void(const FrameCovariance&)>& visit);
 

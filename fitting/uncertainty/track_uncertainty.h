@@ -29,7 +29,7 @@ struct PoseUncertainty {
 /// the tracks show are taken as exact; the others add what bodies differ in (CovarianceOfBody), and samples that lie to
 /// one side of the fit for long how far they do (CovarianceOfLasting). Of what is not seen for longer than 0.6 s
 /// standard deviations grow with the gap's length (GrowthOfUnseen). The a-posteriori variance is `least_factor` at
-/// least: of noise that no residual shows. Error kInternal if the matrix cannot be factored.
+/// least: of noise that no residual shows. Error kInconsistent if the matrix cannot be factored.
 Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor = 0.0);
 
 }  // namespace mocurate

@@ -11,7 +11,7 @@ namespace mocurate {
 /// they say of a body that moves as a whole) less what stays open (MacKay 1992, evidence maximisation, one step). Both
 /// are summed over the joint's steps nearby in time and drawn towards the joint's over the clip, those towards all
 /// joints'. Steps across gaps keep what they had. `window` is the whole clip at its solution, with the factors it was
-/// solved with. Error kInternal if the matrix cannot be factored.
+/// solved with. Error kInconsistent if the matrix cannot be factored.
 Expected<WalkFactors> RefitWalks(const TrackWindow& window);
 
 }  // namespace mocurate

@@ -75,12 +75,12 @@ void DoubtPairs(const Asf& asf, const std::string& file, std::vector<Finding>& f
     const double ratio = none ? 0.0 : longer.length / shorter.length;
     if (!none && ratio < kMostUnequal) continue;
     findings.push_back(AsfContradiction("bone_length", shorter.name, ratio,
-                                     PlaceOf(file, shorter) + " of length " + Digits(shorter.length) +
-                                         (none ? ", while " : " is " + Digits(ratio) + " times shorter than ") + "'" +
-                                         longer.name + "' of the other side" + (none ? " has " : ", ") +
-                                         Digits(longer.length) + " (line " + std::to_string(longer.line) +
-                                         "); those of people differ by less than " + Digits(kMostUnequal) +
-                                         " times: mend `length` of one of them"));
+                                        PlaceOf(file, shorter) + " of length " + Digits(shorter.length) +
+                                            (none ? ", while " : " is " + Digits(ratio) + " times shorter than ") +
+                                            "'" + longer.name + "' of the other side" + (none ? " has " : ", ") +
+                                            Digits(longer.length) + " (line " + std::to_string(longer.line) +
+                                            "); those of people differ by less than " + Digits(kMostUnequal) +
+                                            " times: mend `length` of one of them"));
   }
 }
 
@@ -97,8 +97,9 @@ void DoubtOnlyZero(const Asf& asf, const std::string& file, std::vector<Finding>
     if (finding.joint == none->name) return;
   }
   findings.push_back(AsfContradiction("bone_length", none->name, 0.0,
-                                   PlaceOf(file, *none) + " has length 0, all " + std::to_string(asf.bones.size() - 1) +
-                                       " others have one: mend its `length`"));
+                                      PlaceOf(file, *none) + " has length 0, all " +
+                                          std::to_string(asf.bones.size() - 1) +
+                                          " others have one: mend its `length`"));
 }
 
 double DegreesBetween(const Vector3d& a, const Vector3d& b) {
