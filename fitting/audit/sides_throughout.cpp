@@ -8,8 +8,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;
-constexpr int kLeastMoments = 8;
+constexpr std::size_t kLeastViewsOfSides = 3;
+constexpr int kLeastMomentsOfSides = 8;
 constexpr double kExplained = 0.1;  ///< of the cost, at least
 
 }  // namespace
@@ -17,7 +17,7 @@ constexpr double kExplained = 0.1;  ///< of the cost, at least
 std::optional<SidesThroughout> FindSidesThroughout(const RigSamples& samples, const RigModel& model,
                                                    const std::vector<double>& cost, double sure,
                                                    const TriangulationOptions& options) {
-  if (samples.views() < kLeastViews || samples.count() < kLeastMoments) return {};
+  if (samples.views() < kLeastViewsOfSides || samples.count() < kLeastMomentsOfSides) return {};
   std::vector<SidesThroughout> all;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (model.sides_exchanged[v]) continue;

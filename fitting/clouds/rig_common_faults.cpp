@@ -10,12 +10,12 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;
-constexpr std::size_t kMostViews = 12;
-constexpr double kContradicting = 0.12;  ///< loss as given from which on it is asked
-constexpr double kMuchBetter = 0.6;      ///< of it
-constexpr double kLongest = 1.4, kShortest = 0.7;
-constexpr double kCoarse = 0.05, kFinest = 0.003;
+constexpr std::size_t kLeastViewsInCommon = 3;
+constexpr std::size_t kMostViewsInCommon = 12;
+constexpr double kContradictingLoss = 0.12;  ///< loss as given from which on it is asked
+constexpr double kMuchBetterInCommon = 0.6;  ///< of it
+constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;
+constexpr double kCoarseStep = 0.05, kFinestStep = 0.003;
 constexpr double kLeastOff = 0.02;  ///< of a factor that is told
 
 /// A rig whose surfaces are its own.
@@ -78,10 +78,10 @@ std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor
 }
 
 std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector<double>& losses) {
-  if (rig.views.size() < kLeastViews || rig.views.size() > kMostViews) return {};
+  if (rig.views.size() < kLeastViewsInCommon || rig.views.size() > kMostViewsInCommon) return {};
   CommonFault found;
   found.loss = found.mended = MeanLoss(losses);
-  if (found.loss < kContradicting) return {};
+  if (found.loss < kContradictingLoss) return {};
   const std::vector<Camera> cameras = CamerasOf(rig.views);
   std::vector<double> better;
   const auto ask = [&](const ChangedRig& changed) {
@@ -92,10 +92,10 @@ std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector
     better = std::move(of_changed);
     return true;
   };
-  for (double factor = kShortest; factor <= kLongest; factor += kCoarse) {
+  for (double factor = kShortestFactor; factor <= kLongestFactor; factor += kCoarseStep) {
     if (ask(Scaled(rig, factor))) found.factor = factor;
   }
-  for (double step = 0.5 * kCoarse; step >= kFinest; step *= 0.5) {
+  for (double step = 0.5 * kCoarseStep; step >= kFinestStep; step *= 0.5) {
     const double middle = found.factor;
     for (const double factor : {middle - step, middle + step}) {
       if (ask(Scaled(rig, factor))) found.factor = factor;
@@ -103,7 +103,7 @@ std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector
   }
   if (ask(Changed(rig, TurnOver))) found.mirrored = true, found.factor = 1.0;
   const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
-  if (!off || found.mended > kMuchBetter * found.loss) return {};
+  if (!off || found.mended > kMuchBetterInCommon * found.loss) return {};
   found.confidence = ConfidenceOfLosses(losses, better);
   return found;
 }

@@ -66,9 +66,9 @@ bool OnOneLine(const std::vector<Target>& targets) {
   return values[1] <= kAcrossLine * kAcrossLine * values[2];
 }
 
-class StartPose {
+class ClosedFormPose {
  public:
-  StartPose(const SkeletonTracks& tracks, PoseState& state)
+  ClosedFormPose(const SkeletonTracks& tracks, PoseState& state)
       : skeleton_(*tracks.skeleton),
         state_(state),
         seen_(tracks.SeenJoints()),
@@ -177,7 +177,7 @@ std::vector<bool> JointsWithEvidenceBelow(const SkeletonTracks& tracks) {
 
 void ClosedFormStart(const SkeletonTracks& tracks, PoseState& state) {
   const JointPositions filled = FillInTime(tracks);
-  StartPose start(tracks, state);
+  ClosedFormPose start(tracks, state);
   for (int f = 0; f < tracks.frames(); ++f) start.Solve(filled, f);
 }
 

@@ -23,12 +23,6 @@ using program::Started;
 using program::WriteText;
 using ::testing::HasSubstr;
 
-int FromCache(const nlohmann::json& document) {
-  int count = 0;
-  for (const auto& stage : document["stages"]) count += stage["from_cache"].get<int>();
-  return count;
-}
-
 int Items(const nlohmann::json& document) {
   int count = 0;
   for (const auto& stage : document["stages"]) count += stage["items"].get<int>();

@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::filesystem::path Folder(const std::string& name) {
+std::filesystem::path CommonFaultsFolder(const std::string& name) {
   return std::filesystem::path(testing::TempDir()) /
          ("mocurate_common_faults_" + std::to_string(getpid()) + "_" + name);
 }
@@ -27,7 +27,7 @@ class CommonFaults : public testing::Test {
     options.subjects = 1;
     options.clips = 3;
     options.frames = 12;
-    takes_ = new std::vector<CloudTake>(CloudTakes(options, Folder("studio")));
+    takes_ = new std::vector<CloudTake>(CloudTakes(options, CommonFaultsFolder("studio")));
   }
 
   void SetUp() override {
@@ -39,7 +39,7 @@ class CommonFaults : public testing::Test {
 
 std::vector<CloudTake>* CommonFaults::takes_ = nullptr;
 
-std::string Told(const DepthRigReport& report) {
+std::string ToldInCommon(const DepthRigReport& report) {
   std::string text;
   for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
   return text;
@@ -52,7 +52,7 @@ TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
       for (DepthView& view : views) view.metres_per_unit *= factor;
       const auto audited = AuditDepthRig(views, {});
       ASSERT_TRUE(audited) << audited.error().Message();
-      ASSERT_EQ(audited->report.faults.size(), 1u) << take.clip.name << ": " << Told(audited->report);
+      ASSERT_EQ(audited->report.faults.size(), 1u) << take.clip.name << ": " << ToldInCommon(audited->report);
       const RigFault& fault = audited->report.faults[0];
       EXPECT_EQ(fault.code, "camera_depths_off");
       EXPECT_EQ(fault.camera, "d1, d2, d3");
@@ -71,16 +71,16 @@ TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
 
 TEST_F(CommonFaults, ImagesThatAreAllMirroredAreRefused) {
   for (const CloudTake& take : *takes_) {
-    const auto views = WithMirroredImages(take.evidence.depth_views, Folder("mirrored"));
+    const auto views = WithMirroredImages(take.evidence.depth_views, CommonFaultsFolder("mirrored"));
     ASSERT_TRUE(views) << views.error().Message();
     const auto refused = AuditDepthRig(*views, {});
-    ASSERT_FALSE(refused) << take.clip.name << ": " << Told(refused->report);
+    ASSERT_FALSE(refused) << take.clip.name << ": " << ToldInCommon(refused->report);
     EXPECT_THAT(refused.error().Message(), HasSubstr("images of all depth cameras are mirrored"));
     RigAuditOptions tell;
     tell.exchanged = AuditAction::kTell;
     const auto told = AuditDepthRig(*views, tell);
     ASSERT_TRUE(told) << told.error().Message();
-    ASSERT_EQ(told->report.faults.size(), 1u) << Told(told->report);
+    ASSERT_EQ(told->report.faults.size(), 1u) << ToldInCommon(told->report);
     EXPECT_EQ(told->report.faults[0].code, "view_mirrored");
     EXPECT_TRUE(told->report.IsDoubtful());
   }

@@ -32,7 +32,7 @@ class RecordedDepth : public ::testing::Test {
   }
 };
 
-double Median(std::vector<double> values) {
+double MedianOfPixels(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];
 }
@@ -111,8 +111,8 @@ TEST_F(RecordedDepth, EveryTurntableViewLiesOnTheOthers) {
     rms.push_back(Rms(distances));
     worst_clipped = std::max(worst_clipped, rms.back());
   }
-  EXPECT_LE(Median(rms), 1.6e-3);
-  EXPECT_GT(Median(rms), 0.8e-3);
+  EXPECT_LE(MedianOfPixels(rms), 1.6e-3);
+  EXPECT_GT(MedianOfPixels(rms), 0.8e-3);
   EXPECT_LE(worst_clipped, 2.5e-3);
 }
 
