@@ -183,7 +183,10 @@ void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status(
   synthesize->add_option("--layout", arguments->layout, "whose files:" + layouts);
   synthesize->add_option("-o,--output", arguments->output, "folder to write, empty or not there yet");
   synthesize->add_option("--seed", arguments->seed, "of everything random")->check(&RefuseLongWhole);
-  synthesize->add_option("--set", arguments->assignments, "override an option, e.g. --set depth.noise=3mm")
+  synthesize
+      ->add_option("--set", arguments->assignments,
+                   "override an option, e.g. --set depth.noise=3mm; --set clips=N: at most N of each action, or "
+                   "variant of one, by each person, 0: as the set has")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   synthesize->add_option("-j,--jobs", arguments->jobs, "threads (default: one per core); the bytes do not depend on it")

@@ -15,7 +15,7 @@ constexpr int kFewestLifelessFrames = 5;  // of a clip that may be lifeless
 CheckLimits LimitsOf(const CheckOptions& options) {
   CheckLimits limits;
   limits.repeats = {static_cast<int>(options.frozen_frames), static_cast<int>(options.held_frames)};
-  limits.teleports = {options.top_speed, options.tracker_slack, options.reach};
+  limits.teleports = {options.top_speed, options.tracker_slack, 0, options.reach};
   limits.swaps.ratio = options.swap_ratio;
   limits.swaps.step = options.swap_step;
   limits.rigidity = {options.bone_spread, options.bone_proportion};
@@ -63,11 +63,23 @@ std::vector<double> Without(const std::vector<Finding>& findings, const TrackedP
   return confidence;
 }
 
+/// By `frames_in_name`, both ends included; may be less than 1.
+std::optional<long long> FramesSaid(const SourceOptions& source, const NamedFile& named) {
+  if (source.frames_in_name.empty()) return std::nullopt;
+  const std::string text = FillFields(source.frames_in_name, named.fields);
+  const std::size_t dash = text.find('-');
+  const auto first = ParseInteger(text.substr(0, dash));
+  const auto last = dash == std::string::npos ? std::nullopt : ParseInteger(text.substr(dash + 1));
+  if (!first || !last) return std::nullopt;  // CheckName refuses such declarations; a name may still hold letters there
+  return *last - *first + 1;
+}
+
 }  // namespace
 
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
-                                 std::optional<double> rate_hz, bool metres) {
+                                 std::optional<double> rate_hz, bool metres, int lost_frames) {
   CheckLimits limits = LimitsOf(options);
+  limits.teleports.lost_frames = lost_frames;
   limits.metres = metres;
   std::vector<Finding> units = FindUnitChanges(points);
   const std::vector<double> confidence = Without(units, points);
@@ -102,17 +114,17 @@ void BlameDeclaration(std::vector<Finding>& findings) {
 }
 
 void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings) {
-  if (source.frames_in_name.empty()) return;
-  const std::string text = FillFields(source.frames_in_name, named.fields);
-  const std::size_t dash = text.find('-');
-  const auto first = ParseInteger(text.substr(0, dash));
-  const auto last = dash == std::string::npos ? std::nullopt : ParseInteger(text.substr(dash + 1));
-  if (!first || !last) return;  // CheckName refuses such declarations; a name may still hold letters there
-  const long long said = *last - *first + 1;
-  if (frames <= said) return;
+  const std::optional<long long> said = FramesSaid(source, named);
+  if (!said || frames <= *said) return;
   findings.push_back(FrameFinding("name_contradiction", 0, 0, "", frames,
-                                  "the name speaks of " + std::to_string(std::max(0LL, said)) + " frames (" + text +
-                                      "), the file holds " + std::to_string(frames)));
+                                  "the name speaks of " + std::to_string(std::max(0LL, *said)) + " frames (" +
+                                      FillFields(source.frames_in_name, named.fields) + "), the file holds " +
+                                      std::to_string(frames)));
+}
+
+int FramesLost(const SourceOptions& source, const NamedFile& named, int frames) {
+  const long long said = FramesSaid(source, named).value_or(0);
+  return static_cast<int>(std::clamp(said - frames, 0LL, 1'000'000LL));
 }
 
 namespace {
@@ -190,7 +202,8 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
       contradicted = contradicted || finding.code == code;
     if (finding.code == "units_contradiction" || finding.code == "up_contradiction") metres = false;
   }
-  std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres);
+  std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres,
+                                              FramesLost(source, named, points.positions->frames));
   if (SpoilsPoses(ingested.findings)) {
     const auto shown = [](const Finding& finding) { return finding.code != "frozen_frames"; };
     findings.erase(std::remove_if(findings.begin(), findings.end(), shown), findings.end());

@@ -36,9 +36,17 @@ struct DroppedClip {
 };
 
 /// What is wrong with points, as CheckPoints says, and "lifeless_clip": the same for what is inspected and what is
-/// ingested. `metres`: unit and up are beyond doubt. Without a rate none is doubted.
+/// ingested. `metres`: unit and up are beyond doubt. Without a rate none is doubted. `lost_frames`: that the clip may
+/// lack between two of its own.
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
-                                 std::optional<double> rate_hz, bool metres);
+                                 std::optional<double> rate_hz, bool metres, int lost_frames = 0);
+
+/// Of a file that says neither when its frames were taken nor how fast: up to half a second at 30 Hz, a second at 15.
+/// HumanAct12's clips, which leave out what nobody annotated, lack up to 17 frames.
+inline constexpr int kLostWithoutRate = 15;
+
+/// Frames that the name speaks of, by `frames_in_name`, and the file does not hold.
+int FramesLost(const SourceOptions& source, const NamedFile& named, int frames);
 
 /// A rate that the source declares and the motion denies is an error, as any contradiction of a declaration.
 void BlameDeclaration(std::vector<Finding>& findings);

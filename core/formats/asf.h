@@ -34,6 +34,7 @@ struct AsfLimit {
 };
 
 struct AsfBone {
+  int line = 0;  ///< of the file that it was read from, where it begins; not written
   int id = 0;
   std::string name;
   int parent = -1;                        ///< bone; -1: the root
@@ -58,7 +59,7 @@ struct Asf {
   Vector3d root_position = Vector3d::Zero();     ///< file units; replaced by what the AMC's root says
   Vector3d root_orientation = Vector3d::Zero();  ///< angle unit of the file
   std::vector<AsfBone> bones;                    ///< in the order of :bonedata; parents may come later, see Order()
-  std::vector<Finding> findings;                 ///< "bone_id_twice"
+  std::vector<Finding> findings;                 ///< "bone_id_twice", "root_axis_missing"
 
   int Find(std::string_view bone) const;  ///< -1: none
   /// Bones such that parents precede children.
@@ -68,8 +69,9 @@ struct Asf {
 
 /// Comments (#) anywhere, LF or CRLF, keys and channels in any letter case, sections in any order that names bones
 /// before the hierarchy. Error kMalformed "name:line" naming section, bone and key: an unknown section, key, channel or
-/// unit, a missing name or length, a direction of no length for a bone that has one, dof and limits of different count,
-/// a bone twice, a bone that is not in the hierarchy or hangs on itself. Source: Acclaim ASF/AMC as Vicon writes it.
+/// unit, a root without order, or with part of its translation or turn, a missing name or length, a direction of no
+/// length for a bone that has one, dof and limits of different count, a bone twice, a bone that is not in the hierarchy
+/// or hangs on itself. Source: Acclaim ASF/AMC as Vicon writes it.
 Expected<Asf> ParseAsf(std::string_view bytes, const std::string& name);
 
 std::string WriteAsf(const Asf& asf);

@@ -13,6 +13,7 @@ namespace mocurate {
 namespace {
 
 using Words = std::vector<std::string_view>;
+constexpr const char* kOrderHint = "as order TX TY TZ RX RY RZ, in the order of the numbers of `root` in the motions";
 
 std::optional<AcclaimChannel> AcclaimChannelOf(std::string_view word) {
   for (int i = 0; i <= static_cast<int>(AcclaimChannel::kLength); ++i) {
@@ -178,18 +179,33 @@ class AsfParser {
   Status Root(const Words& words) {
     if (SameWord(words[0], "order")) {
       if (Status read = Channels(asf_.root_order, words, "order of :root"); !read) return read;
-      const bool length =
-          asf_.root_order.end() != std::find(asf_.root_order.begin(), asf_.root_order.end(), AcclaimChannel::kLength);
-      if (length) return Bad("the root has no length: order of :root");
-      return {};
+      return WholeOrder();
     }
     if (SameWord(words[0], "axis")) {
       if (words.size() != 2) return Bad("axis of :root needs one word, as XYZ");
+      root_axis_told_ = true;
       return Order(asf_.root_axis, words[1], "axis of :root");
     }
     if (SameWord(words[0], "position")) return Vector(asf_.root_position, words, 4, "position of :root");
     if (SameWord(words[0], "orientation")) return Vector(asf_.root_orientation, words, 4, "orientation of :root");
     return Bad("unknown key '" + Shown(words[0]) + "' of :root", "order, axis, position or orientation");
+  }
+
+  /// A root that moves does so along three axes, and one that turns about three.
+  Status WholeOrder() const {
+    const auto has = [&](int i) {
+      const auto& order = asf_.root_order;
+      return std::find(order.begin(), order.end(), static_cast<AcclaimChannel>(i)) != order.end();
+    };
+    if (has(static_cast<int>(AcclaimChannel::kLength))) return Bad("the root has no length: order of :root");
+    for (int first = 0; first <= 3; first += 3) {
+      std::string missing;
+      for (int i = first; i < first + 3; ++i) missing += has(i) ? "" : std::string(" ") + Name(AcclaimChannel(i));
+      if (missing.empty() || missing.size() == 9) continue;
+      return Bad("order of :root names " + std::to_string(asf_.root_order.size()) + " channels and lacks" + missing,
+                 kOrderHint);
+    }
+    return {};
   }
 
   Status Bones() {
@@ -202,6 +218,7 @@ class AsfParser {
 
   Status Bone() {
     AsfBone bone;
+    bone.line = lines_.number();
     std::set<std::string> seen;
     for (;;) {
       const std::string_view line = NextOfSection();
@@ -235,16 +252,15 @@ class AsfParser {
 
   static std::string Called(const AsfBone& bone) { return "'" + Shown(bone.name) + "'"; }
 
+  void Report(const char* code, Severity severity, std::string joint, double value, std::string message) {
+    if (asf_.findings.size() < 100)
+      asf_.findings.push_back({"", code, severity, 0, 0, std::move(joint), value, std::move(message), "kept"});
+  }
+
   void ReportId(const AsfBone& bone) {
-    Finding finding;
-    finding.code = "bone_id_twice";
-    finding.severity = Severity::kInfo;
-    finding.joint = Shown(bone.name);
-    finding.value = bone.id;
-    finding.message = lines_.Place() + ": bone " + Called(bone) + " has the id of another bone, " +
-                      std::to_string(bone.id) + "; names tell bones apart";
-    finding.action = "kept";
-    if (asf_.findings.size() < 100) asf_.findings.push_back(std::move(finding));
+    Report("bone_id_twice", Severity::kInfo, Shown(bone.name), bone.id,
+           lines_.Place() + ": bone " + Called(bone) + " has the id of another bone, " + std::to_string(bone.id) +
+               "; names tell bones apart");
   }
 
   Status Key(AsfBone& bone, const std::string& key, const Words& words, std::string_view line) const {
@@ -344,11 +360,21 @@ class AsfParser {
     return {};
   }
 
+  /// The axis is the order of the angles of the orientation: it says nothing where these are 0.
+  void DoubtRootAxis() {
+    if (root_axis_told_) return;
+    const bool turned = !asf_.root_orientation.isZero();
+    Report("root_axis_missing", turned ? Severity::kError : Severity::kWarning, "", 0.0,
+           lines_.name() + ": :root has no axis, the order of the angles of its orientation, " +
+               (turned ? "which is read as XYZ" : "which is 0 0 0") + ": write axis XYZ under :root");
+  }
+
   Status Whole() {
     for (const char* section : {"root", "bonedata", "hierarchy"}) {
       if (sections_.count(section) == 0) return lines_.CutOff(std::string("':") + section + "'");
     }
-    if (asf_.root_order.empty()) return Bad(":root has no order");
+    if (asf_.root_order.empty()) return Fail(ErrorCode::kMalformed, ":root has no order", lines_.name(), kOrderHint);
+    DoubtRootAxis();
     if (asf_.bones.empty()) return Bad(":bonedata holds no bone");
     for (std::size_t i = 0; i < asf_.bones.size(); ++i) {
       if (!hung_[i]) return Bad("bone " + Called(asf_.bones[i]) + " is not in :hierarchy");
@@ -362,6 +388,7 @@ class AsfParser {
   std::set<std::string> sections_;
   std::unordered_map<std::string, int> index_;
   std::set<int> ids_;
+  bool root_axis_told_ = false;
   std::vector<bool> hung_;
 };
 

@@ -52,6 +52,11 @@ struct BabelProblem {
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name);
 std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 
+/// Whether a category is one of the 150 that most segments have, or "transition". BABEL has some hundred more, which
+/// few segments have.
+bool IsFrequentBabelCategory(std::string_view category);
+std::vector<std::string> FrequentBabelCategories();
+
 /// Text in the layout of the dense or the extra files.
 std::string EncodeBabel(const std::vector<BabelSequence>& sequences);
 

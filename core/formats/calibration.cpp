@@ -32,7 +32,10 @@ Camera CameraOf(const CalibratedView& view, PoseReading reading, double metres_p
 
 std::string SetIntrinsics(const std::vector<double>& matrix, CalibratedView& view) {
   view.fx = matrix[0], view.cx = matrix[2], view.fy = matrix[4], view.cy = matrix[5];
-  if (!(view.fx > 0.0) || !(view.fy > 0.0)) return "the focal lengths must be positive";
+  if (!(view.fx > 0.0) || !(view.fy > 0.0)) {
+    return "the focal lengths must be positive, not " + FormatDouble(view.fx) + " and " + FormatDouble(view.fy) +
+           " px: mend them, or leave the camera out";
+  }
   if (matrix[3] != 0.0 || matrix[6] != 0.0 || matrix[7] != 0.0 || matrix[8] != 1.0) {
     return "the matrix is no camera matrix (fx s cx; 0 fy cy; 0 0 1)";
   }

@@ -112,8 +112,10 @@ Status CampusCamera(const JsonPlace& place, CalibratedView& view) {
     if (!number) return Forward(number);
     *target = *number;
   }
-  if (!(view.fx > 0.0)) return place.Key("fx")->Bad("the focal lengths must be positive");
-  if (!(view.fy > 0.0)) return place.Key("fy")->Bad("the focal lengths must be positive");
+  if (!(view.fx > 0.0))
+    return place.Key("fx")->Bad("the focal lengths must be positive", "write pixels, or leave the camera out");
+  if (!(view.fy > 0.0))
+    return place.Key("fy")->Bad("the focal lengths must be positive", "write pixels, or leave the camera out");
   const Expected<std::vector<double>> k = TableAt(place, "k", 3, 1);
   if (!k) return Forward(k);
   const Expected<std::vector<double>> p = TableAt(place, "p", 2, 1);

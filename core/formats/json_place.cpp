@@ -3,17 +3,38 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/formats/line_reader.h"
 
 namespace mocurate {
 
 using nlohmann::json;
 
-tl::unexpected<Error> JsonPlace::Bad(const std::string& rule) const {
-  return Fail(ErrorCode::kMalformed, rule, Where());
+namespace {
+
+/// "'R', 'T'": what stands where a key is missing.
+std::string KeysOf(const json& value) {
+  constexpr std::size_t kMost = 8;
+  std::string keys;
+  std::size_t count = 0;
+  for (const auto& item : value.items()) {
+    if (++count > kMost) return keys + ", ...";
+    keys += (keys.empty() ? "'" : ", '") + Shown(item.key()) + "'";
+  }
+  return keys;
+}
+
+}  // namespace
+
+tl::unexpected<Error> JsonPlace::Bad(const std::string& rule, const std::string& hint) const {
+  return Fail(ErrorCode::kMalformed, rule, Where(), hint);
 }
 
 Expected<JsonPlace> JsonPlace::Key(const std::string& key) const {
-  if (!Has(key)) return Bad("the key '" + key + "' is missing");
+  if (!Has(key)) {
+    const bool keyed = value->is_object() && !value->empty();
+    return Bad("the key '" + key + "' is missing",
+               (keyed ? "there are " + KeysOf(*value) + ": " : "") + "add it, or copy the file again");
+  }
   return JsonPlace{&(*value)[key], path + "/" + key, file};
 }
 
@@ -59,7 +80,9 @@ Expected<std::vector<double>> JsonPlace::Numbers(std::size_t count) const {
 
 Expected<std::vector<double>> JsonPlace::Table(std::size_t rows, std::size_t columns) const {
   if (!value->is_array() || value->size() != rows) {
-    return Bad(std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers are expected");
+    return Bad(std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers are expected" +
+                   (value->is_array() ? ", there are " + std::to_string(value->size()) : ""),
+               "mend it, or copy the file again");
   }
   std::vector<double> table;
   for (std::size_t r = 0; r < rows; ++r) {
@@ -93,7 +116,11 @@ Expected<Matrix3d> JsonPlace::Rotation(double tolerance) const {
   const Expected<Matrix3d> matrix = Matrix();
   if (!matrix) return Forward(matrix);
   const std::string fault = RotationFault(*matrix, tolerance);
-  if (!fault.empty()) return Fail(ErrorCode::kInconsistent, fault, Where());
+  if (!fault.empty()) {
+    return Fail(
+        ErrorCode::kInconsistent, fault, Where(),
+        "its rows are to be of length 1 and at right angles: mend the number that is not, or copy the file again");
+  }
   return *matrix;
 }
 

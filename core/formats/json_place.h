@@ -18,7 +18,7 @@ struct JsonPlace {
   const std::string* file = nullptr;
 
   std::string Where() const { return *file + ":" + path; }
-  tl::unexpected<Error> Bad(const std::string& rule) const;
+  tl::unexpected<Error> Bad(const std::string& rule, const std::string& hint = {}) const;
 
   bool Has(const std::string& key) const { return value->is_object() && value->contains(key); }
   Expected<JsonPlace> Key(const std::string& key) const;

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "core/quality/median.h"
+
 namespace mocurate {
 namespace {
 
 constexpr std::size_t kMostStays = 1000;  // looked back over, in numbers that are no motion
+constexpr int kPaceFrames = 8;            // on either side of a frame
 
 /// Frames [begin, end] on end (but for frames without anybody) whose steps are possible.
 struct Stay {
@@ -20,6 +23,7 @@ class JumpPath {
  public:
   JumpPath(const TrackedPoints& points, const TeleportLimits& limits)
       : points_(points), limits_(limits), centres_(BodyCentres(points)) {
+    FindPace();
     Split();
     Chain();
   }
@@ -49,7 +53,26 @@ class JumpPath {
  private:
   bool Possible(int from, int to) const {
     const double time = points_.time_s[static_cast<std::size_t>(to)] - points_.time_s[static_cast<std::size_t>(from)];
-    return (Place(to) - Place(from)).stableNorm() <= limits_.slack + limits_.speed * time;
+    double reach = limits_.slack + limits_.speed * time;
+    if (!pace_.empty())
+      reach +=
+          limits_.lost_frames * std::max(pace_[static_cast<std::size_t>(from)], pace_[static_cast<std::size_t>(to)]);
+    return (Place(to) - Place(from)).stableNorm() <= reach;
+  }
+
+  /// Metres per frame around each frame: the middle step, or half of that over two frames where this is less, as of two
+  /// people in turn.
+  void FindPace() {
+    if (limits_.lost_frames <= 0) return;
+    for (int f = 0; f < points_.frames(); ++f) {
+      std::vector<double> ones, twos;
+      for (int i = std::max(0, f - kPaceFrames); i < std::min(points_.frames() - 1, f + kPaceFrames); ++i) {
+        if (Seen(i) && Seen(i + 1)) ones.push_back((Place(i + 1) - Place(i)).stableNorm());
+        if (i + 2 < points_.frames() && Seen(i) && Seen(i + 2))
+          twos.push_back(0.5 * (Place(i + 2) - Place(i)).stableNorm());
+      }
+      pace_.push_back(std::min(Median(std::move(ones)), Median(std::move(twos))));
+    }
   }
 
   void Split() {
@@ -96,6 +119,7 @@ class JumpPath {
   const TrackedPoints& points_;
   const TeleportLimits& limits_;
   std::vector<BodyCentre> centres_;
+  std::vector<double> pace_;  ///< (frames), or empty: no frames are lost
   std::vector<Stay> stays_;
   std::vector<char> home_;
 };

@@ -7,12 +7,15 @@ namespace mocurate {
 struct TeleportLimits {
   double speed = 12.0;  ///< m/s: nobody's trunk moves faster (the fastest sprint is 12.4 m/s at its peak)
   double slack = 0.3;   ///< metres that a tracker may be off on top of it
+  int lost_frames = 0;  ///< between two frames, which nothing says: the person goes on at their pace in these
   double reach = 2.5;   ///< metres from the middle of the body: farther no joint of a person can be
 };
 
 /// A person who is suddenly elsewhere.
 ///   "teleport": the body, in frames that no path at `speed` joins to the rest of the clip. The rest is the longest
-///               chain of frames that such a path joins; value: metres from that path.
+///               chain of frames that such a path joins; value: metres from that path. With `lost_frames` a step may
+///               besides be so many times the middle step of the 8 frames on either side: who runs goes on through a
+///               gap, who stands does not.
 ///   "joint_far": one joint (the root alone, say), farther than `reach` from the middle of the body; value: metres.
 std::vector<Finding> FindTeleports(const TrackedPoints& points, const TeleportLimits& limits = {});
 

@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::size_t kLeastViewsOfSides = 3;
 constexpr int kLeastMomentsOfSides = 8;
-constexpr double kExplained = 0.1;  ///< of the cost, at least
+/// Of the cost, at least. At it 40 of 40 views that call left right are named and none of 240 sound ones
+/// (`bench_keypoint_rigs 40 5 sides=1 frames=45`, `60 5 frames=45` on four rigs).
+constexpr double kExplained = 0.1;
 
 }  // namespace
 

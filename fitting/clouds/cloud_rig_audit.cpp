@@ -333,7 +333,7 @@ class DepthAuditor {
     if (late_[v] == 0) return;
     const LateView& found = clocks_.at(v);
     const double off_ms = -1e3 * witness_.step_s() * (late_[v] - found.frames + found.offset);
-    RigFault fault = ClockOff(report_.cameras[v], off_ms, late_[v]);
+    RigFault fault = DepthClockOff(report_.cameras[v], off_ms, late_[v]);
     fault.confidence = found.confidence;
     fault.corrected = options_.clocks == AuditAction::kCorrect;
     report_.faults.push_back(std::move(fault));

@@ -12,9 +12,12 @@ namespace {
 
 constexpr std::size_t kLeastViewsInCommon = 3;
 constexpr std::size_t kMostViewsInCommon = 12;
-constexpr double kContradictingLoss = 0.12;  ///< loss as given from which on it is asked
-constexpr double kMuchBetterInCommon = 0.6;  ///< of it
-constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;
+/// Loss as given from which on it is asked. Of 30 sound takes of the studio it is 0.07 to 0.09, with depths that are
+/// all 1.1 times too long 0.44 to 0.54, 0.92 times 0.61 to 0.82, with images that are all mirrored 0.59 to 0.68; with
+/// these mended 0.06 to 0.10 (bench_depth_rigs 30 15 907).
+constexpr double kContradictingLoss = 0.12;
+constexpr double kMuchBetterInCommon = 0.6;                    ///< of it; what mending leaves is 0.1 to 0.2
+constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, somebody is in another unit (rig_units.h)
 constexpr double kCoarseStep = 0.05, kFinestStep = 0.003;
 constexpr double kLeastOff = 0.02;  ///< of a factor that is told
 

@@ -34,7 +34,7 @@ RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExcha
   return fault;
 }
 
-RigFault ClockOff(const std::string& camera, double off_ms, int frames) {
+RigFault DepthClockOff(const std::string& camera, double off_ms, int frames) {
   RigFault fault;
   fault.code = "camera_clock_off";
   fault.camera = camera;

@@ -16,7 +16,7 @@ namespace mocurate {
 /// they are corrected, the audit says.
 RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExchange& exchange);
 /// `off_ms` later by the clock of the others; `frames` is how many images later the nearest one is.
-RigFault ClockOff(const std::string& camera, double off_ms, int frames);
+RigFault DepthClockOff(const std::string& camera, double off_ms, int frames);
 RigFault DepthsOff(const std::string& camera, const WrongDepths& wrong);
 /// Which is corrected, and sure: nothing else makes a person of them.
 RigFault LengthsMisread(const MisreadLengths& misread);

@@ -188,6 +188,7 @@ class BodyJudge {
 
   void JudgeGrowth() {
     const double begin = tracks_.time_s.front(), length = tracks_.time_s.back() - begin;
+    if (length <= 0.0) return;
     std::vector<std::vector<double>> part_sizes(kParts);
     int grow = 0, all = 0;
     for (const Bone& bone : bones_) {

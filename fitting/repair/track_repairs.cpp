@@ -16,6 +16,17 @@
 namespace mocurate {
 namespace {
 
+/// What is left out for a finding, joints not told yet.
+TrackRepair RepairOf(const Finding& finding) {
+  TrackRepair repair;
+  repair.code = finding.code;
+  repair.frame_begin = finding.frame_begin;
+  repair.frame_end = finding.frame_end;
+  repair.value = finding.value;
+  repair.message = finding.message;
+  return repair;
+}
+
 class Repairs {
  public:
   explicit Repairs(const SkeletonTracks& given) {
@@ -30,12 +41,7 @@ class Repairs {
     SkeletonTracks& tracks = result_.tracks;
     for (const Finding& finding : findings) {
       if (tracks.time_s[finding.frame_end - 1] - tracks.time_s[finding.frame_begin] > longest_s) continue;
-      TrackRepair repair;
-      repair.code = finding.code;
-      repair.frame_begin = finding.frame_begin;
-      repair.frame_end = finding.frame_end;
-      repair.value = finding.value;
-      repair.message = finding.message;
+      TrackRepair repair = RepairOf(finding);
       for (int j = 0; j < tracks.joints(); ++j) {
         if (!finding.joint.empty() && names_[j] != finding.joint) continue;
         if (LeaveOut(j, finding.frame_begin, finding.frame_end)) repair.joints.push_back(j);
@@ -48,12 +54,7 @@ class Repairs {
   void LeaveOutNobody() {
     for (const Finding& finding : FindBlanks(points())) {
       if (finding.code != "zero_frames" && finding.code != "collapsed_frames") continue;
-      TrackRepair repair;
-      repair.code = finding.code;
-      repair.frame_begin = finding.frame_begin;
-      repair.frame_end = finding.frame_end;
-      repair.value = finding.value;
-      repair.message = finding.message;
+      TrackRepair repair = RepairOf(finding);
       for (int j = 0; j < result_.tracks.joints(); ++j) {
         repair.joints.push_back(j);
         for (int f = finding.frame_begin; f < finding.frame_end; ++f) result_.tracks.confidence[At(f, j)] = 0.0;

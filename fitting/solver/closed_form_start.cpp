@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/rigid.h"
 #include "fitting/evidence/outliers.h"
@@ -11,6 +12,8 @@ namespace mocurate {
 namespace {
 
 constexpr double kLargestAngle = 4.712;  ///< 1.5 pi
+/// From the nearest sight of a joint: longer after, a line between its sights does not tell where it is.
+constexpr double kStale_s = 0.25;
 
 /// Every seen joint in every frame: medians where seen, between them linear in time, at the ends constant.
 JointPositions FillInTime(const SkeletonTracks& tracks) {
@@ -34,6 +37,38 @@ JointPositions FillInTime(const SkeletonTracks& tracks) {
     for (int g = last + 1; g < tracks.frames(); ++g) filled.at(g, j) = filled.at(last, j);
   }
   return filled;
+}
+
+/// Whether each joint is seen in a frame or at most kStale_s from it. (F*J)
+std::vector<bool> SeenLately(const SkeletonTracks& tracks) {
+  std::vector<bool> lately(tracks.confidence.size(), false);
+  const auto mark = [&](int joint, int begin, int end, int step) {
+    double seen_s = -std::numeric_limits<double>::infinity();
+    for (int f = begin; f != end; f += step) {
+      if (tracks.seen(f, joint)) seen_s = tracks.time_s[f];
+      if (std::abs(tracks.time_s[f] - seen_s) > kStale_s) continue;
+      lately[static_cast<std::size_t>(f) * tracks.joints() + joint] = true;
+    }
+  };
+  for (int j = 0; j < tracks.joints(); ++j) {
+    mark(j, 0, tracks.frames(), 1);
+    mark(j, tracks.frames() - 1, -1, -1);
+  }
+  return lately;
+}
+
+/// The frame that shows most joints.
+int FullestFrame(const SkeletonTracks& tracks) {
+  int fullest = 0;
+  int most = -1;
+  for (int f = 0; f < tracks.frames(); ++f) {
+    int seen = 0;
+    for (int j = 0; j < tracks.joints(); ++j) seen += tracks.seen(f, j) ? 1 : 0;
+    if (seen <= most) continue;
+    fullest = f;
+    most = seen;
+  }
+  return fullest;
 }
 
 /// Targets that spread across their common line by less than this share of their distance tell no turn about it.
@@ -72,6 +107,7 @@ class ClosedFormPose {
       : skeleton_(*tracks.skeleton),
         state_(state),
         seen_(tracks.SeenJoints()),
+        lately_(SeenLately(tracks)),
         targets_(skeleton_.joints.size()),
         global_(skeleton_.joints.size(), Quaterniond::Identity()),
         position_(skeleton_.joints.size()) {
@@ -92,8 +128,8 @@ class ClosedFormPose {
     }
   }
 
-  /// `filled`: positions of the seen joints in this frame.
-  void Solve(const JointPositions& filled, int frame) {
+  /// `filled`: positions of the seen joints in this frame; `near`: the frame that was solved before, or none (-1).
+  void Solve(const JointPositions& filled, int frame, int near) {
     for (int j = 0; j < skeleton_.joint_count(); ++j) {
       const int parent = skeleton_.joints[j].parent;
       const Quaterniond above = parent < 0 ? global_[0] : global_[parent];  // root: of the frame before
@@ -105,17 +141,21 @@ class ClosedFormPose {
       }
       global_[j] = state_.active(j) ? Turn(filled, frame, j, above) : above;
       if (parent < 0) Eigen::Map<Vector3d>(state_.translation(frame)).noalias() = position_[j];
-      if (state_.active(j)) Write(frame, j, parent < 0 ? global_[j] : above.conjugate() * global_[j]);
+      if (state_.active(j)) Write(frame, near, j, parent < 0 ? global_[j] : above.conjugate() * global_[j]);
     }
   }
 
  private:
-  /// Global rotation of a joint, as near to `above` as its targets allow. Places a root that is not seen.
+  /// Global rotation of a joint, as near to `above` as its targets allow; those not seen for long tell nothing. Places
+  /// a root that is not seen.
   Quaterniond Turn(const JointPositions& filled, int frame, int joint, const Quaterniond& above) {
-    const std::vector<Target>& targets = targets_[joint];
-    const bool free_root = joint == 0 && !seen_[0];
+    std::vector<Target> targets;
+    for (const Target& target : targets_[joint]) {
+      if (Lately(frame, target.joint)) targets.push_back(target);
+    }
     if (targets.empty()) return above;
-    const Vector3d pivot = seen_[joint] ? Vector3d(filled.at(frame, joint)) : position_[joint];
+    const bool free_root = joint == 0 && !Lately(frame, 0);
+    const Vector3d pivot = Lately(frame, joint) ? Vector3d(filled.at(frame, joint)) : position_[joint];
     if (targets.size() == 1) {
       const Vector3d rest = above * targets[0].rest_in_joint;
       const Vector3d target = filled.at(frame, targets[0].joint);
@@ -142,11 +182,15 @@ class ClosedFormPose {
     return (world_from_rest.rotation * above).normalized();
   }
 
-  void Write(int frame, int joint, const Quaterniond& rotation) {
+  bool Lately(int frame, int joint) const {
+    return lately_[static_cast<std::size_t>(frame) * static_cast<std::size_t>(skeleton_.joint_count()) + joint];
+  }
+
+  void Write(int frame, int near, int joint, const Quaterniond& rotation) {
     Vector3d w = LogQuaternion(rotation);
-    if (frame > 0) {
-      const Vector3d near = UnwrapNear(w, Eigen::Map<const Vector3d>(state_.rotation(frame - 1, joint)));
-      if (near.norm() < kLargestAngle) w = near;
+    if (near >= 0) {
+      const Vector3d unwrapped = UnwrapNear(w, Eigen::Map<const Vector3d>(state_.rotation(near, joint)));
+      if (unwrapped.norm() < kLargestAngle) w = unwrapped;
     }
     Eigen::Map<Vector3d>(state_.rotation(frame, joint)).noalias() = w;
   }
@@ -154,6 +198,7 @@ class ClosedFormPose {
   const Skeleton& skeleton_;
   PoseState& state_;
   std::vector<bool> seen_;
+  std::vector<bool> lately_;  ///< (F*J)
   std::vector<std::vector<Target>> targets_;
   std::vector<Quaterniond> global_;
   std::vector<Vector3d> position_;
@@ -177,8 +222,12 @@ std::vector<bool> JointsWithEvidenceBelow(const SkeletonTracks& tracks) {
 
 void ClosedFormStart(const SkeletonTracks& tracks, PoseState& state) {
   const JointPositions filled = FillInTime(tracks);
-  ClosedFormPose start(tracks, state);
-  for (int f = 0; f < tracks.frames(); ++f) start.Solve(filled, f);
+  const int first = FullestFrame(tracks);
+  ClosedFormPose forwards(tracks, state);
+  forwards.Solve(filled, first, -1);
+  ClosedFormPose backwards = forwards;
+  for (int f = first + 1; f < tracks.frames(); ++f) forwards.Solve(filled, f, f - 1);
+  for (int f = first - 1; f >= 0; --f) backwards.Solve(filled, f, f + 1);
 }
 
 }  // namespace mocurate

@@ -18,6 +18,7 @@ constexpr double kLeastJointSigma =
     2e-3;                             ///< metres: tracked joints wander with the pose, however many samples there are
 constexpr double kBendSigma = 2e-2;   ///< metres: of distances to an end beyond a joint that nobody sees, which bends
 constexpr double kFramesAlike = 5.0;  ///< on end, which say the same
+constexpr double kToldSigmas = 2.5;   ///< of votes that are as often one way as the other
 constexpr double kDirectionRounding = 1e-4;
 constexpr int kStarSteps = 60;
 
@@ -102,10 +103,13 @@ std::optional<std::array<Eigen::Index, 3>> Spanning(const Eigen::MatrixXd& point
   return spanning;
 }
 
-/// Of frames that show three bones: how many more have them turning one way, and how many there are, by confidence.
+/// Of frames that show three bones: how many more have them turning one way, each counted by its confidence. Only how
+/// confidences compare counts: frames that are all unsure and all say the same tell it.
 struct Votes {
   double surplus = 0.0;
-  double frames = 0.0;
+  double squares = 0.0;  ///< of what each counts
+
+  bool Tell() const { return std::abs(surplus) > kToldSigmas * std::sqrt(kFramesAlike * squares); }
 };
 
 Votes VotesOf(const std::vector<SkeletonTracks>& clips, int parent, const std::array<int, 3>& ends) {
@@ -120,7 +124,7 @@ Votes VotesOf(const std::vector<SkeletonTracks>& clips, int parent, const std::a
       }
       if (!(confidence > 0.0)) continue;
       votes.surplus += std::copysign(confidence, Volume(bone[0], bone[1], bone[2]));
-      votes.frames += confidence;
+      votes.squares += confidence * confidence;
     }
   }
   return votes;
@@ -162,10 +166,9 @@ Eigen::MatrixXd OfTwoImages(const Eigen::MatrixXd& points, const Eigen::MatrixXd
   Votes votes = VotesOf(clips, parent, ends);
   if (symmetric) {  // the other side's bones turn the other way
     const Votes other = VotesOf(clips, joints[parent].mirror, partners);
-    votes = {votes.surplus - other.surplus, votes.frames + other.frames};
+    votes = {votes.surplus - other.surplus, votes.squares + other.squares};
   }
-  const bool told = std::abs(votes.surplus) > 3.0 * std::sqrt(kFramesAlike * votes.frames);
-  if (!told) return (as_is - near).squaredNorm() <= (mirrored - near).squaredNorm() ? as_is : mirrored;
+  if (!votes.Tell()) return (as_is - near).squaredNorm() <= (mirrored - near).squaredNorm() ? as_is : mirrored;
   const double is = Volume(as_is.col((*spanning)[0]), as_is.col((*spanning)[1]), as_is.col((*spanning)[2]));
   return is * votes.surplus > 0.0 ? as_is : mirrored;
 }

@@ -6,6 +6,8 @@
 #include "fitting/uncertainty/body_spread.h"
 #include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/frame_covariances.h"
+#include "fitting/uncertainty/lasting_residuals.h"
+#include "fitting/uncertainty/unseen_growth.h"
 
 namespace mocurate {
 namespace {
@@ -32,29 +34,6 @@ std::vector<double> PriorVariance(const TrackWindow& whole) {
   }
   for (double& value : information) value = std::min(1.0 / value, kUnknownAngle);
   return information;
-}
-
-constexpr double kSurprise_s = 0.6;  ///< gaps from which on people go farther than a walk of independent steps
-constexpr double kMostSurprise = 4.0;
-
-/// Factor on the variance of frames in which nobody is seen (F), 1 elsewhere. What a person does in a long gap is one
-/// thing (a step, a turn), not many that are independent: errors grow with its length, the walk's with its root.
-/// Calibrated on synthetic takes (`bench_studio_fits` with gap=SECONDS).
-std::vector<double> Surprise(const SkeletonTracks& tracks) {
-  const std::vector<bool> seen = tracks.SeenFrames();
-  std::vector<double> factors(seen.size(), 1.0);
-  const int frames = tracks.frames();
-  for (int begin = 0; begin < frames; ++begin) {
-    if (seen[begin]) continue;
-    int end = begin;
-    while (end < frames && !seen[end]) ++end;
-    double length_s = tracks.time_s[std::min(end, frames - 1)] - tracks.time_s[std::max(begin - 1, 0)];
-    if (begin == 0 || end == frames) length_s *= 2.0;  // nothing is known of its other end
-    const double factor = std::clamp(length_s / kSurprise_s, 1.0, kMostSurprise);
-    std::fill(factors.begin() + begin, factors.begin() + end, factor * factor);
-    begin = end;
-  }
-  return factors;
 }
 
 /// What the residuals say about the noise: sum of weighted squares, and how many numbers they leave free.
@@ -121,22 +100,20 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
            PoseUncertainty& uncertainty) {
   uncertainty.variance_factor = factor;
   factor *= kUncertaintyCalibration;
-  const std::vector<double> surprise = Surprise(tracks);
+  const UnseenGrowth growth = GrowthOfUnseen(tracks);
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;
-      for (int i = 0; tracks.seen(f, j) && i < 6; ++i) {
-        uncertainty.position_cov[6 * at + i] = static_cast<float>(factor * uncertainty.position_cov[6 * at + i]);
+      const double of_position = tracks.seen(f, j) ? factor : growth.position[at];
+      for (int i = 0; i < 6; ++i) {
+        uncertainty.position_cov[6 * at + i] = static_cast<float>(of_position * uncertainty.position_cov[6 * at + i]);
       }
-      for (int i = 0; surprise[f] > 1.0 && i < 6; ++i) {
-        uncertainty.position_cov[6 * at + i] = static_cast<float>(surprise[f] * uncertainty.position_cov[6 * at + i]);
-      }
+      const double of_rotation = growth.rotation[at] > 1.0 ? growth.rotation[at] : factor;
       for (int i = 0; i < 3; ++i) {
         float& observed = uncertainty.rotation_observed[3 * at + i];
         if (observed == 0.0F) continue;
         // variance / prior = 1 / (1 + d), d the information of the evidence in units of the prior's.
-        const double evidence =
-            observed / (1.0 - std::min<double>(observed, 1.0 - 1e-9)) / (surprise[f] > 1.0 ? surprise[f] : factor);
+        const double evidence = observed / (1.0 - std::min<double>(observed, 1.0 - 1e-9)) / of_rotation;
         const double share = 1.0 / (1.0 + evidence);
         observed = static_cast<float>(1.0 - share);
         const double variance = share * (j == 0 ? kUnknownAngle : prior[at]);
@@ -162,6 +139,8 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double l
   if (freedom.numbers > 0.0) {
     const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
     Scale(whole.tracks, prior, factor, uncertainty);
+    const std::vector<float> lasting = CovarianceOfLasting(whole, factor);
+    for (std::size_t i = 0; i < lasting.size(); ++i) uncertainty.position_cov[i] += lasting[i];
   }
   const std::vector<float> of_body = CovarianceOfBody(whole);
   for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];

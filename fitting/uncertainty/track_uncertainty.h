@@ -26,10 +26,10 @@ struct PoseUncertainty {
 /// prior variance of a rotation is that of the rest pose and the random walk without evidence, and never more than that
 /// of an angle of which nothing is known, pi^2 / 3; no standard deviation is larger either. What the evidence does not
 /// touch, such as the twist of a straight limb, keeps its prior variance: observed 0. Bones that
-/// the tracks show are taken as exact; the others add what bodies differ in (CovarianceOfBody). In
-/// frames in which nobody is seen for longer than 0.6 s standard deviations grow with the gap's length. The
-/// a-posteriori variance is `least_factor` at least: of noise that no residual shows. Error kInternal if the matrix
-/// cannot be factored.
+/// the tracks show are taken as exact; the others add what bodies differ in (CovarianceOfBody), and samples that lie to
+/// one side of the fit for long how far they do (CovarianceOfLasting). Of what is not seen for longer than 0.6 s
+/// standard deviations grow with the gap's length (GrowthOfUnseen). The a-posteriori variance is `least_factor` at
+/// least: of noise that no residual shows. Error kInternal if the matrix cannot be factored.
 Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor = 0.0);
 
 }  // namespace mocurate

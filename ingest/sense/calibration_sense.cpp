@@ -153,6 +153,7 @@ class Judge {
     for (const CalibratedView& view : calibration_.views)
       cameras.push_back(CameraOf(view, kPoseReadings[chosen], metres));
     sense.up = Up(cameras);
+    CheckPlaces(cameras, sense);
     if (!sense.unit.value.empty()) sense.cameras = std::move(cameras);
     return sense;
   }
@@ -251,10 +252,18 @@ class Judge {
     return reading;
   }
 
-  /// No lens sees more than kWidest to one side: lengths in millimetres, or normalised ones, stand for pixels.
+  /// No lens sees more than kWidest to one side: lengths in millimetres, or normalised ones, stand for pixels. And no
+  /// pixel is much longer than wide.
   void CheckFocalLengths(CalibrationSense& sense) const {
     constexpr double kWidest = 85.0 * kPi / 180.0;
+    constexpr double kTallestPixel = 2.0;  // anamorphic lenses; of television 1.5
     for (const CalibratedView& view : calibration_.views) {
+      if (const double aspect = std::max(view.fx / view.fy, view.fy / view.fx); aspect > kTallestPixel) {
+        sense.remarks.push_back({"calibration_contradiction", Severity::kError, aspect,
+                                 "camera '" + view.name + "': focal lengths of " + Rounded(view.fx) + " and " +
+                                     Rounded(view.fy) + " px make pixels " + Rounded(aspect) +
+                                     " times as long as wide: mend one of them"});
+      }
       const double half = view.width > 0 ? 0.5 * view.width : view.cx;
       if (!(half > 1.0) || !(view.fx > 0.0)) continue;
       const double sees = std::atan2(half, view.fx);
@@ -264,6 +273,36 @@ class Judge {
                                    " px beside a middle at " + ThreeDigits(half) + " px sees " +
                                    ThreeDigits(2.0 * sees * 180.0 / kPi) +
                                    " degrees: is it in millimetres, or divided by the image's size?"});
+    }
+  }
+
+  /// One camera that stands far outside the others. In the recorded rigs of 4 cameras and more the outermost is at most
+  /// 1.34 times as far from their middle as the next.
+  void CheckPlaces(const std::vector<Camera>& cameras, CalibrationSense& sense) const {
+    constexpr double kFarther = 4.0;
+    constexpr std::size_t kFewest = 4;
+    for (const auto& [world, views] : worlds_) {
+      if (views.size() < kFewest) continue;
+      std::vector<Vector3d> centres;
+      for (const std::size_t view : views) centres.push_back(Inverse(cameras[view].camera_from_world).translation);
+      Vector3d middle;
+      for (int axis = 0; axis < 3; ++axis) {
+        std::vector<double> values;
+        for (const Vector3d& centre : centres) values.push_back(centre[axis]);
+        middle[axis] = Median(std::move(values));
+      }
+      std::vector<std::pair<double, std::size_t>> distances;
+      for (std::size_t i = 0; i < views.size(); ++i) distances.emplace_back((centres[i] - middle).norm(), views[i]);
+      std::sort(distances.begin(), distances.end());
+      const auto [farthest, outermost] = distances.back();
+      const double next = distances[distances.size() - 2].first;
+      if (!(next > 0.0) || farthest < kFarther * next) continue;
+      sense.remarks.push_back({"calibration_contradiction", Severity::kError, farthest / next,
+                               "camera '" + calibration_.views[outermost].name + "'" +
+                                   (world.empty() ? "" : " of '" + world + "'") + " stands " +
+                                   Rounded(farthest / next) +
+                                   " times as far from the middle of all cameras as any other: mend its translation, "
+                                   "or leave it out"});
     }
   }
 

@@ -132,7 +132,7 @@ RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const 
 }
 
 void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
-                  const std::string& up, const std::string& where, nlohmann::json& findings) {
+                  const std::string& up, int lost_frames, const std::string& where, nlohmann::json& findings) {
   if (clip.positions.empty() || units == "px") return;
   const bool declared = source && source->rate_hz;
   const std::optional<double> rate = declared ? source->rate_hz : clip.rate_doubt ? std::nullopt : clip.rate_hz;
@@ -140,7 +140,8 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   metres.confidence = CheckedConfidence(clip);
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options = source ? source->checks : CheckOptions();
-  std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known);
+  std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known,
+                                           rate ? lost_frames : std::max(lost_frames, kLostWithoutRate));
   CheckPath(clip, options, metres, up, found);
   if (!Remarked(clip, "no_joint_seen")) {
     std::vector<Finding> told;

@@ -106,10 +106,14 @@ Json FirstFrame(const ObservedClip& clip) {
   return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
 
-void AddNameFields(const ObservedClip& clip, const SourceOptions& source, const std::string& file,
-                   const std::string& declared_name, Json& json, Json& findings) {
+/// Returns how many frames the name speaks of that the clip does not hold.
+int AddNameFields(const ObservedClip& clip, const SourceOptions& source, const std::string& file,
+                  const std::string& declared_name, Json& json, Json& findings) {
   const auto named = ReadName(source, declared_name);
-  if (!named) return TellUnread(source, file, named.error(), findings);
+  if (!named) {
+    TellUnread(source, file, named.error(), findings);
+    return 0;
+  }
   std::vector<Finding> contradictions;
   JudgeName(source, *named, clip.frames, contradictions);
   for (const Finding& finding : contradictions) {
@@ -119,6 +123,7 @@ void AddNameFields(const ObservedClip& clip, const SourceOptions& source, const 
   json["item"] = named->item();
   json["person"] = ReportValue(named->identity.person, "declared", 1.0, "name of the file");
   json["label"] = ReportValue(named->label, "declared", 1.0, "name of the file");
+  return FramesLost(source, *named, clip.frames);
 }
 
 Json ReportedMissingShare(const ObservedClip& clip, const ClipMeasures& m) {
@@ -174,7 +179,8 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   const Statements said = StatementsOf(clip, source);
   const std::string where = file + clip.id;
   Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
-  if (source && !declared_name.empty()) AddNameFields(clip, *source, file, declared_name, json, findings);
+  const bool by_name = source && !declared_name.empty();
+  const int lost_frames = by_name ? AddNameFields(clip, *source, file, declared_name, json, findings) : 0;
   json["frames"] = ReportValue(clip.frames, "measured", 1.0, clip.layout_evidence);
   const bool has_joints = clip.joints > 0;
   json["joints"] = ReportValue(
@@ -233,7 +239,7 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
   const bool no_body = std::any_of(clip.remarks.begin(), clip.remarks.end(),
                                    [](const Remark& remark) { return remark.code == "not_joint_positions"; });
   json["rate_hz"] = ReportedRate(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));
-  ReportChecks(clip, source, contradicted ? "" : units, contradicted ? "" : up, where, findings);
+  ReportChecks(clip, source, contradicted ? "" : units, contradicted ? "" : up, lost_frames, where, findings);
   return json;
 }
 

@@ -14,6 +14,7 @@
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/inspect_annotations.h"
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
 #include "ingest/sense/inspect_groups.h"
@@ -84,6 +85,7 @@ class Inspector {
   std::vector<FileToInspect> videos_;
   ObservedSequences sequences_;
   SeenMotions motions_;
+  std::vector<AnnotatedMotion> annotated_;
   /// Files that could not be read, which may be frames of a sequence.
   struct Refused {
     FileToInspect file;
@@ -206,6 +208,7 @@ void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
   for (const ObservedCompanion& companion : file.companions) {
     inspection["companions"].push_back(CompanionReport(companion));
   }
+  annotated_.insert(annotated_.end(), file.annotated.begin(), file.annotated.end());
   for (const Remark& remark : file.remarks) {
     findings().push_back(InspectionFinding(remark.code, remark.severity, name, remark.value, remark.message));
   }
@@ -246,7 +249,7 @@ void Inspector::Look(const FileToInspect& file) {
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
-  FileKind kind = KindOf(*head);
+  FileKind kind = IsUestcInfo(file.path) ? FileKind::kUestcInfo : KindOf(*head);
   const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
   if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
   const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);
@@ -347,6 +350,7 @@ void Inspector::Finish(const std::string& path) {
   }
   TellByGroup(inspection["clips"], findings());
   TellCutMeshes(inspection["clouds"], findings());
+  TellAnnotations(annotated_, inspection["clips"], findings());
   motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
   const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&
                        inspection["companions"].empty();

@@ -110,6 +110,7 @@ void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip, int ro
 }
 
 Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source) {
+  if (IsUestcInfo(file.path)) return ObserveUestcInfo(file);
   switch (KindOf(file.bytes)) {
     case FileKind::kBvh:
       return Trees(ObserveBvh(file.bytes, file.name), source, SourceFormat::kBvh);
@@ -146,6 +147,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kPng:
     case FileKind::kJpeg:
     case FileKind::kVideo:
+    case FileKind::kUestcInfo:
     case FileKind::kUnknown:
       break;
   }

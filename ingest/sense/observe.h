@@ -33,12 +33,21 @@ struct ObservedCompanion {
   std::vector<std::pair<std::string, double>> numbers;
 };
 
+/// A motion that an annotation file speaks of.
+struct AnnotatedMotion {
+  std::string file;    ///< of the annotation
+  std::string key;     ///< of the sequence there
+  std::string feat_p;  ///< where BABEL says that it lies
+  double duration_s = 0.0;
+};
+
 /// Everything a file holds; remarks about the file as a whole.
 struct ObservedFile {
   std::vector<ObservedClip> clips;
   std::vector<ObservedCloud> clouds;
   std::vector<Calibration> calibrations;
   std::vector<ObservedCompanion> companions;
+  std::vector<AnnotatedMotion> annotated;
   std::vector<Remark> remarks;
 };
 
@@ -110,6 +119,12 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
 Expected<ObservedFile> ObservePickle(const FileBytes& file);
 /// What the joints of a track say; `format` is "vibe_tracks" or "vibe_cache".
 ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format);
+/// Whether the file is one of the lists of info/ beside UESTC's cache: by its name, and names of videos in names.txt.
+bool IsUestcInfo(const std::filesystem::path& path);
+Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file);
+/// What info/ beside `cache` says of its clips, if it is there: their names and classes as facts;
+/// "count_contradiction" of a video, or of the file where it holds others than are named.
+void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed);
 Expected<ObservedFile> ObserveBabel(const FileBytes& file);
 Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name);
 Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name);

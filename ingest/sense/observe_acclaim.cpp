@@ -105,14 +105,15 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
   clip.rate_evidence = "the file does not say it";
   const Beside beside = SkeletonBeside(file.path);
   std::optional<Asf> asf;
+  std::string skeleton_name;
   if (!beside.skeleton.empty()) {
     const std::string skeleton = DisplayPath(beside.skeleton.filename());
     const fs::path folder = fs::path(file.name).parent_path();
     const bool above = beside.skeleton.parent_path().filename() == "..";
-    const std::string shown = DisplayPath((above ? folder.parent_path() : folder) / skeleton);
+    skeleton_name = DisplayPath((above ? folder.parent_path() : folder) / skeleton);
     const Expected<std::string> bytes = ReadFile(beside.skeleton);
     if (!bytes) return Forward(bytes);
-    Expected<Asf> parsed = ParseAsf(*bytes, shown);
+    Expected<Asf> parsed = ParseAsf(*bytes, skeleton_name);
     if (!parsed) return Forward(parsed);
     asf = std::move(*parsed);
     clip.facts.emplace_back("skeleton_file", skeleton);
@@ -136,7 +137,7 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
   std::optional<Finding> angles = asf ? DoubtAngles(*asf, &*amc) : std::nullopt;
   if (!angles) angles = DoubtAngles(*amc, asf ? &*asf : nullptr);
   if (angles) AddRemarks({*angles}, clip);
-  if (asf) AddRemarks(DoubtLengths(*asf), clip);
+  if (asf) AddRemarks(DoubtSkeleton(*asf, skeleton_name), clip);
   if (asf && amc->frames > 0) {
     AddPositions(*asf, *amc, clip);
     if (angles) {
@@ -164,7 +165,7 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
        "asf",
        {{"angles", asf->degrees ? "degrees" : "radians"}},
        {{"bones", static_cast<double>(asf->bones.size())}, {"length_unit", asf->length_unit}}});
-  std::vector<Finding> doubts = DoubtLengths(*asf);
+  std::vector<Finding> doubts = DoubtSkeleton(*asf, file.name);
   if (auto angles = DoubtAngles(*asf)) doubts.push_back(*std::move(angles));
   for (const std::vector<Finding>& findings : {asf->findings, doubts}) {
     for (const Finding& finding : findings) observed.remarks.push_back(RemarkOf(finding));

@@ -7,6 +7,7 @@
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/path_sense.h"
+#include "ingest/sense/pose_sense.h"
 #include "ingest/sense/rate_sense.h"
 #include "ingest/sense/remark.h"
 #include "ingest/sense/tree_points.h"
@@ -107,10 +108,13 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   for (const Finding& finding : amass.findings) clip.remarks.push_back(RemarkOf(finding));
   const std::optional<Finding> angles = DoubtAngles(amass);
   if (angles) clip.remarks.push_back(RemarkOf(*angles));
+  for (const Finding& finding : DoubtPoses(amass)) clip.remarks.push_back(RemarkOf(finding));
   // Poses of another unit show nothing; markers beside them do.
   const Expected<Motion> posed = angles ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
   if (posed) MeasurePath(*posed, clip);
-  if (amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
+  const std::optional<Finding> unit = posed && amass.markers > 0 ? DoubtMarkers(amass, posed->joints) : std::nullopt;
+  if (unit) clip.remarks.push_back(RemarkOf(*unit));
+  if (unit || amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
     if (posed)
       StandOnTree(*posed, amass.damaged, clip);
     else

@@ -64,6 +64,7 @@ Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
     observed.clips.push_back(ObserveVibeTrack(*track, "vibe_cache"));
     observed.clips.back().id = "[" + std::to_string(video) + "]";
   }
+  CompareUestcInfo(file.path, observed);
   return observed;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/text.h"
 #include "core/formats/babel.h"
@@ -80,13 +81,61 @@ Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const
   return std::vector<ObservedClip>{std::move(clip)};
 }
 
+namespace {
+
+/// A category that few segments of BABEL have, or none.
+struct RareCategory {
+  int labels = 0;
+  std::string sequence;  ///< the first that has it
+};
+
+void DoubtCategories(const BabelSequence& sequence, std::map<std::string, RareCategory>& rare) {
+  for (const std::vector<BabelAnnotation>* annotations : {&sequence.seq_anns, &sequence.frame_anns}) {
+    for (const BabelAnnotation& annotation : *annotations) {
+      for (const BabelLabel& label : annotation.labels) {
+        for (const std::string& category : label.act_cat.value_or(std::vector<std::string>())) {
+          if (IsFrequentBabelCategory(category)) continue;
+          RareCategory& told = rare[category];
+          if (told.labels++ == 0) told.sequence = sequence.key;
+        }
+      }
+    }
+  }
+}
+
+/// One that is nearly a frequent one may be misspelt, and is told by itself; the others may be BABEL's rare ones.
+void TellCategories(const std::map<std::string, RareCategory>& rare, ObservedFile& observed) {
+  const std::vector<std::string> known = FrequentBabelCategories();
+  std::size_t others = 0;
+  std::string first;
+  for (const auto& [category, told] : rare) {
+    const std::string words = told.sequence + ": category '" + category + "' of " + Counted(told.labels, "label");
+    if (const std::optional<std::string> meant = Nearest(category, known)) {
+      observed.remarks.push_back({"category_unknown", Severity::kInfo, static_cast<double>(told.labels),
+                                  words + " is none of BABEL's 150 frequent ones: did you mean '" + *meant + "'?"});
+    } else if (others++ == 0) {
+      first = words;
+    }
+  }
+  if (others == 0) return;
+  observed.remarks.push_back(
+      {"category_unknown", Severity::kInfo, static_cast<double>(others),
+       std::to_string(others) + (others == 1 ? " category" : " categories") +
+           " beside BABEL's 150 frequent ones, which may be of its rare ones; the first: " + first});
+}
+
+}  // namespace
+
 Expected<ObservedFile> ObserveBabel(const FileBytes& file) {
   const auto sequences = ParseBabel(file.bytes, file.name);
   if (!sequences) return Forward(sequences);
   ObservedFile observed;
+  std::map<std::string, RareCategory> doubts;
   double seconds = 0.0, sequence_labels = 0.0, segments = 0.0, labelled = 0.0;
   for (const BabelSequence& sequence : *sequences) {
     seconds += sequence.dur;
+    observed.annotated.push_back({file.name, sequence.key, sequence.feat_p, sequence.dur});
+    DoubtCategories(sequence, doubts);
     for (const BabelAnnotation& annotation : sequence.seq_anns)
       sequence_labels += static_cast<double>(annotation.labels.size());
     for (const BabelAnnotation& annotation : sequence.frame_anns) {
@@ -99,6 +148,7 @@ Expected<ObservedFile> ObserveBabel(const FileBytes& file) {
       observed.remarks.push_back({"babel_times", Severity::kWarning, 0.0, problem.where + ": " + problem.what});
     }
   }
+  TellCategories(doubts, observed);
   observed.companions.push_back({file.name,
                                  "babel",
                                  {},

@@ -4,6 +4,7 @@
 #include "core/formats/amass.h"
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
+#include "ingest/sense/pose_sense.h"
 #include "ingest/sense/rate_sense.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/damaged_frames.h"
@@ -86,6 +87,7 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   MarkBridged(*bridged, *clip.motion, ingested.findings);
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (auto angles = DoubtAngles(*amass)) ingested.findings.push_back(*std::move(angles));
+  for (Finding& frozen : DoubtPoses(*amass)) ingested.findings.push_back(std::move(frozen));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;
   if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;
   if (Status added = AddSegments(file, clip, amass->frames, ingested.findings); !added) return Forward(added);

@@ -112,6 +112,14 @@ std::vector<std::string> BabelIndex::Unused() const {
   return names;
 }
 
+std::optional<Finding> DoubtDuration(double annotated_s, double duration_s) {
+  if (std::abs(annotated_s - duration_s) <= kMostOff_s + kMostOff * duration_s) return std::nullopt;
+  return Found("annotation_duration", annotated_s,
+               "the annotation is of a sequence of " + RoundedText(annotated_s) + " s, the motion lasts " +
+                   RoundedText(duration_s) + " s: is it the file that feat_p names, whole, and its rate?",
+               "its labels are kept where they can be");
+}
+
 std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s, double frame_s,
                                 std::vector<Finding>& findings) {
   const bool whole = sequence.frame_anns.empty();
@@ -123,13 +131,7 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
                              std::to_string(annotations.size()) + " annotators labelled the sequence",
                              "the first one's labels are taken"));
   }
-  if (const double off_s = std::abs(sequence.dur - duration_s); off_s > kMostOff_s + kMostOff * duration_s) {
-    findings.push_back(Found("annotation_duration", sequence.dur,
-                             "the annotation is of a sequence of " + RoundedText(sequence.dur) +
-                                 " s, the motion lasts " + RoundedText(duration_s) +
-                                 " s: is it the file that feat_p names, whole, and its rate?",
-                             "its labels are kept where they can be"));
-  }
+  if (auto doubt = DoubtDuration(sequence.dur, duration_s)) findings.push_back(*std::move(doubt));
   int withheld = 0;
   for (const BabelLabel& label : annotations[0].labels) {
     const std::string name = NameOfLabel(label);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,10 @@ class BabelIndex {
   std::vector<bool> used_;
   std::map<std::string, std::size_t> by_name_;
 };
+
+/// "annotation_duration": an annotation of `annotated_s` seconds for a motion that lasts `duration_s`, by more than 5 %
+/// and 0.25 s.
+std::optional<Finding> DoubtDuration(double annotated_s, double duration_s);
 
 /// Labels of the frames, or of the whole sequence where there are none, as segments in the order of their begin; the
 /// name is `proc_label`, else `raw_label`; categories are joined by ", ". Findings: "segment_times" (impossible, left

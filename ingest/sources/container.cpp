@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "core/base/file.h"
-#include "core/formats/uestc_info.h"
 #include "core/store/dataset_clips.h"
 #include "ingest/sources/mapped_file.h"
+#include "ingest/sources/uestc_folder.h"
 
 namespace mocurate {
 namespace {
@@ -41,34 +41,15 @@ struct OpenPickle {
   HumanAct12Archive archive;
 };
 
-Expected<std::string> ReadBeside(const std::filesystem::path& folder, const std::string& name) {
-  Expected<std::string> bytes = ReadFile(folder / name);
-  if (!bytes && bytes.error().code == ErrorCode::kNotFound) {
-    return Fail(ErrorCode::kNotFound, "the file is not in the folder: the container does not say whose its clips are",
-                name, "put it beside the container; `mocurate doctor --source NAME` lists what is needed");
-  }
-  return bytes;
-}
-
 Expected<std::vector<ContainerEntry>> UestcEntries(const std::filesystem::path& folder) {
-  const Expected<std::string> names = ReadBeside(folder, "info/names.txt");
-  if (!names) return Forward(names);
-  const Expected<std::vector<UestcVideo>> videos = ParseUestcNames(*names, "info/names.txt");
-  if (!videos) return Forward(videos);
-  const Expected<std::string> counts = ReadBeside(folder, "info/num_frames_min.txt");
-  if (!counts) return Forward(counts);
-  const Expected<std::vector<int>> frames = ParseUestcFrameCounts(*counts, "info/num_frames_min.txt", videos->size());
-  if (!frames) return Forward(frames);
-  const Expected<std::string> words = ReadBeside(folder, "info/action_classes.txt");
-  if (!words) return Forward(words);
-  const Expected<std::vector<std::string>> actions = ParseUestcActions(*words, "info/action_classes.txt");
-  if (!actions) return Forward(actions);
+  const Expected<UestcFolder> info = ReadUestcFolder(folder);
+  if (!info) return Forward(info);
   std::vector<ContainerEntry> entries;
-  for (std::size_t i = 0; i < videos->size(); ++i) {
-    const UestcVideo& video = (*videos)[i];
-    ContainerEntry entry{video.Name(), (*actions)[static_cast<std::size_t>(video.action)], (*frames)[i], ""};
+  for (std::size_t i = 0; i < info->videos.size(); ++i) {
+    const UestcVideo& video = info->videos[i];
+    ContainerEntry entry{video.Name(), info->actions[static_cast<std::size_t>(video.action)], info->frames[i], ""};
     if (video.side == 2 && video.view == 8) entry.left_out = "the second camera moves in view 8";
-    if ((*frames)[i] == 0) entry.left_out = "info/num_frames_min.txt says that it has no frame";
+    if (info->frames[i] == 0) entry.left_out = "info/num_frames_min.txt says that it has no frame";
     entries.push_back(std::move(entry));
   }
   return entries;

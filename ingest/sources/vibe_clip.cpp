@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "core/base/text.h"
-#include "core/formats/uestc_info.h"
 #include "core/motion/kinematics.h"
 #include "ingest/people/vibe_people.h"
 #include "ingest/sense/observe.h"
@@ -11,6 +10,7 @@
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
+#include "ingest/sources/uestc_folder.h"
 
 namespace mocurate {
 namespace {
@@ -164,6 +164,7 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
     person.track = std::move(*track);
   }
   VibeTrack& track = person.track;
+  if (auto doubt = DoubtFrameCount(file.most_frames, track.frames, file.entry)) person.findings.push_back(*doubt);
   if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track.frames) {
     const auto wanted = static_cast<std::size_t>(file.most_frames);
     KeepFrames(track.pose, track.frames, wanted);

@@ -79,7 +79,8 @@ void StudioOptions::Declare(OptionVisitor& v) {
   v.Choice("layout", layout, Layouts(), "the set whose files are written");
   v.Integer("seed", seed, {}, "of everything random in the folder");
   v.Integer("subjects", subjects, {0.0, 1000.0}, "number of people, each with a body of its own; 0: as the set has");
-  v.Integer("clips", clips, {0.0, 1000.0}, "most clips of each action by each subject; 0: as the set has");
+  v.Integer("clips", clips, {0.0, 1000.0},
+            "most clips of each action, of HumanAct12 of each of its 34 variants, by each subject; 0: as the set has");
   v.Texts("actions", actions, "labels or actions that are performed; empty: all of the set's");
   v.Path("body", body, "skinned body (body_cc0.h5) that depth is rendered of; empty: capsules");
   v.Number("missing", missing_share, Unit::kNone, {0.0, 0.9}, "humanact12, phspd: share of frames without annotation");

@@ -7,6 +7,7 @@
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
+#include "tests/fitting/noisy_depth_takes.h"
 
 namespace mocurate {
 namespace {
@@ -18,41 +19,17 @@ std::filesystem::path CommonFaultsFolder(const std::string& name) {
          ("mocurate_common_faults_" + std::to_string(getpid()) + "_" + name);
 }
 
-/// The studio's people before PHSPD's cameras, with a Kinect's errors.
-class CommonFaults : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    CloudTakeOptions options;
-    options.seed = 821;
-    options.subjects = 1;
-    options.clips = 3;
-    options.frames = 12;
-    takes_ = new std::vector<CloudTake>(CloudTakes(options, CommonFaultsFolder("studio")));
-  }
-
-  void SetUp() override {
-    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-  }
-
-  static std::vector<CloudTake>* takes_;
-};
-
-std::vector<CloudTake>* CommonFaults::takes_ = nullptr;
-
-std::string ToldInCommon(const DepthRigReport& report) {
-  std::string text;
-  for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
-  return text;
-}
+/// The studio's people before PHSPD's cameras.
+using CommonFaults = NoisyDepthTakes<821, 3>;
 
 TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
   for (const double factor : {1.1, 0.92}) {
-    for (const CloudTake& take : *takes_) {
+    for (const CloudTake& take : takes()) {
       std::vector<DepthView> views = take.evidence.depth_views;
       for (DepthView& view : views) view.metres_per_unit *= factor;
       const auto audited = AuditDepthRig(views, {});
       ASSERT_TRUE(audited) << audited.error().Message();
-      ASSERT_EQ(audited->report.faults.size(), 1u) << take.clip.name << ": " << ToldInCommon(audited->report);
+      ASSERT_EQ(audited->report.faults.size(), 1u) << take.clip.name << ": " << Told(audited->report);
       const RigFault& fault = audited->report.faults[0];
       EXPECT_EQ(fault.code, "camera_depths_off");
       EXPECT_EQ(fault.camera, "d1, d2, d3");
@@ -70,17 +47,17 @@ TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
 }
 
 TEST_F(CommonFaults, ImagesThatAreAllMirroredAreRefused) {
-  for (const CloudTake& take : *takes_) {
+  for (const CloudTake& take : takes()) {
     const auto views = WithMirroredImages(take.evidence.depth_views, CommonFaultsFolder("mirrored"));
     ASSERT_TRUE(views) << views.error().Message();
     const auto refused = AuditDepthRig(*views, {});
-    ASSERT_FALSE(refused) << take.clip.name << ": " << ToldInCommon(refused->report);
+    ASSERT_FALSE(refused) << take.clip.name << ": " << Told(refused->report);
     EXPECT_THAT(refused.error().Message(), HasSubstr("images of all depth cameras are mirrored"));
     RigAuditOptions tell;
     tell.exchanged = AuditAction::kTell;
     const auto told = AuditDepthRig(*views, tell);
     ASSERT_TRUE(told) << told.error().Message();
-    ASSERT_EQ(told->report.faults.size(), 1u) << ToldInCommon(told->report);
+    ASSERT_EQ(told->report.faults.size(), 1u) << Told(told->report);
     EXPECT_EQ(told->report.faults[0].code, "view_mirrored");
     EXPECT_TRUE(told->report.IsDoubtful());
   }

@@ -13,6 +13,7 @@
 #include "tests/fitting/cloud_scene.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
+#include "tests/fitting/noisy_depth_takes.h"
 
 namespace mocurate {
 namespace {
@@ -44,12 +45,6 @@ Motion Somebody(const SkeletonPtr& skeleton, int frames, bool moves) {
     turn("plain_right_hip", {-0.4 * std::sin(4.0 * t), 0.0, 0.0});
   }
   return MakeMotion(skeleton, FrameRate{30, 1}, translation, rotation, skeleton->RestBoneLengths());
-}
-
-std::string ToldOfRig(const DepthRigReport& report) {
-  std::string text;
-  for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
-  return text + report.not_audited;
 }
 
 /// How far the person is moved when camera `view` is taken as it is in one rig instead of as in another one, beside
@@ -86,7 +81,7 @@ Clip* DepthRig::standing_ = nullptr;
 void ExpectLeftAlone(const std::vector<DepthView>& views) {
   const auto audited = AuditDepthRig(views, {});
   ASSERT_TRUE(audited) << audited.error().Message();
-  EXPECT_TRUE(audited->report.faults.empty()) << ToldOfRig(audited->report);
+  EXPECT_TRUE(audited->report.faults.empty()) << Told(audited->report);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const RigidTransform &is = audited->views[v].camera.camera_from_world, &was = views[v].camera.camera_from_world;
     EXPECT_EQ(is.translation, was.translation);
@@ -108,7 +103,7 @@ TEST_F(DepthRig, ACameraThatWasMovedIsFoundAndPutBack) {
       views[moved].camera = Knocked(views[moved].camera, 0.03, 2.0, random);
       const auto audited = AuditDepthRig(views, {});
       ASSERT_TRUE(audited) << audited.error().Message();
-      ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+      ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
       const RigFault& fault = audited->report.faults[0];
       EXPECT_EQ(fault.code, "camera_moved");
       EXPECT_EQ(fault.camera, "c" + std::to_string(moved));
@@ -133,7 +128,7 @@ TEST_F(DepthRig, ACameraFartherAsideThanSurfacesMeetIsPutBack) {
         views[moved].camera.camera_from_world * RigidTransform{Quaterniond::Identity(), Vector3d(0.25, 0.1, -0.2)};
     const auto audited = AuditDepthRig(views, {});
     ASSERT_TRUE(audited) << audited.error().Message();
-    ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+    ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
     EXPECT_EQ(audited->report.faults[0].code, "camera_moved");
     EXPECT_EQ(audited->report.faults[0].camera, "c" + std::to_string(moved));
     EXPECT_LT(Off(audited->views, Moving(), moved, (moved + 1) % 3).shift, 0.01);
@@ -149,7 +144,7 @@ TEST_F(DepthRig, DepthsThatAreTooLongOrTooShortAreFoundAndMended) {
     ASSERT_TRUE(audited) << audited.error().Message();
     ASSERT_FALSE(audited->report.faults.empty());
     const RigFault& fault = audited->report.faults[0];
-    EXPECT_EQ(fault.code, "camera_depths_off") << ToldOfRig(audited->report);
+    EXPECT_EQ(fault.code, "camera_depths_off") << Told(audited->report);
     EXPECT_EQ(fault.camera, "c1");
     EXPECT_GT(fault.value * (factor - 1.0), 0.0) << fault.message;
     EXPECT_TRUE(fault.corrected);
@@ -171,7 +166,7 @@ TEST_F(DepthRig, WhatIsOnlyToldStaysAsItIs) {
   options.moved = AuditAction::kTell;
   const auto audited = AuditDepthRig(views, options);
   ASSERT_TRUE(audited) << audited.error().Message();
-  ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
   EXPECT_FALSE(audited->report.faults[0].corrected);
   EXPECT_TRUE(audited->report.IsDoubtful());
   EXPECT_EQ(audited->views[0].camera.camera_from_world.translation, views[0].camera.camera_from_world.translation);
@@ -186,7 +181,7 @@ TEST_F(DepthRig, AClockThatIsOffIsFoundAndItsImagesAreTakenFromTheirTime) {
     const std::vector<DepthView> views = WithLateView(Moving(), 1, late);
     const auto audited = AuditDepthRig(views, {});
     ASSERT_TRUE(audited) << audited.error().Message();
-    ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+    ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
     const RigFault& fault = audited->report.faults[0];
     EXPECT_EQ(fault.code, "camera_clock_off");
     EXPECT_EQ(fault.camera, "c1");
@@ -209,7 +204,7 @@ TEST_F(DepthRig, OfARigThatLooksTheSameFromAllSidesNobodyKnowsWhoseFilesAreWhose
   ExchangeFiles(views[0], views[2]);
   const auto audited = AuditDepthRig(views, {});
   ASSERT_TRUE(audited) << audited.error().Message();
-  ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
   EXPECT_EQ(audited->report.faults[0].code, "cameras_exchanged");
   EXPECT_FALSE(audited->report.faults[0].corrected);
   EXPECT_THAT(audited->report.faults[0].message, HasSubstr("cannot be told"));
@@ -236,7 +231,7 @@ TEST_F(DepthRig, LengthsInAWrongUnitAreRefusedOrCorrected) {
   for (const auto* wrong : {&depths, &places}) {
     const auto corrected = AuditDepthRig(*wrong, options);
     ASSERT_TRUE(corrected) << corrected.error().Message();
-    ASSERT_EQ(corrected->report.faults.size(), 1u) << ToldOfRig(corrected->report);
+    ASSERT_EQ(corrected->report.faults.size(), 1u) << Told(corrected->report);
     EXPECT_EQ(corrected->report.faults[0].code, "calibration_unit");
     EXPECT_EQ(corrected->report.faults[0].value, 1000.0);
     EXPECT_NEAR(corrected->views[1].metres_per_unit, 0.001, 1e-12);
@@ -255,7 +250,7 @@ TEST_F(DepthRig, OfTwoViewsItIsToldThatTheyDoNotFitEachOther) {
   views[1].camera = Knocked(views[1].camera, 0.03, 2.0, random);
   const auto audited = AuditDepthRig(views, {});
   ASSERT_TRUE(audited) << audited.error().Message();
-  ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
   EXPECT_EQ(audited->report.faults[0].camera, "c1");
   // A third of a turn apart they share little surface: a correction would take away less than half of it.
   EXPECT_FALSE(audited->report.faults[0].corrected);
@@ -271,7 +266,7 @@ TEST_F(DepthRig, AViewWithoutAnybodyAndAViewAloneAreNoFault) {
   for (auto& name : views[2].files) name = file;
   const auto audited = AuditDepthRig(views, {});
   ASSERT_TRUE(audited) << audited.error().Message();
-  EXPECT_TRUE(audited->report.faults.empty()) << ToldOfRig(audited->report);
+  EXPECT_TRUE(audited->report.faults.empty()) << Told(audited->report);
   for (double residual : audited->report.residual_mm[2]) EXPECT_EQ(residual, 0.0);
   const auto findings = FindingsOf(audited->report);
   ASSERT_GE(findings.size(), 1u);
@@ -284,7 +279,7 @@ TEST_F(DepthRig, AViewWithoutAnybodyAndAViewAloneAreNoFault) {
   EXPECT_THAT(nobody->report.not_audited, HasSubstr("0 comparisons"));
   const auto alone = AuditDepthRig({Moving()[0]}, {});
   ASSERT_TRUE(alone) << alone.error().Message();
-  EXPECT_TRUE(alone->report.faults.empty() && alone->report.not_audited.empty()) << ToldOfRig(alone->report);
+  EXPECT_TRUE(alone->report.faults.empty() && alone->report.not_audited.empty()) << Told(alone->report);
   EXPECT_TRUE(AuditDepthRig({}, {}));
 }
 
@@ -335,28 +330,10 @@ TEST_F(DepthRig, AFitFromAMovedCameraIsAsGoodAsFromTheRigAsItWas) {
 }
 
 /// The studio's people before PHSPD's cameras, with a Kinect's errors.
-class NoisyDepthRig : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    CloudTakeOptions options;
-    options.seed = 811;
-    options.subjects = 1;
-    options.clips = 4;
-    options.frames = 12;
-    takes_ = new std::vector<CloudTake>(CloudTakes(options, RigFolder("studio")));
-  }
-
-  void SetUp() override {
-    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-  }
-
-  static std::vector<CloudTake>* takes_;
-};
-
-std::vector<CloudTake>* NoisyDepthRig::takes_ = nullptr;
+using NoisyDepthRig = NoisyDepthTakes<811, 4>;
 
 TEST_F(NoisyDepthRig, ThatIsWellIsLeftAlone) {
-  for (const CloudTake& take : *takes_) ExpectLeftAlone(take.evidence.depth_views);
+  for (const CloudTake& take : takes()) ExpectLeftAlone(take.evidence.depth_views);
 }
 
 /// Floor and wall are in the images, as of captures that nobody masked.
@@ -373,13 +350,13 @@ TEST(DepthRigInARoom, ThatIsWellIsLeftAlone) {
 }
 
 TEST_F(NoisyDepthRig, ExchangedFilesAreExchangedBackAndAMovedCameraIsPutBack) {
-  for (const CloudTake& take : *takes_) {
+  for (const CloudTake& take : takes()) {
     const std::vector<DepthView>& good = take.evidence.depth_views;
     std::vector<DepthView> views = good;
     ExchangeFiles(views[0], views[1]);
     const auto exchanged = AuditDepthRig(views, {});
     ASSERT_TRUE(exchanged) << exchanged.error().Message();
-    ASSERT_EQ(exchanged->report.faults.size(), 1u) << ToldOfRig(exchanged->report);
+    ASSERT_EQ(exchanged->report.faults.size(), 1u) << Told(exchanged->report);
     EXPECT_EQ(exchanged->report.faults[0].camera, "d1, d2");
     for (std::size_t v = 0; v < 3; ++v) EXPECT_EQ(exchanged->views[v].files, good[v].files);
 
@@ -388,7 +365,7 @@ TEST_F(NoisyDepthRig, ExchangedFilesAreExchangedBackAndAMovedCameraIsPutBack) {
     views[1].camera = Knocked(views[1].camera, 0.03, 2.0, random);
     const auto moved = AuditDepthRig(views, {});
     ASSERT_TRUE(moved) << moved.error().Message();
-    ASSERT_EQ(moved->report.faults.size(), 1u) << ToldOfRig(moved->report);
+    ASSERT_EQ(moved->report.faults.size(), 1u) << Told(moved->report);
     EXPECT_EQ(moved->report.faults[0].camera, "d2");
     EXPECT_LT(Off(moved->views, good, 1, 0).shift, 0.01);
     EXPECT_LT(Off(moved->views, good, 1, 0).turn, 1.0 * kDegree);
@@ -407,7 +384,7 @@ TEST(RealDepthRig, OneOfTheRenderedSequencesCamerasIsPutBack) {
   views[1].camera = Knocked(views[1].camera, 0.03, 2.0, random);
   const auto audited = AuditDepthRig(views, {});
   ASSERT_TRUE(audited) << audited.error().Message();
-  ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
   EXPECT_EQ(audited->report.faults[0].camera, good[1].camera.name);
   EXPECT_LT(Off(audited->views, good, 1, 0).shift, 0.006);
 }
@@ -423,7 +400,7 @@ TEST(RealDepthRig, OneOfEightyViewsOfATurningPersonIsPutBack) {
   views[30].camera = Knocked(views[30].camera, 0.03, 2.0, random);
   const auto audited = AuditDepthRig(views, {});
   ASSERT_TRUE(audited) << audited.error().Message();
-  ASSERT_EQ(audited->report.faults.size(), 1u) << ToldOfRig(audited->report);
+  ASSERT_EQ(audited->report.faults.size(), 1u) << Told(audited->report);
   EXPECT_EQ(audited->report.faults[0].camera, views[30].camera.name);
   const auto& person = (*good)[30].camera;
   const Vector3d centre = Inverse(person.camera_from_world) * Vector3d(0.0, 0.0, 0.9);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -100,6 +101,36 @@ TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
     for (int k = 0; k < 3; ++k) other.tracks.positions.xyz[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
   }
   EXPECT_EQ(FitTake(other).motion.joints.xyz, fit.motion.joints.xyz);
+}
+
+// Where the right side stands between the last and the next sight of it, a line between the two does not tell.
+TEST(JointTrackFit, APersonWhoTurnsWhileOneSideIsHiddenStartsTurned) {
+  Take take = SmoothTake(120, Quaterniond::Identity(), 30.0, 0.0);
+  std::vector<Vector3d> translation;
+  std::vector<Quaterniond> rotation;
+  const int joints = take.truth.joint_count();
+  for (int f = 0; f < 120; ++f) {
+    const double way = std::sin(EIGEN_PI * std::clamp((f - 20) / 80.0, 0.0, 1.0));  // there and back
+    translation.emplace_back(take.truth.joints.at(f, 0));
+    for (int j = 0; j < joints; ++j) {
+      const Quaterniond own = take.truth.rotation_at(f, j);
+      rotation.push_back(j == 0 ? ExpQuaternion(Vector3d(0, 2.0 * way, 0)) * own : own);
+      const bool right = take.truth.skeleton->joints[j].name.rfind("right_", 0) == 0;
+      if (right && f >= 20 && f < 100) Hide(take.tracks, f, j);
+    }
+  }
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, translation, rotation, take.truth.bone_length);
+  for (int f = 0; f < 120; ++f) {
+    for (int j = 0; j < joints; ++j) {
+      if (take.tracks.seen(f, j)) take.tracks.positions.at(f, j) = take.truth.joints.at(f, j);
+    }
+  }
+  JointTrackOptions closed_form;
+  closed_form.steps.clear();
+  const FitResult start = FitTake(take, closed_form);
+  for (int f = 0; f < 120; ++f) {
+    EXPECT_LT(AngleBetween(start.motion.rotation_at(f, 0), take.truth.rotation_at(f, 0)), 0.5) << "frame " << f;
+  }
 }
 
 TEST(JointTrackFit, MarksWhereEachJointComesFrom) {

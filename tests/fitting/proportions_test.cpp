@@ -176,6 +176,24 @@ TEST_P(PersonsBones, AreFoundWhereTheyPoint) {
   }
 }
 
+/// A tracker may be unsure of a trunk in every frame and still say where it is.
+TEST_P(PersonsBones, AreNoMirrorImageHoweverUnsureEveryFrameIs) {
+  Take take = SmoothTake(60);
+  const SkeletonPtr nominal = take.tracks.skeleton;
+  const SkeletonPtr body = OtherBody(*nominal, GetParam());
+  take.tracks.positions =
+      MakeMotion(body, take.truth.rate, take.truth.root_translation, take.truth.rotation, {}).joints;
+  std::fill(take.tracks.confidence.begin(), take.tracks.confidence.end(), 0.1);
+  AddNoise(take.tracks, 0.005, 7);
+  std::vector<int> star;
+  for (int j = 1; j < nominal->joint_count(); ++j) {
+    if (nominal->joints[j].parent == 0) star.push_back(j);
+  }
+  const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value());
+  EXPECT_GT(Volume(*person->skeleton, star) * Volume(*body, star), 0.0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Proportions, PersonsBones, ::testing::Values(-0.5, 0.5));
 
 TEST(Proportions, OfTheSkeletonsOwnDirectionsKeepThem) {

@@ -9,6 +9,7 @@
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_problem.h"
+#include "fitting/uncertainty/unseen_growth.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 
@@ -207,6 +208,51 @@ TEST(StatedUncertainty, CoversTheErrorsOfTheReferenceProblems) {
   }
   EXPECT_NEAR(coverage.one(), 0.683, 0.03);
   EXPECT_NEAR(coverage.two(), 0.954, 0.03);
+}
+
+TEST(TrackUncertainty, WhereSamplesLieToOneSideForLongTheFitIsSaidToBeOffByAsMuch) {
+  Take take = SmoothTake(120);
+  AddNoise(take.tracks, 0.006, 9);
+  const int ankle = *take.truth.skeleton->FindJoint("left_ankle");
+  const int hip = *take.truth.skeleton->FindJoint("left_hip");
+  const auto stated = [&](const FitResult& fit, int frame) {
+    return std::sqrt(CovarianceAt(fit.motion, frame, ankle).trace());
+  };
+  const FitResult before = FitWithUncertainty(take);
+  for (int f = 40; f < 70; ++f) {  // the leg would be longer
+    const Vector3d leg = take.truth.joints.at(f, ankle) - take.truth.joints.at(f, hip);
+    take.tracks.positions.at(f, ankle) += 0.06 * leg.normalized();
+  }
+  const FitResult fit = FitWithUncertainty(take);
+  for (int f = 45; f < 65; ++f) {
+    const double off = (fit.motion.joints.at(f, ankle) - take.tracks.positions.at(f, ankle)).norm();
+    EXPECT_GT(stated(fit, f), 0.5 * off) << "frame " << f;
+  }
+  EXPECT_LT(stated(fit, 100), 1.5 * stated(before, 100));  // elsewhere nothing is said
+}
+
+TEST(TrackUncertainty, GrowsWithTheGapOfEachJointAndOfWhatHangsOnIt) {
+  Take take = SmoothTake(120);
+  const Skeleton& body = *take.truth.skeleton;
+  const int elbow = *body.FindJoint("left_elbow");
+  const int wrist = *body.FindJoint("left_wrist");
+  const int head = *body.FindJoint("head");
+  const int top = *body.FindJoint("head_top");
+  for (int f = 0; f < 120; ++f) {
+    if (f >= 40 && f < 75) Hide(take.tracks, f, wrist);  // 1.2 s from sight to sight
+    if (f >= 40 && f < 56) Hide(take.tracks, f, elbow);  // 0.57 s
+    if (f >= 40 && f < 75) Hide(take.tracks, f, head);
+    Hide(take.tracks, f, top);
+  }
+  const UnseenGrowth growth = GrowthOfUnseen(take.tracks);
+  const auto at = [&](int frame, int joint) { return static_cast<std::size_t>(frame * body.joint_count() + joint); };
+  EXPECT_NEAR(growth.position[at(50, wrist)], 4.0, 1e-9);
+  EXPECT_NEAR(growth.position[at(50, top)], 4.0, 1e-9);  // never shown, it hangs on the head
+  EXPECT_EQ(growth.position[at(50, elbow)], 1.0);
+  EXPECT_EQ(growth.position[at(80, wrist)], 1.0);
+  EXPECT_EQ(growth.position[at(80, top)], 1.0);
+  EXPECT_NEAR(growth.rotation[at(50, elbow)], 4.0, 1e-9);  // the wrist alone tells it
+  EXPECT_EQ(growth.rotation[at(50, *body.FindJoint("left_shoulder"))], 1.0);
 }
 
 }  // namespace

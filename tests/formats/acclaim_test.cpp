@@ -13,6 +13,7 @@
 namespace mocurate {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -148,10 +149,27 @@ TEST(Asf, ContradictionsAreRefusedWithPlaceAndReason) {
   EXPECT_THAT(AsfFails(Replaced(kArm, ":root", "root")), HasSubstr("ends where ':root' is expected"));
   EXPECT_THAT(AsfFails(Replaced(kArm, ":bonedata", ":bonedat")), HasSubstr("did you mean ':bonedata'?"));
   EXPECT_THAT(AsfFails(Replaced(kArm, "name fixed", "name upper")), HasSubstr("bone 'upper' stands twice"));
+  EXPECT_THAT(AsfFails(Replaced(kArm, "order TX TY TZ RX RY RZ", "order TX TY TZ RX RZ")),
+              AllOf(HasSubstr("arm.asf:"), HasSubstr("order of :root names 5 channels and lacks ry")));
+  EXPECT_THAT(AsfFails(Replaced(kArm, "  order TX TY TZ RX RY RZ\n", "")), HasSubstr("arm.asf: :root has no order"));
   const std::string text = kArm;
   for (std::size_t length = 0; length < text.size() - 2; ++length) {
     EXPECT_FALSE(ParseAsf(text.substr(0, length), "arm.asf")) << length;
   }
+}
+
+TEST(Asf, ARootWithoutAxisIsReadAndToldAndIsAnErrorWhereItIsTurned) {
+  const std::string axis = "  axis XYZ\n  position", turned = "orientation 0 90 0";
+  EXPECT_TRUE(Arm().findings.empty());
+  const auto still = ParseAsf(Replaced(kArm, axis, "  position"), "arm.asf");
+  ASSERT_TRUE(still) << still.error().Message();
+  ASSERT_EQ(still->findings.size(), 1u);
+  EXPECT_EQ(still->findings[0].code, "root_axis_missing");
+  EXPECT_EQ(still->findings[0].severity, Severity::kWarning);
+  EXPECT_THAT(still->findings[0].message, HasSubstr("arm.asf: :root has no axis"));
+  const auto root = ParseAsf(Replaced(Replaced(kArm, axis, "  position"), "orientation 0 0 0", turned), "arm.asf");
+  ASSERT_TRUE(root) << root.error().Message();
+  EXPECT_EQ(root->findings.at(0).severity, Severity::kError);
 }
 
 TEST(Amc, ABoneMissingInSomeFrameIsMissingThereAndReported) {

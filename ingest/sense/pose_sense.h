@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/formats/amass.h"
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// "frozen_pose": frames on end in which every rotation of the body's joints (the root's and the hands' aside) is what
+/// it was to the last digit, while the root is carried on: `trans` changes in at least half of the steps. 5 frames or
+/// more are told, at most 20 spans; value: frames; an error from half of the clip on. Fitted poses of who stands still
+/// differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h).
+std::vector<Finding> DoubtPoses(const Amass& amass);
+
+/// "units_contradiction" where the markers are a power of ten larger or smaller than the body that poses and `trans`
+/// give, `posed` (frames, joints; metres): `marker_data` is of another unit, and the body is sound. Value: how many
+/// times.
+std::optional<Finding> DoubtMarkers(const Amass& amass, const JointPositions& posed);
+
+}  // namespace mocurate

@@ -1,0 +1,113 @@
+// What stands in info/ beside UESTC's cache, and what the cache's tracks say of it.
+
+#include <gmock/gmock.h>
+
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/runs.h"
+#include "tests/ingest/studio_folders.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class UestcInfo : public Layouts {
+ protected:
+  void SetUp() override {
+    Layouts::SetUp();
+    StudioOptions options = Perfect(StudioLayout::kUestc);
+    options.subjects = 1;
+    options.actions = {"punching", "squatting"};
+    Write(options);
+  }
+
+  void Put(const std::string& name, const std::string& bytes) {
+    ASSERT_TRUE(WriteFile(folder / "uestc" / name, bytes));
+  }
+
+  /// Line `line` (from 1) of info/num_frames_min.txt becomes `count`.
+  void Announce(std::size_t line, const std::string& count) {
+    std::string text = Bytes("uestc/info/num_frames_min.txt");
+    std::size_t begin = 0;
+    for (std::size_t i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
+    Put("info/num_frames_min.txt", text.replace(begin, text.find('\n', begin) - begin, count));
+  }
+
+  /// Findings that contradict a count.
+  std::vector<Json> Contradictions(const std::string& path = "uestc") const {
+    std::vector<Json> found;
+    const Json inspection = InspectPath(folder / path, std::nullopt);
+    for (const Json& finding : inspection.at("findings")) {
+      if (finding.at("code") == "count_contradiction") found.push_back(finding);
+    }
+    return found;
+  }
+};
+
+TEST_F(UestcInfo, ACountOfMoreFramesThanTheTrackHasIsAFindingOfThatClipAndLine) {
+  const IngestOptions options = Declared("uestc", {"ingest.path=" + (folder / "uestc").string()});
+  EXPECT_EQ(CountCode(RunAll(options), "count_contradiction"), 0u);
+  Announce(3, "9999");
+  const std::vector<ItemResult> clips = RunAll(options);
+  EXPECT_EQ(CountCode(clips, "count_contradiction"), 1u);
+  const std::string third = Bytes("uestc/info/names.txt").substr(48, 13);  // lines of 23 letters: "a4_d2_p001_c1"
+  bool told = false;
+  for (const ItemResult& clip : clips) {
+    for (const Finding& finding : clip.outcome.findings) {
+      if (finding.code != "count_contradiction") continue;
+      told = true;
+      EXPECT_THAT(clip.item, HasSubstr(third));
+      EXPECT_EQ(finding.value, 9999);
+      EXPECT_THAT(finding.message, HasSubstr("info/num_frames_min.txt:3 announces 9999 frames"));
+    }
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST_F(UestcInfo, FewerFramesThanTheTrackHasAreNoContradiction) {
+  Announce(3, "20");
+  const IngestOptions options = Declared("uestc", {"ingest.path=" + (folder / "uestc").string()});
+  EXPECT_EQ(CountCode(RunAll(options), "count_contradiction"), 0u);
+  EXPECT_THAT(Contradictions(), IsEmpty());
+}
+
+TEST_F(UestcInfo, AnInspectionKnowsTheListsAndWhoseVideoIsWhose) {
+  const Json inspection = InspectPath(folder / "uestc", std::nullopt);
+  EXPECT_THAT(Codes(inspection, "info"), Not(Contains("other_files"))) << inspection.at("findings");
+  std::size_t lists = 0;
+  for (const Json& companion : inspection.at("companions")) lists += companion.at("format") == "uestc_info" ? 1 : 0;
+  EXPECT_EQ(lists, 3u);
+  EXPECT_EQ(inspection.at("clips").at(0).at("facts").at("video"), Bytes("uestc/info/names.txt").substr(0, 23));
+  EXPECT_THAT(Contradictions(), IsEmpty());
+}
+
+TEST_F(UestcInfo, AnInspectionTellsTheContradictionOfTheFolderAndOfTheCacheAlone) {
+  Announce(2, "9999");
+  for (const std::string path : {"uestc", "uestc/vibe_cache_refined.pkl"}) {
+    const std::vector<Json> found = Contradictions(path);
+    ASSERT_EQ(found.size(), 1u) << path;
+    EXPECT_EQ(found[0].at("where"), "vibe_cache_refined.pkl[1]");
+    EXPECT_EQ(found[0].at("value"), 9999);
+    EXPECT_THAT(found[0].at("message"), HasSubstr("info/num_frames_min.txt:2"));
+  }
+}
+
+TEST_F(UestcInfo, ListsThatAreDamagedOrOfOtherVideosAreTold) {
+  const std::string names = Bytes("uestc/info/names.txt"), counts = Bytes("uestc/info/num_frames_min.txt");
+  Put("info/names.txt", names.substr(0, names.rfind('\n', names.size() - 2) + 1));
+  Put("info/num_frames_min.txt", counts.substr(0, counts.rfind('\n', counts.size() - 2) + 1));
+  const std::vector<Json> found = Contradictions();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].at("value"), 3);
+  EXPECT_THAT(found[0].at("message"), HasSubstr("names 3 videos, the cache holds 4"));
+  Announce(2, "many");
+  const Json inspection = InspectPath(folder / "uestc", std::nullopt);
+  EXPECT_THAT(inspection.at("findings").dump(), HasSubstr("'many' is no count of frames"));
+}
+
+}  // namespace
+}  // namespace mocurate
