@@ -12,6 +12,7 @@ namespace mocurate {
 namespace {
 
 using program::Folder;
+using program::FromCache;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using program::Folder;
+using program::FromCache;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
