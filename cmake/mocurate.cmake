@@ -29,13 +29,18 @@ if(MOCURATE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
-# Several sources of a target are compiled as one: parsing headers is most of what a small source takes, and the whole
-# from nothing is compiled in half the time. All sources of a room must then have names of their own in their unnamed
-# namespaces (tests/layers); debug builds, the sanitizers and scripts/tidy.sh compile each source apart, where an include
-# that is missing is noticed.
+# mocurate_unity(TARGET [BATCH N]): up to N sources of a target, else 16, are compiled as one, as parsing headers is most of
+# what a small source takes. All sources of a room must then have names of their own in their unnamed namespaces
+# (tests/layers); debug builds, the sanitizers and scripts/tidy.sh compile each source apart, where an include that is
+# missing is noticed. Larger batches gain little: three quarters of the time of 16 is spent on their code. Eigen-heavy sources
+# are all code: 16 of fitting took 95 s and 2 GB, so fewer are taken there, for two processors to share them.
 function(mocurate_unity target)
+  cmake_parse_arguments(arg "" "BATCH" "" ${ARGN})
+  if(NOT arg_BATCH)
+    set(arg_BATCH 16)
+  endif()
   if(MOCURATE_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
     # A type of an unnamed namespace is of one source still, if not of the one that g++ was given.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
@@ -50,11 +55,11 @@ function(mocurate_headers)
   target_precompile_headers(mocurate_headers PRIVATE ${PROJECT_SOURCE_DIR}/core/precompiled.h)
 endfunction()
 
-# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ... [OWN_HEADERS]): static library mocurate_NAME. Sources may be
+# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ... [OWN_HEADERS] [BATCH N]): static library mocurate_NAME. Sources may be
 # globs relative to the calling folder. PUBLIC and PRIVATE are libraries to link. OWN_HEADERS: nothing is precompiled for
-# it (libraries that ask for another ABI macro).
+# it (libraries that ask for another ABI macro). BATCH: of mocurate_unity.
 function(mocurate_library name)
-  cmake_parse_arguments(arg "OWN_HEADERS" "" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "OWN_HEADERS" "BATCH" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${arg_SOURCES})
   foreach(pattern ${arg_EXCLUDE})
     list(FILTER sources EXCLUDE REGEX "${pattern}")
@@ -66,9 +71,7 @@ function(mocurate_library name)
   endif()
   add_library(mocurate_${name} STATIC ${sources})
   target_link_libraries(mocurate_${name} PUBLIC mocurate_settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
-  if(NOT name MATCHES "^fitting")
-    mocurate_unity(mocurate_${name})
-  endif()
+  mocurate_unity(mocurate_${name} BATCH ${arg_BATCH})
   if(TARGET mocurate_headers AND NOT arg_OWN_HEADERS)
     target_precompile_headers(mocurate_${name} REUSE_FROM mocurate_headers)
   endif()
@@ -99,6 +102,7 @@ function(mocurate_test name)
                                                   MOCURATE_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}"
                                                   MOCURATE_BINARY_FOLDER="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   target_compile_options(test_${name} PRIVATE ${MOCURATE_TEST_OPTIONS})
+  mocurate_unity(test_${name})
   if(NOT arg_WHOLE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_precompile_headers(test_${name} REUSE_FROM mocurate_test_headers)
   endif()

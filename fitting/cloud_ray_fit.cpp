@@ -20,8 +20,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastShare = 0.3;  ///< of the frames in which the camera sees the person
-constexpr double kOtherWay = 0.7;    ///< of the distance, when sides are exchanged: the person faces the other way
+constexpr double kLeastShareOfSeen = 0.3;  ///< of the frames in which the camera sees the person
+constexpr double kOtherWay = 0.7;  ///< of the distance, when sides are exchanged: the person faces the other way
 constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kPixelsOfModel = 4.0;   ///< px, that points fixed to joints are off in any case
 constexpr double kMedianOfTwo = 1.1774;  ///< median distance over the standard deviation per axis
@@ -49,7 +49,7 @@ Finding OneView(const RayAgreement& rays, const std::string& camera, bool used) 
 }
 
 /// The heading of a motion's root, radians about y from +z.
-double HeadingOf(const Motion& motion) {
+double HeadingOfMotion(const Motion& motion) {
   const Vector3d front = motion.rotation_at(0, 0) * Vector3d::UnitZ();
   return std::atan2(front.x(), front.z());
 }
@@ -120,7 +120,7 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
   const std::vector<int> joint_of = BodyJointsOfKeypoints(*bare, clip.evidence.keypoint_names);
   RayAgreement rays = CompareRays(view, joint_of, fit->motion);
   if (rays.seen > 0 && rays.median_exchanged_px < kOtherWay * rays.median_px) {
-    cloud_options.start.facing = std::remainder(HeadingOf(fit->motion) + kHalfTurn, 2.0 * kHalfTurn);
+    cloud_options.start.facing = std::remainder(HeadingOfMotion(fit->motion) + kHalfTurn, 2.0 * kHalfTurn);
     Expected<FitResult> turned = FitFusedClouds(*clouds, clock, bare, bones, cloud_options);
     if (!turned) return turned;
     const RayAgreement other = CompareRays(view, joint_of, turned->motion);
@@ -129,7 +129,7 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
       rays = other;
     }
   }
-  const bool used = rays.share >= kLeastShare;
+  const bool used = rays.share >= kLeastShareOfSeen;
   if (used) {
     const std::optional<FleshBody> flesh = BodyFromRadii(bare, fit->motion.bone_length, fit->capsule_radii);
     if (!flesh) return Fail(ErrorCode::kInternal, "the body of the depth fit cannot be made again", clip.id());

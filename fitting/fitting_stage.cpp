@@ -35,8 +35,8 @@ Expected<PersonBody> ReadBody(const StageRequest& request, const SkeletonPtr& sk
 }
 
 /// Joint tracks and depth views of the same moments.
-Expected<FitResult> FitBoth(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bones,
-                            const FittingOptions& options) {
+Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bones,
+                                      const FittingOptions& options) {
   const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, options);
   if (!tracks) return Forward(tracks);
   const Expected<SkeletonTracks> seen = TracksOfClip(clip, skeleton, options.other_joints);
@@ -79,7 +79,7 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   if (!body) return Forward(body);
   const std::vector<double>& bones = body->bone_length;
   if (clouds_alone) return FitClouds(clip, body->skeleton, bones, options.point_clouds);
-  if (options.method == FitMethod::kJointsAndClouds) return FitBoth(clip, body->skeleton, bones, options);
+  if (options.method == FitMethod::kJointsAndClouds) return FitTracksAndDepth(clip, body->skeleton, bones, options);
   return FitTracksOfClip(clip, body->skeleton, bones, options);
 }
 

@@ -28,12 +28,12 @@ constexpr double kNotableTurn = 0.05;  ///< rad
 constexpr double kHalfPerson = 0.5;    ///< m, from the middle of a person to the ends
 constexpr double kFarthestMove = 0.3;  ///< m; farther apart are two people, or two worlds
 constexpr double kFarthestTurn = 0.25;
-constexpr double kLeastGain = 0.08;  ///< of the loss, or nothing is told
-constexpr double kNearShare = 0.5;   ///< of the points within reach of the body, or both are not of one person
-constexpr double kUnsure = 0.012;    ///< m, stated of joints; depth alone is about as sure, and tried as a start
+constexpr double kLeastKindsGain = 0.08;  ///< of the loss, or nothing is told
+constexpr double kNearShare = 0.5;        ///< of the points within reach of the body, or both are not of one person
+constexpr double kUnsure = 0.012;         ///< m, stated of joints; depth alone is about as sure, and tried as a start
 constexpr double kMillimetres = 1e3;
 
-Finding Told(const char* code, double value, std::string message, std::string action) {
+Finding KindsFinding(const char* code, double value, std::string message, std::string action) {
   Finding finding;
   finding.code = code;
   finding.value = value;
@@ -153,7 +153,7 @@ KindsAlignment::Taken TakenOf(const KindsAlignment& kinds, const RigAuditOptions
   if (!clocks) return kinds.moved;
   if (!moves) return kinds.late;
   const KindsAlignment::Taken& alone = kinds.late.loss <= kinds.moved.loss ? kinds.late : kinds.moved;
-  return kinds.both.loss <= (1.0 - kLeastGain) * alone.loss ? kinds.both : alone;
+  return kinds.both.loss <= (1.0 - kLeastKindsGain) * alone.loss ? kinds.both : alone;
 }
 
 Status CheckOnePerson(const KindsAlignment& kinds, const RigAuditOptions& audit, const std::string& clip) {
@@ -171,7 +171,7 @@ Status CheckOnePerson(const KindsAlignment& kinds, const RigAuditOptions& audit,
 }
 
 /// `pose_sigma`: m per axis, of a joint of the keypoints' fit.
-KindsVerdict Judge(const KindsAlignment& kinds, double step_s, double pose_sigma, const RigAuditOptions& audit) {
+KindsVerdict JudgeKinds(const KindsAlignment& kinds, double step_s, double pose_sigma, const RigAuditOptions& audit) {
   KindsVerdict verdict;
   const double stated = std::max(kNotableMove, kSure * pose_sigma);
   const double stated_turn = std::max(kNotableTurn, kSure * pose_sigma / kHalfPerson);
@@ -187,22 +187,23 @@ KindsVerdict Judge(const KindsAlignment& kinds, double step_s, double pose_sigma
   } else if (!is_moved(taken)) {
     taken = kinds.late;
   }
-  const bool gains = taken.loss <= (1.0 - kLeastGain) * kinds.loss;
+  const bool gains = taken.loss <= (1.0 - kLeastKindsGain) * kinds.loss;
   const bool late = gains && is_late(taken), moved = gains && is_moved(taken);
   if (moved && audit.moved != AuditAction::kOff) {
     verdict.move = audit.moved == AuditAction::kCorrect;
-    verdict.findings.push_back(Told(kKindsApart, kMillimetres * taken.moved,
-                                    "the depth cameras as a whole stand " + Mm(taken.moved) + " and " +
-                                        RoundedText(57.29577951308232 * taken.turned, 2) +
-                                        " degrees off the keypoint cameras' world",
-                                    verdict.move ? "depth points moved" : "flagged"));
+    verdict.findings.push_back(KindsFinding(kKindsApart, kMillimetres * taken.moved,
+                                            "the depth cameras as a whole stand " + Mm(taken.moved) + " and " +
+                                                RoundedText(kDegrees * taken.turned, 2) +
+                                                " degrees off the keypoint cameras' world",
+                                            verdict.move ? "depth points moved" : "flagged"));
   }
   if (late && audit.clocks != AuditAction::kOff) {
     verdict.delay = audit.clocks == AuditAction::kCorrect;
-    verdict.findings.push_back(Told(kKindsClock, kMillimetres * taken.late_s,
-                                    "the depth cameras' clock is " + RoundedText(kMillimetres * taken.late_s, 3) +
-                                        " ms off the keypoint cameras' (positive: images are stamped late)",
-                                    verdict.delay ? "depth images taken by the keypoints' clock" : "flagged"));
+    verdict.findings.push_back(KindsFinding(kKindsClock, kMillimetres * taken.late_s,
+                                            "the depth cameras' clock is " +
+                                                RoundedText(kMillimetres * taken.late_s, 3) +
+                                                " ms off the keypoint cameras' (positive: images are stamped late)",
+                                            verdict.delay ? "depth images taken by the keypoints' clock" : "flagged"));
   }
   return verdict;
 }
@@ -242,7 +243,7 @@ std::optional<PoseState> TrackAlone(const Motion& motion, const std::vector<Fuse
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
   keypoints.motion = WithoutDetectorPoints(keypoints.motion, skeleton);
   keypoints.findings.push_back(
-      Told(kKindMissing, keypoints.motion.frame_count(), std::move(why), "fitted to the keypoints alone"));
+      KindsFinding(kKindMissing, keypoints.motion.frame_count(), std::move(why), "fitted to the keypoints alone"));
   return keypoints;
 }
 
@@ -252,13 +253,13 @@ Expected<FitResult> CloudsAlone(const Clip& clip, const SkeletonPtr& skeleton, s
   Expected<FitResult> fit = FitClouds(clip, skeleton, bone_length, options);
   if (!fit) return fit;
   fit->findings.push_back(
-      Told(kKindMissing, fit->motion.frame_count(), std::move(why), "fitted to the depth views alone"));
+      KindsFinding(kKindMissing, fit->motion.frame_count(), std::move(why), "fitted to the depth views alone"));
   return fit;
 }
 
 /// Both kinds, with the points of the detector.
-Expected<FitResult> FitBoth(const Clip& clip, FitResult keypoints, const std::vector<FusedCloud>& clouds,
-                            const std::vector<double>& cloud_s, const PointCloudOptions& options) {
+Expected<FitResult> FitOfBothKinds(const Clip& clip, FitResult keypoints, const std::vector<FusedCloud>& clouds,
+                                   const std::vector<double>& cloud_s, const PointCloudOptions& options) {
   if (keypoints.motion.position_cov.empty()) {
     return Fail(ErrorCode::kInconsistent, "the fit of the keypoints has no uncertainty", clip.id(),
                 "set fitting.joint_tracks.uncertainty to true");
@@ -282,7 +283,7 @@ Expected<FitResult> FitBoth(const Clip& clip, FitResult keypoints, const std::ve
       AlignKinds(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
   if (Status one = CheckOnePerson(kinds, options.audit, clip.id()); !one) return Forward(one);
   const double sigma = StatedSigma(motion, shown);
-  const KindsVerdict verdict = Judge(kinds, step, sigma, options.audit);
+  const KindsVerdict verdict = JudgeKinds(kinds, step, sigma, options.audit);
   if (verdict.delay) {
     pairing = PairFrames(keypoints.motion, cloud_s, verdict.taken.late_s);
     paired = Paired(pairing, clouds);
@@ -329,7 +330,8 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
     return KeypointsAlone(std::move(*keypoints), skeleton, "the depth images show nobody: no frame has 100 points");
   }
   keypoints->motion.skeleton = WithBarePoints(keypoints->motion.skeleton, skeleton);
-  Expected<FitResult> both = FitBoth(clip, std::move(*keypoints), *clouds, views[0].time_s, options.point_clouds);
+  Expected<FitResult> both =
+      FitOfBothKinds(clip, std::move(*keypoints), *clouds, views[0].time_s, options.point_clouds);
   if (!both) return both;
   both->motion = WithoutDetectorPoints(both->motion, skeleton);
   std::vector<RigFault> faults = both->keypoints->faults;

@@ -20,7 +20,7 @@ namespace mocurate {
 namespace {
 
 /// Leaves out keypoints that are neither a joint of the body nor a point of it.
-JointTracks KnownTracks(const JointTracks& tracks, const Skeleton& body) {
+JointTracks TracksOfBody(const JointTracks& tracks, const Skeleton& body) {
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < tracks.names.size(); ++k) {
     if (body.FindJoint(tracks.names[k])) kept.push_back(k);
@@ -72,8 +72,8 @@ Status CheckNamesAreWrong(const Evidence& evidence, const Skeleton& skeleton, co
 }
 
 /// Views that agree with each other may all be wrong: rays of one label meet in one point whatever its name is.
-Status MendSides(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
-                 BodyTracks& found) {
+Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
+                       BodyTracks& found) {
   const KeypointAuditOptions& audit = options.audit;
   SkeletonTracks& tracks = found.tracks;
   const std::vector<int> left = LeftJoints(*tracks.skeleton);
@@ -118,12 +118,12 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
                                   const KeypointFitOptions& options) {
   Expected<KeypointTracks> found = TriangulateKeypoints(evidence, skeleton, options);
   if (!found) return Forward(found);
-  Expected<SkeletonTracks> mapped = MapTracks(KnownTracks(found->tracks, *body), body);
+  Expected<SkeletonTracks> mapped = MapTracks(TracksOfBody(found->tracks, *body), body);
   if (!mapped) return Forward(mapped);
   mapped->precision = PrecisionOnBody(*found, *body);
   BodyTracks tracks{std::move(*mapped), std::move(found->report), std::move(found->findings), {}};
   if (options.audit.sides != AuditAction::kOff) {
-    if (Status mended = MendSides(evidence, skeleton, options, tracks); !mended) return Forward(mended);
+    if (Status mended = MendSidesOfBody(evidence, skeleton, options, tracks); !mended) return Forward(mended);
   }
   return tracks;
 }

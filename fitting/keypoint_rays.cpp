@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kNear = 0.25;  ///< of the body's height in the image
+constexpr double kNearInImage = 0.25;  ///< of the body's height in the image
 
 int ImageAt(const KeypointView& view, double time_s, double step_s) {
   const auto after = std::lower_bound(view.time_s.begin(), view.time_s.end(), time_s);
@@ -25,8 +25,8 @@ int ImageAt(const KeypointView& view, double time_s, double step_s) {
 }
 
 /// Distances of an entry's keypoints from the joints; `exchanged`: from those of the other side.
-std::vector<double> Distances(const KeypointView& view, const std::vector<int>& joint_of, int image, int person,
-                              const Motion& motion, int frame, bool exchanged) {
+std::vector<double> DistancesFromJoints(const KeypointView& view, const std::vector<int>& joint_of, int image,
+                                        int person, const Motion& motion, int frame, bool exchanged) {
   std::vector<double> distances;
   for (std::size_t k = 0; k < joint_of.size(); ++k) {
     const double* point = view.at(image, person, static_cast<int>(k));
@@ -65,9 +65,9 @@ RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint
   for (int f = 0; f < motion.frame_count(); ++f) {
     const int image = ImageAt(view, motion.rate.FrameTime(f), step);
     int person = -1;
-    double least = kNear * HeightInImage(view.camera, motion, f);
+    double least = kNearInImage * HeightInImage(view.camera, motion, f);
     for (int p = 0; image >= 0 && p < view.people; ++p) {
-      std::vector<double> distances = Distances(view, joint_of, image, p, motion, f, false);
+      std::vector<double> distances = DistancesFromJoints(view, joint_of, image, p, motion, f, false);
       if (distances.empty()) continue;
       const double median = Median(distances);
       if (median >= least) continue;
@@ -79,8 +79,8 @@ RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint
     images += image >= 0 ? 1 : 0;
     if (person < 0) continue;
     ++near;
-    const std::vector<double> own = Distances(view, joint_of, image, person, motion, f, false);
-    const std::vector<double> other = Distances(view, joint_of, image, person, motion, f, true);
+    const std::vector<double> own = DistancesFromJoints(view, joint_of, image, person, motion, f, false);
+    const std::vector<double> other = DistancesFromJoints(view, joint_of, image, person, motion, f, true);
     all.insert(all.end(), own.begin(), own.end());
     exchanged.insert(exchanged.end(), other.begin(), other.end());
   }

@@ -15,10 +15,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRounding = 1e-4;
+constexpr double kLengthRounding = 1e-4;
 
 /// The middle of a clip, at most `frames` long.
-SkeletonTracks Middle(const SkeletonTracks& clip, int frames) {
+SkeletonTracks MiddleOfClip(const SkeletonTracks& clip, int frames) {
   if (clip.frames() <= frames) return clip;
   const int begin = (clip.frames() - frames) / 2;
   return CutTracks(clip, begin, begin + frames);
@@ -30,13 +30,13 @@ bool AnythingSeen(const SkeletonTracks& clip) {
 }
 
 /// Medians over fits of evenly chosen clips with free bones. Bones that no clip observes keep their length.
-Status Refine(const std::vector<SkeletonTracks>& clips, const ProportionsOptions& options, Proportions& person) {
+Status RefineLengths(const std::vector<SkeletonTracks>& clips, const ProportionsOptions& options, Proportions& person) {
   const std::size_t wanted = std::min<std::size_t>(static_cast<std::size_t>(options.refine_clips), clips.size());
   const int joints = person.skeleton->joint_count();
   std::vector<std::vector<double>> fitted(joints);
   for (std::size_t i = 0; i < wanted; ++i) {
-    const SkeletonTracks part =
-        OnBody(Middle(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames)), person.skeleton);
+    const SkeletonTracks part = OnBody(
+        MiddleOfClip(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames)), person.skeleton);
     if (!AnythingSeen(part)) continue;
     const Expected<FitResult> fit =
         FitJointTracks(part, FrameRate{}, person.bone_length, Bones::kFree, options.joint_tracks);
@@ -74,14 +74,14 @@ Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& cli
   person.scale = medians.scale;
   for (const SkeletonTracks& clip : clips) person.frames += clip.frames();
   if (!clips.empty()) {
-    if (Status refined = Refine(clips, options, person); !refined) return tl::unexpected<Error>(refined.error());
+    if (Status refined = RefineLengths(clips, options, person); !refined) return tl::unexpected<Error>(refined.error());
   }
   person.bone_length = RoundedLengths(std::move(person.bone_length));
   return person;
 }
 
 std::vector<double> RoundedLengths(std::vector<double> lengths) {
-  for (double& length : lengths) length = std::round(length / kRounding) * kRounding;
+  for (double& length : lengths) length = std::round(length / kLengthRounding) * kLengthRounding;
   return lengths;
 }
 

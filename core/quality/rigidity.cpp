@@ -6,6 +6,7 @@
 
 #include "core/base/pi.h"
 #include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {

@@ -10,15 +10,15 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypoints = 4;    ///< of an entry, to tell whose it is
-constexpr double kGate = 0.2;         ///< of the extent: entries further off are not the person
-constexpr double kWidestGate = 0.5;   ///< of the extent, after a while unseen
-constexpr double kSpeed = 1.0;        ///< extents per second that a person may have moved while not seen
-constexpr double kSamePlace = 0.25;   ///< of the extent: nobody else stands there
-constexpr double kSearch_s = 0.1;     ///< new people are looked for this often
-constexpr double kForgotten_s = 0.5;  ///< not seen for so long: found again as somebody new would be
-constexpr double kSameShape = 0.2;    ///< of log lengths: the same person after a gap
-constexpr double kLeastShare = 0.1;   ///< of the frames of whom is seen most: seen less, nobody
+constexpr int kLeastKeypointsOfEntry = 4;    ///< of an entry, to tell whose it is
+constexpr double kGate = 0.2;                ///< of the extent: entries further off are not the person
+constexpr double kWidestGate = 0.5;          ///< of the extent, after a while unseen
+constexpr double kUnseenSpeed = 1.0;         ///< extents per second that a person may have moved while not seen
+constexpr double kSamePlace = 0.25;          ///< of the extent: nobody else stands there
+constexpr double kSearch_s = 0.1;            ///< new people are looked for this often
+constexpr double kForgotten_s = 0.5;         ///< not seen for so long: found again as somebody new would be
+constexpr double kSameShape = 0.2;           ///< of log lengths: the same person after a gap
+constexpr double kLeastShareOfFrames = 0.1;  ///< of the frames of whom is seen most: seen less, nobody
 
 /// Somebody followed in time.
 struct Track {
@@ -30,13 +30,13 @@ struct Track {
   double last_s = 0.0;
 };
 
-std::vector<double> MedianLengths(const Track& track) {
+std::vector<double> MedianLengthsOfTrack(const Track& track) {
   std::vector<double> lengths;
   for (std::vector<double> samples : track.measured) lengths.push_back(Median(samples));
   return lengths;
 }
 
-Vector3d Middle(const BodyPoints& body) {
+Vector3d MiddleOfBody(const BodyPoints& body) {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t k = 0; k < body.known.size(); ++k) {
     if (body.known[k] != 0) sum += body.position[k];
@@ -53,9 +53,10 @@ double ShapeDistance(const std::vector<double>& a, const std::vector<double>& b)
   return Median(logs);
 }
 
-class Follower {
+class PeopleFollower {
  public:
-  Follower(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths, const std::vector<double>& time_s)
+  PeopleFollower(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths,
+                 const std::vector<double>& time_s)
       : rig_(rig), lengths_(lengths) {
     take_.time_s = time_s;
     for (const RigView& view : rig) {
@@ -114,7 +115,7 @@ class Follower {
       const int at = frame_of_[v][static_cast<std::size_t>(frame)];
       for (int p = 0; at >= 0 && p < rig_[v].people; ++p) {
         const std::size_t entry = rig_[v].Entry(at, p);
-        if (rig_[v].seen[entry] < kLeastKeypoints || owned_[v][entry] != 0) continue;
+        if (rig_[v].seen[entry] < kLeastKeypointsOfEntry || owned_[v][entry] != 0) continue;
         entries.push_back({static_cast<int>(v), at, p});
       }
     }
@@ -124,7 +125,7 @@ class Follower {
   /// Metres; 0 for somebody who was not seen for too long.
   static double Gate(const Track& track, double now) {
     const double away = std::abs(now - track.last_s);
-    return away > kForgotten_s ? 0.0 : track.body.extent * std::min(kGate + kSpeed * away, kWidestGate);
+    return away > kForgotten_s ? 0.0 : track.body.extent * std::min(kGate + kUnseenSpeed * away, kWidestGate);
   }
 
   bool Own(Track& track, const Sight& sight) {
@@ -148,7 +149,7 @@ class Follower {
       if (gate <= 0.0) continue;
       for (const Sight& sight : entries) {
         const RigView& view = rig_[static_cast<std::size_t>(sight.view)];
-        const double distance = EntryDistance(view, sight.frame, sight.person, track.body, kLeastKeypoints);
+        const double distance = EntryDistance(view, sight.frame, sight.person, track.body, kLeastKeypointsOfEntry);
         if (distance <= gate) matches.push_back({distance / track.body.extent, t, sight});
       }
     }
@@ -167,7 +168,7 @@ class Follower {
   /// The body as the entries show it now; keypoints not seen now stay where they were, moved along with the others.
   bool Renew(Track& track, int frame, const std::vector<Sight>& sights) const {
     BodyPoints now = NearestBody(rig_, sights);
-    if (now.KnownCount() < kLeastKeypoints) return false;
+    if (now.KnownCount() < kLeastKeypointsOfEntry) return false;
     const std::vector<double> measured = MeasureLengths(now, lengths_);
     for (std::size_t i = 0; i < measured.size(); ++i) {
       if (measured[i] > 0.0) track.measured[i].push_back(measured[i]);
@@ -197,7 +198,7 @@ class Follower {
   void FindNew(int frame) {
     std::vector<double> scales;
     for (const Track& track : tracks_) {
-      const ShapeMatch shape = CompareShape(MedianLengths(track), lengths_);
+      const ShapeMatch shape = CompareShape(MedianLengthsOfTrack(track), lengths_);
       if (shape.scale > 0.0) scales.push_back(shape.scale);
     }
     const double usual_scale = Median(scales);
@@ -224,7 +225,7 @@ class Follower {
   bool OnSomebody(const Track& started, int frame) const {
     return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
       return !track.seen_in.empty() && track.seen_in.back() == frame &&
-             (Middle(track.body) - Middle(started.body)).norm() < kSamePlace * track.body.extent;
+             (MiddleOfBody(track.body) - MiddleOfBody(started.body)).norm() < kSamePlace * track.body.extent;
     });
   }
 
@@ -236,9 +237,10 @@ class Follower {
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
       const Track& track = tracks_[t];
       const double away = started.last_s - track.last_s;
-      const double distance = (Middle(track.body) - Middle(started.body)).norm();
-      if (!(away > 0.0) || distance > track.body.extent * (kGate + kSpeed * away) || distance >= nearest) continue;
-      if (ShapeDistance(MedianLengths(track), MedianLengths(started)) > kSameShape) continue;
+      const double distance = (MiddleOfBody(track.body) - MiddleOfBody(started.body)).norm();
+      if (!(away > 0.0) || distance > track.body.extent * (kGate + kUnseenSpeed * away) || distance >= nearest)
+        continue;
+      if (ShapeDistance(MedianLengthsOfTrack(track), MedianLengthsOfTrack(started)) > kSameShape) continue;
       nearest = distance;
       best = t;
     }
@@ -258,7 +260,7 @@ class Follower {
     std::size_t most = 0;
     for (const Track& track : tracks_) most = std::max(most, track.seen_in.size());
     for (const Track& track : tracks_) {
-      if (static_cast<double>(track.seen_in.size()) < kLeastShare * static_cast<double>(most)) continue;
+      if (static_cast<double>(track.seen_in.size()) < kLeastShareOfFrames * static_cast<double>(most)) continue;
       AssociatedPerson person;
       person.entry = track.entry;
       person.frames_seen = static_cast<int>(track.seen_in.size());
@@ -275,8 +277,8 @@ class Follower {
     std::stable_sort(take_.people.begin(), take_.people.end(),
                      [](const auto& a, const auto& b) { return a.presence > b.presence; });
     for (std::size_t v = 0; v < rig_.size(); ++v) {
-      const auto enough =
-          std::count_if(rig_[v].seen.begin(), rig_[v].seen.end(), [](int seen) { return seen >= kLeastKeypoints; });
+      const auto enough = std::count_if(rig_[v].seen.begin(), rig_[v].seen.end(),
+                                        [](int seen) { return seen >= kLeastKeypointsOfEntry; });
       int owned = 0;
       for (const AssociatedPerson& person : take_.people) {
         owned += static_cast<int>(
@@ -300,7 +302,7 @@ class Follower {
 
 Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths,
                             const std::vector<double>& time_s) {
-  return Follower(rig, lengths, time_s).Follow();
+  return PeopleFollower(rig, lengths, time_s).Follow();
 }
 
 std::vector<double> UnseenShares(const AssociatedPerson& person) {

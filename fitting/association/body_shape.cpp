@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortest = 0.1;  ///< metres; shorter bones are hardly measured
+constexpr double kShortestBone = 0.1;  ///< metres; shorter bones are hardly measured
 
 }  // namespace
 
@@ -26,7 +26,7 @@ std::vector<KnownLength> KnownLengths(const std::vector<std::string>& names, con
   const auto add = [&](int a, int b, double rest) {
     const int from = keypoint_of_joint[static_cast<std::size_t>(a)];
     const int to = keypoint_of_joint[static_cast<std::size_t>(b)];
-    if (from < 0 || to < 0 || rest < kShortest) return;
+    if (from < 0 || to < 0 || rest < kShortestBone) return;
     lengths.push_back(
         {from, to, rest, names[static_cast<std::size_t>(from)] + " to " + names[static_cast<std::size_t>(to)]});
   };

@@ -8,8 +8,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSameTime = 1e-3;    ///< of a view's step
-constexpr double kLongestStep = 2.5;  ///< of a view's usual steps, between two frames that are interpolated
+constexpr double kSameTime = 1e-3;          ///< of a view's step
+constexpr double kLongestUsualSteps = 2.5;  ///< of a view's usual steps, between two frames that are interpolated
 
 /// Two frames of a view around a moment; the same twice where the view has a frame then.
 struct Bracket {
@@ -30,7 +30,7 @@ Bracket FramesAround(const std::vector<double>& time, double step, double moment
   }
   if (after == 0 || next == time.end()) return bracket;
   const double gap = *next - *(next - 1);
-  if (gap > kLongestStep * step) return bracket;
+  if (gap > kLongestUsualSteps * step) return bracket;
   bracket.before = after - 1;
   bracket.after = after;
   bracket.share = (moment - *(next - 1)) / gap;

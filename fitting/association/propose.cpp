@@ -9,12 +9,12 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypoints = 4;     ///< that both entries of a pair must see
-constexpr double kPairGate = 0.06;     ///< of the extent: median distance of the body from the rays of its pair
-constexpr double kSupportGate = 0.12;  ///< of the extent: of further entries
-constexpr double kAllPairs = 6;        ///< views up to which all pairs are tried
-constexpr int kLengthsToTell = 3;      ///< that must be measured to speak of proportions
-constexpr double kPlausible = 0.35;    ///< mismatch of proportions up to which two views alone are believed
+constexpr int kLeastKeypointsOfPair = 4;     ///< that both entries of a pair must see
+constexpr double kPairGate = 0.06;           ///< of the extent: median distance of the body from the rays of its pair
+constexpr double kSupportGate = 0.12;        ///< of the extent: of further entries
+constexpr double kViewsAllPaired = 6;        ///< views up to which all pairs are tried
+constexpr int kLengthsToPropose = 3;         ///< that must be measured to speak of proportions
+constexpr double kPlausibleMismatch = 0.35;  ///< mismatch of proportions up to which two views alone are believed
 constexpr double kScaleRange = 2.2;
 
 struct Proposal {
@@ -25,10 +25,10 @@ struct Proposal {
 };
 
 /// Pairs of positions in a list of views: all, or neighbours and some strides.
-std::set<std::pair<std::size_t, std::size_t>> PairsOf(std::size_t count) {
+std::set<std::pair<std::size_t, std::size_t>> PairsOfViews(std::size_t count) {
   std::set<std::pair<std::size_t, std::size_t>> pairs;
   std::set<std::size_t> strides;
-  if (count <= kAllPairs) {
+  if (count <= kViewsAllPaired) {
     for (std::size_t s = 1; s < count; ++s) strides.insert(s);
   } else {
     strides = {1, 2, count / 8 + 1, count / 4, count / 3};
@@ -57,20 +57,20 @@ int Shared(const std::vector<RigView>& rig, const Sight& a, const Sight& b) {
 std::optional<Proposal> ProposePair(const std::vector<RigView>& rig, const Sight& a, const Sight& b,
                                     const std::vector<KnownLength>& lengths, double usual_scale) {
   const int shared = Shared(rig, a, b);
-  if (shared < kLeastKeypoints) return {};
+  if (shared < kLeastKeypointsOfPair) return {};
   Proposal proposal;
   proposal.sights = {a, b};
   proposal.body = NearestBody(rig, proposal.sights);
   const int known = proposal.body.KnownCount();
-  if (known < kLeastKeypoints || 2 * known < shared) return {};
+  if (known < kLeastKeypointsOfPair || 2 * known < shared) return {};
   for (const Sight& sight : proposal.sights) {
     const RigView& view = rig[static_cast<std::size_t>(sight.view)];
-    const double distance = EntryDistance(view, sight.frame, sight.person, proposal.body, kLeastKeypoints);
+    const double distance = EntryDistance(view, sight.frame, sight.person, proposal.body, kLeastKeypointsOfPair);
     proposal.error = std::max(proposal.error, distance / proposal.body.extent);
   }
   if (!(proposal.error <= kPairGate)) return {};
   const ShapeMatch shape = CompareShape(proposal.body, lengths);
-  if (shape.lengths >= kLengthsToTell) proposal.mismatch = shape.mismatch;
+  if (shape.lengths >= kLengthsToPropose) proposal.mismatch = shape.mismatch;
   if (usual_scale > 0.0 && shape.lengths > 0 && std::abs(std::log(shape.scale / usual_scale)) > std::log(kScaleRange)) {
     return {};
   }
@@ -93,8 +93,8 @@ bool Support(const std::vector<RigView>& rig, const Entries& entries, const std:
     const Sight* best = nullptr;
     for (const Sight& sight : of_view) {
       if (taken.count({v, sight.person}) != 0) continue;
-      const double distance =
-          EntryDistance(rig[static_cast<std::size_t>(v)], sight.frame, sight.person, proposal.body, kLeastKeypoints);
+      const double distance = EntryDistance(rig[static_cast<std::size_t>(v)], sight.frame, sight.person, proposal.body,
+                                            kLeastKeypointsOfPair);
       if (distance > nearest) continue;
       nearest = distance;
       best = &sight;
@@ -114,7 +114,7 @@ std::vector<std::vector<Sight>> ProposePeople(const std::vector<RigView>& rig, c
     by_view.back().push_back(sight);
   }
   std::vector<Proposal> proposals;
-  for (const auto& [i, j] : PairsOf(by_view.size())) {
+  for (const auto& [i, j] : PairsOfViews(by_view.size())) {
     for (const Sight& a : by_view[i]) {
       for (const Sight& b : by_view[j]) {
         auto proposal = ProposePair(rig, a, b, lengths, usual_scale);
@@ -129,8 +129,8 @@ std::vector<std::vector<Sight>> ProposePeople(const std::vector<RigView>& rig, c
     double best_cost = 0.0;
     for (Proposal& proposal : proposals) {
       if (!Support(rig, by_view, taken, proposal)) continue;
-      if (proposal.sights.size() == 2 && rig.size() > 2 && proposal.mismatch > kPlausible) continue;
-      const double cost = proposal.error / kPairGate + proposal.mismatch / kPlausible;
+      if (proposal.sights.size() == 2 && rig.size() > 2 && proposal.mismatch > kPlausibleMismatch) continue;
+      const double cost = proposal.error / kPairGate + proposal.mismatch / kPlausibleMismatch;
       const std::size_t views = proposal.sights.size();
       if (best != nullptr && (views < best->sights.size() || (views == best->sights.size() && cost >= best_cost))) {
         continue;

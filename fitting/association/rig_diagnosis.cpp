@@ -11,13 +11,13 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMoments = 40;  ///< looked at, spread over the take
+constexpr int kMomentsDiagnosed = 40;  ///< looked at, spread over the take
 constexpr double kRadian = 57.29577951308232;
-constexpr double kParallelAngle = 2.0;   ///< degrees; below, depth is hardly determined
-constexpr double kSmallestPerson = 0.4;  ///< of the rest pose; a toddler has 0.45
-constexpr double kLargestPerson = 1.6;
+constexpr double kParallelAngle = 2.0;      ///< degrees; below, depth is hardly determined
+constexpr double kSmallestRigPerson = 0.4;  ///< of the rest pose; a toddler has 0.45
+constexpr double kLargestRigPerson = 1.6;
 constexpr double kImplausible = 0.3;  ///< mean of |log ratio|; people have up to 0.15
-constexpr int kLengthsToTell = 4;
+constexpr int kLengthsToDiagnose = 4;
 
 /// What the rays of two entries do, keypoint by keypoint.
 struct PairRays {
@@ -50,7 +50,7 @@ void AddPair(const RigView& a, const RigView& b, const Sight& at, const Sight& t
   }
 }
 
-int FrameAt(const RigView& view, double moment, double reach) {
+int ViewFrameAt(const RigView& view, double moment, double reach) {
   const auto next = std::lower_bound(view.time_s.begin(), view.time_s.end(), moment - reach);
   if (next == view.time_s.end() || std::abs(*next - moment) > reach) return -1;
   return static_cast<int>(next - view.time_s.begin());
@@ -90,10 +90,10 @@ Error WhyNobody(const std::vector<RigView>& rig) {
   for (std::size_t v = 0; v < rig.size(); ++v) {
     const RigView& a = rig[v];
     const RigView& b = rig[(v + 1) % rig.size()];
-    const int step = std::max(1, a.frames() / kMoments);
+    const int step = std::max(1, a.frames() / kMomentsDiagnosed);
     for (int f = 0; f < a.frames(); f += step) {
       const double reach = a.frames() > 1 ? 0.6 * (a.time_s.back() - a.time_s.front()) / (a.frames() - 1) : 1e-3;
-      const int there = FrameAt(b, a.time_s[static_cast<std::size_t>(f)], reach);
+      const int there = ViewFrameAt(b, a.time_s[static_cast<std::size_t>(f)], reach);
       const int one = FullestEntry(a, f);
       const int other = there < 0 ? -1 : FullestEntry(b, there);
       if (one < 0 || other < 0) continue;
@@ -124,7 +124,7 @@ Error WhyNobody(const std::vector<RigView>& rig) {
 }
 
 std::optional<UnitMisreading> FindUnit(double scale) {
-  if (scale >= kSmallestPerson && scale <= kLargestPerson) return {};
+  if (scale >= kSmallestRigPerson && scale <= kLargestRigPerson) return {};
   constexpr std::pair<double, const char*> kUnits[] = {
       {1000.0, "millimetres read as metres"},    {100.0, "centimetres read as metres"},
       {39.37, "inches read as metres"},          {3.281, "feet read as metres"},
@@ -143,7 +143,7 @@ std::optional<UnitMisreading> FindUnit(double scale) {
 
 Status CheckPersonShape(const std::vector<double>& measured, const std::vector<KnownLength>& lengths) {
   const ShapeMatch shape = CompareShape(measured, lengths);
-  if (shape.lengths < kLengthsToTell) return {};
+  if (shape.lengths < kLengthsToDiagnose) return {};
   std::size_t worst = 0;
   double most = -1.0;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
@@ -158,7 +158,7 @@ Status CheckPersonShape(const std::vector<double>& measured, const std::vector<K
             " m; mean departure by a factor of " + RoundedText(std::exp(shape.mismatch), 3),
         "are the keypoints named in the detector's order (BODY_25, BODY_25B, COCO_17 ...)?"));
   }
-  if (shape.scale >= kSmallestPerson && shape.scale <= kLargestPerson) return {};
+  if (shape.scale >= kSmallestRigPerson && shape.scale <= kLargestRigPerson) return {};
   const auto unit = FindUnit(shape.scale);
   return tl::unexpected<Error>(Because("the person would be " + RoundedText(shape.scale, 3) +
                                            " times a person's size (" + lengths[worst].name + " " +

@@ -9,9 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kParallel = 0.0175;   ///< sine of the smallest angle between rays, 1 degree
-constexpr double kTrustShare = 0.04;   ///< of the distance from the camera: rays further off hardly count
-constexpr double kTrustSpread = 0.02;  ///< the same as a scale
+constexpr double kParallelSights = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
+constexpr double kTrustShare = 0.04;        ///< of the distance from the camera: rays further off hardly count
+constexpr double kTrustSpread = 0.02;       ///< the same as a scale
 
 struct Ray {
   const RigView* view = nullptr;
@@ -20,7 +20,7 @@ struct Ray {
   double weight = 0.0;
 };
 
-Vector3d Nearest(const std::vector<Ray>& rays, const std::vector<double>& weight) {
+Vector3d NearestToSights(const std::vector<Ray>& rays, const std::vector<double>& weight) {
   Matrix3d sum = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -31,26 +31,26 @@ Vector3d Nearest(const std::vector<Ray>& rays, const std::vector<double>& weight
   return sum.inverse() * right;
 }
 
-bool AllParallel(const std::vector<Ray>& rays) {
+bool AllSightsParallel(const std::vector<Ray>& rays) {
   for (std::size_t i = 1; i < rays.size(); ++i) {
-    if (rays[0].direction.cross(rays[i].direction).norm() >= kParallel) return false;
+    if (rays[0].direction.cross(rays[i].direction).norm() >= kParallelSights) return false;
   }
   return true;
 }
 
 /// The point nearest to the rays; false where there is none in front of them.
 bool Meet(const std::vector<Ray>& rays, std::vector<double>& weight, Vector3d& point) {
-  if (rays.size() < 2 || AllParallel(rays)) return false;
+  if (rays.size() < 2 || AllSightsParallel(rays)) return false;
   weight.clear();
   for (const Ray& ray : rays) weight.push_back(ray.weight);
-  point = Nearest(rays, weight);
+  point = NearestToSights(rays, weight);
   for (std::size_t i = 0; rays.size() > 2 && i < rays.size(); ++i) {
     const double off = OffTheRay(*rays[i].view, rays[i].normalised, point);
     const double distance = (point - rays[i].view->camera.centre).norm();
     const double trust = off == kNoMatch ? 1e-3 : 1.0 / (1.0 + std::pow(off / (kTrustSpread * distance), 2));
     weight[i] = rays[i].weight * trust * trust;
   }
-  if (rays.size() > 2) point = Nearest(rays, weight);
+  if (rays.size() > 2) point = NearestToSights(rays, weight);
   if (!point.allFinite()) return false;
   int near = 0;
   for (const Ray& ray : rays) {

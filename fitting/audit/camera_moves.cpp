@@ -9,11 +9,11 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViews = 4;
-constexpr std::size_t kMostViews = 12;
-constexpr double kImproved = 0.75;   ///< of the median error before
-constexpr int kLeastMoments = 5;     ///< of a part
-constexpr int kLeastDetections = 6;  ///< of a moment
+constexpr std::size_t kLeastViewsOfMove = 4;
+constexpr std::size_t kMostViewsMoved = 12;
+constexpr double kImproved = 0.75;           ///< of the median error before
+constexpr int kLeastMomentsOfPart = 5;       ///< of a part
+constexpr int kLeastDetectionsOfMoment = 6;  ///< of a moment
 constexpr double kPartPenalty = 1.1;
 constexpr double kJumpPenalty = 1.02;  ///< a jump must say something that one pose does not
 constexpr double kUnchanged = 1e-9;    ///< cost of a moment
@@ -33,7 +33,7 @@ std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const Triangulated
       u.push_back(error.x());
       v.push_back(error.y());
     }
-    const bool enough = u.size() >= kLeastDetections;
+    const bool enough = u.size() >= kLeastDetectionsOfMoment;
     medians.emplace_back(enough ? Median(u) : std::nan(""), enough ? Median(v) : std::nan(""));
   }
   return medians;
@@ -58,7 +58,7 @@ std::size_t Jump(const std::vector<Vector2d>& errors, double noise_px) {
   const double whole = Spread(errors, 0, errors.size());
   double least = whole / kPartPenalty - noise_px;
   std::size_t best = 0;
-  for (std::size_t i = kLeastMoments; i + kLeastMoments <= errors.size(); ++i) {
+  for (std::size_t i = kLeastMomentsOfPart; i + kLeastMomentsOfPart <= errors.size(); ++i) {
     const double parts = Spread(errors, 0, i) + Spread(errors, i, errors.size());
     if (parts >= least) continue;
     least = parts;
@@ -75,7 +75,7 @@ ViewKeypoints Only(const ViewKeypoints& view, std::size_t begin, std::size_t end
   return part;
 }
 
-double MedianError(const ViewKeypoints& view, const TriangulatedTracks& points) {
+double MedianErrorOfView(const ViewKeypoints& view, const TriangulatedTracks& points) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
     if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
@@ -161,10 +161,11 @@ double ConfidenceOfMove(const RigSamples& samples, const std::vector<CameraPart>
 
 std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& model, std::size_t view,
                                      const TriangulationOptions& options) {
-  if (samples.views() < kLeastViews || samples.count() < kLeastMoments || model.camera[view].size() > 1) return {};
+  if (samples.views() < kLeastViewsOfMove || samples.count() < kLeastMomentsOfPart || model.camera[view].size() > 1)
+    return {};
   const ViewKeypoints seen = samples.View(model, view, 0);
   const TriangulatedTracks points = PointsWithout(samples, model, view, options);
-  if (MedianError(seen, points) <= 0.0) return {};
+  if (MedianErrorOfView(seen, points) <= 0.0) return {};
   std::optional<CameraMove> best;
   const std::vector<std::size_t> jumps{0, Jump(MedianErrors(seen, points), options.noise)};
   for (std::size_t i = 0; i < 2; ++i) {
@@ -182,7 +183,7 @@ std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& 
 
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options) {
-  if (samples.views() > kMostViews) return {};
+  if (samples.views() > kMostViewsMoved) return {};
   std::vector<CameraMove> moves;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (auto move = FindMoveOf(samples, model, v, options)) moves.push_back(std::move(*move));

@@ -5,11 +5,7 @@
 #include "core/base/text.h"
 
 namespace mocurate {
-namespace {
-
-constexpr double kDegrees = 57.29577951308232;
-
-}  // namespace
+namespace {}  // namespace
 
 RigFault ClockOff(const std::string& camera, double later_s, std::optional<double> sigma_s, double worse) {
   RigFault fault;

@@ -11,8 +11,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMostReadings = 3;  ///< one after the other
-constexpr double kLikely = 0.9;   ///< confidence from which on exchanged files are told
+constexpr int kMostReadings = 3;          ///< one after the other
+constexpr double kLikelyExchanged = 0.9;  ///< confidence from which on exchanged files are told
 
 std::string PercentText(double share) { return std::to_string(std::lround(100.0 * share)); }
 
@@ -63,7 +63,7 @@ Expected<bool> MendOnce(Evidence& evidence, const std::vector<KnownLength>& leng
   if (found.alike.empty() || (found.alike.size() > 1 && AreOfOneView(found.alike))) return false;
   const RigReading& reading = found.alike[0];
   const bool sure = found.confidence >= audit.sure;
-  if (!sure && (!reading.ExchangesFiles() || found.confidence < kLikely)) return false;
+  if (!sure && (!reading.ExchangesFiles() || found.confidence < kLikelyExchanged)) return false;
   RigFault fault = FaultOf(found, evidence.keypoint_views);
   const bool of_sides = fault.code == "view_swaps_sides";
   const AuditAction action = of_sides ? audit.sides : audit.exchanged;

@@ -11,10 +11,10 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFrames = 40;          ///< looked at
-constexpr int kLengthsToTell = 6;    ///< that an order must have to be judged
-constexpr int kPointsToTell = 8;     ///< that a frame must have, or nobody is there
-constexpr double kPlausible = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
+constexpr int kFramesOfOrder = 40;           ///< looked at
+constexpr int kLengthsToJudge = 6;           ///< that an order must have to be judged
+constexpr int kPointsToTell = 8;             ///< that a frame must have, or nobody is there
+constexpr double kPlausibleLogRatio = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
 
 constexpr double kOfAPerson = 0.2;     ///< and of the medians of a take
 constexpr double kUnevenSides = 0.35;  ///< |log ratio| of a left limb to the right one
@@ -36,7 +36,7 @@ std::vector<int> FramesWithSomebody(const JointPositions& points, const std::vec
     if (seen >= kPointsToTell) all.push_back(f);
   }
   std::vector<int> frames;
-  const std::size_t step = std::max<std::size_t>(1, all.size() / kFrames);
+  const std::size_t step = std::max<std::size_t>(1, all.size() / kFramesOfOrder);
   for (std::size_t i = 0; i < all.size(); i += step) frames.push_back(all[i]);
   return frames;
 }
@@ -53,7 +53,7 @@ std::vector<double> Departures(const JointPositions& points, const std::vector<d
       measured.push_back(known ? (points.at(f, length.from) - points.at(f, length.to)).norm() : 0.0);
     }
     const ShapeMatch shape = CompareShape(measured, lengths);
-    departures.push_back(shape.lengths >= kLengthsToTell ? shape.mismatch : 1.0);
+    departures.push_back(shape.lengths >= kLengthsToJudge ? shape.mismatch : 1.0);
   }
   return departures;
 }
@@ -65,8 +65,8 @@ bool AreSides(std::string a, const std::string& b) {
 }
 
 /// Whether the medians of the lengths are a person's: near the skeleton's proportions, and left like right.
-bool IsPerson(const JointPositions& points, const std::vector<double>& confidence,
-              const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
+bool HasLengthsOfPerson(const JointPositions& points, const std::vector<double>& confidence,
+                        const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
   std::vector<double> medians;
   for (const KnownLength& length : lengths) {
     std::vector<double> samples;
@@ -143,8 +143,8 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
     best = candidate;
     chosen = all.size() - 1;
   }
-  if (best.name.empty() || best.found > kPlausible || best.found >= best.given) return {};
-  if (!IsPerson(points, confidence, KnownLengths(DetectorNames(best.names), skeleton), frames)) return {};
+  if (best.name.empty() || best.found > kPlausibleLogRatio || best.found >= best.given) return {};
+  if (!HasLengthsOfPerson(points, confidence, KnownLengths(DetectorNames(best.names), skeleton), frames)) return {};
   best.confidence = Confidence(given, all[chosen]);
   for (std::size_t i = 0; i < all.size(); ++i) {
     // Orders of the same joints at the same places are no rivals.

@@ -6,8 +6,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastShare = 2.0;   ///< of the noise of a detection
-constexpr double kLeastMove = 0.008;  ///< m, at the person
+constexpr double kLeastShareOfNoise = 2.0;   ///< of the noise of a detection
+constexpr double kLeastDoubtedMove = 0.008;  ///< m, at the person
 
 /// Longest distance between two cameras.
 double ExtentOf(const RigModel& rig) {
@@ -49,7 +49,7 @@ bool IsNotableMove(const Camera& was, const std::vector<CameraPart>& parts, cons
                    double noise_px) {
   return std::any_of(parts.begin(), parts.end(), [&](const CameraPart& part) {
     const SeenMove seen = MoveAtPoints(was, part.camera, points);
-    return seen.px >= kLeastShare * noise_px && seen.m >= kLeastMove;
+    return seen.px >= kLeastShareOfNoise * noise_px && seen.m >= kLeastDoubtedMove;
   });
 }
 

@@ -18,28 +18,29 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMoments = 32;
+constexpr int kMomentsAudited = 32;
 constexpr int kFewestMoments = 8;  ///< to judge clocks and places by
 constexpr std::size_t kSettlingMoments = 2000;
-constexpr std::size_t kMostViews = 12;  ///< that moves and exchanged files are looked for in
-constexpr std::size_t kLeastViews = 3;
+constexpr std::size_t kMostViewsAudited = 12;  ///< that moves and exchanged files are looked for in
+constexpr std::size_t kLeastViewsAudited = 3;
 constexpr double kSmallestClock_s = 0.004;
 constexpr double kSmallestStep = 0.25;  ///< of a view's step
 constexpr double kClockSigmas = 5.0;
-constexpr double kLeastGain = 0.02;          ///< of the cost
+constexpr double kLeastCostGain = 0.02;      ///< of the cost
 constexpr std::size_t kWitnesses = 3;        ///< that stay where they are: fewer could not be told from each other
 constexpr std::size_t kFewestWitnesses = 2;  ///< that tell where others stand at all
-constexpr double kContradiction = 0.25;  ///< of the cost, that another move explains when too few witnesses are left
+constexpr double kExplainedElsewhere =
+    0.25;  ///< of the cost, that another move explains when too few witnesses are left
 
-class Auditor {
+class KeypointAuditor {
  public:
-  Auditor(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
-          const KeypointFitOptions& options)
+  KeypointAuditor(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
+                  const KeypointFitOptions& options)
       : rig_(rig),
         take_(take),
         options_(options),
         other_side_(OtherSides(names)),
-        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, kMoments)),
+        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, kMomentsAudited)),
         model_(rig),
         given_(rig) {}
 
@@ -49,7 +50,7 @@ class Auditor {
     audited.not_audited = WhyNotAudited();
     if (samples_.count() == 0) return audited;
     audited.residual_px = ResidualMap(samples_, given_, take_.time_s, options_.triangulation);
-    if (rig_.size() < kLeastViews) return audited;
+    if (rig_.size() < kLeastViewsAudited) return audited;
     const KeypointAuditOptions& audit = options_.audit;
     if (audit.clocks == AuditAction::kOff && audit.moved == AuditAction::kOff && audit.sides == AuditAction::kOff) {
       return audited;
@@ -88,14 +89,14 @@ class Auditor {
     const RigAuditOptions& audit = options_.audit;
     const bool moved = audit.moved != AuditAction::kOff;
     const bool clocks = audit.clocks != AuditAction::kOff;
-    if (rig_.size() < kLeastViews) return {};
+    if (rig_.size() < kLeastViewsAudited) return {};
     if (samples_.count() < kFewestMoments && (moved || clocks)) {
       return "clocks and places of cameras cannot be judged: the view with the most frames sees people that another "
              "one sees too at " +
              Counted(samples_.count(), "moment") + ", " + std::to_string(kFewestMoments) + " are needed";
     }
-    if (rig_.size() > kMostViews && (moved || audit.exchanged != AuditAction::kOff)) {
-      return "moved cameras and exchanged files are looked for among up to " + std::to_string(kMostViews) +
+    if (rig_.size() > kMostViewsAudited && (moved || audit.exchanged != AuditAction::kOff)) {
+      return "moved cameras and exchanged files are looked for among up to " + std::to_string(kMostViewsAudited) +
              " cameras, these are " + std::to_string(rig_.size());
     }
     return {};
@@ -110,7 +111,7 @@ class Auditor {
       clocks = RefineClocks(samples_, model_, options_.triangulation);
       with_clocks = WithClocks(*clocks);
       if (with_clocks) clock_cost = CostsOf(*with_clocks);
-      if (with_clocks && Sum(clock_cost) >= (1.0 - kLeastGain) * Sum(cost_)) with_clocks.reset();
+      if (with_clocks && Sum(clock_cost) >= (1.0 - kLeastCostGain) * Sum(cost_)) with_clocks.reset();
     }
     std::optional<CameraMove> move;
     if (options_.audit.moved != AuditAction::kOff && !strange_) {
@@ -146,7 +147,7 @@ class Auditor {
   }
 
   bool Explains(const CameraMove& move) const {
-    return Sum(move.cost) < (1.0 - kLeastGain) * Sum(cost_) &&
+    return Sum(move.cost) < (1.0 - kLeastCostGain) * Sum(cost_) &&
            ConfidenceOfMove(samples_, move.camera, cost_, move.cost) >= options_.audit.sure;
   }
 
@@ -164,7 +165,7 @@ class Auditor {
     const std::vector<std::size_t> moved = MovedViews(given_, model_);
     if (moved.size() + kFewestWitnesses >= rig_.size()) return false;
     const bool witnessed = moved.size() + kWitnesses < rig_.size();
-    if (!witnessed && Sum(move.cost) > (1.0 - kContradiction) * Sum(cost_)) return false;
+    if (!witnessed && Sum(move.cost) > (1.0 - kExplainedElsewhere) * Sum(cost_)) return false;
     std::vector<std::size_t> rivals = move.rivals;
     for (const std::size_t v : moved) {
       if (!witnessed && move.camera.size() == 1 && model_.camera[v].size() == 1) rivals.push_back(v);
@@ -184,7 +185,7 @@ class Auditor {
 
   /// Whether another place of the camera explains about as much as its clock.
   bool MayBeMoved(std::size_t v, const RigModel& without_clock) const {
-    if (rig_.size() > kMostViews) return false;
+    if (rig_.size() > kMostViewsAudited) return false;
     const auto move = FindMoveOf(samples_, without_clock, v, options_.triangulation);
     return move && Confidence(move->cost, cost_) < kRivalBeaten;
   }
@@ -203,7 +204,7 @@ class Auditor {
         without.clock_s[v] = 0.0;
         const double cost = Sum(CostsOf(without));
         const bool sure = SureOfClock(v) >= options_.audit.sure && !IsDoubted(v) && !MayBeMoved(v, without);
-        if (sure && cost >= (1.0 + kLeastGain) * Sum(cost_)) continue;
+        if (sure && cost >= (1.0 + kLeastCostGain) * Sum(cost_)) continue;
         if (idle < rig_.size() && cost >= least) continue;
         least = cost;
         idle = v;
@@ -378,7 +379,7 @@ class Auditor {
 
 AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
                     const KeypointFitOptions& options) {
-  return Auditor(rig, take, names, options).Audit();
+  return KeypointAuditor(rig, take, names, options).Audit();
 }
 
 }  // namespace mocurate

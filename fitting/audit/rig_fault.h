@@ -7,6 +7,8 @@
 
 namespace mocurate {
 
+constexpr double kDegrees = 57.29577951308232;  ///< of a radian
+
 /// Something wrong with a rig, its calibration or its files.
 struct RigFault {
   std::string code;  ///< "camera_clock_off", "camera_moved", "cameras_exchanged", "calibration_unit", "keypoint_order",

@@ -16,19 +16,19 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;
-constexpr std::size_t kAllOrders = 5;   ///< views up to which all permutations are tried
-constexpr std::size_t kMostViews = 12;  ///< more outvote two
+constexpr std::size_t kLeastViewsRead = 3;
+constexpr std::size_t kAllOrders = 5;       ///< views up to which all permutations are tried
+constexpr std::size_t kMostViewsRead = 12;  ///< more outvote two
 /// Cost of an entry up to which nothing is asked. Of the studio's people (4 px of noise) it is 0.04 to 0.07 before
 /// rings and PHSPD's cameras, 0.11 before Human3.6M's, which stand farther away; 0.11 to 0.13 before a ring of four
 /// whose facing cameras were exchanged, which is 0.06 once they are exchanged back (twice as much in a sound ring).
 constexpr double kAgreeing = 0.04;
-constexpr double kBetter = 0.7;          ///< of the cost as given, by exchanged files or images that are all mirrored
+constexpr double kBetterReading = 0.7;   ///< of the cost as given, by exchanged files or images that are all mirrored
 constexpr double kViewsDisagree = 0.08;  ///< cost from which on single views, and other sizes, are asked about
-constexpr double kMuchBetter = 0.45;     ///< of the cost, by these
-constexpr double kAlike = 1.15;          ///< costs within this ratio are the same,
-constexpr double kAlikeCost = 1e-3;      ///< or this difference
-constexpr std::array<double, 8> kFactors = {0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5, 2.0, 3.0, 4.0};
+constexpr double kMuchBetterReading = 0.45;  ///< of the cost, by these
+constexpr double kAlikeCosts = 1.15;         ///< costs within this ratio are the same,
+constexpr double kAlikeCost = 1e-3;          ///< or this difference
+constexpr std::array<double, 8> kUnitFactors = {0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5, 2.0, 3.0, 4.0};
 
 std::vector<std::size_t> AsGiven(std::size_t views) {
   std::vector<std::size_t> source(views);
@@ -62,7 +62,7 @@ void AddMeanings(const std::vector<std::size_t>& views, std::size_t all, std::ve
     readings.back().mirrored = mirrored;
     readings.back().sides = sides;
   }
-  for (const double factor : kFactors) {
+  for (const double factor : kUnitFactors) {
     readings.push_back(reading);
     readings.back().factor = factor;
   }
@@ -91,8 +91,8 @@ KeypointView Read(KeypointView view, const std::vector<std::size_t>& other_side,
   return view;
 }
 
-KeypointView ReadView(const std::vector<KeypointView>& views, std::size_t v, const std::vector<std::size_t>& other_side,
-                      const RigReading& reading) {
+KeypointView ViewAsRead(const std::vector<KeypointView>& views, std::size_t v,
+                        const std::vector<std::size_t>& other_side, const RigReading& reading) {
   KeypointView view = views[reading.source[v]];
   view.camera = views[v].camera;
   if (std::find(reading.views.begin(), reading.views.end(), v) == reading.views.end()) return view;
@@ -107,10 +107,10 @@ struct Judged {
 };
 
 /// Reads a rig in one way after the other. Views that several readings share are made once.
-class Judge {
+class ReadingJudge {
  public:
-  Judge(const std::vector<KeypointView>& some, const std::vector<std::string>& names,
-        const std::vector<KnownLength>& lengths, double min_confidence)
+  ReadingJudge(const std::vector<KeypointView>& some, const std::vector<std::string>& names,
+               const std::vector<KnownLength>& lengths, double min_confidence)
       : some_(some), other_side_(OtherSides(names)), lengths_(lengths), min_confidence_(min_confidence) {}
 
   Judged operator()(const RigReading& reading) {
@@ -135,7 +135,8 @@ class Judge {
                   changed ? reading.factor : 1.0);
     const auto made = made_.find(key);
     if (made != made_.end()) return made->second;
-    const RigView view(ReadView(some_, v, other_side_, reading), static_cast<int>(other_side_.size()), min_confidence_);
+    const RigView view(ViewAsRead(some_, v, other_side_, reading), static_cast<int>(other_side_.size()),
+                       min_confidence_);
     return made_.emplace(key, view).first->second;
   }
 
@@ -153,7 +154,7 @@ bool IsOfRig(const RigReading& reading, std::size_t views) {
 
 bool IsMuchBetter(const Judged& judged, const Judged& given) {
   const bool rig = IsOfRig(judged.reading, judged.reading.source.size());
-  return judged.mean < (rig ? kBetter : kMuchBetter) * given.mean;
+  return judged.mean < (rig ? kBetterReading : kMuchBetterReading) * given.mean;
 }
 
 /// Views that mean something else, or files that lie elsewhere: all images mirrored is as much as two files exchanged.
@@ -169,7 +170,7 @@ bool AreSame(const RigReading& a, const RigReading& b) {
 const Judged* BestOf(const std::vector<Judged>& all, const Judged& given, double least) {
   const Judged* best = nullptr;
   for (const Judged& judged : all) {
-    if (judged.mean > kAlike * least + kAlikeCost || !IsMuchBetter(judged, given)) continue;
+    if (judged.mean > kAlikeCosts * least + kAlikeCost || !IsMuchBetter(judged, given)) continue;
     const auto [changes, others] = std::pair(Changes(judged.reading), best ? Changes(best->reading) : 0);
     if (best == nullptr || changes < others || (changes == others && judged.mean < best->mean)) best = &judged;
   }
@@ -216,10 +217,10 @@ std::size_t RigReading::Displaced() const {
 
 RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::vector<std::string>& names,
                             const std::vector<KnownLength>& lengths, double min_confidence, double sure) {
-  if (views.size() < kLeastViews || views.size() > kMostViews) return {};
+  if (views.size() < kLeastViewsRead || views.size() > kMostViewsRead) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
-  Judge judge(some, names, lengths, min_confidence);
+  ReadingJudge judge(some, names, lengths, min_confidence);
   RigReading as_given;
   as_given.source = AsGiven(views.size());
   const Judged given = judge(as_given);
@@ -237,7 +238,7 @@ RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::v
   const std::size_t changes = Changes(best->reading);
   for (const Judged& judged : all) {
     if (&judged == best || AreSame(judged.reading, best->reading)) continue;
-    const bool alike = judged.mean <= kAlike * least + kAlikeCost;
+    const bool alike = judged.mean <= kAlikeCosts * least + kAlikeCost;
     // What moves more files and agrees as well is the same rig seen from another side.
     if (alike && changes > 1 && Changes(judged.reading) > changes) continue;
     const double better = Confidence(judged.costs, best->costs);
@@ -255,10 +256,10 @@ std::vector<RigReading> FindOverturnedReadings(const std::vector<KeypointView>& 
                                                const std::vector<std::string>& names,
                                                const std::vector<KnownLength>& lengths, double min_confidence,
                                                double sure) {
-  if (views.size() > kMostViews) return {};
+  if (views.size() > kMostViewsRead) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
-  Judge judge(some, names, lengths, min_confidence);
+  ReadingJudge judge(some, names, lengths, min_confidence);
   RigReading as_given;
   as_given.source = AsGiven(views.size());
   const Judged given = judge(as_given);
@@ -268,7 +269,7 @@ std::vector<RigReading> FindOverturnedReadings(const std::vector<KeypointView>& 
     const bool mirrored = reading.mirrored && !reading.sides && reading.views.size() == views.size();
     if (!exchanged && !mirrored) continue;
     const Judged judged = judge(reading);
-    const bool worse = judged.mean > kAlike * given.mean + kAlikeCost;
+    const bool worse = judged.mean > kAlikeCosts * given.mean + kAlikeCost;
     if (worse || Confidence(judged.costs, given.costs) >= sure) continue;
     found.push_back(reading);
   }
@@ -279,7 +280,7 @@ std::vector<KeypointView> WithReading(const std::vector<KeypointView>& views, co
                                       const RigReading& reading) {
   const std::vector<std::size_t> other_side = OtherSides(names);
   std::vector<KeypointView> read;
-  for (std::size_t v = 0; v < views.size(); ++v) read.push_back(ReadView(views, v, other_side, reading));
+  for (std::size_t v = 0; v < views.size(); ++v) read.push_back(ViewAsRead(views, v, other_side, reading));
   return read;
 }
 

@@ -15,7 +15,7 @@ constexpr double kWorst_px = 120.0;  ///< errors beyond cost no more
 constexpr double kBehind_px = 1e6;
 constexpr int kSpans = 12;
 
-double CostOf(double square_px, double noise_px) {
+double CostOfSquare(double square_px, double noise_px) {
   const double worst = kWorst_px * kWorst_px;
   return 3.0 * std::log1p(std::min(square_px, worst) / (4.0 * noise_px * noise_px));  // Student's t of 4 degrees
 }
@@ -116,7 +116,7 @@ std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const
         const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * i);
         square = PixelError(view, i, point).squaredNorm();
       }
-      costs[i / keypoints] += view.confidence[i] * CostOf(square, noise_px);
+      costs[i / keypoints] += view.confidence[i] * CostOfSquare(square, noise_px);
     }
   }
   return costs;

@@ -8,8 +8,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;
-constexpr int kLeastMoments = 8;
+constexpr std::size_t kLeastViewsOfSides = 3;
+constexpr int kLeastMomentsOfSides = 8;
 /// Of the cost, at least. At it 40 of 40 views that call left right are named and none of 240 sound ones
 /// (`bench_keypoint_rigs 40 5 sides=1 frames=45`, `60 5 frames=45` on four rigs).
 constexpr double kExplained = 0.1;
@@ -19,7 +19,7 @@ constexpr double kExplained = 0.1;
 std::optional<SidesThroughout> FindSidesThroughout(const RigSamples& samples, const RigModel& model,
                                                    const std::vector<double>& cost, double sure,
                                                    const TriangulationOptions& options) {
-  if (samples.views() < kLeastViews || samples.count() < kLeastMoments) return {};
+  if (samples.views() < kLeastViewsOfSides || samples.count() < kLeastMomentsOfSides) return {};
   std::vector<SidesThroughout> all;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (model.sides_exchanged[v]) continue;

@@ -7,9 +7,9 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMoments = 24;
+constexpr std::size_t kMomentsCompared = 24;
 constexpr double kFarOff = 0.1;  ///< of a person's extent: an entry so far from its rays is as good as nobody's
-constexpr int kLeastKeypoints = 4;
+constexpr int kLeastKeypointsAgreeing = 4;
 
 /// A view's frame nearest to a moment, as another camera would see it.
 KeypointView FramesAt(const KeypointView& view, const std::vector<double>& moments, int keypoints) {
@@ -32,7 +32,7 @@ KeypointView FramesAt(const KeypointView& view, const std::vector<double>& momen
 
 std::vector<KeypointView> AtSomeMoments(const std::vector<KeypointView>& views, int keypoints) {
   const std::vector<double>& time = views[0].time_s;
-  const std::size_t count = std::min(kMoments, time.size());
+  const std::size_t count = std::min(kMomentsCompared, time.size());
   std::vector<double> moments;
   for (std::size_t i = 0; i < count; ++i) moments.push_back(time[i * time.size() / count]);
   std::vector<KeypointView> some;
@@ -48,7 +48,8 @@ double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::ve
   std::vector<Sight> entries;
   for (std::size_t v = 0; v < rig.size(); ++v) {
     for (int p = 0; p < rig[v].people; ++p) {
-      if (rig[v].seen[rig[v].Entry(frame, p)] >= kLeastKeypoints) entries.push_back({static_cast<int>(v), frame, p});
+      if (rig[v].seen[rig[v].Entry(frame, p)] >= kLeastKeypointsAgreeing)
+        entries.push_back({static_cast<int>(v), frame, p});
     }
   }
   if (entries.empty()) return 0.0;
@@ -57,9 +58,9 @@ double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::ve
     if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree on somebody by chance
     const BodyPoints body = NearestBody(rig, sights);
     for (const Sight& sight : sights) {
-      const double off =
-          EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body, kLeastKeypoints) /
-          body.extent;
+      const double off = EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body,
+                                       kLeastKeypointsAgreeing) /
+                         body.extent;
       cost -= std::max(0.0, 1.0 - off / kFarOff);
       share += 1.0 / static_cast<double>(entries.size());
     }

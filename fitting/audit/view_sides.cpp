@@ -10,22 +10,22 @@
 namespace mocurate {
 namespace {
 
-constexpr double kChangeCost = 4.0;
-constexpr double kExchangedCost = 0.05;  ///< of a frame
-constexpr double kMostCost = 6.0;        ///< of a detection: beyond, it is somewhere else
-constexpr double kMostOfFrame = 12.0;    ///< detections of a frame err together
-constexpr std::size_t kLeastViews = 3;
+constexpr double kViewChangeCost = 4.0;
+constexpr double kExchangedViewCost = 0.05;  ///< of a frame
+constexpr double kMostDetectionCost = 6.0;   ///< of a detection: beyond, it is somewhere else
+constexpr double kMostOfFrame = 12.0;        ///< detections of a frame err together
+constexpr std::size_t kLeastViewsOfPoint = 3;
 
 using Pair = std::pair<std::size_t, std::size_t>;
 
-const std::vector<std::pair<std::string, std::vector<std::string>>>& Limbs() {
+const std::vector<std::pair<std::string, std::vector<std::string>>>& PartsOfLimbs() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> limbs = {
       {"arms", {"collar", "shoulder", "elbow", "wrist", "hand"}},
       {"legs", {"hip", "knee", "ankle", "foot", "heel", "big_toe", "small_toe"}}};
   return limbs;
 }
 
-std::vector<Pair> PairsOf(const std::vector<std::string>& names, const std::vector<std::string>& parts) {
+std::vector<Pair> PairsOfParts(const std::vector<std::string>& names, const std::vector<std::string>& parts) {
   const auto find = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
   };
@@ -37,14 +37,14 @@ std::vector<Pair> PairsOf(const std::vector<std::string>& names, const std::vect
   return pairs;
 }
 
-double CostOf(const ViewKeypoints& view, std::size_t at, std::size_t of_point, const TriangulatedTracks& points,
-              double noise_px) {
+double CostOfDetection(const ViewKeypoints& view, std::size_t at, std::size_t of_point,
+                       const TriangulatedTracks& points, double noise_px) {
   const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * of_point);
   const Vector3d in_camera = view.camera.camera_from_world * point;
-  if (!(in_camera.z() > 0.0)) return kMostCost;
+  if (!(in_camera.z() > 0.0)) return kMostDetectionCost;
   const Vector2d off = in_camera.head<2>() / in_camera.z() - view.normalised[at];
   const double square = std::pow(view.camera.fx * off.x(), 2) + std::pow(view.camera.fy * off.y(), 2);
-  return std::min(3.0 * std::log1p(square / (4.0 * noise_px * noise_px)), kMostCost);
+  return std::min(3.0 * std::log1p(square / (4.0 * noise_px * noise_px)), kMostDetectionCost);
 }
 
 /// By how much an exchange is likelier in a frame.
@@ -59,7 +59,7 @@ double GainAt(const ViewKeypoints& view, const TriangulatedTracks& points, const
     for (const auto& [own, other] : {Pair{left, right}, Pair{right, left}}) {
       if (view.confidence[own] <= 0.0) continue;
       gain += view.confidence[own] *
-              (CostOf(view, own, own, points, noise_px) - CostOf(view, own, other, points, noise_px));
+              (CostOfDetection(view, own, own, points, noise_px) - CostOfDetection(view, own, other, points, noise_px));
     }
   }
   return std::clamp(gain, -kMostOfFrame, kMostOfFrame);
@@ -68,14 +68,14 @@ double GainAt(const ViewKeypoints& view, const TriangulatedTracks& points, const
 /// Frames in which the exchanged state is on the cheapest path.
 std::vector<bool> CheapestPath(const std::vector<double>& gains) {
   std::vector<std::array<char, 2>> from(gains.size());
-  std::array<double, 2> cost{0.0, kChangeCost};
+  std::array<double, 2> cost{0.0, kViewChangeCost};
   for (std::size_t f = 0; f < gains.size(); ++f) {
     std::array<double, 2> next{};
     for (int state = 0; state < 2; ++state) {
       const double stay = cost[state];
-      const double change = cost[1 - state] + kChangeCost;
+      const double change = cost[1 - state] + kViewChangeCost;
       from[f][state] = static_cast<char>(stay <= change ? state : 1 - state);
-      next[state] = std::min(stay, change) + (state == 1 ? kExchangedCost - gains[f] : 0.0);
+      next[state] = std::min(stay, change) + (state == 1 ? kExchangedViewCost - gains[f] : 0.0);
     }
     cost = next;
   }
@@ -107,11 +107,11 @@ std::vector<SideExchange> FindSideExchanges(const std::vector<ViewKeypoints>& vi
                                             const std::vector<std::string>& names, double noise_px,
                                             double least_margin) {
   std::vector<SideExchange> exchanges;
-  if (views.size() < kLeastViews) return exchanges;
+  if (views.size() < kLeastViewsOfPoint) return exchanges;
   const int frames = points.positions.frames;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    for (const auto& [limb, parts] : Limbs()) {
-      const std::vector<Pair> pairs = PairsOf(names, parts);
+    for (const auto& [limb, parts] : PartsOfLimbs()) {
+      const std::vector<Pair> pairs = PairsOfParts(names, parts);
       if (pairs.size() < 2) continue;  // one pair crosses by a wrong detection
       std::vector<double> gains;
       for (int f = 0; f < frames; ++f) gains.push_back(GainAt(views[v], points, pairs, f, noise_px));
@@ -134,9 +134,9 @@ void ExchangeSides(const std::vector<SideExchange>& exchanges, const std::vector
                    std::vector<ViewKeypoints>& views) {
   for (const SideExchange& exchange : exchanges) {
     ViewKeypoints& view = views[exchange.view];
-    for (const auto& [limb, parts] : Limbs()) {
+    for (const auto& [limb, parts] : PartsOfLimbs()) {
       if (limb != exchange.limb) continue;
-      for (const Pair& pair : PairsOf(names, parts)) {
+      for (const Pair& pair : PairsOfParts(names, parts)) {
         for (int f = exchange.frame_begin; f < exchange.frame_end; ++f) {
           const std::size_t first = static_cast<std::size_t>(f) * names.size();
           std::swap(view.normalised[first + pair.first], view.normalised[first + pair.second]);

@@ -21,7 +21,7 @@ constexpr int kSolverSteps = 4;    ///< between two matchings
 constexpr double kRelativeTolerance = 1e-4;
 constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
 
-ceres::Solver::Options SolverOptions() {
+ceres::Solver::Options DenseSolverOptions() {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
@@ -31,7 +31,7 @@ ceres::Solver::Options SolverOptions() {
   return solver;
 }
 
-std::vector<Vector3d> JointsOf(const PoseState& state, int frame) {
+std::vector<Vector3d> JointsOfState(const PoseState& state, int frame) {
   std::vector<Vector3d> joints;
   for (int j = 0; j < state.joints(); ++j) joints.push_back(state.position(frame, j));
   return joints;
@@ -48,12 +48,12 @@ double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
-Expected<CloudSolution> SolveWithCeres(const FleshBody& body, FrameTerms terms, PoseState& state,
-                                       const PointCloudOptions& options) {
+Expected<CloudSolution> SolveCapsulesWithCeres(const FleshBody& body, FrameTerms terms, PoseState& state,
+                                               const PointCloudOptions& options) {
   CloudProblem problem(body, state, terms, options);
   ceres::Solver::Summary summary;
   const OneThread one_thread;
-  ceres::Solve(SolverOptions(), &problem.problem(), &summary);
+  ceres::Solve(DenseSolverOptions(), &problem.problem(), &summary);
   if (!summary.IsSolutionUsable()) {
     return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message,
                 "frame " + std::to_string(terms.frame));
@@ -82,8 +82,8 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
     std::vector<double> distances;
     for (const CloudMatch& match : matches) distances.push_back(match.distance);
     outcome.sigma = RobustSigma(std::move(distances));
-    const std::vector<Vector3d> before = JointsOf(state, frame);
-    const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveWithCeres;
+    const std::vector<Vector3d> before = JointsOfState(state, frame);
+    const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveCapsulesWithCeres;
     const auto solution =
         solve(body, {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held, fit.joints},
               state, options);
@@ -92,7 +92,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
     outcome.final_cost = solution->final_cost;
     ++outcome.iterations;
     state.Update(frame, frame + 1, false);
-    outcome.moved = MeanMove(before, JointsOf(state, frame));
+    outcome.moved = MeanMove(before, JointsOfState(state, frame));
     outcome.converged = widening == 1.0 && outcome.moved < kSettled;
   }
   return outcome;

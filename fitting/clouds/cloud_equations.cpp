@@ -15,12 +15,6 @@ namespace {
 
 constexpr double kBodyPatch = 0.05;  ///< m; points closer than this share the error of the capsule body
 
-double Square(double value) { return value * value; }
-
-double BeyondLimit(double angle, double min, double max) {
-  return angle > max ? angle - max : angle < min ? angle - min : 0.0;
-}
-
 /// The point of a capsule's axis nearest to another point.
 Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
   const Vector3d axis = ends.end - ends.begin;

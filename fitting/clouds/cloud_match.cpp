@@ -4,15 +4,15 @@
 #include <cmath>
 
 #include "core/body/capsule_body.h"
-#include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kTurnPenalty = 0.04;   ///< m that a surface facing another way counts as farther, per (1 - cosine)
-constexpr double kLeastSigma = 0.003;   ///< m
-constexpr double kPriorPoints = 200.0;  ///< points that the radius known before counts as
+constexpr double kTurnPenalty = 0.04;  ///< m that a surface facing another way counts as farther, per (1 - cosine)
+constexpr double kLeastSurfaceSigma = 0.003;  ///< m
+constexpr double kPriorPoints = 200.0;        ///< points that the radius known before counts as
 
 /// Holds a capsule.
 struct Ball {
@@ -54,9 +54,9 @@ std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& stat
 }
 
 double RobustSigma(std::vector<double> distances) {
-  if (distances.empty()) return kLeastSigma;
+  if (distances.empty()) return kLeastSurfaceSigma;
   for (double& distance : distances) distance = std::abs(distance);
-  return std::max(kLeastSigma, kMadToSigma * Median(distances));
+  return std::max(kLeastSurfaceSigma, kMadToSigma * Median(distances));
 }
 
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,

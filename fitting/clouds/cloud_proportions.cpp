@@ -13,10 +13,11 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFrames = 9;             ///< of each clip, evenly spread
+constexpr int kFramesOfClip = 9;       ///< of each clip, evenly spread
 constexpr std::size_t kFewClouds = 3;  ///< people may squat or raise an arm in so many
-constexpr std::array<double, 7> kFactors = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};  ///< on the scale from the height
-constexpr std::array<double, 4> kUsual = {0.87, 0.95, 1.03, 1.11};                     ///< scales of grown people
+constexpr std::array<double, 7> kHeightFactors = {0.85, 0.92, 1.0, 1.08,
+                                                  1.16, 1.28, 1.45};      ///< on the scale from the height
+constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
 
 /// What the best poses of a body of some scale cost in all clouds.
 Expected<double> CostOfScale(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double scale,
@@ -40,8 +41,8 @@ Expected<double> CostOfScale(const SkeletonPtr& skeleton, const std::vector<Fuse
 Expected<double> BestScale(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double from_height,
                            const PointCloudOptions& options) {
   std::vector<double> scales;
-  for (const double factor : kFactors) scales.push_back(factor * from_height);
-  for (const double usual : kUsual) {
+  for (const double factor : kHeightFactors) scales.push_back(factor * from_height);
+  for (const double usual : kUsualScales) {
     if (usual > scales.back()) scales.push_back(usual);
   }
   double best = from_height;
@@ -65,7 +66,7 @@ Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& cli
     DepthRigReport report;
     const Expected<Clip> audited = WithAuditedRig(clip, options.audit, report);
     if (!audited) return Forward(audited);
-    Expected<std::vector<FusedCloud>> of_clip = FuseClip(*audited, options, kFrames);
+    Expected<std::vector<FusedCloud>> of_clip = FuseClip(*audited, options, kFramesOfClip);
     if (!of_clip) return Forward(of_clip);
     clouds.insert(clouds.end(), std::make_move_iterator(of_clip->begin()), std::make_move_iterator(of_clip->end()));
   }

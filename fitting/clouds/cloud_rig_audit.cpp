@@ -23,18 +23,18 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestSamples = 6;  ///< comparisons that a judgement takes
-constexpr std::size_t kMostViews = 12;     ///< that clocks are looked for in
-constexpr double kLeastGain = 0.08;        ///< of the loss, by a move of kLeastMove; farther ones gain more
-constexpr double kSureGain = 0.3;          ///< what any move that is real gains
-constexpr double kFewerMoves = 0.15;       ///< of the gain, for which one camera less is said to have been moved
-constexpr double kStrangersLoss = 0.2;     ///< views that then still agree no better may be of something else
-constexpr double kLeastMove = 0.008;       ///< m at the person
-constexpr double kPersonRadius = 0.45;     ///< m; what a turn moves
+constexpr std::size_t kFewestSamples = 6;    ///< comparisons that a judgement takes
+constexpr std::size_t kMostViewsTimed = 12;  ///< that clocks are looked for in
+constexpr double kLeastMoveGain = 0.08;      ///< of the loss, by a move of kLeastMove; farther ones gain more
+constexpr double kSureGain = 0.3;            ///< what any move that is real gains
+constexpr double kFewerMoves = 0.15;         ///< of the gain, for which one camera less is said to have been moved
+constexpr double kStrangersLoss = 0.2;       ///< views that then still agree no better may be of something else
+constexpr double kLeastMove = 0.008;         ///< m at the person
+constexpr double kPersonRadius = 0.45;       ///< m; what a turn moves
 
-class Auditor {
+class DepthAuditor {
  public:
-  Auditor(const std::vector<DepthView>& views, const RigAuditOptions& options)
+  DepthAuditor(const std::vector<DepthView>& views, const RigAuditOptions& options)
       : options_(options), witness_(views), late_(views.size(), 0), cameras_(CamerasOf(views)) {
     for (const DepthView& view : views) report_.cameras.push_back(view.camera.name);
   }
@@ -195,7 +195,7 @@ class Auditor {
   /// Takes over what explains most of what is left, clocks or places; false when nothing does.
   Expected<bool> Improve() {
     std::optional<LateView> clock;
-    if (options_.clocks != AuditAction::kOff && late_.size() <= kMostViews && witness_.step_s() > 0.0) {
+    if (options_.clocks != AuditAction::kOff && late_.size() <= kMostViewsTimed && witness_.step_s() > 0.0) {
       const auto longest = static_cast<int>(std::min(options_.longest_s / witness_.step_s(), 1e4));
       auto found = FindLateView(witness_, late_, cameras_, longest, options_.sure);
       if (!found) return Forward(found);
@@ -313,9 +313,9 @@ class Auditor {
     const auto both = Of(v, LossOfSamples(rig_, without), better);
     if (ConfidenceOfSeparate(both.first, both.second) < options_.sure) return false;
     const double loss = MeanLoss(both.second);
-    const double left = 1.0 - std::min(kLeastGain * move / kLeastMove, kSureGain);
+    const double left = 1.0 - std::min(kLeastMoveGain * move / kLeastMove, kSureGain);
     if (loss > kStrangersLoss || loss > left * MeanLoss(both.first)) return false;
-    if (late_.size() > kMostViews || witness_.together() < 2) return true;
+    if (late_.size() > kMostViewsTimed || witness_.together() < 2) return true;
     if (by_clock < 0.0) {
       const Expected<double> least = LeastLossBetweenFrames(witness_, late_, without, v);
       if (!least) return Forward(least);
@@ -389,7 +389,7 @@ Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, con
     return view.files.size() == views[0].files.size() && !view.files.empty() && increases;
   });
   if (off || !usable) return AuditedDepthRig{views, {}};
-  return Auditor(views, options).Audit();
+  return DepthAuditor(views, options).Audit();
 }
 
 }  // namespace mocurate

@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSeldomSeen = 0.5;  ///< of the moments without anybody
+constexpr double kSeldomAnybody = 0.5;  ///< of the moments without anybody
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   std::vector<Finding> findings;
   for (const RigFault& fault : report.faults) findings.push_back(FindingOf(fault));
   for (std::size_t v = 0; v < report.without_person.size(); ++v) {
-    if (report.without_person[v] < kSeldomSeen) continue;
+    if (report.without_person[v] < kSeldomAnybody) continue;
     Finding finding;
     finding.code = "camera_without_person";
     finding.severity = Severity::kWarning;

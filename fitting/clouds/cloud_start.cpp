@@ -28,7 +28,7 @@ struct Round {
   int matchings;
   double kept;
 };
-constexpr std::array<Round, 2> kRounds = {{{300, 6, 0.4}, {600, 15, 1.0}}};
+constexpr std::array<Round, 2> kStartRounds = {{{300, 6, 0.4}, {600, 15, 1.0}}};
 
 enum class Legs { kStanding, kLeftStep, kRightStep, kSquatting, kSeated };
 enum class Arms { kDown, kOut, kUp, kForward };
@@ -110,8 +110,8 @@ Vector3d MiddleOf(const FleshBody& body, const PoseState& state, int frame) {
 }
 
 /// A stance that faces `heading` about y, amid the points.
-void StartPose(const FleshBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
-               PoseState& state) {
+void StandStill(const FleshBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
+                PoseState& state) {
   std::fill(state.translation(frame), state.rotation(frame, 0), 0.0);
   for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(frame, j)).setZero();
   state.rotation(frame, 0)[1] = heading;
@@ -137,22 +137,22 @@ struct Candidate {
 };
 
 /// Where the pose in the state faces about y.
-double HeadingOf(const PoseState& state, int frame) {
+double HeadingOfState(const PoseState& state, int frame) {
   const Vector3d front = state.global(frame, 0).col(2);
   return std::atan2(front.x(), front.z());
 }
 
-Status Refine(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit, const PointCloudOptions& options,
-              PoseState& state, Candidate& candidate) {
+Status RefineCandidate(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                       const PointCloudOptions& options, PoseState& state, Candidate& candidate) {
   const auto fitted = FitCloudFrame(body, cloud, fit, state, options);
   if (!fitted) return Forward(fitted);
   candidate.cost = PoseCost(body, cloud, state, fit.frame, options);
-  candidate.heading = HeadingOf(state, fit.frame);
+  candidate.heading = HeadingOfState(state, fit.frame);
   candidate.parameters = state.FrameParameters(fit.frame);
   return {};
 }
 
-double Between(double heading, double other) { return std::abs(std::remainder(heading - other, 2.0 * kPi)); }
+double HeadingsApart(double heading, double other) { return std::abs(std::remainder(heading - other, 2.0 * kPi)); }
 
 void SortByCost(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -164,7 +164,7 @@ void SortByCost(std::vector<Candidate>& candidates) {
 /// where that contradicts the facing that is told.
 const Candidate* FacingAnotherWay(const std::vector<Candidate>& candidates, std::size_t begin) {
   for (std::size_t i = begin; i < candidates.size(); ++i) {
-    if (Between(candidates[i].heading, candidates[0].heading) < kOtherHeading) continue;
+    if (HeadingsApart(candidates[i].heading, candidates[0].heading) < kOtherHeading) continue;
     return candidates[i].contradicts ? nullptr : &candidates[i];
   }
   return nullptr;
@@ -181,7 +181,7 @@ std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
   std::vector<Candidate> finalists;
   for (const Candidate& candidate : candidates) {
     const bool is_new = std::none_of(finalists.begin(), finalists.end(), [&](const Candidate& other) {
-      return candidate.legs == other.legs && Between(candidate.heading, other.heading) < kSameHeading;
+      return candidate.legs == other.legs && HeadingsApart(candidate.heading, other.heading) < kSameHeading;
     });
     if (is_new && finalists.size() < kFinalists) finalists.push_back(candidate);
   }
@@ -206,7 +206,7 @@ std::vector<Candidate> Starts(const FleshBody& body, const FusedCloud& cloud, in
   for (const double heading : headings) {
     for (const Stance& stance : kStances) {
       if (!IsWanted(stance, options.posture)) continue;
-      StartPose(body, cloud, frame, heading, stance, state);
+      StandStill(body, cloud, frame, heading, stance, state);
       starts.push_back({false, 0.0, heading, stance.legs, state.FrameParameters(frame)});
     }
   }
@@ -239,13 +239,14 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
   const auto refine = [&](const FusedCloud& points, const FrameFit& fit) -> Status {
     for (Candidate& candidate : candidates) {
       state.SetFrameParameters(frame, candidate.parameters);
-      if (Status fitted = Refine(body, points, fit, options, state, candidate); !fitted) return fitted;
-      candidate.contradicts = options.start.facing && Between(candidate.heading, *options.start.facing) > kFacingError;
+      if (Status fitted = RefineCandidate(body, points, fit, options, state, candidate); !fitted) return fitted;
+      candidate.contradicts =
+          options.start.facing && HeadingsApart(candidate.heading, *options.start.facing) > kFacingError;
     }
     SortByCost(candidates);
     return {};
   };
-  for (const Round& round : kRounds) {
+  for (const Round& round : kStartRounds) {
     const FrameFit fit{frame, {}, kWidening, round.matchings};
     if (Status refined = refine(Coarse(cloud, round.points), fit); !refined) return Forward(refined);
     const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size())));
@@ -257,7 +258,7 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
   const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
   if (Status refined = refine(cloud, fit); !refined) return Forward(refined);
   CloudStart start{candidates.size(), candidates[0].cost, std::nullopt, std::nullopt};
-  if (candidates[0].contradicts) start.off_facing = Between(candidates[0].heading, *options.start.facing);
+  if (candidates[0].contradicts) start.off_facing = HeadingsApart(candidates[0].heading, *options.start.facing);
   if (const Candidate* other = FacingAnotherWay(candidates, 1)) {
     start.margin = (other->cost - candidates[0].cost) / candidates[0].cost;
   }

@@ -16,11 +16,11 @@ namespace mocurate {
 namespace {
 
 constexpr int kRadiusRounds = 4;
-constexpr int kFewestPoints = 100;
-constexpr double kSmallest = 0.4;  ///< of a person against the rest skeleton
-constexpr double kLargest = 1.5;
-constexpr double kPoor = 1.15;    ///< cost per point against the median of the clip: worth a second look
-constexpr double kBetter = 0.98;  ///< of the cost before; else the pose stays
+constexpr int kFewestTrackedPoints = 100;
+constexpr double kSmallestAgainstRest = 0.4;  ///< of a person against the rest skeleton
+constexpr double kLargestAgainstRest = 1.5;
+constexpr double kPoor = 1.15;        ///< cost per point against the median of the clip: worth a second look
+constexpr double kBetterPose = 0.98;  ///< of the cost before; else the pose stays
 
 /// Radii and pose of a frame in turn.
 Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& track) {
@@ -71,7 +71,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   int last = first;
   for (int f = first + 1; f < track.state.frames(); ++f) {
     track.state.SetFrameParameters(f, track.state.FrameParameters(last));
-    if (track.clouds[f].size() < kFewestPoints) continue;
+    if (track.clouds[f].size() < kFewestTrackedPoints) continue;
     if (Status on = GoOnUnlessStopped("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // The frame held is the one before, which repeats `last` across a gap: only the time since then is another.
@@ -111,7 +111,7 @@ Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOp
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     const double cost = PoseCost(track.body, track.clouds[f], track.state, f, options) / track.clouds[f].size();
-    if (cost < kBetter * costs[f]) {
+    if (cost < kBetterPose * costs[f]) {
       costs[f] = cost;
       track.outcomes[f] = *fitted;
       continue;
@@ -166,14 +166,14 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
 double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
   std::vector<double> heights;
   for (const FusedCloud& cloud : clouds) {
-    if (cloud.size() < kFewestPoints) continue;
+    if (cloud.size() < kFewestTrackedPoints) continue;
     heights.push_back(HeightOf(cloud.points).height() + voxel_size);
   }
   if (heights.empty()) return 1.0;
   const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
   PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   rest.Update(0, 1, false);
-  return std::clamp(Median(heights) / HeightOf(body, rest, 0).height(), kSmallest, kLargest);
+  return std::clamp(Median(heights) / HeightOf(body, rest, 0).height(), kSmallestAgainstRest, kLargestAgainstRest);
 }
 
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
@@ -181,10 +181,10 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
                                  const PointCloudOptions& options) {
   const auto frames = static_cast<int>(clouds.size());
   int first = 0;
-  while (first < frames && clouds[first].size() < kFewestPoints) ++first;
+  while (first < frames && clouds[first].size() < kFewestTrackedPoints) ++first;
   if (first == frames) {
-    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points", "depth views",
-                "check depth_unit and the cameras");
+    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestTrackedPoints) + " points",
+                "depth views", "check depth_unit and the cameras");
   }
   FleshBody body = FleshBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());

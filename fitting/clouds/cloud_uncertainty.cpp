@@ -6,11 +6,10 @@
 
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/solver/rest_spreads.h"
+#include "fitting/uncertainty/body_spread.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kUnknownAngle = 3.2898681336964528;  ///< pi^2 / 3: variance of an angle of which nothing is known
 
 /// dp = translation + sum over the joint's path of P_a dw_a.
 Matrix3d PositionCovariance(const CloudEquations& equations, const PoseState& state, int frame, int joint,

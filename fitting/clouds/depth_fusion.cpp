@@ -166,7 +166,7 @@ void AddSurface(const DepthView& view, const DepthImage& image, double voxel_siz
   }
 }
 
-Expected<DepthImage> ReadView(const DepthView& view, int frame) {
+Expected<DepthImage> ReadDepthFrame(const DepthView& view, int frame) {
   if (view.files[frame].empty()) {
     const auto pixels = static_cast<std::size_t>(view.camera.width) * static_cast<std::size_t>(view.camera.height);
     return DepthImage{view.camera.width, view.camera.height, std::vector<std::uint16_t>(pixels, 0)};
@@ -188,7 +188,7 @@ std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& 
 }
 
 Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame) {
-  const Expected<DepthImage> image = ReadView(view, frame);
+  const Expected<DepthImage> image = ReadDepthFrame(view, frame);
   if (!image) return Forward(image);
   const auto is_measured = [](std::uint16_t value) { return value != 0; };
   Eigen::Matrix3Xd points(3, std::count_if(image->values.begin(), image->values.end(), is_measured));
@@ -207,7 +207,7 @@ Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame) {
 Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views, int frame) {
   std::vector<DepthImage> images;
   for (const DepthView& view : views) {
-    Expected<DepthImage> image = ReadView(view, frame);
+    Expected<DepthImage> image = ReadDepthFrame(view, frame);
     if (!image) return Forward(image);
     images.push_back(std::move(*image));
   }

@@ -63,7 +63,7 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
   return {};
 }
 
-void ReportFramesWithoutPoints(const CloudTrack& track, FitResult& result) {
+void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
   std::vector<bool> without;
   for (const auto& outcome : track.outcomes) without.push_back(outcome.iterations == 0);
   ReportFramesWithout(without, "too few depth points", "pose of the frame before, or after, kept", result.findings);
@@ -154,7 +154,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   }
   ReportDoubt(*track, result);
   ReportContradiction(*track, result);
-  ReportFramesWithoutPoints(*track, result);
+  ReportUntrackedFrames(*track, result);
   ReportPointsOffTheBody(*track, options.max_distance, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {

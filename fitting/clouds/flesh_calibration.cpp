@@ -10,12 +10,12 @@
 namespace mocurate {
 namespace {
 
-constexpr int kRounds = 3;
-constexpr double kPointError = 0.015;  ///< m, of a patch of points to a capsule of the right size
-constexpr double kPatchPoints = 10.0;  ///< that share it
-constexpr double kUsualOffset = 0.02;  ///< m, of an end from the template's
-constexpr double kUsualRadius = 0.01;  ///< m
-constexpr double kThinnest = 0.5;      ///< of a radius before
+constexpr int kFleshRounds = 3;
+constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right size
+constexpr double kFleshPatchPoints = 10.0;  ///< that share it
+constexpr double kUsualOffset = 0.02;       ///< m, of an end from the template's
+constexpr double kUsualRadius = 0.01;       ///< m
+constexpr double kThinnest = 0.5;           ///< of a radius before
 
 /// Changes of a capsule: begin (3) and end (3) in the joint's frame, radius.
 using Change = Eigen::Matrix<double, 7, 1>;
@@ -63,9 +63,9 @@ double SharePosesInError(double pose_variance, Sums& sums) {
 double CalibrateFlesh(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
                       double max_distance, const std::vector<double>& pose_variance, FleshBody& body) {
   double left = 1.0;
-  const double weight = 1.0 / (kPatchPoints * kPointError * kPointError * std::max<double>(1.0, frames.size()));
+  const double weight = 1.0 / (kFleshPatchPoints * kPointError * kPointError * std::max<double>(1.0, frames.size()));
   std::vector<Change> changed(body.capsules.size(), Change::Zero());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kFleshRounds; ++round) {
     std::vector<Sums> sums(body.capsules.size());
     for (const int f : frames) {
       for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], max_distance)) {

@@ -17,17 +17,17 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestPoints = 100;
+constexpr int kFewestCloudPoints = 100;
 constexpr int kShownFrames = 24;      ///< that the flesh and the trust are read from, evenly spread
 constexpr double kLeastTrust = 0.02;  ///< of clouds that contradict the tracks
 constexpr double kFarShare = 0.5;     ///< of the points within reach of the body, or they are of somebody else
 /// Variance of joints over what the information of a frame says: bones and flesh come from the same noisy tracks, and
 /// their errors stay from frame to frame. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1).
 constexpr double kSharedErrors = 3.4;
-constexpr double kSmallestSpread = 1e-3;  ///< m
-constexpr double kContradiction = 6.25;   ///< squared distance, three whitened components: nine of ten lie within
-constexpr double kMostBlame = 2.0;        ///< times the template's usual variance: more is not the flesh's fault
-constexpr double kClear = 4.0;            ///< factor on a joint's variance from which on both kinds disagree
+constexpr double kSmallestSpread = 1e-3;       ///< m
+constexpr double kContradictingSquare = 6.25;  ///< squared distance, three whitened components: nine of ten lie within
+constexpr double kMostBlame = 2.0;             ///< times the template's usual variance: more is not the flesh's fault
+constexpr double kClear = 4.0;                 ///< factor on a joint's variance from which on both kinds disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   const float* c = values.data() + 6 * at;
@@ -52,7 +52,7 @@ std::vector<bool> KnownJoints(const Motion& motion) {
 
 /// The joints of the tracks' fit, each as sure along every direction as that fit is, but for a factor on the variance
 /// of each joint (J); 0: nothing is known of it.
-std::vector<SeenJoint> JointsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
+std::vector<SeenJoint> SeenJointsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
   std::vector<SeenJoint> joints;
   for (int j = 0; j < motion.joint_count(); ++j) {
     if (factor[static_cast<std::size_t>(j)] <= 0.0) continue;
@@ -130,7 +130,7 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<int>& fr
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
       squares.push_back(apart.dot(both.ldlt().solve(apart)));
     }
-    factor[static_cast<std::size_t>(j)] = std::max(1.0, Median(squares) / kContradiction);
+    factor[static_cast<std::size_t>(j)] = std::max(1.0, Median(squares) / kContradictingSquare);
   }
   return factor;
 }
@@ -197,9 +197,9 @@ void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
   result.findings.push_back(std::move(finding));
 }
 
-void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult& result) {
+void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result) {
   std::vector<bool> without;
-  for (const FusedCloud& cloud : clouds) without.push_back(cloud.size() < kFewestPoints);
+  for (const FusedCloud& cloud : clouds) without.push_back(cloud.size() < kFewestCloudPoints);
   ReportFramesWithout(without, "too few depth points", "the tracks' pose kept", result.findings);
 }
 
@@ -208,7 +208,7 @@ void ReportFramesWithoutPoints(const std::vector<FusedCloud>& clouds, FitResult&
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
   std::vector<int> with_points;
   for (std::size_t f = 0; f < clouds.size(); ++f) {
-    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
+    if (clouds[f].size() >= kFewestCloudPoints) with_points.push_back(static_cast<int>(f));
   }
   const auto available = static_cast<int>(with_points.size());
   const int count = std::min(available, kShownFrames);
@@ -266,8 +266,9 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   PoseState state = StateOf(motion, body);
   const std::vector<int> shown = ShownFrames(clouds);
   if (shown.empty()) {
-    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points of the person",
-                "depth views", "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
+    return Fail(ErrorCode::kInconsistent,
+                "no frame has " + std::to_string(kFewestCloudPoints) + " points of the person", "depth views",
+                "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
   }
   if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
   const std::vector<bool> known = KnownJoints(motion);
@@ -287,8 +288,8 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
-    if (clouds[f].size() < kFewestPoints) continue;
-    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), JointsOf(motion, f, factor), *trust};
+    if (clouds[f].size() < kFewestCloudPoints) continue;
+    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), SeenJointsOf(motion, f, factor), *trust};
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
@@ -306,7 +307,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
     result.termination =
         "iteration limit in " + std::to_string(unsettled) + " of " + std::to_string(clouds.size()) + " frames";
   }
-  ReportFramesWithoutPoints(clouds, result);
+  ReportEmptyClouds(clouds, result);
   result.motion = MotionOf(state, motion.skeleton, motion.rate);
   result.motion.state = motion.state;
   uncertain.Write(result.motion);

@@ -12,10 +12,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kScale = 0.03;        ///< m, of the robust loss: beyond, a point hardly counts
-constexpr double kFar = 0.15;          ///< m; people farther apart than this are first brought together
-constexpr double kPatchPoints = 10.0;  ///< that share an error of the body
-constexpr int kRounds = 8;
+constexpr double kAlignmentScale = 0.03;   ///< m, of the robust loss: beyond, a point hardly counts
+constexpr double kFarApart = 0.15;         ///< m; people farther apart than this are first brought together
+constexpr double kBodyPatchPoints = 10.0;  ///< that share an error of the body
+constexpr int kAlignmentRounds = 8;
 constexpr int kWideRounds = 4;  ///< look farther than the later ones
 constexpr double kWide = 3.0;
 constexpr double kUsualMove = 0.5;    ///< m; what is not seen stays
@@ -77,7 +77,7 @@ class Aligner {
       const double rest = placement.late_s - step_s_ * (f - *shown);
       for (const CloudMatch& match : matches) {
         const double r = match.distance + rest * Across(match, *shown, cloud).speed;
-        loss += r * r / (r * r + kScale * kScale);
+        loss += r * r / (r * r + kAlignmentScale * kAlignmentScale);
       }
     }
     return all > 0.0 ? Explained{loss / all, near / all} : Explained{};
@@ -96,7 +96,8 @@ class Aligner {
         const Surface at = Across(match, *shown, cloud);
         const double r = match.distance + rest * at.speed;
         const double weight =
-            std::pow(kScale * kScale / (r * r + kScale * kScale), 2) / (kPatchPoints * kScale * kScale);
+            std::pow(kAlignmentScale * kAlignmentScale / (r * r + kAlignmentScale * kAlignmentScale), 2) /
+            (kBodyPatchPoints * kAlignmentScale * kAlignmentScale);
         Unknowns row;
         row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out), at.speed;
         if (!free.move) row.head<6>().setZero();
@@ -209,7 +210,7 @@ KindsAlignment AlignKinds(const FleshBody& body, const PoseState& state, const s
   found.loss = given.loss;
   const auto settle = [&](Free free, double wide, Placement& placement) {
     Eigen::Matrix<double, 7, 7> information;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kAlignmentRounds; ++round) {
       const double widening = 1.0 + (wide - 1.0) * std::max(0.0, 1.0 - static_cast<double>(round) / kWideRounds);
       information = aligner.Improve(widening * reach, free, placement);
       placement.late_s = std::clamp(placement.late_s, -longest_s, longest_s);
@@ -228,7 +229,7 @@ KindsAlignment AlignKinds(const FleshBody& body, const PoseState& state, const s
     return taken;
   };
   Placement still;
-  if (found.apart > kFar) still.move = Vector3d(Median(apart[0]), Median(apart[1]), Median(apart[2]));
+  if (found.apart > kFarApart) still.move = Vector3d(Median(apart[0]), Median(apart[1]), Median(apart[2]));
   found.moved = settle({true, false}, kWide, still);
   Placement late, both = still;
   late.late_s = FirstDelay(aligner, late, step_s, longest_s, reach);

@@ -15,9 +15,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLayer = 0.02;     ///< m, heights that are counted together
-constexpr double kLevel = 0.85;     ///< cosine to the vertical of a level surface
-constexpr double kFloorArea = 0.4;  ///< m^2 within two layers: more than a person lying down has at one height
+constexpr double kLayer = 0.02;        ///< m, heights that are counted together
+constexpr double kLevelCosine = 0.85;  ///< cosine to the vertical of a level surface
+constexpr double kFloorArea = 0.4;     ///< m^2 within two layers: more than a person lying down has at one height
 constexpr double kFloorMargin = 0.02;
 constexpr double kUprightNormal = 0.5;  ///< cosine to the vertical, at most, of a surface that may be a wall's
 constexpr double kUprightPlane = 0.15;
@@ -27,15 +27,15 @@ constexpr double kWallArea = 1.0;     ///< m^2: more than people have in one upr
 constexpr double kWallSide = 1.2;     ///< m, of what is seen of a wall, each way
 constexpr double kPersonReach = 2.4;  ///< m, from the lowest to the highest point, or across spread arms
 constexpr int kMostWalls = 6;
-constexpr double kCell = 0.06;     ///< m; points in touching cells are connected
-constexpr double kNear = 0.15;     ///< m from the person to another part of the person
-constexpr int kFewestOfPart = 10;  ///< points; smaller parts are stray
+constexpr double kCell = 0.06;        ///< m; points in touching cells are connected
+constexpr double kNearPerson = 0.15;  ///< m from the person to another part of the person
+constexpr int kFewestOfPart = 10;     ///< points; smaller parts are stray
 
 /// Height of the floor, or empty.
-std::optional<double> FloorOf(const FusedCloud& cloud, double voxel_size) {
+std::optional<double> FloorOfCloud(const FusedCloud& cloud, double voxel_size) {
   std::map<long, int> layers;
   for (int i = 0; i < cloud.size(); ++i) {
-    if (cloud.normals(1, i) > kLevel) ++layers[std::lround(cloud.points(1, i) / kLayer)];
+    if (cloud.normals(1, i) > kLevelCosine) ++layers[std::lround(cloud.points(1, i) / kLayer)];
   }
   const double wanted = kFloorArea / (voxel_size * voxel_size);
   for (const auto& [layer, count] : layers) {
@@ -183,13 +183,13 @@ std::vector<Part> PartsOf(const FusedCloud& cloud, const std::vector<int>& point
   return parts;
 }
 
-/// Whether a point of one part is nearer than kNear to a point of the other.
+/// Whether a point of one part is nearer than kNearPerson to a point of the other.
 bool AreNear(const FusedCloud& cloud, const Part& a, const Part& b) {
   const Vector3d apart = (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0.0);
-  if (apart.norm() >= kNear) return false;
+  if (apart.norm() >= kNearPerson) return false;
   for (const int i : a.points) {
     for (const int k : b.points) {
-      if ((cloud.points.col(i) - cloud.points.col(k)).squaredNorm() < kNear * kNear) return true;
+      if ((cloud.points.col(i) - cloud.points.col(k)).squaredNorm() < kNearPerson * kNearPerson) return true;
     }
   }
   return false;
@@ -198,7 +198,7 @@ bool AreNear(const FusedCloud& cloud, const Part& a, const Part& b) {
 }  // namespace
 
 FusedCloud PersonPoints(const FusedCloud& cloud, double voxel_size) {
-  const std::optional<double> floor = FloorOf(cloud, voxel_size);
+  const std::optional<double> floor = FloorOfCloud(cloud, voxel_size);
   std::vector<int> above;
   for (int i = 0; i < cloud.size(); ++i) {
     if (!floor || cloud.points(1, i) > *floor + kFloorMargin) above.push_back(i);

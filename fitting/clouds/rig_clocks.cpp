@@ -11,9 +11,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastGain = 0.04;  ///< of the loss
-constexpr double kBadLoss = 0.12;    ///< from which on clocks are looked for farther away at once
-constexpr std::array<int, 9> kSteps = {1, 2, 3, 4, 6, 8, 12, 16, 24};
+constexpr double kLeastClockGain = 0.04;  ///< of the loss
+constexpr double kBadLoss = 0.12;         ///< from which on clocks are looked for farther away at once
+constexpr std::array<int, 9> kClockSteps = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 constexpr std::array<int, 8> kFarSteps = {2, 3, 4, 6, 8, 12, 16, 24};
 
 /// What one view's comparisons come to at other frames.
@@ -71,7 +71,7 @@ std::pair<double, double> Least(double before, double at, double after) {
 Expected<int> BestShift(Shifts& shifts, int from, int longest) {
   int best = from;
   const int way = from > 0 ? 1 : -1;
-  for (const int step : kSteps) {
+  for (const int step : kClockSteps) {
     if (step > longest) break;
     if (step <= std::abs(from)) continue;
     if (Status loaded = shifts.Load(way * step); !loaded) return Forward(loaded);
@@ -111,7 +111,7 @@ Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vect
       for (const int way : {-1, 1}) {
         if (step > longest) continue;
         if (Status loaded = shifts.Load(way * step); !loaded) return Forward(loaded);
-        if (shifts.Gain(0, way * step) > kLeastGain && shifts.Confident(0, way * step) >= sure)
+        if (shifts.Gain(0, way * step) > kLeastClockGain && shifts.Confident(0, way * step) >= sure)
           ways.push_back(way * step);
       }
       if (!ways.empty()) break;
@@ -122,7 +122,7 @@ Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vect
     const Expected<int> shift = BestShift(shifts, way, longest);
     if (!shift) return Forward(shift);
     const double gain = shifts.Gain(0, *shift), confidence = shifts.Confident(0, *shift);
-    if (gain < kLeastGain || confidence < sure || (best && gain <= best->gain)) continue;
+    if (gain < kLeastClockGain || confidence < sure || (best && gain <= best->gain)) continue;
     for (const int beside : {*shift - 1, *shift + 1}) {
       if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
     }

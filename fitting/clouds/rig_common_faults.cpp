@@ -10,15 +10,15 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViews = 3;
-constexpr std::size_t kMostViews = 12;
+constexpr std::size_t kLeastViewsInCommon = 3;
+constexpr std::size_t kMostViewsInCommon = 12;
 /// Loss as given from which on it is asked. Of 30 sound takes of the studio it is 0.07 to 0.09, with depths that are
 /// all 1.1 times too long 0.44 to 0.54, 0.92 times 0.61 to 0.82, with images that are all mirrored 0.59 to 0.68; with
 /// these mended 0.06 to 0.10 (bench_depth_rigs 30 15 907).
-constexpr double kContradicting = 0.12;
-constexpr double kMuchBetter = 0.6;                ///< of it; what mending leaves is 0.1 to 0.2
-constexpr double kLongest = 1.4, kShortest = 0.7;  ///< beyond, somebody is in another unit (rig_units.h)
-constexpr double kCoarse = 0.05, kFinest = 0.003;
+constexpr double kContradictingLoss = 0.12;
+constexpr double kMuchBetterInCommon = 0.6;                    ///< of it; what mending leaves is 0.1 to 0.2
+constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, somebody is in another unit (rig_units.h)
+constexpr double kCoarseStep = 0.05, kFinestStep = 0.003;
 constexpr double kLeastOff = 0.02;  ///< of a factor that is told
 
 /// A rig whose surfaces are its own.
@@ -81,10 +81,10 @@ std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor
 }
 
 std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector<double>& losses) {
-  if (rig.views.size() < kLeastViews || rig.views.size() > kMostViews) return {};
+  if (rig.views.size() < kLeastViewsInCommon || rig.views.size() > kMostViewsInCommon) return {};
   CommonFault found;
   found.loss = found.mended = MeanLoss(losses);
-  if (found.loss < kContradicting) return {};
+  if (found.loss < kContradictingLoss) return {};
   const std::vector<Camera> cameras = CamerasOf(rig.views);
   std::vector<double> better;
   const auto ask = [&](const ChangedRig& changed) {
@@ -95,10 +95,10 @@ std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector
     better = std::move(of_changed);
     return true;
   };
-  for (double factor = kShortest; factor <= kLongest; factor += kCoarse) {
+  for (double factor = kShortestFactor; factor <= kLongestFactor; factor += kCoarseStep) {
     if (ask(Scaled(rig, factor))) found.factor = factor;
   }
-  for (double step = 0.5 * kCoarse; step >= kFinest; step *= 0.5) {
+  for (double step = 0.5 * kCoarseStep; step >= kFinestStep; step *= 0.5) {
     const double middle = found.factor;
     for (const double factor : {middle - step, middle + step}) {
       if (ask(Scaled(rig, factor))) found.factor = factor;
@@ -106,7 +106,7 @@ std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector
   }
   if (ask(Changed(rig, TurnOver))) found.mirrored = true, found.factor = 1.0;
   const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
-  if (!off || found.mended > kMuchBetter * found.loss) return {};
+  if (!off || found.mended > kMuchBetterInCommon * found.loss) return {};
   found.confidence = ConfidenceOfLosses(losses, better);
   return found;
 }

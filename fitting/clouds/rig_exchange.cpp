@@ -9,11 +9,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWrongLoss = 0.2;   ///< views that agree better have their own files
-constexpr double kMuchBetter = 0.6;  ///< of the loss
-constexpr double kAlike = 1.15;      ///< losses within this ratio are the same
+constexpr double kWrongLoss = 0.2;            ///< views that agree better have their own files
+constexpr double kMuchBetterExchanged = 0.6;  ///< of the loss
+constexpr double kAlikeLosses = 1.15;         ///< losses within this ratio are the same
 constexpr std::size_t kAllExchanges = 5;
-constexpr std::size_t kMostViews = 12;
+constexpr std::size_t kMostViewsExchanged = 12;
 
 using Source = std::vector<std::size_t>;
 
@@ -25,7 +25,7 @@ std::vector<Source> ExchangesOf(std::size_t views) {
     while (std::next_permutation(source.begin(), source.end())) exchanges.push_back(source);
     return exchanges;
   }
-  if (views > kMostViews) return exchanges;
+  if (views > kMostViewsExchanged) return exchanges;
   for (std::size_t a = 0; a < views; ++a) {
     for (std::size_t b = a + 1; b < views; ++b) {
       exchanges.push_back(source);
@@ -96,13 +96,13 @@ std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vect
     if (!MayBe(source, rig)) continue;
     all.push_back(LossOfSamples(exchanged.With(source), cameras));
     const double loss = MeanLoss(all.back());
-    if (loss > kMuchBetter * given || (best && loss >= best->exchanged)) continue;
+    if (loss > kMuchBetterExchanged * given || (best && loss >= best->exchanged)) continue;
     best = FileExchange{source, given, loss, true, ConfidenceOfLosses(losses, all.back())};
     chosen = all.size() - 1;
   }
   if (!best) return {};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kAlike * best->exchanged);
+    best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kAlikeLosses * best->exchanged);
     if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOfLosses(all[i], all[chosen]));
   }
   return best;

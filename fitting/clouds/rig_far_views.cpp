@@ -6,11 +6,12 @@
 namespace mocurate {
 namespace {
 
-constexpr double kHalfDepth = 0.1;   ///< m; how much nearer to a camera what it sees of a person is than the middle
-constexpr double kAlongSight = 0.9;  ///< of the way aside
-constexpr double kReach = 0.03;      ///< how far the factor may be from what the way aside says: where one view has the
-                                     ///< person within what another sees, it is hidden from that one, and tells nothing
-constexpr double kFinest = 0.0025;
+constexpr double kHalfDepth = 0.1;       ///< m; how much nearer to a camera what it sees of a person is than the middle
+constexpr double kAwayAlongSight = 0.9;  ///< of the way aside
+constexpr double kFactorReach =
+    0.03;  ///< how far the factor may be from what the way aside says: where one view has the
+           ///< person within what another sees, it is hidden from that one, and tells nothing
+constexpr double kFinestWayAside = 0.0025;
 
 }  // namespace
 
@@ -56,14 +57,14 @@ Expected<std::optional<WrongDepths>> FindWrongDepths(const RigWitness& witness, 
   found.view = static_cast<std::size_t>(farthest - aside.begin());
   const Vector3d sight = rig.centre - cameras[found.view].Centre();
   const double along = farthest->dot(sight.normalized());
-  if (farthest->norm() < kAside || std::abs(along) < kAlongSight * farthest->norm()) {
+  if (farthest->norm() < kAside || std::abs(along) < kAwayAlongSight * farthest->norm()) {
     return std::optional<WrongDepths>();
   }
   const double distance = sight.norm() + farthest->norm() / static_cast<double>(cameras.size());  // as it sees it
   double middle = std::max(0.1, 1.0 - along / distance);
   found.loss = 1.0;
-  for (double step = 0.01; step >= kFinest; step *= 0.5) {
-    const int reach = step == 0.01 ? static_cast<int>(std::lround(kReach / step)) : 1;
+  for (double step = 0.01; step >= kFinestWayAside; step *= 0.5) {
+    const int reach = step == 0.01 ? static_cast<int>(std::lround(kFactorReach / step)) : 1;
     for (int i = -reach; i <= reach; ++i) {
       const double factor = middle + step * i;
       if (factor <= 0.05) continue;

@@ -8,9 +8,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-constexpr double kAlongSight = 0.95;  ///< of a move, from which on wrong depths explain it as well
-constexpr double kStraight = 0.05;    ///< rad; turns beyond are no offset of depths
+constexpr double kMovedAlongSight = 0.95;  ///< of a move, from which on wrong depths explain it as well
+constexpr double kStraight = 0.05;         ///< rad; turns beyond are no offset of depths
 
 }  // namespace
 
@@ -101,7 +100,7 @@ RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre
                   " degrees from where its calibration has it, which puts the person " +
                   RoundedText(1e3 * move.shift, 3) + " mm off";
   const double along = way.dot((centre - was.Centre()).normalized());
-  if (std::abs(along) >= kAlongSight * way.norm() && move.turn < kStraight) {
+  if (std::abs(along) >= kMovedAlongSight * way.norm() && move.turn < kStraight) {
     fault.message +=
         std::string("; that is along its sight: its depths may be as much too ") + (along > 0.0 ? "short" : "long");
   }

@@ -10,8 +10,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kContradicting = 0.25;  ///< loss of every comparison
-constexpr double kLikely = 0.9;
+constexpr double kLossOfStrangers = 0.25;  ///< loss of every comparison
+constexpr double kLikelyStrangers = 0.9;
 constexpr std::size_t kMostMoved = 4;  ///< of more views than kFewViews
 constexpr double kOddLoss = 1.3;       ///< of the median, from which on one of many views may have been moved
 
@@ -38,17 +38,17 @@ std::vector<RigFault> StrangersOf(const SeenRig& rig, const std::vector<double>&
   std::vector<RigFault> strangers;
   for (std::size_t v = 0; v < rig.views.size(); ++v) {
     const double least = BestLoss(rig, losses, v);
-    if (least < kContradicting) continue;
+    if (least < kLossOfStrangers) continue;
     const std::vector<double> seen = OfView(rig, v, losses, losses).first;
     RigFault fault;
     fault.code = "views_disagree";
     fault.camera = rig.views[v].camera.name;
     fault.value = 100.0 * least;
-    fault.confidence = ConfidenceOfSeparate(seen, std::vector<double>(seen.size(), kContradicting));
+    fault.confidence = ConfidenceOfSeparate(seen, std::vector<double>(seen.size(), kLossOfStrangers));
     fault.message = "what depth camera " + fault.camera + " sees contradicts every other view, the nearest in " +
                     RoundedText(100.0 * least, 2) + " % of it: its clock may be off by more than " +
                     RoundedText(1e3 * longest_s, 3) + " ms, or it sees something else";
-    if (fault.confidence >= kLikely) strangers.push_back(std::move(fault));
+    if (fault.confidence >= kLikelyStrangers) strangers.push_back(std::move(fault));
   }
   return strangers;
 }

@@ -12,10 +12,10 @@
 namespace mocurate {
 namespace {
 
-constexpr std::array<double, 6> kFactors = {1000.0, 100.0, 10.0, 0.1, 0.01, 0.001};
+constexpr std::array<double, 6> kDepthUnitFactors = {1000.0, 100.0, 10.0, 0.1, 0.01, 0.001};
 constexpr double kUsualHeight = 1.6;  ///< m
-constexpr double kSmallest = 0.3;     ///< m, from the lowest to the highest point of what is seen of a person
-constexpr double kLargest = 2.8;
+constexpr double kLowestSeen = 0.3;   ///< m, from the lowest to the highest point of what is seen of a person
+constexpr double kTallestSeen = 2.8;
 constexpr double kSeenShare = 0.2;  ///< of a view's points in the images of the others; fewer: they look elsewhere
 constexpr double kMendedShare = 0.5;
 constexpr double kMendedLoss = 0.35;
@@ -34,7 +34,7 @@ double HeightIn(const SeenRig& rig) {
   return heights.empty() ? 0.0 : Median(heights);
 }
 
-bool IsPerson(double height) { return height > kSmallest && height < kLargest; }
+bool HasHeightOfPerson(double height) { return height > kLowestSeen && height < kTallestSeen; }
 
 /// Share of the points that lie in the images of the others, and the loss there.
 std::pair<double, double> SeenByOthers(const SeenRig& rig, double places) {
@@ -73,15 +73,15 @@ Expected<std::optional<MisreadLengths>> FindMisreadLengths(RigWitness& witness) 
   if (!rig) return Forward(rig);
   MisreadLengths misread;
   std::optional<RigWitness> other;
-  if (!IsPerson(HeightIn(*rig))) {
+  if (!HasHeightOfPerson(HeightIn(*rig))) {
     double nearest = std::numeric_limits<double>::max();
-    for (const double factor : kFactors) {
+    for (const double factor : kDepthUnitFactors) {
       RigWitness scaled(WithLengths(witness.views(), {factor, 1.0}));
       Expected<SeenRig> seen = scaled.Seen(as_given);
       if (!seen) return Forward(seen);
       const double height = HeightIn(*seen);
       const double off = height > 0.0 ? std::abs(std::log(height / kUsualHeight)) : nearest;
-      if (!IsPerson(height) || off >= nearest) continue;
+      if (!HasHeightOfPerson(height) || off >= nearest) continue;
       nearest = off;
       misread.depth = factor;
       other = std::move(scaled);
@@ -91,7 +91,7 @@ Expected<std::optional<MisreadLengths>> FindMisreadLengths(RigWitness& witness) 
   }
   if (SeenByOthers(*rig, 1.0).first < kSeenShare) {
     double least = kMendedLoss;
-    for (const double factor : kFactors) {
+    for (const double factor : kDepthUnitFactors) {
       const auto [share, loss] = SeenByOthers(*rig, factor);
       if (share < kMendedShare || loss >= least) continue;
       least = loss;

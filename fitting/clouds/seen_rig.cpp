@@ -13,8 +13,8 @@ namespace {
 constexpr int kFramesPerGroup = 10;
 constexpr int kFewestGroups = 4;  ///< of two views as many as there may be: each is one comparison
 constexpr int kMostGroups = 6;
-constexpr std::size_t kMostSurfaces = 120;  ///< views and moments together
-constexpr std::size_t kAllPairs = 6;        ///< of more views only those that look from nearby sides are compared
+constexpr std::size_t kMostSurfaces = 120;    ///< views and moments together
+constexpr std::size_t kViewsAllCompared = 6;  ///< of more views only those that look from nearby sides are compared
 constexpr std::size_t kPartners = 4;
 constexpr double kVoxel = 0.025;
 
@@ -83,7 +83,7 @@ Status RigWitness::SetPlace() {
       if (a != b) others.emplace_back(-side[a].dot(side[b]), b);
     }
     std::sort(others.begin(), others.end());
-    if (bare_.size() > kAllPairs) others.resize(kPartners);
+    if (bare_.size() > kViewsAllCompared) others.resize(kPartners);
     for (const auto& [apart, b] : others) pairs_.emplace_back(std::min(a, b), std::max(a, b));
   }
   std::sort(pairs_.begin(), pairs_.end());

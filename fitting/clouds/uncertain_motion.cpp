@@ -8,8 +8,8 @@
 namespace mocurate {
 namespace {
 
-constexpr float kUnknownPlace = 1.0F;  ///< m^2, of a joint of which nothing is known
-const float kUnknownAngle = static_cast<float>(3.14159265358979323846 / std::sqrt(3.0));  ///< rad
+constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint of which nothing is known
+const float kUnknownAngleSigma = static_cast<float>(3.14159265358979323846 / std::sqrt(3.0));  ///< rad
 
 }  // namespace
 
@@ -17,9 +17,9 @@ UncertainMotion::UncertainMotion(int frames, int joints) : joints_(joints) {
   const auto numbers = static_cast<std::size_t>(frames) * static_cast<std::size_t>(joints);
   position_cov_.assign(6 * numbers, 0.0F);
   for (std::size_t at = 0; at < numbers; ++at) {
-    for (const int i : {0, 3, 5}) position_cov_[6 * at + static_cast<std::size_t>(i)] = kUnknownPlace;
+    for (const int i : {0, 3, 5}) position_cov_[6 * at + static_cast<std::size_t>(i)] = kUnknownPlaceVariance;
   }
-  rotation_sigma_.assign(3 * numbers, kUnknownAngle);
+  rotation_sigma_.assign(3 * numbers, kUnknownAngleSigma);
   rotation_observed_.assign(3 * numbers, 0.0F);
 }
 

@@ -8,11 +8,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kReach = 2.5;      ///< scales
-constexpr double kSameSide = 0.5;   ///< cosine between normals of one surface
-constexpr double kThickness = 2.0;  ///< reaches in depth within which a plane is asked for
+constexpr double kReachOfScales = 2.5;  ///< scales
+constexpr double kSameSide = 0.5;       ///< cosine between normals of one surface
+constexpr double kThickness = 2.0;      ///< reaches in depth within which a plane is asked for
 constexpr double kOutlineSlack_px = 1.5;
-constexpr double kNear = 0.05;  ///< m
+constexpr double kNearSurface = 0.05;  ///< m
 
 class Comparer {
  public:
@@ -21,7 +21,7 @@ class Comparer {
         in_(in),
         centre_(centre),
         square_(scale * scale),
-        reach_(kReach * scale),
+        reach_(kReachOfScales * scale),
         world_from_in_(Inverse(in.camera.camera_from_world)),
         in_from_of_(in.camera.camera_from_world * Inverse(of.camera.camera_from_world)),
         turn_(in_from_of_.rotation.toRotationMatrix()),
@@ -39,7 +39,7 @@ class Comparer {
  private:
   /// Everything in the frame of the camera whose image it is.
   void Add(const Vector3d& point, const Vector3d& normal) {
-    if (point.z() < kNear) return;
+    if (point.z() < kNearSurface) return;
     const auto pixel = in_.camera.Project(point);
     if (!pixel) return;
     const DepthImage& image = *in_.surface.image;

@@ -12,15 +12,15 @@
 namespace mocurate {
 namespace {
 
-constexpr double kScale = 0.02;  ///< m, of the loss that is compared
+constexpr double kRegistrationScale = 0.02;  ///< m, of the loss that is compared
 /// Scales from wide to narrow, each for so many steps at most.
 constexpr std::array<std::pair<double, int>, 4> kSchedule = {{{0.08, 4}, {0.05, 4}, {0.03, 4}, {0.02, 8}}};
-constexpr double kNearLoss = 0.15;     ///< views that agree so well need no search from afar
-constexpr double kNearScale = 0.03;    ///< m
-constexpr double kRest = 5e-4;         ///< m and rad: a step this small ends a scale
-constexpr double kLongestStep = 0.15;  ///< m and rad
-constexpr double kPlaceSpread = 0.5;   ///< m and rad, within which cameras are believed to stand; hardly counts
-constexpr double kLevel = 1e-6;        ///< of the mean of an edge's information: what no pixel tells
+constexpr double kNearLoss = 0.15;                 ///< views that agree so well need no search from afar
+constexpr double kNearScale = 0.03;                ///< m
+constexpr double kRest = 5e-4;                     ///< m and rad: a step this small ends a scale
+constexpr double kLongestRegistrationStep = 0.15;  ///< m and rad
+constexpr double kPlaceSpread = 0.5;        ///< m and rad, within which cameras are believed to stand; hardly counts
+constexpr double kLevelInformation = 1e-6;  ///< of the mean of an edge's information: what no pixel tells
 
 /// A move about a centre as the vector of rotation and translation there.
 Vector6d VectorOf(const RigidTransform& move, const Vector3d& centre) {
@@ -114,12 +114,12 @@ class Registration {
     for (std::size_t moved = 1; moved < nodes_; ++moved) {
       for (std::size_t still = 0; still < moved; ++still) {
         const Tie& tie = ties[moved * nodes_ + still];
-        const double level = kLevel * tie.information.trace() / 6.0;
+        const double level = kLevelInformation * tie.information.trace() / 6.0;
         if (level <= 0.0) continue;
         Matrix6d information = tie.information;
         information.diagonal().array() += level;
         Vector6d step = -information.ldlt().solve(tie.gradient);
-        step *= std::min(1.0, kLongestStep / std::max(step.lpNorm<Eigen::Infinity>(), 1e-12));
+        step *= std::min(1.0, kLongestRegistrationStep / std::max(step.lpNorm<Eigen::Infinity>(), 1e-12));
         edges.push_back({moved, still, MoveOf(step), information});
       }
     }
@@ -151,8 +151,8 @@ std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>&
         if (moment[a] == nullptr || moment[b] == nullptr) continue;
         const PlacedSurface first{*moment[a], rig.views[a], cameras[a]};
         const PlacedSurface second{*moment[b], rig.views[b], cameras[b]};
-        const Agreement there = Compare(first, second, rig.centre, kScale);
-        const Agreement back = Compare(second, first, rig.centre, kScale);
+        const Agreement there = Compare(first, second, rig.centre, kRegistrationScale);
+        const Agreement back = Compare(second, first, rig.centre, kRegistrationScale);
         loss += there.loss + back.loss;
         points += there.points + back.points;
       }

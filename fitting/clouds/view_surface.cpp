@@ -12,13 +12,13 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestPoints = 60;
+constexpr int kFewestSurfacePoints = 60;
 constexpr int kMostPoints = 400;
 constexpr double kNearInDepth = 0.05;   ///< m between a pixel and the person's points about it
 constexpr double kMargin = 0.25;        ///< m around the person that the outline knows
 constexpr double kMaskedShare = 0.5;    ///< of the pixels without a value: nobody measures so little of a room
 constexpr double kNearestDepth = 0.05;  ///< m
-constexpr double kFlat = 0.06;          ///< spread across a plane, of the lesser one in it; a person has 0.2 and more
+constexpr double kFlatPatch = 0.06;     ///< spread across a plane, of the lesser one in it; a person has 0.2 and more
 
 /// Depths of the person's points in coarse cells, each spread to the cells beside it.
 struct DepthRange {
@@ -112,7 +112,7 @@ void SetOutline(const DepthView& view, const DepthRange& range, ViewSurface& sur
 bool IsFlat(const Eigen::Matrix3Xd& points) {
   const Eigen::Matrix3Xd off = points.colwise() - points.rowwise().mean();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(Matrix3d(off * off.transpose()), Eigen::EigenvaluesOnly);
-  return axes.eigenvalues()[0] < kFlat * kFlat * axes.eigenvalues()[1];
+  return axes.eigenvalues()[0] < kFlatPatch * kFlatPatch * axes.eigenvalues()[1];
 }
 
 }  // namespace
@@ -125,8 +125,8 @@ Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double 
   if (!cloud) return Forward(cloud);
   surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
   const FusedCloud person = PersonPoints(*cloud, voxel_size);
-  const bool nobody = person.size() < kFewestPoints;
-  if (nobody && cloud->size() < kFewestPoints) return surface;
+  const bool nobody = person.size() < kFewestSurfacePoints;
+  if (nobody && cloud->size() < kFewestSurfacePoints) return surface;
   if (nobody || IsFlat(person.points)) {
     surface.flat = true;
     return surface;

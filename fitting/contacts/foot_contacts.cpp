@@ -34,7 +34,7 @@ std::vector<Run> RunsOf(const std::vector<bool>& flags, bool value) {
   return runs;
 }
 
-double FloorOf(const Motion& motion, int joint) {
+double FloorUnderJoint(const Motion& motion, int joint) {
   std::vector<double> heights;
   for (int f = 0; f < motion.frame_count(); ++f) heights.push_back(motion.joints.at(f, joint).y());
   const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kFloorShare * static_cast<double>(heights.size()));
@@ -204,7 +204,7 @@ Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton) {
 
 std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactOptions& options) {
   std::vector<bool> standing(motion.frame_count(), false);
-  const double ceiling = FloorOf(motion, joint) + options.height;
+  const double ceiling = FloorUnderJoint(motion, joint) + options.height;
   for (int f = 0; f < motion.frame_count(); ++f) {
     standing[f] = motion.joints.at(f, joint).y() <= ceiling && SpeedAt(motion, f, joint) <= options.speed;
   }

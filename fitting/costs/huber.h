@@ -4,6 +4,13 @@
 
 namespace mocurate {
 
+inline double Square(double value) { return value * value; }
+
+/// How far an angle is beyond its limits: positive above `max`, negative below `min`, 0 inside.
+inline double BeyondLimit(double angle, double min, double max) {
+  return angle > max ? angle - max : angle < min ? angle - min : 0.0;
+}
+
 /// Huber's loss of a squared residual, as ceres::HuberLoss: quadratic up to `sigmas`, linear beyond. Value and slope.
 inline double HuberValue(double square, double sigmas) {
   return square <= sigmas * sigmas ? square : 2.0 * sigmas * std::sqrt(square) - sigmas * sigmas;

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestFrames = 20;
+constexpr std::size_t kFewestBodyFrames = 20;
 constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
 // Limits are beyond what 1,213 clips of the recorded sets show (fitting/README.md), of which the largest is in
 // brackets.
@@ -22,8 +22,8 @@ constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth t
 constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
 constexpr double kGrowthSpread = 0.35;  ///< of bones' growth, against the growth (0.43): a scale is the same of all
 constexpr int kParts = 5;
-constexpr double kLargest = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
-constexpr double kSmallest = 0.4;  ///< newborn
+constexpr double kTallestBody = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
+constexpr double kSmallestBody = 0.4;  ///< newborn
 
 struct Bone {
   int joint = 0;
@@ -36,7 +36,7 @@ struct Bone {
 
 double MedianOf(std::vector<double> values) { return Median(values); }
 
-double SpreadOf(std::vector<double> values) {
+double SpreadOfValues(std::vector<double> values) {
   const double centre = MedianOf(values);
   for (double& value : values) value = std::abs(value - centre);
   return kMadToSigma * Median(values);
@@ -49,7 +49,7 @@ double DepartureFrom(double length, std::vector<double> lengths) {
 }
 
 /// Distances between two joints.
-Bone Between(const SkeletonTracks& tracks, int joint, int parent) {
+Bone BoneBetween(const SkeletonTracks& tracks, int joint, int parent) {
   Bone bone;
   bone.joint = joint;
   bone.parent = parent;
@@ -62,9 +62,9 @@ Bone Between(const SkeletonTracks& tracks, int joint, int parent) {
   return bone;
 }
 
-class Judge {
+class BodyJudge {
  public:
-  explicit Judge(const SkeletonTracks& tracks) : tracks_(tracks), shown_(tracks.SeenJoints()) {
+  explicit BodyJudge(const SkeletonTracks& tracks) : tracks_(tracks), shown_(tracks.SeenJoints()) {
     const Skeleton& skeleton = *tracks.skeleton;
     std::vector<Vector3d> rest(skeleton.joints.size(), Vector3d::Zero());
     for (int j = 1; j < skeleton.joint_count(); ++j) {
@@ -72,9 +72,9 @@ class Judge {
       int above = skeleton.joints[j].parent;
       while (above >= 0 && !shown_[above]) above = skeleton.joints[above].parent;
       if (above < 0 || !shown_[j]) continue;
-      Bone bone = Between(tracks, j, above);
+      Bone bone = BoneBetween(tracks, j, above);
       bone.rest = (rest[j] - rest[above]).norm();
-      if (bone.length.size() >= kFewestFrames && bone.median > 0.0) bones_.push_back(std::move(bone));
+      if (bone.length.size() >= kFewestBodyFrames && bone.median > 0.0) bones_.push_back(std::move(bone));
     }
     double low = 0.0, high = 0.0;
     for (const Vector3d& joint : rest) {
@@ -117,12 +117,12 @@ class Judge {
           std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
       if (upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone) continue;
       const Bone* other = Mirrored(*upper);
-      const Bone across = Between(tracks_, lower.joint, upper->parent);
-      if (other == nullptr || across.length.size() < kFewestFrames) continue;
+      const Bone across = BoneBetween(tracks_, lower.joint, upper->parent);
+      if (other == nullptr || across.length.size() < kFewestBodyFrames) continue;
       const double named = DepartureFrom(other->median, upper->length);
       const double exchanged = DepartureFrom(other->median, across.length);
       if (named < kExchanged || named < kExchangeRatio * exchanged) continue;
-      if (SpreadOf(across.length) >= SpreadOf(upper->length)) continue;  // then it is the other side
+      if (SpreadOfValues(across.length) >= SpreadOfValues(upper->length)) continue;  // then it is the other side
       Tell("joints_exchanged", Severity::kError, upper->joint, named,
            Name(upper->joint) + " and " + Name(lower.joint) + " have each other's places: the bone from " +
                Name(upper->parent) + " differs from the other side's by " + RoundedText(named, 3) +
@@ -199,7 +199,7 @@ class Judge {
         parts[static_cast<std::size_t>(std::min(part, kParts - 1))].push_back(bone.length[i] / bone.median);
       }
       if (std::any_of(parts.begin(), parts.end(),
-                      [](const auto& part) { return part.size() < kFewestFrames / kParts; }))
+                      [](const auto& part) { return part.size() < kFewestBodyFrames / kParts; }))
         continue;
       for (std::size_t p = 0; p < parts.size(); ++p) part_sizes[p].push_back(std::log(Median(parts[p])));
       grow += part_sizes.back().back() > part_sizes.front().back() ? 1 : 0;
@@ -214,7 +214,7 @@ class Judge {
     const double share = static_cast<double>(growth > 0.0 ? grow : all - grow) / all;
     bool steady = true;
     for (int p = 1; p < kParts; ++p) steady = steady && (size[p] - size[p - 1]) * growth > 0.0;
-    const bool alike = SpreadOf(growths) <= kGrowthSpread * std::abs(growth);
+    const bool alike = SpreadOfValues(growths) <= kGrowthSpread * std::abs(growth);
     if (std::abs(growth) < kGrowth || share < kGrowingBones || !steady || !alike) return;
     const double percent = 100.0 * (std::exp(growth) - 1.0);
     Tell("body_grows", Severity::kWarning, -1, percent,
@@ -225,11 +225,11 @@ class Judge {
 
   void JudgeSize() {
     const double stature = scale_ * rest_stature_;
-    if (scale_ <= 0.0 || (stature <= kLargest && stature >= kSmallest)) return;
+    if (scale_ <= 0.0 || (stature <= kTallestBody && stature >= kSmallestBody)) return;
     Tell("size_doubtful", Severity::kWarning, -1, stature,
          "the body would be " + RoundedText(stature, 3) + " m tall from lowest to highest joint, " +
-             RoundedText(scale_, 3) + " times the skeleton's: people have " + RoundedText(kSmallest, 2) + " to " +
-             RoundedText(kLargest, 2) + " m; is the scale of the source right?");
+             RoundedText(scale_, 3) + " times the skeleton's: people have " + RoundedText(kSmallestBody, 2) + " to " +
+             RoundedText(kTallestBody, 2) + " m; is the scale of the source right?");
   }
 
   const SkeletonTracks& tracks_;
@@ -242,6 +242,6 @@ class Judge {
 
 }  // namespace
 
-std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return Judge(tracks).Findings(); }
+std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return BodyJudge(tracks).Findings(); }
 
 }  // namespace mocurate

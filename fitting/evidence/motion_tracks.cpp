@@ -15,7 +15,7 @@ Error Of(const Clip& clip, Error error) {
 }
 
 /// Tracks of joints that the skeleton has, or of its landmarks; the names of the others.
-JointTracks KnownTracks(const JointTracks& tracks, const Skeleton& skeleton, std::vector<std::string>& unknown) {
+JointTracks TracksOfSkeleton(const JointTracks& tracks, const Skeleton& skeleton, std::vector<std::string>& unknown) {
   std::vector<std::size_t> known;
   JointTracks kept;
   kept.time_s = tracks.time_s;
@@ -110,7 +110,7 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
     tracks = &*given;
   }
   if (tracks != nullptr && other == OtherJoints::kLeaveOut) {
-    given = JointTracks(KnownTracks(*tracks, *skeleton, unknown));
+    given = JointTracks(TracksOfSkeleton(*tracks, *skeleton, unknown));
     tracks = &*given;
   }
   if (tracks == nullptr && clip.motion) {

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <utility>
 
-#include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {
 
 /// Below, data outweigh the priors so far that the solver creeps along what they hardly determine (twist of straight
 /// limbs), and no tracker knows where a joint is to less.
-constexpr double kSmallestSigma = 1e-3;
+constexpr double kSmallestTrackSigma = 1e-3;
 constexpr std::size_t kEnoughSamples = 10;
 constexpr std::size_t kEnoughBones = 5;
 /// Lengths of bones that noise reaches across show a little less of it than it is; motion makes lines show much more.
@@ -145,7 +145,7 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
     noise.joint_sigma.assign(joints, noise.sigma);
     return noise;
   }
-  noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestSigma});
+  noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestTrackSigma});
   noise.joint_sigma.assign(joints, noise.sigma);
   for (int j = 0; j < joints; ++j) {
     double square = 0.0;  // mean over the bones that meet at the joint
@@ -156,7 +156,7 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
       ++meeting;
     }
     if (enough[j] || meeting > 0) {
-      noise.joint_sigma[j] = std::max({white[j], meeting > 0 ? std::sqrt(square / meeting) : 0.0, kSmallestSigma});
+      noise.joint_sigma[j] = std::max({white[j], meeting > 0 ? std::sqrt(square / meeting) : 0.0, kSmallestTrackSigma});
     }
   }
   return noise;

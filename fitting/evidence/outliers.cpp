@@ -7,10 +7,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kReach_s = 0.12;
+constexpr double kOutlierReach_s = 0.12;
 constexpr double kOutlierSigmas = 10.0;
 constexpr double kSmallestOutlier = 0.15;  ///< metres
-constexpr double kSteps = 1.5;
+constexpr double kOutlierSteps = 1.5;
 
 /// The frame and the same number of frames on both sides in which the joint is seen, so that steady movement does not
 /// shift the median.
@@ -18,10 +18,10 @@ std::vector<int> SeenNearby(const SkeletonTracks& tracks, int frame, int joint) 
   const double time = tracks.time_s[frame];
   std::vector<int> before;
   std::vector<int> after;
-  for (int f = frame - 1; f >= 0 && time - tracks.time_s[f] <= kReach_s; --f) {
+  for (int f = frame - 1; f >= 0 && time - tracks.time_s[f] <= kOutlierReach_s; --f) {
     if (tracks.seen(f, joint)) before.push_back(f);
   }
-  for (int f = frame + 1; f < tracks.frames() && tracks.time_s[f] - time <= kReach_s; ++f) {
+  for (int f = frame + 1; f < tracks.frames() && tracks.time_s[f] - time <= kOutlierReach_s; ++f) {
     if (tracks.seen(f, joint)) after.push_back(f);
   }
   std::vector<int> nearby{frame};
@@ -73,7 +73,7 @@ std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<doubl
       const Vector3d away = tracks.positions.at(f, j) - median;
       const double square = tracks.precision.empty() ? away.squaredNorm() : away.dot(tracks.precision_at(f, j) * away);
       if (square <= allowed * allowed) continue;
-      if (away.norm() <= kSmallestOutlier + kSteps * StepNearby(tracks, nearby, f, j)) continue;
+      if (away.norm() <= kSmallestOutlier + kOutlierSteps * StepNearby(tracks, nearby, f, j)) continue;
       rejected[static_cast<std::size_t>(f) * tracks.joints() + j] = true;
     }
   }

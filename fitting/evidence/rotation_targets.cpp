@@ -7,16 +7,16 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
-#include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kSmallestSigma = 0.5 * kPi / 180.0;  ///< rad; nothing is recorded more finely
+constexpr double kSmallestTurnSigma = 0.5 * kPi / 180.0;  ///< rad; nothing is recorded more finely
 constexpr double kLargestSigma = 30.0 * kPi / 180.0;
-constexpr std::size_t kFewest = 10;  ///< samples; fewer do not tell how recorded frames lie and how they scatter
-constexpr double kNear = 0.02;       ///< rad; departures below count like this in the weights of the mean
-constexpr int kTurns = 10;           ///< of the reweighted mean
+constexpr std::size_t kFewest = 10;   ///< samples; fewer do not tell how recorded frames lie and how they scatter
+constexpr double kNearTarget = 0.02;  ///< rad; departures below count like this in the weights of the mean
+constexpr int kTurns = 10;            ///< of the reweighted mean
 
 /// Rotation with the least sum of weighted squared distances to `rotations` (Markley and others 2007).
 Quaterniond WeightedMean(const std::vector<Quaterniond>& rotations, const std::vector<double>& weights) {
@@ -37,7 +37,7 @@ Quaterniond MiddleRotation(const std::vector<Quaterniond>& rotations, const std:
   std::vector<double> weights(rotations.size());
   for (int turn = 0; turn < kTurns; ++turn) {
     for (std::size_t i = 0; i < rotations.size(); ++i) {
-      weights[i] = confidence[i] / std::max(LogQuaternion(middle.conjugate() * rotations[i]).norm(), kNear);
+      weights[i] = confidence[i] / std::max(LogQuaternion(middle.conjugate() * rotations[i]).norm(), kNearTarget);
     }
     middle = WeightedMean(rotations, weights);
   }
@@ -54,7 +54,8 @@ double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& mid
   const auto half = departures.begin() + static_cast<std::ptrdiff_t>(departures.size() / 2);
   std::nth_element(departures.begin(), half, departures.end());
   const auto count = static_cast<double>(rotations.size());
-  return std::max(kMadToSigma * *half * std::sqrt(count / (count - 1.0)), kSmallestSigma);  // the middle is of them too
+  return std::max(kMadToSigma * *half * std::sqrt(count / (count - 1.0)),
+                  kSmallestTurnSigma);  // the middle is of them too
 }
 
 Finding TooFew(int joints) {

@@ -13,14 +13,14 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSpeed = 1.5;          ///< m/s per axis, of a limb about the body's centre
-constexpr double kMostCost = 8.0;       ///< of one sample: beyond, something else is wrong with it
-constexpr double kGap_s = 0.25;         ///< longest time over which steps are looked at
-constexpr double kNearlyAll = 0.6;      ///< of what pairs say for and against a change
-constexpr int kFewestFrames = 10;       ///< of which anatomy is asked
-constexpr double kFacing = 0.3;         ///< sine between the nose's direction and the plane of the trunk
-constexpr double kNearlyAlways = 0.95;  ///< of the frames, for the face to be believed
-constexpr double kOften = 0.5;          ///< of the frames show it
+constexpr double kSidesSpeed = 1.5;         ///< m/s per axis, of a limb about the body's centre
+constexpr double kMostSampleCost = 8.0;     ///< of one sample: beyond, something else is wrong with it
+constexpr double kSidesGap_s = 0.25;        ///< longest time over which steps are looked at
+constexpr double kNearlyAll = 0.6;          ///< of what pairs say for and against a change
+constexpr int kFewestAnatomyFrames = 10;    ///< of which anatomy is asked
+constexpr double kFacing = 0.3;             ///< sine between the nose's direction and the plane of the trunk
+constexpr double kFaceNearlyAlways = 0.95;  ///< of the frames, for the face to be believed
+constexpr double kOften = 0.5;              ///< of the frames show it
 
 /// Frames that steps join, and whether the sides of each are those of the first.
 struct Chain {
@@ -30,9 +30,9 @@ struct Chain {
 };
 
 /// Follows the pairs of a body from frame to frame.
-class Follower {
+class SidesFollower {
  public:
-  Follower(const SkeletonTracks& tracks, const std::vector<int>& left, double sigma, double least_margin)
+  SidesFollower(const SkeletonTracks& tracks, const std::vector<int>& left, double sigma, double least_margin)
       : tracks_(tracks),
         left_(left),
         variance_(2.0 * sigma * sigma),
@@ -81,19 +81,19 @@ class Follower {
       if (!Seen(f, i)) continue;
       change.seen = true;
       const int before = last_[i];
-      if (before < 0 || tracks_.time_s[f] - tracks_.time_s[before] > kGap_s) continue;
+      if (before < 0 || tracks_.time_s[f] - tracks_.time_s[before] > kSidesGap_s) continue;
       change.linked = true;
       const bool centred = centres_[f].seen && centres_[before].seen;
       const Vector3d moved =
           centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
-      const double way = kSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+      const double way = kSidesSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
       const std::array<Vector3d, 2> then = Places(before, i, followed_[static_cast<std::size_t>(before)]);
       const auto cost = [&](bool changed) {
         const std::array<Vector3d, 2> now = Places(f, i, other != changed);
         double sum = 0.0;
         for (const std::size_t side : {0, 1}) {
           const double square = (now[side] - moved - then[side]).squaredNorm() / (variance_ + way * way);
-          sum += std::min(0.5 * square, kMostCost);
+          sum += std::min(0.5 * square, kMostSampleCost);
         }
         return sum;
       };
@@ -121,14 +121,14 @@ class Follower {
 };
 
 /// Whether left and right are exchanged as anatomy has it, and why.
-struct Told {
+struct ToldByAnatomy {
   std::optional<bool> exchanged;
   double confidence = 0.0;
   std::string evidence;
 };
 
 /// Share of the frames in which the nose lies before the ears (and behind: negative), of those that show it.
-Told AskFace(const SkeletonTracks& tracks) {
+ToldByAnatomy AskFace(const SkeletonTracks& tracks) {
   const Skeleton& skeleton = *tracks.skeleton;
   const auto nose = skeleton.FindJoint("nose");
   const auto hips = skeleton.Hips();
@@ -153,8 +153,8 @@ Told AskFace(const SkeletonTracks& tracks) {
   }
   const int all = before + behind;
   const double share = all > 0 ? std::max(before, behind) / static_cast<double>(all) : 0.0;
-  if (all < kFewestFrames || share < kNearlyAlways || all < kOften * tracks.frames()) return {};
-  Told told;
+  if (all < kFewestAnatomyFrames || share < kFaceNearlyAlways || all < kOften * tracks.frames()) return {};
+  ToldByAnatomy told;
   told.exchanged = behind > before;
   told.confidence = share;
   told.evidence = std::string("the face lies ") + (behind > before ? "behind" : "before") + " the ears (" +
@@ -162,8 +162,8 @@ Told AskFace(const SkeletonTracks& tracks) {
   return told;
 }
 
-Told AskAnatomy(const SkeletonTracks& tracks) {
-  if (tracks.frames() < kFewestFrames) return {};
+ToldByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
+  if (tracks.frames() < kFewestAnatomyFrames) return {};
   const Skeleton& skeleton = *tracks.skeleton;
   HandednessPoints points = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
   const std::vector<bool> seen = tracks.SeenJoints();
@@ -172,9 +172,9 @@ Told AskAnatomy(const SkeletonTracks& tracks) {
     if (toe && (points.toe[side] < 0 || !seen[points.toe[side]])) points.toe[side] = *toe;
   }
   const HandednessMeasure limbs = MeasureHandedness(tracks.positions, points, &tracks.confidence);
-  const Told face = AskFace(tracks);
+  const ToldByAnatomy face = AskFace(tracks);
   if (!limbs.handedness) return face;
-  Told told{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
+  ToldByAnatomy told{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
   if (!face.exchanged) return told;
   if (face.exchanged != told.exchanged) return {};
   told.confidence = std::max(told.confidence, face.confidence);
@@ -219,13 +219,13 @@ std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double
   std::vector<BodyExchange> found;
   const std::vector<int> left = LeftJoints(*tracks.skeleton);
   if (left.size() < 2) return found;  // one pair crosses in any clap
-  for (const Chain& chain : Follower(tracks, left, noise_sigma, least_margin).Chains()) {
+  for (const Chain& chain : SidesFollower(tracks, left, noise_sigma, least_margin).Chains()) {
     SkeletonTracks part = CutTracks(tracks, chain.begin, chain.end);
     for (int f = 0; f < part.frames(); ++f) {
       if (chain.other[static_cast<std::size_t>(f)]) ExchangeJoints(left, f, f + 1, part);
     }
     const auto others = std::count(chain.other.begin(), chain.other.end(), true);
-    const Told told = AskAnatomy(part);
+    const ToldByAnatomy told = AskAnatomy(part);
     const bool first = told.exchanged ? *told.exchanged : 2 * others > part.frames();
     const auto exchanged = first ? part.frames() - others : others;
     for (int begin = 0; begin < part.frames(); ++begin) {

@@ -10,26 +10,26 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSpeed = 1.5;           ///< m/s per axis, of a limb about the body's centre
-constexpr double kBoneWobble = 0.02;     ///< metres that trackers change bones by, beside noise
-constexpr double kMostCost = 8.0;        ///< of one sample: beyond, something else is wrong with it
-constexpr double kChangeCost = 4.0;      ///< of a change of state
-constexpr double kExchangedCost = 0.05;  ///< of an exchanged frame
-constexpr double kBoneTime_s = 0.3;      ///< for which a tracker gets a bone wrong in the same way
-constexpr double kGap_s = 0.25;          ///< longest time over which steps are looked at
+constexpr double kLimbSpeed = 1.5;           ///< m/s per axis, of a limb about the body's centre
+constexpr double kBoneWobble = 0.02;         ///< metres that trackers change bones by, beside noise
+constexpr double kMostExchangeCost = 8.0;    ///< of one sample: beyond, something else is wrong with it
+constexpr double kLimbChangeCost = 4.0;      ///< of a change of state
+constexpr double kExchangedLimbCost = 0.05;  ///< of an exchanged frame
+constexpr double kBoneTime_s = 0.3;          ///< for which a tracker gets a bone wrong in the same way
+constexpr double kExchangeGap_s = 0.25;      ///< longest time over which steps are looked at
 
 /// Pairs of one kind of limb, from the trunk outwards.
-struct Limb {
+struct PairedLimb {
   std::vector<std::array<int, 2>> pairs;  ///< (left, right)
   std::vector<int> level;                 ///< bones between the pair and the limb's first
   std::vector<int> above;                 ///< index of the pair that the bones hang on; -1: the trunk
   int levels = 0;
 };
 
-std::vector<Limb> LimbsOf(const SkeletonTracks& tracks) {
+std::vector<PairedLimb> PairedLimbsOf(const SkeletonTracks& tracks) {
   const Skeleton& skeleton = *tracks.skeleton;
   const std::vector<bool> seen = tracks.SeenJoints();
-  std::vector<Limb> limbs;
+  std::vector<PairedLimb> limbs;
   std::vector<std::array<int, 2>> place(skeleton.joints.size(), {-1, -1});  // limb, index in it
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const Joint& joint = skeleton.joints[j];
@@ -42,14 +42,14 @@ std::vector<Limb> LimbsOf(const SkeletonTracks& tracks) {
       limbs.emplace_back();
       above = {static_cast<int>(limbs.size()) - 1, -1};
     }
-    Limb& limb = limbs[above[0]];
+    PairedLimb& limb = limbs[above[0]];
     place[j] = {above[0], static_cast<int>(limb.pairs.size())};
     limb.pairs.push_back({j, joint.mirror});
     limb.above.push_back(above[1]);
     limb.level.push_back(above[1] < 0 ? 0 : limb.level[above[1]] + 1);
   }
-  for (Limb& limb : limbs) {
-    Limb tracked;  // pairs that are never seen only pass their level on
+  for (PairedLimb& limb : limbs) {
+    PairedLimb tracked;  // pairs that are never seen only pass their level on
     std::vector<int> index(limb.pairs.size(), -1);
     for (std::size_t i = 0; i < limb.pairs.size(); ++i) {
       if (!seen[limb.pairs[i][0]] || !seen[limb.pairs[i][1]]) continue;
@@ -61,18 +61,18 @@ std::vector<Limb> LimbsOf(const SkeletonTracks& tracks) {
     }
     limb = tracked;
   }
-  limbs.erase(std::remove_if(limbs.begin(), limbs.end(), [](const Limb& limb) { return limb.pairs.size() < 2; }),
+  limbs.erase(std::remove_if(limbs.begin(), limbs.end(), [](const PairedLimb& limb) { return limb.pairs.size() < 2; }),
               limbs.end());
   return limbs;
 }
 
-double Capped(double square) { return std::min(0.5 * square, kMostCost); }
+double Capped(double square) { return std::min(0.5 * square, kMostExchangeCost); }
 
 /// States of one limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
-class Search {
+class ExchangeSearch {
  public:
-  Search(const SkeletonTracks& tracks, const std::vector<BodyCentre>& centres, const Limb& limb,
-         const std::vector<double>& bone_length, double sigma)
+  ExchangeSearch(const SkeletonTracks& tracks, const std::vector<BodyCentre>& centres, const PairedLimb& limb,
+                 const std::vector<double>& bone_length, double sigma)
       : tracks_(tracks), centres_(centres), limb_(limb), bone_length_(bone_length), sigma_(sigma) {
     for (int level = 0; level < limb.levels; ++level) {
       const auto outer = std::count_if(limb.level.begin(), limb.level.end(), [&](int l) { return l >= level; });
@@ -120,7 +120,7 @@ class Search {
     for (int f = 0; f < tracks_.frames(); ++f) {
       for (std::size_t i = 0; i < pairs; ++i) {
         if (!Seen(f, i)) continue;
-        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kGap_s) StepCost(f, last[i], i);
+        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kExchangeGap_s) StepCost(f, last[i], i);
         last[i] = f;
         if (limb_.above[i] >= 0 && Seen(f, limb_.above[i])) BoneCost(f, i);
       }
@@ -130,7 +130,7 @@ class Search {
   void StepCost(int f, int before, std::size_t i) {
     const bool centred = centres_[f].seen && centres_[before].seen;
     const Vector3d moved = centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
-    const double way = kSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+    const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
     const double variance = 2.0 * sigma_ * sigma_ + way * way;
     for (const int side : {0, 1}) {
       const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - moved;
@@ -160,7 +160,7 @@ class Search {
   std::size_t At(int f, std::size_t pair) const { return static_cast<std::size_t>(f) * limb_.pairs.size() + pair; }
 
   double StateCost(int f, int state) const {
-    double cost = state == 0 ? 0.0 : kExchangedCost;
+    double cost = state == 0 ? 0.0 : kExchangedLimbCost;
     for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
       const bool torn = limb_.above[i] >= 0 && Exchanged(state, i) != Exchanged(state, limb_.above[i]);
       cost += bone_[At(f, i)][torn ? 1 : 0];
@@ -171,7 +171,7 @@ class Search {
   /// Into frame f. A pair that is not seen in the frame before is taken to have been in that frame's state when last
   /// seen.
   double ChangeCost(int f, int from, int to) const {
-    double cost = from == to ? 0.0 : kChangeCost;
+    double cost = from == to ? 0.0 : kLimbChangeCost;
     for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
       cost += step_[At(f, i)][Exchanged(from, i) == Exchanged(to, i) ? 0 : 1];
     }
@@ -182,7 +182,7 @@ class Search {
     const int frames = tracks_.frames();
     std::vector<double> cost(states());
     std::vector<std::vector<int>> came(frames, std::vector<int>(states(), 0));
-    for (int s = 0; s < states(); ++s) cost[s] = StateCost(0, s) + (s == 0 ? 0.0 : kChangeCost);
+    for (int s = 0; s < states(); ++s) cost[s] = StateCost(0, s) + (s == 0 ? 0.0 : kLimbChangeCost);
     for (int f = 1; f < frames; ++f) {
       std::vector<double> next(states(), std::numeric_limits<double>::infinity());
       for (int to = 0; to < states(); ++to) {
@@ -207,14 +207,14 @@ class Search {
 
   /// Of the steps into frames [begin, end) and out of them.
   double StepsOf(const std::vector<int>& path, int begin, int end) const {
-    double cost = begin == 0 && path[0] != 0 ? kChangeCost : 0.0;
+    double cost = begin == 0 && path[0] != 0 ? kLimbChangeCost : 0.0;
     for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f) cost += ChangeCost(f, path[f - 1], path[f]);
     return cost;
   }
 
   const SkeletonTracks& tracks_;
   const std::vector<BodyCentre>& centres_;
-  const Limb& limb_;
+  const PairedLimb& limb_;
   const std::vector<double>& bone_length_;
   double sigma_;
   std::vector<int> starts_;  ///< innermost exchanged level of states 1, 2, ...
@@ -228,8 +228,8 @@ std::vector<LimbExchange> FindExchanges(const SkeletonTracks& tracks, const std:
                                         double noise_sigma, double least_margin) {
   const std::vector<BodyCentre> centres = BodyCentres({tracks.positions, tracks.confidence, tracks.time_s});
   std::vector<LimbExchange> all;
-  for (const Limb& limb : LimbsOf(tracks)) {
-    const auto found = Search(tracks, centres, limb, bone_length, noise_sigma).Exchanges(least_margin);
+  for (const PairedLimb& limb : PairedLimbsOf(tracks)) {
+    const auto found = ExchangeSearch(tracks, centres, limb, bone_length, noise_sigma).Exchanges(least_margin);
     all.insert(all.end(), found.begin(), found.end());
   }
   std::stable_sort(all.begin(), all.end(),

@@ -14,18 +14,18 @@ constexpr double kTornSigmas = 6.0;  ///< of a difference of two joints
 constexpr double kWrongBone =
     0.05;  ///< metres by which a bone is wrong that is not torn: a Kinect's bones spread by 4 to 19 mm
 constexpr double kWrongSigmas = 3.0;
-constexpr int kFewestFrames = 3;       ///< shorter runs are outliers among their neighbours in time
+constexpr int kFewestTornFrames = 3;   ///< shorter runs are outliers among their neighbours in time
 constexpr double kJumpReach_s = 0.5;   ///< how far the jump may be from what is torn
 constexpr double kJump = 0.15;         ///< metres
 constexpr double kJumpOfExcess = 0.5;  ///< of what the bone is too long by
-constexpr double kSpeed = 12.0;        ///< m/s: nobody's hand is faster
-constexpr double kFar = 0.3;           ///< metres
+constexpr double kFastestHand = 12.0;  ///< m/s: nobody's hand is faster
+constexpr double kFarAway = 0.3;       ///< metres
 constexpr double kFarSigmas = 10.0;
 constexpr double kBack = 0.5;  ///< of the step: how far from its place before a joint may be when it is back
 
-class Search {
+class TearSearch {
  public:
-  Search(const SkeletonTracks& tracks, const std::vector<double>& bone_length, double sigma, double longest_s)
+  TearSearch(const SkeletonTracks& tracks, const std::vector<double>& bone_length, double sigma, double longest_s)
       : tracks_(tracks),
         bone_length_(bone_length),
         children_(tracks.skeleton->Children()),
@@ -173,7 +173,7 @@ class Search {
         if (at(f) > 0.0) run.frame_end = f + 1;
         ++f;
       }
-      if (off < kFewestFrames) continue;
+      if (off < kFewestTornFrames) continue;
       const double jump = std::max(kJump, kJumpOfExcess * run.distance);
       for (int begin = run.frame_begin; begin > 0; --begin) {
         const auto step = Step(joint, begin);
@@ -196,10 +196,10 @@ class Search {
 
   std::vector<TornJoint> Jumps(int joint) const {
     std::vector<TornJoint> jumps;
-    const double far = std::max(kFar, kFarSigmas * noise_);
+    const double far = std::max(kFarAway, kFarSigmas * noise_);
     const auto jumps_into = [&](int f) {
       const auto step = Step(joint, f);
-      return step && step->first >= far && step->first >= kSpeed * step->second;
+      return step && step->first >= far && step->first >= kFastestHand * step->second;
     };
     for (int begin = 1; begin < tracks_.frames(); ++begin) {
       if (!jumps_into(begin)) continue;
@@ -208,7 +208,7 @@ class Search {
       for (int end = begin + 1; end < tracks_.frames(); ++end) {
         if (tracks_.time_s[end] - tracks_.time_s[begin] > longest_s_) break;
         if (!jumps_into(end) || (tracks_.positions.at(end, joint) - place).norm() > kBack * step) continue;
-        if (end - begin >= kFewestFrames) jumps.push_back({joint, begin, end, step, true});
+        if (end - begin >= kFewestTornFrames) jumps.push_back({joint, begin, end, step, true});
         begin = end;
         break;
       }
@@ -244,7 +244,7 @@ class Search {
 
 std::vector<TornJoint> FindTornJoints(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                       double noise_sigma, double longest_s) {
-  return Search(tracks, bone_length, noise_sigma, longest_s).Find();
+  return TearSearch(tracks, bone_length, noise_sigma, longest_s).Find();
 }
 
 }  // namespace mocurate

@@ -14,11 +14,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortBone = 0.1;        ///< metres of the rest pose; shorter ones are hardly measured
-constexpr double kSmallestPerson = 0.35;  ///< against the rest skeleton
+constexpr double kShortestSizedBone = 0.1;  ///< metres of the rest pose; shorter ones are hardly measured
+constexpr double kSmallestPerson = 0.35;    ///< against the rest skeleton
 constexpr double kLargestPerson = 2.0;
 constexpr double kPoint = 0.02;         ///< metres, standard deviation of joints along their longest direction
-constexpr double kFlat = 0.005;         ///< thickness against extent, of standard deviations
+constexpr double kFlatBody = 0.005;     ///< thickness against extent, of standard deviations
 constexpr int kFewestFlatFrames = 10;   ///< fewer may be a planar pose
 constexpr double kNearlyAlways = 0.95;  ///< of the frames
 constexpr int kFewestJoints = 6;        ///< that a frame must show
@@ -57,7 +57,7 @@ double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_l
   std::vector<double> ratios;
   for (int j = 1; j < clip.joints(); ++j) {
     const Joint& joint = clip.skeleton->joints[j];
-    if (joint.rest_offset.norm() < kShortBone || bone_length[j] <= 0.0) continue;
+    if (joint.rest_offset.norm() < kShortestSizedBone || bone_length[j] <= 0.0) continue;
     const BoneDistance seen = DistanceOver({clip}, white, j, joint.parent);
     if (seen.samples > 0) ratios.push_back(seen.length / bone_length[j]);
   }
@@ -105,7 +105,7 @@ Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
     length.push_back(extents->second);
     if (extents->second < kPoint) continue;  // nobody is there
     thickness.push_back(extents->first);
-    flat += extents->first <= kFlat * extents->second ? 1 : 0;
+    flat += extents->first <= kFlatBody * extents->second ? 1 : 0;
   }
   const auto bodies = static_cast<long long>(thickness.size());
   if (frames > 0 && bodies == 0) {

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
+#include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
-
-double Square(double value) { return value * value; }
 
 /// Square of a distance as it would be in the median without noise of covariance C (of the difference), from what is
 /// seen. A square (d + e)'(d + e) has the mean d'd + tr C, the variance 4 d'C d + 2 tr C^2, and is skewed: its median

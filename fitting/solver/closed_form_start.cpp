@@ -101,9 +101,9 @@ bool OnOneLine(const std::vector<Target>& targets) {
   return values[1] <= kAcrossLine * kAcrossLine * values[2];
 }
 
-class StartPose {
+class ClosedFormPose {
  public:
-  StartPose(const SkeletonTracks& tracks, PoseState& state)
+  ClosedFormPose(const SkeletonTracks& tracks, PoseState& state)
       : skeleton_(*tracks.skeleton),
         state_(state),
         seen_(tracks.SeenJoints()),
@@ -223,9 +223,9 @@ std::vector<bool> JointsWithEvidenceBelow(const SkeletonTracks& tracks) {
 void ClosedFormStart(const SkeletonTracks& tracks, PoseState& state) {
   const JointPositions filled = FillInTime(tracks);
   const int first = FullestFrame(tracks);
-  StartPose forwards(tracks, state);
+  ClosedFormPose forwards(tracks, state);
   forwards.Solve(filled, first, -1);
-  StartPose backwards = forwards;
+  ClosedFormPose backwards = forwards;
   for (int f = first + 1; f < tracks.frames(); ++f) forwards.Solve(filled, f, f - 1);
   for (int f = first - 1; f >= 0; --f) backwards.Solve(filled, f, f + 1);
 }

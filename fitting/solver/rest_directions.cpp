@@ -14,33 +14,34 @@ namespace mocurate {
 namespace {
 
 constexpr double kRestSpread = 0.25;  ///< of the ends of the rest skeleton's bones, as a share of the bones
-constexpr double kLeastSigma = 2e-3;  ///< metres: tracked joints wander with the pose, however many samples there are
+constexpr double kLeastJointSigma =
+    2e-3;                             ///< metres: tracked joints wander with the pose, however many samples there are
 constexpr double kBendSigma = 2e-2;   ///< metres: of distances to an end beyond a joint that nobody sees, which bends
 constexpr double kFramesAlike = 5.0;  ///< on end, which say the same
 constexpr double kToldSigmas = 2.5;   ///< of votes that are as often one way as the other
-constexpr double kRounding = 1e-4;
-constexpr int kSteps = 60;
+constexpr double kDirectionRounding = 1e-4;
+constexpr int kStarSteps = 60;
 
 /// Bones that start at one joint, by the seen joints they end at: the children, or, below a child that nobody sees, the
 /// joint that follows it.
 using Star = std::vector<int>;
 
 /// Distances between the ends and how sure they are, metres.
-struct Distances {
+struct EndDistances {
   Eigen::MatrixXd length;
   Eigen::MatrixXd sigma;
 };
 
 /// `noise`: of one coordinate. None where two ends are never seen together, or noise reaches across a bone.
-std::optional<Distances> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
-                                     const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
-                                     bool symmetric) {
+std::optional<EndDistances> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
+                                        const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
+                                        bool symmetric) {
   const std::vector<Joint>& joints = clips.front().skeleton->joints;
   std::vector<double> noises = white;
   const double noise = Median(noises);
   const double across = std::sqrt(6.0) * noise;  // of two points, three axes
   const auto count = static_cast<Eigen::Index>(star.size());
-  Distances distances{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Ones(count, count)};
+  EndDistances distances{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Ones(count, count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     if (rest.col(i).norm() <= across) return std::nullopt;
     for (Eigen::Index k = i + 1; k < count; ++k) {
@@ -55,7 +56,7 @@ std::optional<Distances> DistancesOf(const Star& star, const Eigen::MatrixXd& re
       const bool near = std::max(seen.length, expected) <= across;  // no more is known than that
       const double spread = std::max(seen.spread, std::sqrt(2.0) * noise);
       const double independent = std::max(1.0, seen.sure / kFramesAlike);
-      const double least = joints[a].parent == joints[b].parent ? kLeastSigma : kBendSigma;
+      const double least = joints[a].parent == joints[b].parent ? kLeastJointSigma : kBendSigma;
       distances.length(i, k) = distances.length(k, i) = near ? expected : seen.length;
       distances.sigma(i, k) = distances.sigma(k, i) = std::max(least, spread / std::sqrt(independent));
     }
@@ -179,13 +180,13 @@ struct StarCost {
   Eigen::VectorXd gradient;
 };
 
-StarCost CostOf(const Distances& distances, const Eigen::MatrixXd& near, const Eigen::MatrixXd& points) {
+StarCost CostOfStar(const EndDistances& distances, const Eigen::MatrixXd& near, const Eigen::MatrixXd& points) {
   const Eigen::Index count = near.cols();
   StarCost cost{0.0, Eigen::MatrixXd::Zero(3 * count, 3 * count), Eigen::VectorXd::Zero(3 * count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const double length = near.col(i).norm();
     const double rest = 1.0 / std::pow(kRestSpread * length, 2.0);
-    const double sure = 1.0 / (kLeastSigma * kLeastSigma);
+    const double sure = 1.0 / (kLeastJointSigma * kLeastJointSigma);
     const Vector3d away = points.col(i) - near.col(i);
     const Vector3d along = Vector3d(points.col(i)).stableNormalized();
     const double longer = points.col(i).norm() - length;
@@ -212,16 +213,16 @@ StarCost CostOf(const Distances& distances, const Eigen::MatrixXd& near, const E
 
 /// The ends that distances, lengths of the bones and the rest skeleton make likeliest, from a start
 /// (Levenberg-Marquardt). What distances hardly tell, how far a flat star is from flat, stays with the rest skeleton.
-Eigen::MatrixXd Likeliest(const Distances& distances, const Eigen::MatrixXd& near, Eigen::MatrixXd points) {
+Eigen::MatrixXd Likeliest(const EndDistances& distances, const Eigen::MatrixXd& near, Eigen::MatrixXd points) {
   double damping = 1e-3;
-  StarCost cost = CostOf(distances, near, points);
-  for (int step = 0; step < kSteps; ++step) {
+  StarCost cost = CostOfStar(distances, near, points);
+  for (int step = 0; step < kStarSteps; ++step) {
     Eigen::MatrixXd damped = cost.normal;
     damped.diagonal() *= 1.0 + damping;
     const Eigen::VectorXd move = damped.ldlt().solve(cost.gradient);
     Eigen::MatrixXd moved = points;
     for (Eigen::Index i = 0; i < points.cols(); ++i) moved.col(i) -= move.segment<3>(3 * i);
-    StarCost there = CostOf(distances, near, moved);
+    StarCost there = CostOfStar(distances, near, moved);
     if (!(there.value < cost.value)) {
       damping *= 10.0;
       continue;
@@ -254,7 +255,7 @@ std::vector<int> WayToSeen(int child, const std::vector<bool>& seen, const std::
 }  // namespace
 
 Vector3d RoundedDirection(const Vector3d& offset) {
-  const Vector3d rounded = (offset.normalized() / kRounding).array().round() * kRounding;
+  const Vector3d rounded = (offset.normalized() / kDirectionRounding).array().round() * kDirectionRounding;
   return rounded.normalized() * offset.norm();
 }
 
@@ -287,7 +288,7 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
       const double length = ways[at].size() == 1 ? bones.length[end] : DistanceOver(clips, white, parent, end).length;
       near.col(i) = length * rest.col(i).normalized();
     }
-    const std::optional<Distances> distances = DistancesOf(star, near, clips, white, symmetric);
+    const std::optional<EndDistances> distances = DistancesOf(star, near, clips, white, symmetric);
     if (!distances) continue;
     const Eigen::MatrixXd start = OfTwoImages(Arranged(distances->length, near), near, star, parent, clips, symmetric);
     Eigen::MatrixXd offsets = Likeliest(*distances, near, start);

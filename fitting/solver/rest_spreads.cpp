@@ -19,7 +19,7 @@ constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1",
                                                                       {"foot", 0.2},
                                                                       {"wrist", 0.4}}};
 
-constexpr double kUsual = 1.0;  ///< radians, of a joint of mobility 1
+constexpr double kUsualSpread = 1.0;  ///< radians, of a joint of mobility 1
 
 bool IsEverSeen(const SkeletonTracks& tracks, int joint) {
   for (int f = 0; f < tracks.frames(); ++f) {
@@ -44,7 +44,7 @@ std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread) {
 }
 
 std::vector<double> RestSpreads(const SkeletonTracks& tracks, double rest_spread) {
-  std::vector<double> spreads = RestSpreads(*tracks.skeleton, kUsual);
+  std::vector<double> spreads = RestSpreads(*tracks.skeleton, kUsualSpread);
   for (int j = 0; j < tracks.joints(); ++j) {
     spreads[j] = IsEverSeen(tracks, j) ? rest_spread : std::min(rest_spread, spreads[j]);
   }

@@ -7,15 +7,7 @@
 #include "fitting/costs/huber.h"
 
 namespace mocurate {
-namespace {
-
-double Square(double value) { return value * value; }
-
-double BeyondLimit(double angle, double min, double max) {
-  return angle > max ? angle - max : angle < min ? angle - min : 0.0;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TrackEquations::TrackEquations(const TrackWindow& window)
     : window_(window),

@@ -100,7 +100,7 @@ class StopOnRequest : public ceres::IterationCallback {
   }
 };
 
-ceres::Solver::Options SolverOptions(const TrackStep& step) {
+ceres::Solver::Options SparseSolverOptions(const TrackStep& step) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
@@ -120,7 +120,7 @@ Expected<WindowSolution> SolveWithCeres(const TrackWindow& window) {
   ceres::Solver::Summary summary;
   const OneThread one_thread;
   StopOnRequest stop;
-  ceres::Solver::Options options = SolverOptions(window.step);
+  ceres::Solver::Options options = SparseSolverOptions(window.step);
   options.callbacks = {&stop};
   ceres::Solve(options, &problem.problem(), &summary);
   if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);

@@ -30,7 +30,7 @@ Vector2d ErrorOf(const Camera& camera, const RigidTransform& pose, const Detecti
   return {camera.fx * off.x(), camera.fy * off.y()};
 }
 
-double MedianError(const Camera& camera, const RigidTransform& pose, const std::vector<Detection>& detections) {
+double MedianErrorOfPose(const Camera& camera, const RigidTransform& pose, const std::vector<Detection>& detections) {
   std::vector<double> errors;
   Vector3d at;
   for (const Detection& seen : detections) {
@@ -55,7 +55,7 @@ std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const Triangul
   CameraRefit refit;
   refit.camera = view.camera;
   RigidTransform& pose = refit.camera.camera_from_world;
-  refit.before_px = MedianError(view.camera, pose, detections);
+  refit.before_px = MedianErrorOfPose(view.camera, pose, detections);
   for (int i = 0; i < kIterations; ++i) {
     Matrix6 normal = Matrix6::Identity() * 1e-9;
     Vector6 gradient = Vector6::Zero();
@@ -79,7 +79,7 @@ std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const Triangul
     pose.translation = turn * pose.translation + step.tail<3>();
     if (step.norm() < 1e-9) break;
   }
-  refit.after_px = MedianError(view.camera, pose, detections);
+  refit.after_px = MedianErrorOfPose(view.camera, pose, detections);
   if (!(refit.after_px < improved * refit.before_px)) return {};
   refit.moved_m = (refit.camera.Centre() - view.camera.Centre()).norm();
   refit.turned_rad = refit.camera.camera_from_world.rotation.angularDistance(view.camera.camera_from_world.rotation);

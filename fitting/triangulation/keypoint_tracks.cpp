@@ -18,11 +18,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kFewPoints = 0.02;   ///< share of the frames times keypoints: less is nothing to fit
-constexpr double kPoorPoints = 0.4;   ///< worth a warning
-constexpr double kUnevenDepth = 6.0;  ///< of the standard deviations along the worst and the best direction
-constexpr double kSeldomShown = 0.5;  ///< of a camera's frames without the person: worth a warning
-constexpr double kSeldomSeen = 0.05;  ///< of the frames; a keypoint found less often counts as never found
+constexpr double kFewPoints = 0.02;    ///< share of the frames times keypoints: less is nothing to fit
+constexpr double kPoorPoints = 0.4;    ///< worth a warning
+constexpr double kUnevenDepth = 6.0;   ///< of the standard deviations along the worst and the best direction
+constexpr double kSeldomShown = 0.5;   ///< of a camera's frames without the person: worth a warning
+constexpr double kSeldomFound = 0.05;  ///< of the frames; a keypoint found less often counts as never found
 
 Error Inconsistent(const std::string& what, const std::string& where, const std::string& hint) {
   return {ErrorCode::kInconsistent, what, where, hint};
@@ -124,7 +124,7 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
   std::vector<Finding>& findings = found.findings;
   std::string never;
   for (std::size_t k = 0; k < report.keypoint_share.size(); ++k) {
-    if (report.keypoint_share[k] > kSeldomSeen) continue;
+    if (report.keypoint_share[k] > kSeldomFound) continue;
     never += (never.empty() ? "" : ", ") + report.keypoint_names[k];
   }
   if (!never.empty()) {
@@ -180,7 +180,7 @@ KeypointReport ReportOf(const Evidence& evidence, const std::vector<RigView>& ri
 }
 
 /// Median of each known length over the frames.
-std::vector<double> MedianLengths(const TriangulatedTracks& points, const std::vector<KnownLength>& lengths) {
+std::vector<double> MedianLengthsOfPoints(const TriangulatedTracks& points, const std::vector<KnownLength>& lengths) {
   std::vector<double> medians;
   for (const KnownLength& length : lengths) {
     std::vector<double> samples;
@@ -195,14 +195,14 @@ std::vector<double> MedianLengths(const TriangulatedTracks& points, const std::v
 }
 
 constexpr double kOddProportions = 0.15;  ///< mean |log ratio| of lengths from which on other orders are tried
-constexpr double kMuchBetter = 0.6;       ///< of it, in the other order
+constexpr double kMuchBetterOrder = 0.6;  ///< of it, in the other order
 
 /// Whether keypoints listed in another order make a person where they do not as named.
 std::optional<RigFault> WrongOrder(const Evidence& evidence, const TriangulatedTracks& points, const Skeleton& skeleton,
                                    double mismatch, std::vector<std::string>& names) {
   if (mismatch < kOddProportions) return {};
   const auto order = FindKeypointOrder(points.positions, points.confidence, evidence.keypoint_names, skeleton);
-  if (!order || order->found > kMuchBetter * order->given) return {};
+  if (!order || order->found > kMuchBetterOrder * order->given) return {};
   names = order->names;
   RigFault fault;
   fault.code = "keypoint_order";
@@ -236,7 +236,7 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
                                                     const Skeleton& skeleton, const std::vector<KnownLength>& lengths,
                                                     const KeypointFitOptions& options,
                                                     const std::vector<RigFault>& faults) {
-  const std::vector<double> measured = MedianLengths(points, lengths);
+  const std::vector<double> measured = MedianLengthsOfPoints(points, lengths);
   const ShapeMatch shape = CompareShape(measured, lengths);
   const auto again = [&](RigFault fault, const Evidence& corrected) {
     fault.corrected = true;
@@ -275,8 +275,9 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
 }
 
 /// Puts left and right limbs of single views right; true when anything changed.
-bool MendSides(const std::vector<RigView>& rig, const TriangulatedTracks& points, const std::vector<std::string>& names,
-               const KeypointFitOptions& options, std::vector<ViewKeypoints>& views, std::vector<RigFault>& faults) {
+bool MendSidesOfViews(const std::vector<RigView>& rig, const TriangulatedTracks& points,
+                      const std::vector<std::string>& names, const KeypointFitOptions& options,
+                      std::vector<ViewKeypoints>& views, std::vector<RigFault>& faults) {
   if (options.audit.sides == AuditAction::kOff) return false;
   const auto exchanges =
       FindSideExchanges(views, points, names, options.triangulation.noise, options.audit.side_margin);
@@ -328,7 +329,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   const auto frames = static_cast<int>(take.time_s.size());
   TriangulatedTracks points = TriangulateViews(views, frames, keypoints, options.triangulation);
   std::vector<RigFault> sides;
-  if (MendSides(rig, points, evidence.keypoint_names, options, views, sides))
+  if (MendSidesOfViews(rig, points, evidence.keypoint_names, options, views, sides))
     points = TriangulateViews(views, frames, keypoints, options.triangulation);
   found.report = ReportOf(evidence, rig, take, person, points);
   if (found.report.triangulated < kFewPoints) {

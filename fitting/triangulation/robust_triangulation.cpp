@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kParallel = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
+constexpr double kParallelRays = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
 constexpr int kMostPairs = 16;
 constexpr int kRefinements = 4;
 constexpr double kTrust = 1.0 / 3.0;  ///< of the outlier limit: up to here a view counts almost fully
@@ -62,7 +62,7 @@ class NearestPoint {
   Vector3d right_ = Vector3d::Zero();
 };
 
-bool Parallel(const ViewRay& a, const ViewRay& b) { return a.direction.cross(b.direction).norm() < kParallel; }
+bool Parallel(const ViewRay& a, const ViewRay& b) { return a.direction.cross(b.direction).norm() < kParallelRays; }
 
 bool AllParallel(const Rays& rays) {
   for (std::size_t i = 1; i < rays.size(); ++i) {
@@ -77,7 +77,7 @@ struct Refined {
   bool solved = false;
 };
 
-Refined Refine(const Rays& rays, const Vector3d& start, double scale, double noise) {
+Refined RefinePoint(const Rays& rays, const Vector3d& start, double scale, double noise) {
   Refined refined;
   refined.point = start;
   for (int i = 0; i < kRefinements; ++i) {
@@ -149,7 +149,8 @@ bool AllWithin(const Rays& rays, const Vector3d& point, double limit) {
 }
 
 /// Point, and which rays agree with it; empty when too few do.
-std::optional<TriangulatedPoint> Judge(const Rays& rays, const Refined& refined, const TriangulationOptions& options) {
+std::optional<TriangulatedPoint> JudgePoint(const Rays& rays, const Refined& refined,
+                                            const TriangulationOptions& options) {
   if (!refined.solved) return {};
   TriangulatedPoint point;
   point.position = refined.point;
@@ -240,13 +241,14 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
   NearestPoint nearest;
   for (const ViewRay& ray : rays) nearest.Add(ray);
   const double scale = kTrust * options.outlier;
-  const Refined all = Refine(rays, nearest.Solve(), scale, options.noise);
-  if (all.solved && AllWithin(rays, all.point, scale)) return Judge(rays, all, options);
+  const Refined all = RefinePoint(rays, nearest.Solve(), scale, options.noise);
+  if (all.solved && AllWithin(rays, all.point, scale)) return JudgePoint(rays, all, options);
   const Vector3d start = BestPoint(rays, all.solved ? all.point : nearest.Solve(), scale);
-  const Refined best = Refine(rays, start, scale, options.noise);
-  const auto point = Judge(rays, best, options);
+  const Refined best = RefinePoint(rays, start, scale, options.noise);
+  const auto point = JudgePoint(rays, best, options);
   if (point || !best.solved) return point;
-  return Judge(rays, Refine(rays, best.point, options.outlier, options.noise), options);  // views that agree less well
+  return JudgePoint(rays, RefinePoint(rays, best.point, options.outlier, options.noise),
+                    options);  // views that agree less well
 }
 
 TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int frames, int keypoints,

@@ -28,7 +28,7 @@ std::vector<bool> UnmeasuredBones(const SkeletonTracks& tracks, const PoseState&
   return unmeasured;
 }
 
-double SpreadOf(const Skeleton& skeleton, int bone) {
+double SpreadOfBone(const Skeleton& skeleton, int bone) {
   const int start = skeleton.joints[bone].parent;
   return skeleton.joints[start].mirror == start ? kTrunkSpread : kLimbSpread;
 }
@@ -137,7 +137,7 @@ class BodyEquations {
       if (place_[at] >= 0)
         information.diagonal().segment<3>(place_[at]).setConstant(1.0 / (PlaceSpread(at) * PlaceSpread(at)));
       if (bone_[at] < 0) continue;
-      const double spread = SpreadOf(*whole_.tracks.skeleton, j);
+      const double spread = SpreadOfBone(*whole_.tracks.skeleton, j);
       information.diagonal().segment<3>(bone_[at]).setConstant(1.0 / (spread * spread));
     }
     return information;

@@ -6,6 +6,8 @@
 
 namespace mocurate {
 
+constexpr double kUnknownAngle = 3.289868133696453;  ///< variance of a uniform angle, pi^2 / 3
+
 /// How far the end of a bone that nobody has measured lies from where the skeleton in the person's size has it:
 /// standard deviation per axis, metres, of bones that start in the trunk (at a joint that is its own mirror image) and
 /// of the others. Root mean squares over bodies of body_cc0 between its man and its woman (body_spread_test). People

@@ -12,7 +12,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kUnknownAngle = 3.289868133696453;  ///< variance of a uniform angle, pi^2 / 3
 constexpr double kSmallestFactor = 0.25;  ///< tracks without noise are not taken for better than half their floor
 constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as left over, at least
 

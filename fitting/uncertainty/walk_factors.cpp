@@ -9,13 +9,13 @@
 
 namespace mocurate {
 namespace {
-constexpr double kReach_s = 0.12;    ///< steps that are nearby in time
-constexpr double kJointSteps = 5.0;  ///< that the joint's mean counts for beside them
-constexpr double kAllSteps = 10.0;   ///< that the mean of all joints counts for beside the joint's
-constexpr int kPriorSteps = 3;       ///< for which one covariance of the walks stands
+constexpr double kStepReach_s = 0.12;  ///< steps that are nearby in time
+constexpr double kJointSteps = 5.0;    ///< that the joint's mean counts for beside them
+constexpr double kAllSteps = 10.0;     ///< that the mean of all joints counts for beside the joint's
+constexpr int kPriorSteps = 3;         ///< for which one covariance of the walks stands
 constexpr double kLeastKnown = 1e-4;
-constexpr double kSmallest = 0.05;  ///< nobody is a statue
-constexpr double kLargest = 4.0;
+constexpr double kSmallestStepFactor = 0.05;  ///< nobody is a statue
+constexpr double kLargestStepFactor = 4.0;
 
 /// Steps of the solved fit against the walks that it was solved with. (F*J)
 struct Steps {
@@ -102,7 +102,7 @@ class StepReader {
 };
 
 /// Squares of steps, and how much of them is known.
-struct Sum {
+struct StepSum {
   double square = 0.0;
   double known = 0.0;
   double count = 0.0;
@@ -119,26 +119,27 @@ struct Sum {
 void Average(const TrackWindow& window, const Steps& steps, std::vector<double>& factors) {
   const int frames = window.end;
   const int joints = window.tracks.joints();
-  Sum all;
+  StepSum all;
   for (std::size_t at = 0; at < steps.square.size(); ++at) all.Add(steps, at);
   if (all.known == 0.0) return;
   const double usual = all.known / all.count;  // of a step
   for (int j = 0; j < joints; ++j) {
-    Sum joint;
+    StepSum joint;
     for (int f = 0; f < frames; ++f) joint.Add(steps, window.Index(f, j));
     const double mean = joint.Towards(all.square / all.known, kAllSteps * usual);
-    Sum nearby;
+    StepSum nearby;
     int first = 0;
     int last = 0;  // [first, last) is nearby
     for (int f = 0; f < frames; ++f) {
       const double time = window.tracks.time_s[f];
-      for (; last < frames && window.tracks.time_s[last] <= time + kReach_s; ++last) {
+      for (; last < frames && window.tracks.time_s[last] <= time + kStepReach_s; ++last) {
         nearby.Add(steps, window.Index(last, j));
       }
-      for (; window.tracks.time_s[first] < time - kReach_s; ++first) nearby.Add(steps, window.Index(first, j), -1.0);
+      for (; window.tracks.time_s[first] < time - kStepReach_s; ++first)
+        nearby.Add(steps, window.Index(first, j), -1.0);
       if (steps.square[window.Index(f, j)] < 0.0) continue;
       const double square = std::max(nearby.Towards(mean, kJointSteps * usual), 0.0);
-      factors[window.Index(f, j)] = std::clamp(std::sqrt(square), kSmallest, kLargest);
+      factors[window.Index(f, j)] = std::clamp(std::sqrt(square), kSmallestStepFactor, kLargestStepFactor);
     }
   }
 }

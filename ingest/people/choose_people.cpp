@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {

@@ -62,7 +62,7 @@ std::vector<std::pair<const AsfBone*, const AsfBone*>> PairsOf(const Asf& asf) {
   return pairs;
 }
 
-std::string PlaceOf(const std::string& file, const AsfBone& bone) {
+std::string PlaceOfBone(const std::string& file, const AsfBone& bone) {
   return file + (bone.line > 0 ? ":" + std::to_string(bone.line) : "") + ": bone '" + bone.name + "'";
 }
 
@@ -75,7 +75,7 @@ void DoubtPairs(const Asf& asf, const std::string& file, std::vector<Finding>& f
     const double ratio = none ? 0.0 : longer.length / shorter.length;
     if (!none && ratio < kMostUnequal) continue;
     findings.push_back(AsfContradiction("bone_length", shorter.name, ratio,
-                                        PlaceOf(file, shorter) + " of length " + Digits(shorter.length) +
+                                        PlaceOfBone(file, shorter) + " of length " + Digits(shorter.length) +
                                             (none ? ", while " : " is " + Digits(ratio) + " times shorter than ") +
                                             "'" + longer.name + "' of the other side" + (none ? " has " : ", ") +
                                             Digits(longer.length) + " (line " + std::to_string(longer.line) +
@@ -97,7 +97,7 @@ void DoubtOnlyZero(const Asf& asf, const std::string& file, std::vector<Finding>
     if (finding.joint == none->name) return;
   }
   findings.push_back(AsfContradiction("bone_length", none->name, 0.0,
-                                      PlaceOf(file, *none) + " has length 0, all " +
+                                      PlaceOfBone(file, *none) + " has length 0, all " +
                                           std::to_string(asf.bones.size() - 1) +
                                           " others have one: mend its `length`"));
 }
@@ -150,9 +150,9 @@ void DoubtDirections(const Asf& asf, const std::string& file, std::vector<Findin
       const std::string letter(1, "xyz"[axis]);
       findings.push_back(AsfContradiction(
           "bone_direction", bone.name, off,
-          PlaceOf(file, bone) + " has the direction " + Digits(bone.direction.x()) + " " + Digits(bone.direction.y()) +
-              " " + Digits(bone.direction.z()) + ", " + Digits(off) + " degrees from the mirror image of '" +
-              other.name + "' (line " + std::to_string(other.line) +
+          PlaceOfBone(file, bone) + " has the direction " + Digits(bone.direction.x()) + " " +
+              Digits(bone.direction.y()) + " " + Digits(bone.direction.z()) + ", " + Digits(off) +
+              " degrees from the mirror image of '" + other.name + "' (line " + std::to_string(other.line) +
               "); sides of other bones agree, and these do with the sign of " + letter + " changed" +
               (axis == side ? "" : " in one of them") + ": mend `direction`"));
       break;

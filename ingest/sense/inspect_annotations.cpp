@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "ingest/sense/clip_report.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sources/babel_segments.h"
 
 namespace mocurate {
@@ -15,11 +16,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMostMissing = 20;
-
-std::string FolderOf(const std::string& path) {
-  const std::size_t slash = path.rfind('/');
-  return slash == std::string::npos ? "" : path.substr(0, slash);
-}
 
 /// Motions by every ending of their path.
 struct Motions {

@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_report.h"

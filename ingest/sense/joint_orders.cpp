@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
 #include "ingest/sense/point_exchange.h"
 #include "ingest/synthetic/tracker.h"
 

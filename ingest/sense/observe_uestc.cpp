@@ -11,33 +11,33 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kNames = "names.txt";
-constexpr const char* kCounts = "num_frames_min.txt";
-constexpr const char* kActions = "action_classes.txt";
+constexpr const char* kNamesFile = "names.txt";
+constexpr const char* kCountsFile = "num_frames_min.txt";
+constexpr const char* kActionsFile = "action_classes.txt";
 
 bool SpeaksOfVideos(std::string_view head) {
   const std::vector<std::string_view> lines = SplitText(head, '\n');
   return std::any_of(lines.begin(), lines.end(),
-                     [](std::string_view line) { return ParseUestcName(Trim(line), kNames).has_value(); });
+                     [](std::string_view line) { return ParseUestcName(Trim(line), kNamesFile).has_value(); });
 }
 
 }  // namespace
 
 bool IsUestcInfo(const std::filesystem::path& path) {
   const std::filesystem::path file = path.filename();
-  if (file != kNames && file != kCounts && file != kActions) return false;
-  const Expected<std::string> head = ReadHead(path.parent_path() / kNames);
+  if (file != kNamesFile && file != kCountsFile && file != kActionsFile) return false;
+  const Expected<std::string> head = ReadHead(path.parent_path() / kNamesFile);
   return head && SpeaksOfVideos(*head);
 }
 
 Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file) {
   ObservedCompanion companion{file.name, "uestc_info", {}, {}};
   const std::filesystem::path list = file.path.filename();
-  if (list == kNames) {
+  if (list == kNamesFile) {
     const auto videos = ParseUestcNames(file.bytes, file.name);
     if (!videos) return Forward(videos);
     companion.numbers = {{"videos", static_cast<double>(videos->size())}};
-  } else if (list == kCounts) {
+  } else if (list == kCountsFile) {
     const auto frames = ParseUestcFrameCounts(file.bytes, file.name);
     if (!frames) return Forward(frames);
     double sum = 0.0;

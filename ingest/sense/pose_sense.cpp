@@ -12,20 +12,20 @@ namespace {
 
 constexpr std::size_t kFewestFrames = 5;
 constexpr std::size_t kMostSpans = 20;
-constexpr std::size_t kFirstColumn = 3, kBodyColumns = 66;  // root, 21 joints of the body
+constexpr std::size_t kFirstColumn = 3, kColumnsOfBody = 66;  // root, 21 joints of the body
 
-class Poses {
+class HeldPoses {
  public:
-  explicit Poses(const Amass& amass) : amass_(amass) {}
+  explicit HeldPoses(const Amass& amass) : amass_(amass) {}
 
   bool SamePose(std::size_t f) const {
-    const std::size_t last = std::min(kBodyColumns, amass_.pose_columns);
+    const std::size_t last = std::min(kColumnsOfBody, amass_.pose_columns);
     return Same(amass_.poses, amass_.pose_columns, f, kFirstColumn, last);
   }
   bool SamePlace(std::size_t f) const { return Same(amass_.translation_m, 3, f, 0, 3); }
   bool AllZero(std::size_t f) const {
     const auto row = amass_.poses.begin() + static_cast<std::ptrdiff_t>(f * amass_.pose_columns);
-    return std::all_of(row + kFirstColumn, row + std::min<std::ptrdiff_t>(kBodyColumns, amass_.pose_columns),
+    return std::all_of(row + kFirstColumn, row + std::min<std::ptrdiff_t>(kColumnsOfBody, amass_.pose_columns),
                        [](double value) { return value == 0.0; });
   }
   bool Damaged(std::size_t f) const {
@@ -44,7 +44,7 @@ class Poses {
   const Amass& amass_;
 };
 
-Finding FrozenPose(const Poses& poses, std::size_t begin, std::size_t end, std::size_t frames) {
+Finding FrozenPose(const HeldPoses& poses, std::size_t begin, std::size_t end, std::size_t frames) {
   const bool zero = poses.AllZero(begin);
   Finding finding =
       FrameFinding("frozen_pose", static_cast<int>(begin), static_cast<int>(end), "", static_cast<double>(end - begin),
@@ -61,7 +61,7 @@ Finding FrozenPose(const Poses& poses, std::size_t begin, std::size_t end, std::
 
 std::vector<Finding> DoubtPoses(const Amass& amass) {
   std::vector<Finding> findings;
-  const Poses poses(amass);
+  const HeldPoses poses(amass);
   if (amass.pose_columns <= kFirstColumn) return findings;
   for (std::size_t f = 1; f < amass.frames;) {
     const std::size_t begin = f - 1;

@@ -104,7 +104,8 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = asf->findings;
-  for (const std::vector<Finding>& more : {amc->findings, DoubtSkeleton(*asf, file.skeleton_name, DeclaredUnit(source))})
+  for (const std::vector<Finding>& more :
+       {amc->findings, DoubtSkeleton(*asf, file.skeleton_name, DeclaredUnit(source))})
     ingested.findings.insert(ingested.findings.end(), more.begin(), more.end());
   std::optional<Finding> angles = DoubtAngles(*asf, &*amc);
   if (!angles) angles = DoubtAngles(*amc, &*asf);

@@ -12,6 +12,7 @@ namespace mocurate {
 namespace {
 
 using program::Folder;
+using program::FromCache;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -22,12 +23,6 @@ using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 constexpr std::size_t kLargestFile = 380000;  // the dataset of the small job is larger, all else is smaller
-
-int FromCache(const nlohmann::json& document) {
-  int count = 0;
-  for (const auto& stage : document["stages"]) count += stage["from_cache"].get<int>();
-  return count;
-}
 
 std::vector<std::string> JsonJob(const Folder& folder, const std::string& output) {
   std::vector<std::string> arguments = SmallJob(folder, output);

@@ -138,4 +138,11 @@ inline std::vector<std::string> SmallJob(const Folder& folder, const std::string
           "assemble.splits=[]"};
 }
 
+/// Items that the stages of a run took from the cache.
+inline int FromCache(const nlohmann::json& document) {
+  int count = 0;
+  for (const auto& stage : document["stages"]) count += stage["from_cache"].get<int>();
+  return count;
+}
+
 }  // namespace mocurate::program

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using program::Folder;
+using program::FromCache;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -22,12 +23,6 @@ using program::SmallJob;
 using program::Started;
 using program::WriteText;
 using ::testing::HasSubstr;
-
-int FromCache(const nlohmann::json& document) {
-  int count = 0;
-  for (const auto& stage : document["stages"]) count += stage["from_cache"].get<int>();
-  return count;
-}
 
 int Items(const nlohmann::json& document) {
   int count = 0;

@@ -6,7 +6,7 @@
 namespace mocurate {
 namespace {
 
-std::string MessageOf(const nlohmann::json& json) {
+std::string JsonMessage(const nlohmann::json& json) {
   const auto options = OptionsFromJson<SampleOptions>(json);
   return options ? "" : options.error().Message();
 }
@@ -52,7 +52,7 @@ TEST(OptionsJson, EveryProblemIsToldAtOnce) {
                                {"loss", "hubert"},
                                {"trim", {{"enabled", 1}, {"sped", 2}}},
                                {"joints", {{{"weight", -1}}, 5}}};
-  EXPECT_EQ(MessageOf(json),
+  EXPECT_EQ(JsonMessage(json),
             "options.seed: 1.5 must be a whole number\n"
             "options.height: 9 is out of range (allowed: 0.5 to 2.5 m)\n"
             "options.limit: \"none\" must be a number in m\n"
@@ -66,13 +66,13 @@ TEST(OptionsJson, EveryProblemIsToldAtOnce) {
 }
 
 TEST(OptionsJson, WrongShapesAreRefused) {
-  EXPECT_EQ(MessageOf(nlohmann::json::array()), "options: [] must be a mapping");
-  EXPECT_EQ(MessageOf({{"labels", {{"a", 1}}}}), "options.labels.a: 1 must be a text");
-  EXPECT_EQ(MessageOf({{"people", "p1"}}), "options.people: \"p1\" must be a list of texts");
-  EXPECT_EQ(MessageOf({{"joints", 1}}), "options.joints: 1 must be a list");
-  EXPECT_EQ(MessageOf({{"seed", 18446744073709551615u}}),
+  EXPECT_EQ(JsonMessage(nlohmann::json::array()), "options: [] must be a mapping");
+  EXPECT_EQ(JsonMessage({{"labels", {{"a", 1}}}}), "options.labels.a: 1 must be a text");
+  EXPECT_EQ(JsonMessage({{"people", "p1"}}), "options.people: \"p1\" must be a list of texts");
+  EXPECT_EQ(JsonMessage({{"joints", 1}}), "options.joints: 1 must be a list");
+  EXPECT_EQ(JsonMessage({{"seed", 18446744073709551615u}}),
             "options.seed: 18446744073709551615 is out of range (allowed: 0 to 1000)");
-  EXPECT_EQ(MessageOf({{"height", nullptr}}), "options.height: null must be a number in m");
+  EXPECT_EQ(JsonMessage({{"height", nullptr}}), "options.height: null must be a number in m");
 }
 
 TEST(Finding, SurvivesJson) {

@@ -12,13 +12,12 @@
 #include "canon/stages.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
+#include "tests/canon/moving_clips.h"
 
 namespace mocurate {
 namespace {
 
 using ::testing::HasSubstr;
-
-SkeletonPtr Skeleton15() { return *LoadSkeleton("openni15"); }
 
 /// Runs `assemble` over one clip per motion and reads the set.
 struct Assembled {

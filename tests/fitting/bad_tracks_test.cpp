@@ -43,7 +43,7 @@ double SigmaAt(const FitResult& fit, int frame, int joint) {
   return std::sqrt((c[0] + c[3] + c[5]) / 3.0);
 }
 
-long Told(const FitResult& fit, const std::string& code) {
+long TimesTold(const FitResult& fit, const std::string& code) {
   return std::count_if(fit.findings.begin(), fit.findings.end(),
                        [&](const Finding& finding) { return finding.code == code; });
 }
@@ -53,10 +53,10 @@ TEST(BadTracks, OfOneAndTwoFramesAreFitted) {
     const Take take = SmoothTake(frames);
     const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
     EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2e-3) << frames;
-    EXPECT_EQ(Told(fit, "noise_not_measured"), 1);
+    EXPECT_EQ(TimesTold(fit, "noise_not_measured"), 1);
     EXPECT_GT(SigmaAt(fit, 0, 5), 0.005) << "who saw one frame does not know a joint to a millimetre";
   }
-  EXPECT_EQ(Told(SoundFit(ClipOf(SmoothTake(30))), "noise_not_measured"), 0);
+  EXPECT_EQ(TimesTold(SoundFit(ClipOf(SmoothTake(30))), "noise_not_measured"), 0);
 }
 
 /// 2-D points whose depth is a constant.
@@ -89,7 +89,7 @@ TEST(BadTracks, AtZeroAreNotObserved) {
   };
   zero_from(20);
   const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
-  EXPECT_EQ(Told(fit, "zero_frames"), 1);
+  EXPECT_EQ(TimesTold(fit, "zero_frames"), 1);
   for (int f = 0; f < 60; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) {
       const JointState state = fit.motion.state[static_cast<std::size_t>(f) * 14 + static_cast<std::size_t>(j)];
@@ -100,7 +100,7 @@ TEST(BadTracks, AtZeroAreNotObserved) {
   zero_from(2);
   const auto hardly = FitTracksOfClip(ClipOf(take), TestSkeleton(), take.truth.bone_length, FittingOptions{});
   ASSERT_TRUE(hardly.has_value()) << "frames in one point are no flat body: " << hardly.error().what;
-  EXPECT_EQ(Told(*hardly, "zero_frames"), 1);
+  EXPECT_EQ(TimesTold(*hardly, "zero_frames"), 1);
   zero_from(0);
   const auto nobody = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
   ASSERT_FALSE(nobody.has_value());

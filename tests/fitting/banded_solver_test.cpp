@@ -14,9 +14,9 @@ namespace {
 
 /// A noisy take with everything that a cost depends on: hidden joints, confidences, wrong samples, a gap in time, a
 /// joint with limits, and a state beside the truth.
-class Window : public testing::TestWithParam<bool> {
+class BandedWindow : public testing::TestWithParam<bool> {
  protected:
-  Window() : take_(SmoothTake(6)) {
+  BandedWindow() : take_(SmoothTake(6)) {
     auto limited = std::make_shared<Skeleton>(*take_.tracks.skeleton);
     limited->joints[4].limits = JointLimits{Vector3d(-0.1, -0.1, -0.1), Vector3d(0.1, 0.1, 0.1)};
     take_.tracks.skeleton = limited;
@@ -104,20 +104,20 @@ class Window : public testing::TestWithParam<bool> {
   std::unique_ptr<PoseState> state_;
 };
 
-TEST_F(Window, HasTheCostGradientAndInformationOfItsCeresProblem) { ExpectSameAsCeres(Of(0, 6, Bones::kFixed)); }
+TEST_F(BandedWindow, HasTheCostGradientAndInformationOfItsCeresProblem) { ExpectSameAsCeres(Of(0, 6, Bones::kFixed)); }
 
-TEST_F(Window, HasThemWithFreeBones) { ExpectSameAsCeres(Of(0, 6, Bones::kFree)); }
+TEST_F(BandedWindow, HasThemWithFreeBones) { ExpectSameAsCeres(Of(0, 6, Bones::kFree)); }
 
-TEST_F(Window, HasThemWithASamplesOwnPrecision) {
+TEST_F(BandedWindow, HasThemWithASamplesOwnPrecision) {
   AddUnevenNoise(take_.tracks, 0.02, 6);
   ExpectSameAsCeres(Of(0, 6, Bones::kFixed));
   ExpectSameAsCeres(Of(2, 5, Bones::kFixed));
   ExpectSameAsCeres(Of(0, 6, Bones::kFree));
 }
 
-TEST_F(Window, HasThemBesideAHeldFrame) { ExpectSameAsCeres(Of(2, 5, Bones::kFixed)); }
+TEST_F(BandedWindow, HasThemBesideAHeldFrame) { ExpectSameAsCeres(Of(2, 5, Bones::kFixed)); }
 
-TEST_F(Window, HasThemWithRecordedRotations) {
+TEST_F(BandedWindow, HasThemWithRecordedRotations) {
   Random random(9, "recorded");
   RotationTargets targets;
   for (int f = 0; f < take_.tracks.frames(); ++f) {
@@ -137,7 +137,7 @@ TEST_F(Window, HasThemWithRecordedRotations) {
   }
 }
 
-TEST_F(Window, HasThemForOneFrame) {
+TEST_F(BandedWindow, HasThemForOneFrame) {
   for (int j = 0; j < take_.tracks.joints(); ++j)
     take_.tracks.confidence[j] = 0.5;  // else bones have no block in Ceres
   ExpectSameAsCeres(Of(0, 1, Bones::kFree));

@@ -15,9 +15,9 @@
 namespace mocurate {
 namespace {
 
-constexpr int kChest = 1, kElbow = 4, kWrist = 5;
+constexpr int kChest = 1, kElbowOfArm = 4, kWristOfArm = 5;
 
-Matrix3d At(const std::vector<float>& covariances, int frame, int joint, int joints) {
+Matrix3d SpreadOfJoint(const std::vector<float>& covariances, int frame, int joint, int joints) {
   const float* c = covariances.data() + 6 * (static_cast<std::size_t>(frame) * joints + joint);
   Matrix3d covariance;
   covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
@@ -52,30 +52,30 @@ std::vector<float> OfTakeWithout(const std::vector<int>& hidden) {
 TEST(BodySpread, AddsNothingWhereAllJointsAreSeen) { EXPECT_TRUE(OfTakeWithout({}).empty()); }
 
 TEST(BodySpread, IsThatOfItsBoneAndOfAHeldJointBeyondTheLastSeenJoint) {
-  const auto covariances = OfTakeWithout({kWrist});
+  const auto covariances = OfTakeWithout({kWristOfArm});
   const double arm = 0.25, along = kLimbSpread * kLimbSpread, across = along + kLimbTurn * kLimbTurn * arm * arm;
   for (const int frame : {0, 6, 9}) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(At(covariances, frame, kWrist, 14));
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(SpreadOfJoint(covariances, frame, kWristOfArm, 14));
     EXPECT_NEAR(eigen.eigenvalues()[0], along, 0.01 * along);
     EXPECT_NEAR(eigen.eigenvalues()[1], across, 0.01 * across);
     EXPECT_NEAR(eigen.eigenvalues()[2], across, 0.01 * across);
-    EXPECT_LT(At(covariances, frame, kElbow, 14).trace(), 1e-12);
+    EXPECT_LT(SpreadOfJoint(covariances, frame, kElbowOfArm, 14).trace(), 1e-12);
   }
 }
 
 TEST(BodySpread, IsBoundedFromBothSidesBetweenSeenJoints) {
-  const std::vector<int> arms_and_head = {2, 3, kElbow, kWrist, 6, 7, 8, 13};
+  const std::vector<int> arms_and_head = {2, 3, kElbowOfArm, kWristOfArm, 6, 7, 8, 13};
   std::vector<int> with_chest = arms_and_head;
   with_chest.push_back(kChest);
   const auto between = OfTakeWithout({kChest});
   const auto beyond = OfTakeWithout(with_chest);
-  const double open = At(beyond, 5, kChest, 14).trace();
+  const double open = SpreadOfJoint(beyond, 5, kChest, 14).trace();
   EXPECT_NEAR(open, 3.0 * kTrunkSpread * kTrunkSpread, 0.02 * open);
-  EXPECT_LT(At(between, 5, kChest, 14).trace(), 0.8 * open);
-  EXPECT_GT(At(between, 5, kChest, 14).trace(), 0.1 * open);
+  EXPECT_LT(SpreadOfJoint(between, 5, kChest, 14).trace(), 0.8 * open);
+  EXPECT_GT(SpreadOfJoint(between, 5, kChest, 14).trace(), 0.1 * open);
   for (const int shoulder : {3, 6}) {
-    EXPECT_LT(At(between, 5, shoulder, 14).trace(), 0.3 * open);
-    EXPECT_GT(At(beyond, 5, shoulder, 14).trace(), 2.0 * open);  // of two bones, and the chest may turn
+    EXPECT_LT(SpreadOfJoint(between, 5, shoulder, 14).trace(), 0.3 * open);
+    EXPECT_GT(SpreadOfJoint(beyond, 5, shoulder, 14).trace(), 2.0 * open);  // of two bones, and the chest may turn
   }
 }
 
@@ -96,7 +96,7 @@ TEST(BodySpread, CoversWhereTheUnseenJointsOfOtherBodiesAre) {
     const auto fit = FitJointTracks(take.tracks, take.truth.rate, TestSkeleton()->RestBoneLengths(), Bones::kFixed, {});
     ASSERT_TRUE(fit.has_value()) << fit.error().Message();
     for (const int frame : {0, 10, 19}) {
-      const Eigen::LLT<Matrix3d> root(At(fit->motion.position_cov, frame, kChest, 14));
+      const Eigen::LLT<Matrix3d> root(SpreadOfJoint(fit->motion.position_cov, frame, kChest, 14));
       const Vector3d off = fit->motion.joints.at(frame, kChest) - take.truth.joints.at(frame, kChest);
       const Vector3d white = root.matrixL().solve(off);
       within_one += static_cast<int>((white.array().abs() < 1.0).count());

@@ -11,18 +11,19 @@
 namespace mocurate {
 namespace {
 
-constexpr int kJoints = 5;
-constexpr int kParameters = 3 + 3 * kJoints;  ///< translation, rotation vectors
-const std::array<double, kJoints> kBones = {0.0, 0.3, 0.35, 0.4, 0.45};
+constexpr int kJointsOfBranched = 5;
+constexpr int kParameters = 3 + 3 * kJointsOfBranched;  ///< translation, rotation vectors
+const std::array<double, kJointsOfBranched> kBones = {0.0, 0.3, 0.35, 0.4, 0.45};
 using Jet = ceres::Jet<double, kParameters>;
 
 /// A chain 0-1-2-3 with joint 4 beside joint 2.
-Skeleton Chain() {
+Skeleton BranchedChain() {
   Skeleton skeleton;
-  const std::array<int, kJoints> parents = {-1, 0, 1, 2, 1};
-  const std::array<Vector3d, kJoints> offsets = {Vector3d::Zero(), Vector3d(0.1, 0.3, 0.0), Vector3d(0.0, -0.4, 0.1),
-                                                 Vector3d(0.2, 0.1, 0.0), Vector3d(-0.3, 0.0, 0.1)};
-  for (int j = 0; j < kJoints; ++j) {
+  const std::array<int, kJointsOfBranched> parents = {-1, 0, 1, 2, 1};
+  const std::array<Vector3d, kJointsOfBranched> offsets = {Vector3d::Zero(), Vector3d(0.1, 0.3, 0.0),
+                                                           Vector3d(0.0, -0.4, 0.1), Vector3d(0.2, 0.1, 0.0),
+                                                           Vector3d(-0.3, 0.0, 0.1)};
+  for (int j = 0; j < kJointsOfBranched; ++j) {
     Joint joint;
     joint.name = "j" + std::to_string(j);
     joint.parent = parents[j];
@@ -73,7 +74,7 @@ T Residual(const Skeleton& skeleton, const FleshCapsule& capsule, const Vector3d
 
 /// One random pose, capsule and point.
 struct Case {
-  Skeleton skeleton = Chain();
+  Skeleton skeleton = BranchedChain();
   FleshCapsule capsule;
   Vector3d point;
   std::array<double, kParameters> parameters;
@@ -97,7 +98,7 @@ struct Case {
 
 /// The cost's own residual and its Jacobian scattered over all parameters.
 double Evaluate(const Case& given, std::array<double, kParameters>& gradient) {
-  PoseState state(given.skeleton, 1, {kBones.begin(), kBones.end()}, std::vector<bool>(kJoints, true));
+  PoseState state(given.skeleton, 1, {kBones.begin(), kBones.end()}, std::vector<bool>(kJointsOfBranched, true));
   std::copy(given.parameters.begin(), given.parameters.end(), state.translation(0));
   state.Update(0, 1, true);
   const CapsuleDistanceCost cost(state, 0, given.capsule, given.point, given.weight);

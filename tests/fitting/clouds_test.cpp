@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::filesystem::path Folder(const std::string& name) {
+std::filesystem::path CloudsFolder(const std::string& name) {
   return std::filesystem::path(::testing::TempDir()) / ("mocurate_clouds_" + std::to_string(getpid()) + "_" + name);
 }
 
@@ -43,7 +43,7 @@ TEST(CloudFit, RecoversACapsulePersonInThreeViews) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
   const Motion truth = Standing(skeleton, 3);
-  const auto clip = RenderClip(truth, Folder("person"));
+  const auto clip = RenderClip(truth, CloudsFolder("person"));
   ASSERT_TRUE(clip) << clip.error().Message();
   const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
   ASSERT_TRUE(fit) << fit.error().Message();
@@ -62,7 +62,7 @@ TEST(CloudFit, FindsAPersonWhoFacesAwayFromTheFirstCamera) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
   const Motion truth = Standing(skeleton, 1, 2.5);
-  const auto clip = RenderClip(truth, Folder("away"));
+  const auto clip = RenderClip(truth, CloudsFolder("away"));
   ASSERT_TRUE(clip) << clip.error().Message();
   const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
   ASSERT_TRUE(fit) << fit.error().Message();
@@ -76,7 +76,7 @@ double ErrorAfter(double seconds, const SkeletonPtr& skeleton) {
   const int arm = *skeleton->FindJoint("plain_left_shoulder");
   truth.rotation_at(1, arm) = ExpQuaternion({0.0, 0.0, 0.2});
   truth = MakeMotion(skeleton, truth.rate, truth.root_translation, truth.rotation, truth.bone_length);
-  auto clip = RenderClip(truth, Folder("later"));
+  auto clip = RenderClip(truth, CloudsFolder("later"));
   if (!clip) return -1.0;
   for (DepthView& view : clip->evidence.depth_views) view.time_s = {0.0, seconds};
   const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
@@ -94,7 +94,7 @@ TEST(CloudFit, TheLongerAgoTheFrameBeforeTheLessItHolds) {
 }
 
 /// Points every `step` metres of an upright box or a level square, normals up.
-FusedCloud Scene(const std::vector<Vector3d>& points) {
+FusedCloud CloudOf(const std::vector<Vector3d>& points) {
   FusedCloud cloud{Eigen::Matrix3Xd(3, points.size()), Eigen::Matrix3Xd(3, points.size()), 0};
   for (std::size_t i = 0; i < points.size(); ++i) {
     cloud.points.col(static_cast<Eigen::Index>(i)) = points[i];
@@ -119,7 +119,7 @@ TEST(PersonPoints, KeepsThePersonWithoutTheFloorAndWhatStandsApart) {
   }
   const std::vector<Vector3d> chair = Column({0.8, 0.05, 0.3}, 0.5);
   points.insert(points.end(), chair.begin(), chair.end());
-  const FusedCloud kept = PersonPoints(Scene(points), 0.015);
+  const FusedCloud kept = PersonPoints(CloudOf(points), 0.015);
   EXPECT_EQ(kept.size(), person);
   EXPECT_EQ(kept.left_out, static_cast<int>(points.size()) - person);
   EXPECT_LT(kept.points.row(0).maxCoeff(), 0.31);
@@ -129,13 +129,13 @@ TEST(PersonPoints, KeepsAPartThatAShadowCutsOff) {
   std::vector<Vector3d> points = Column({0.0, 0.0, 0.0}, 1.0);
   const std::vector<Vector3d> head = Column({0.0, 1.12, 0.0}, 0.3);
   points.insert(points.end(), head.begin(), head.end());
-  EXPECT_EQ(PersonPoints(Scene(points), 0.015).size(), static_cast<int>(points.size()));
+  EXPECT_EQ(PersonPoints(CloudOf(points), 0.015).size(), static_cast<int>(points.size()));
 }
 
 TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
-  const auto clip = RenderClip(Standing(skeleton, 3), Folder("gap"));
+  const auto clip = RenderClip(Standing(skeleton, 3), CloudsFolder("gap"));
   ASSERT_TRUE(clip) << clip.error().Message();
   for (const DepthView& view : clip->evidence.depth_views) {
     DepthImage nothing{view.camera.width, view.camera.height, {}};
@@ -157,7 +157,7 @@ TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
 TEST(CloudFit, PointsFarBehindThePersonChangeNothing) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
-  const auto clip = RenderClip(Standing(skeleton, 1), Folder("junk"));
+  const auto clip = RenderClip(Standing(skeleton, 1), CloudsFolder("junk"));
   ASSERT_TRUE(clip) << clip.error().Message();
   const auto clean = FitClouds(*clip, skeleton, {}, PointCloudOptions());
   int measured = 0, junk = 0;
@@ -180,7 +180,7 @@ TEST(CloudFit, PointsFarBehindThePersonChangeNothing) {
 TEST(CloudFit, ABodyOfAnotherSizeIsDoubtedWithANumber) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
-  const auto clip = RenderClip(Standing(skeleton, 1), Folder("other_size"));
+  const auto clip = RenderClip(Standing(skeleton, 1), CloudsFolder("other_size"));
   ASSERT_TRUE(clip) << clip.error().Message();
   std::vector<double> bones = skeleton->RestBoneLengths();
   for (double& bone : bones) bone *= 0.5;
@@ -195,7 +195,7 @@ TEST(CloudFit, ABodyOfAnotherSizeIsDoubtedWithANumber) {
 TEST(CloudFit, ImagesWithoutAPersonAreRefused) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
-  const auto clip = RenderClip(Standing(skeleton, 2), Folder("nobody"));
+  const auto clip = RenderClip(Standing(skeleton, 2), CloudsFolder("nobody"));
   ASSERT_TRUE(clip) << clip.error().Message();
   for (const DepthView& view : clip->evidence.depth_views) {
     DepthImage nothing{view.camera.width, view.camera.height, {}};
@@ -213,7 +213,7 @@ class Fusion : public ::testing::Test {
     const SkeletonPtr skeleton = PlainSkeleton();
     ASSERT_NE(skeleton, nullptr);
     truth_ = Standing(skeleton, 1);
-    auto clip = RenderClip(truth_, Folder("fusion"));
+    auto clip = RenderClip(truth_, CloudsFolder("fusion"));
     ASSERT_TRUE(clip) << clip.error().Message();
     views_ = clip->evidence.depth_views;
   }
@@ -251,7 +251,7 @@ TEST_F(Fusion, GivesTheSamePointsInTheSameSortedOrderEveryTime) {
 }
 
 TEST_F(Fusion, AMissingImageIsNamed) {
-  views_[1].files[0] = Folder("fusion") / "c1_99.png";
+  views_[1].files[0] = CloudsFolder("fusion") / "c1_99.png";
   const auto cloud = FuseViews(views_, 0, FusionOptions());
   ASSERT_FALSE(cloud);
   EXPECT_EQ(cloud.error().code, ErrorCode::kNotFound);
@@ -268,7 +268,7 @@ TEST_F(Fusion, AnImageOfAnotherSizeIsNamedWithBothSizes) {
 }
 
 TEST_F(Fusion, ADamagedImageIsNamedAndNothingIsPrinted) {
-  views_[0].files[0] = Folder("fusion") / "damaged.png";
+  views_[0].files[0] = CloudsFolder("fusion") / "damaged.png";
   std::ofstream(views_[0].files[0]) << "no image at all";
   ::testing::internal::CaptureStdout();
   const auto cloud = FuseViews(views_, 0, FusionOptions());

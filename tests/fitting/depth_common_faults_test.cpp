@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::filesystem::path Folder(const std::string& name) {
+std::filesystem::path CommonFaultsFolder(const std::string& name) {
   return std::filesystem::path(testing::TempDir()) /
          ("mocurate_common_faults_" + std::to_string(getpid()) + "_" + name);
 }
@@ -48,7 +48,7 @@ TEST_F(CommonFaults, DepthsThatAreAllTooLongOrTooShortAreMended) {
 
 TEST_F(CommonFaults, ImagesThatAreAllMirroredAreRefused) {
   for (const CloudTake& take : takes()) {
-    const auto views = WithMirroredImages(take.evidence.depth_views, Folder("mirrored"));
+    const auto views = WithMirroredImages(take.evidence.depth_views, CommonFaultsFolder("mirrored"));
     ASSERT_TRUE(views) << views.error().Message();
     const auto refused = AuditDepthRig(*views, {});
     ASSERT_FALSE(refused) << take.clip.name << ": " << Told(refused->report);

@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 constexpr double kDegree = 0.017453292519943295;
 constexpr double kStep_ms = 1000.0 / 30.0;
 
-std::filesystem::path Folder(const std::string& name) {
+std::filesystem::path RigFolder(const std::string& name) {
   return std::filesystem::path(::testing::TempDir()) / ("mocurate_depth_rig_" + std::to_string(getpid()) + "_" + name);
 }
 
@@ -62,8 +62,8 @@ class DepthRig : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     skeleton_ = PlainSkeleton();
-    moving_ = new Clip(*RenderClip(Somebody(skeleton_, 24, true), Folder("moving")));
-    standing_ = new Clip(*RenderClip(Somebody(skeleton_, 12, false), Folder("standing")));
+    moving_ = new Clip(*RenderClip(Somebody(skeleton_, 24, true), RigFolder("moving")));
+    standing_ = new Clip(*RenderClip(Somebody(skeleton_, 12, false), RigFolder("standing")));
   }
 
   static const std::vector<DepthView>& Moving() { return moving_->evidence.depth_views; }
@@ -260,8 +260,8 @@ TEST_F(DepthRig, OfTwoViewsItIsToldThatTheyDoNotFitEachOther) {
 TEST_F(DepthRig, AViewWithoutAnybodyAndAViewAloneAreNoFault) {
   std::vector<DepthView> views = Moving();
   const DepthImage nothing{320, 300, std::vector<std::uint16_t>(320 * 300, 0)};
-  std::filesystem::create_directories(Folder("empty"));
-  const std::filesystem::path file = Folder("empty") / "empty.png";
+  std::filesystem::create_directories(RigFolder("empty"));
+  const std::filesystem::path file = RigFolder("empty") / "empty.png";
   ASSERT_TRUE(WriteDepthImage(nothing, file));
   for (auto& name : views[2].files) name = file;
   const auto audited = AuditDepthRig(views, {});
@@ -289,8 +289,8 @@ TEST_F(DepthRig, AWallIsNobody) {
   for (int y = 0; y < 300; ++y) {
     for (int x = 0; x < 320; ++x) wall.values.push_back(static_cast<std::uint16_t>(2500 + 2 * x + (x * 7 + y * 3) % 9));
   }
-  std::filesystem::create_directories(Folder("wall"));
-  const std::filesystem::path file = Folder("wall") / "wall.png";
+  std::filesystem::create_directories(RigFolder("wall"));
+  const std::filesystem::path file = RigFolder("wall") / "wall.png";
   ASSERT_TRUE(WriteDepthImage(wall, file));
   for (DepthView& view : views) view.files.assign(view.files.size(), file);
   const auto refused = AuditDepthRig(views, {});
@@ -344,7 +344,7 @@ TEST(DepthRigInARoom, ThatIsWellIsLeftAlone) {
   options.clips = 3;
   options.frames = 12;
   options.room = true;
-  const std::vector<CloudTake> takes = CloudTakes(options, Folder("room"));
+  const std::vector<CloudTake> takes = CloudTakes(options, RigFolder("room"));
   if (takes.empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
   for (const CloudTake& take : takes) ExpectLeftAlone(take.evidence.depth_views);
 }

@@ -9,7 +9,7 @@
 namespace mocurate {
 namespace {
 
-SkeletonPtr Smpl() {
+SkeletonPtr WalkingSkeleton() {
   auto skeleton = LoadSkeleton("smpl24");
   EXPECT_TRUE(skeleton.has_value());
   return *skeleton;
@@ -17,7 +17,7 @@ SkeletonPtr Smpl() {
 
 /// Two seconds of a person who shifts to and fro by `sway` metres with bent knees; feet slide with the pelvis.
 Motion Swaying(double sway, int frames = 60) {
-  const SkeletonPtr skeleton = Smpl();
+  const SkeletonPtr skeleton = WalkingSkeleton();
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation;
   for (int f = 0; f < frames; ++f) {
@@ -136,7 +136,7 @@ TEST(FootContacts, AStraightLegBendsForwards) {
 }
 
 TEST(FootContacts, ASkeletonWithoutLegsIsRefused) {
-  Skeleton skeleton = *Smpl();
+  Skeleton skeleton = *WalkingSkeleton();
   skeleton.joints[4].parent = 0;
   EXPECT_EQ(LegsOf(skeleton).error().code, ErrorCode::kUnsupported);
 }

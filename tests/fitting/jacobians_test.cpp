@@ -15,16 +15,16 @@
 namespace mocurate {
 namespace {
 
-constexpr int kJoints = 5;
+constexpr int kJointsOfBent = 5;
 constexpr double kWeight = 3.0;
 /// Three times as sure along one direction as along another, and correlated.
 const Matrix3d kWhitening = (Matrix3d() << 3.0, 0.7, -0.4, 0.0, 1.2, 0.5, 0.0, 0.0, 0.9).finished();
 
 /// A chain of five joints bent at rest.
-Skeleton Chain() {
+Skeleton BentChain() {
   Skeleton skeleton;
-  const Vector3d offsets[kJoints] = {{0, 0, 0}, {0.1, 0.3, 0}, {0, 0.4, 0.1}, {0.3, 0, 0}, {0.2, 0.1, -0.1}};
-  for (int j = 0; j < kJoints; ++j) {
+  const Vector3d offsets[kJointsOfBent] = {{0, 0, 0}, {0.1, 0.3, 0}, {0, 0.4, 0.1}, {0.3, 0, 0}, {0.2, 0.1, -0.1}};
+  for (int j = 0; j < kJointsOfBent; ++j) {
     Joint joint;
     joint.name = "joint" + std::to_string(j);
     joint.parent = j - 1;
@@ -40,11 +40,11 @@ enum class Regime { kRandom, kIdentity, kTiny, kNearPi };
 
 class CostJacobian : public testing::TestWithParam<Regime> {
  protected:
-  CostJacobian() : skeleton_(Chain()), state_(skeleton_, 2, skeleton_.RestBoneLengths(), Active()) {
+  CostJacobian() : skeleton_(BentChain()), state_(skeleton_, 2, skeleton_.RestBoneLengths(), Active()) {
     Random random(7, "jacobians", std::to_string(static_cast<int>(GetParam())));
     for (int f = 0; f < 2; ++f) {
       for (int i = 0; i < 3; ++i) state_.translation(f)[i] = random.Normal();
-      for (int j = 0; j < kJoints; ++j) Eigen::Map<Vector3d>(state_.rotation(f, j)) = Draw(random);
+      for (int j = 0; j < kJointsOfBent; ++j) Eigen::Map<Vector3d>(state_.rotation(f, j)) = Draw(random);
     }
     state_.Update(0, 2, true);
   }
@@ -145,7 +145,7 @@ ceres::DynamicAutoDiffCostFunction<Functor> Automatic(Functor functor, const cer
 
 TEST_P(CostJacobian, OfJointPosition) {
   for (const bool free_bones : {false, true}) {
-    for (int joint = 0; joint < kJoints; ++joint) {
+    for (int joint = 0; joint < kJointsOfBent; ++joint) {
       for (const bool zero_residual : {false, true}) {
         const Vector3d seen = zero_residual ? state_.position(0, joint) : Vector3d(0.3, -0.2, 0.5);
         const JointPositionCost cost(state_, 0, joint, seen, kWhitening, free_bones);
@@ -159,7 +159,7 @@ TEST_P(CostJacobian, OfJointPosition) {
 
 TEST_P(CostJacobian, OfJointVelocity) {
   for (const bool free_bones : {false, true}) {
-    for (int joint = 0; joint < kJoints; ++joint) {
+    for (int joint = 0; joint < kJointsOfBent; ++joint) {
       const JointVelocityCost cost(state_, 0, joint, kWeight, free_bones);
       const int above = static_cast<int>(state_.path(joint).size());
       const auto automatic = Automatic(VelocityResidual{skeleton_, joint, above, free_bones}, cost);
@@ -189,7 +189,7 @@ struct RecordedResidual {
 };
 
 TEST_P(CostJacobian, OfJointRotation) {
-  for (int joint = 0; joint < kJoints; ++joint) {
+  for (int joint = 0; joint < kJointsOfBent; ++joint) {
     const Quaterniond here(state_.global(0, joint));
     for (const Vector3d& away : {Vector3d(0.3, -0.2, 0.5), Vector3d(1.5, 0.4, -1.0)}) {
       const JointRotationCost cost(state_, 0, joint, here * ExpQuaternion(away), kWeight);
@@ -285,8 +285,8 @@ TEST(JointLimits, CostNothingInside) {
 }
 
 TEST(RotationSmoothness, DoesNotSeeTheBranch) {
-  const Skeleton skeleton = Chain();
-  PoseState state(skeleton, 2, skeleton.RestBoneLengths(), std::vector<bool>(kJoints, true));
+  const Skeleton skeleton = BentChain();
+  PoseState state(skeleton, 2, skeleton.RestBoneLengths(), std::vector<bool>(kJointsOfBent, true));
   const Vector3d axis = Vector3d(1.0, 2.0, -1.0).normalized();
   Eigen::Map<Vector3d>(state.rotation(0, 1)).noalias() = 0.5 * axis;
   Eigen::Map<Vector3d>(state.rotation(1, 1)).noalias() = (0.6 - 2.0 * EIGEN_PI) * axis;

@@ -15,7 +15,7 @@
 namespace mocurate {
 namespace {
 
-FitResult Fit(const Take& take, const JointTrackOptions& options = {}) {
+FitResult FitTake(const Take& take, const JointTrackOptions& options = {}) {
   const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return *fit;
@@ -29,8 +29,8 @@ JointTrackOptions Tight() {
 
 TEST(JointTrackFit, RecoversNoiseFreeTracks) {
   const Take take = SmoothTake(60);
-  EXPECT_LT(LargestError(Fit(take).motion.joints, take.truth.joints), 5e-4);  // half of what is taken for noise
-  const FitResult fit = Fit(take, Tight());
+  EXPECT_LT(LargestError(FitTake(take).motion.joints, take.truth.joints), 5e-4);  // half of what is taken for noise
+  const FitResult fit = FitTake(take, Tight());
   EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 1e-4);
   EXPECT_TRUE(fit.converged);
   EXPECT_TRUE(fit.motion.Check().has_value()) << fit.motion.Check().error().Message();
@@ -49,15 +49,15 @@ INSTANTIATE_TEST_SUITE_P(JointTrackFit, AnyPosture,
 
 TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
   Take take = SmoothTake(40, ExpQuaternion(GetParam()));
-  const FitResult clean = Fit(take, Tight());
+  const FitResult clean = FitTake(take, Tight());
   EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 1e-4);
   AddNoise(take.tracks, 0.01, 5);
-  EXPECT_LT(RmsError(Fit(take).motion.joints, take.truth.joints), 0.012);
+  EXPECT_LT(RmsError(FitTake(take).motion.joints, take.truth.joints), 0.012);
 }
 
 TEST(JointTrackFit, FollowsAPersonThatSpinsSeveralTimes) {
   const Take take = SmoothTake(150, Quaterniond::Identity(), 30.0, 6.0);  // five turns
-  EXPECT_LT(LargestError(Fit(take, Tight()).motion.joints, take.truth.joints), 5e-4);
+  EXPECT_LT(LargestError(FitTake(take, Tight()).motion.joints, take.truth.joints), 5e-4);
 }
 
 // As of mocap bodies: neck and collars begin at one point, so that only what hangs on them tells how the chest is
@@ -72,7 +72,7 @@ TEST(JointTrackFit, ShouldersTurnAChestWhoseCollarsBeginAtItsTop) {
   AddNoise(take.tracks, 0.01, 5);
   JointTrackOptions closed_form;
   closed_form.steps.clear();
-  const FitResult start = Fit(take, closed_form);
+  const FitResult start = FitTake(take, closed_form);
   const std::vector<int> above{0, *body->FindJoint("spine1"), *body->FindJoint("spine2"), chest};
   const auto turn = [&](const Motion& motion, int f) {
     Quaterniond world = Quaterniond::Identity();
@@ -80,7 +80,7 @@ TEST(JointTrackFit, ShouldersTurnAChestWhoseCollarsBeginAtItsTop) {
     return world;
   };
   for (int f = 0; f < 60; ++f) EXPECT_LT(AngleBetween(turn(start.motion, f), turn(take.truth, f)), 0.7) << f;
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 8e-3);
 }
 
@@ -92,7 +92,7 @@ TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
       if (random.Uniform() < 0.5) Hide(take.tracks, f, j);
     }
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 0.01);
   EXPECT_LT(fit.residual_rms, 0.005);
   Take other = take;
@@ -100,7 +100,7 @@ TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
     if (other.tracks.confidence[i] > 0.0) continue;
     for (int k = 0; k < 3; ++k) other.tracks.positions.xyz[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
   }
-  EXPECT_EQ(Fit(other).motion.joints.xyz, fit.motion.joints.xyz);
+  EXPECT_EQ(FitTake(other).motion.joints.xyz, fit.motion.joints.xyz);
 }
 
 // Where the right side stands between the last and the next sight of it, a line between the two does not tell.
@@ -127,7 +127,7 @@ TEST(JointTrackFit, APersonWhoTurnsWhileOneSideIsHiddenStartsTurned) {
   }
   JointTrackOptions closed_form;
   closed_form.steps.clear();
-  const FitResult start = Fit(take, closed_form);
+  const FitResult start = FitTake(take, closed_form);
   for (int f = 0; f < 120; ++f) {
     EXPECT_LT(AngleBetween(start.motion.rotation_at(f, 0), take.truth.rotation_at(f, 0)), 0.5) << "frame " << f;
   }
@@ -137,7 +137,7 @@ TEST(JointTrackFit, MarksWhereEachJointComesFrom) {
   Take take = SmoothTake(30);
   for (int f = 0; f < 30; ++f) Hide(take.tracks, f, 5);
   Hide(take.tracks, 10, 2);
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   const int joints = take.tracks.joints();
   EXPECT_EQ(fit.motion.state[10 * joints + 2], JointState::kInterpolated);
   EXPECT_EQ(fit.motion.state[11 * joints + 2], JointState::kObserved);
@@ -149,7 +149,7 @@ TEST(JointTrackFit, InterpolatesFramesWithoutAnyEvidence) {
   for (int f = 25; f < 31; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 0.02);
   ASSERT_EQ(fit.findings.size(), 1u);
   EXPECT_EQ(fit.findings[0].code, "frames_without_evidence");
@@ -160,12 +160,12 @@ TEST(JointTrackFit, InterpolatesFramesWithoutAnyEvidence) {
 
 TEST(JointTrackFit, SurvivesAFirstFrameAloneAndASingleFrame) {
   const Take single = SmoothTake(1);
-  EXPECT_LT(LargestError(Fit(single, Tight()).motion.joints, single.truth.joints), 1e-3);
+  EXPECT_LT(LargestError(FitTake(single, Tight()).motion.joints, single.truth.joints), 1e-3);
   Take take = SmoothTake(20);
   for (int f = 1; f < 20; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   EXPECT_TRUE(fit.motion.Check().has_value());
   EXPECT_LT((fit.motion.joints.at(19, 0) - take.truth.joints.at(0, 0)).norm(), 0.1);
 }
@@ -173,14 +173,14 @@ TEST(JointTrackFit, SurvivesAFirstFrameAloneAndASingleFrame) {
 TEST(JointTrackFit, ResistsGrossOutliers) {
   Take take = SmoothTake(60);
   AddNoise(take.tracks, 0.005, 2);
-  const double undisturbed = RmsError(Fit(take).motion.joints, take.truth.joints);
+  const double undisturbed = RmsError(FitTake(take).motion.joints, take.truth.joints);
   Random random(4, "outliers");
   for (int f = 0; f < 60; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) {
       if (random.Uniform() < 0.03) take.tracks.positions.at(f, j) += Vector3d(1.0, -2.0, 0.7);
     }
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2.0 * undisturbed);
   ASSERT_FALSE(fit.findings.empty());
   EXPECT_EQ(fit.findings[0].code, "outliers_rejected");
@@ -189,11 +189,11 @@ TEST(JointTrackFit, ResistsGrossOutliers) {
 TEST(JointTrackFit, TrustsEachDirectionAsFarAsItsPrecisionSays) {
   Take take = SmoothTake(60);
   AddUnevenNoise(take.tracks, 0.02, 12);
-  const FitResult told = Fit(take);
+  const FitResult told = FitTake(take);
   EXPECT_NEAR(told.noise_sigma, 0.02, 0.002);  // that of a sample whose precision is the identity
   EXPECT_NEAR(told.variance_factor, 1.0, 0.15);
   take.tracks.precision.clear();
-  const FitResult untold = Fit(take);
+  const FitResult untold = FitTake(take);
   EXPECT_LT(RmsError(told.motion.joints, take.truth.joints), 0.8 * RmsError(untold.motion.joints, take.truth.joints));
 }
 
@@ -219,9 +219,9 @@ TEST(JointTrackFit, TrustsConfidence) {
     take.tracks.positions.at(f, 1) += Vector3d(0.03, 0, 0);
     take.tracks.confidence[static_cast<std::size_t>(f) * take.tracks.joints() + 1] = 0.05;
   }
-  const FitResult quiet = Fit(take);
+  const FitResult quiet = FitTake(take);
   for (double& confidence : take.tracks.confidence) confidence = 1.0;
-  const FitResult loud = Fit(take);
+  const FitResult loud = FitTake(take);
   const auto pull = [&](const FitResult& fit) {
     Vector3d sum = Vector3d::Zero();
     for (int f = 0; f < 40; ++f) sum += (fit.motion.joints.at(f, 1) - take.truth.joints.at(f, 1)) / 40.0;
@@ -238,7 +238,7 @@ TEST(JointTrackFit, DoesNotSmoothAcrossAGapInTime) {
     for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j).x() += jump;
   }
   AddNoise(take.tracks, 0.01, 11);
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitTake(take);
   const double before = fit.motion.joints.at(19, 0).x() - take.truth.joints.at(19, 0).x();
   const double after = fit.motion.joints.at(20, 0).x() - take.truth.joints.at(20, 0).x() - jump;
   EXPECT_LT(std::abs(before), 0.02);
@@ -251,7 +251,8 @@ TEST(JointTrackFit, GivesTheSameSmoothnessAtAnyRate) {
   AddNoise(slow.tracks, 0.02, 21);
   AddNoise(fast.tracks, 0.02, 21);
   // Four times the evidence in the same time must not cost accuracy, as smoothness by frame would.
-  EXPECT_LT(RmsError(Fit(fast).motion.joints, fast.truth.joints), RmsError(Fit(slow).motion.joints, slow.truth.joints));
+  EXPECT_LT(RmsError(FitTake(fast).motion.joints, fast.truth.joints),
+            RmsError(FitTake(slow).motion.joints, slow.truth.joints));
 }
 
 TEST(JointTrackFit, WindowsAgreeWithTheWholeClip) {
@@ -260,16 +261,16 @@ TEST(JointTrackFit, WindowsAgreeWithTheWholeClip) {
   JointTrackOptions windows = Tight();
   windows.window_frames = 60;
   windows.window_overlap = 20;
-  const FitResult whole = Fit(take, Tight());
-  const FitResult parts = Fit(take, windows);
+  const FitResult whole = FitTake(take, Tight());
+  const FitResult parts = FitTake(take, windows);
   EXPECT_LT(RmsError(whole.motion.joints, parts.motion.joints), 5e-4);
 }
 
 TEST(JointTrackFit, GivesTheSameBytesAgain) {
   Take take = SmoothTake(50);
   AddNoise(take.tracks, 0.02, 41);
-  const FitResult first = Fit(take);
-  const FitResult second = Fit(take);
+  const FitResult first = FitTake(take);
+  const FitResult second = FitTake(take);
   EXPECT_EQ(first.motion.joints.xyz, second.motion.joints.xyz);
   EXPECT_EQ(first.final_cost, second.final_cost);
 }
@@ -279,7 +280,7 @@ TEST(JointTrackFit, SaysWhenItDidNotConverge) {
   AddNoise(take.tracks, 0.02, 51);
   JointTrackOptions options = Tight();
   options.steps.back().max_iterations = 1;
-  const FitResult fit = Fit(take, options);
+  const FitResult fit = FitTake(take, options);
   EXPECT_FALSE(fit.converged);
   EXPECT_EQ(fit.termination, "iteration limit");
 }
@@ -288,7 +289,7 @@ TEST(JointTrackFit, WithoutStepsIsTheClosedForm) {
   Take take = SmoothTake(30);
   JointTrackOptions options;
   options.steps.clear();
-  const FitResult fit = Fit(take, options);
+  const FitResult fit = FitTake(take, options);
   EXPECT_EQ(fit.termination, "closed form");
   EXPECT_EQ(fit.iterations, 0);
   EXPECT_TRUE(fit.motion.position_cov.empty()) << "nothing was solved that could tell how sure it is";
@@ -300,11 +301,11 @@ TEST(JointTrackFit, AStepThatFreesTheRootMovesThePersonAsAWhole) {
   AddNoise(take.tracks, 0.02, 51);
   JointTrackOptions options;
   options.steps.clear();
-  const FitResult start = Fit(take, options);
+  const FitResult start = FitTake(take, options);
   options.steps = {{FreeParts::kRoot, StepEvidence::kAll, 1e-8, 100}};
   for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
     options.solver = solver;
-    const FitResult moved = Fit(take, options);
+    const FitResult moved = FitTake(take, options);
     EXPECT_GT((moved.motion.root_translation[15] - start.motion.root_translation[15]).norm(), 1e-4);
     for (int f = 0; f < 30; ++f) {
       for (int j = 1; j < take.tracks.joints(); ++j) {
@@ -313,14 +314,14 @@ TEST(JointTrackFit, AStepThatFreesTheRootMovesThePersonAsAWhole) {
     }
   }
   options.steps.push_back({FreeParts::kPose, StepEvidence::kAll, 1e-8, 100});
-  const FitResult all = Fit(take, options);
-  EXPECT_LT(LargestError(all.motion.joints, Fit(take, Tight()).motion.joints), 1e-4) << "the last step decides";
+  const FitResult all = FitTake(take, options);
+  EXPECT_LT(LargestError(all.motion.joints, FitTake(take, Tight()).motion.joints), 1e-4) << "the last step decides";
 }
 
 TEST(JointTrackFit, FindsTheNoiseOfTheTracks) {
   Take take = SmoothTake(100);
   AddNoise(take.tracks, 0.02, 61);
-  EXPECT_NEAR(Fit(take).noise_sigma, 0.02, 0.002);
+  EXPECT_NEAR(FitTake(take).noise_sigma, 0.02, 0.002);
 }
 
 /// Between two frames of a runner lies much motion, which is no noise: her bones keep their lengths.
@@ -338,7 +339,7 @@ TEST(JointTrackFit, FastMotionIsNoNoise) {
 TEST(JointTrackFit, PlacesARootThatNoTrackGives) {
   Take take = SmoothTake(40, ExpQuaternion(Vector3d(0, 2.5, 0)));
   for (int f = 0; f < 40; ++f) Hide(take.tracks, f, 0);
-  const FitResult fit = Fit(take, Tight());
+  const FitResult fit = FitTake(take, Tight());
   EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);
 }
 
@@ -352,14 +353,14 @@ TEST(JointTrackFit, SmoothsByHowMuchThePersonMoves) {
   for (const double noise : {0.005, 0.02}) {
     Take calm = SmoothTake(120);
     AddNoise(calm.tracks, noise, 6);
-    const double as_given = RmsError(Fit(calm, Refits(0)).motion.joints, calm.truth.joints);
-    const double fitted = RmsError(Fit(calm, Refits(2)).motion.joints, calm.truth.joints);
+    const double as_given = RmsError(FitTake(calm, Refits(0)).motion.joints, calm.truth.joints);
+    const double fitted = RmsError(FitTake(calm, Refits(2)).motion.joints, calm.truth.joints);
     EXPECT_LT(fitted, 0.95 * as_given) << "noise " << noise;
 
     Take spinning = SmoothTake(120, Quaterniond::Identity(), 30.0, 9.0);
     AddNoise(spinning.tracks, noise, 6);
-    const double spin_as_given = RmsError(Fit(spinning, Refits(0)).motion.joints, spinning.truth.joints);
-    const double spin_fitted = RmsError(Fit(spinning, Refits(2)).motion.joints, spinning.truth.joints);
+    const double spin_as_given = RmsError(FitTake(spinning, Refits(0)).motion.joints, spinning.truth.joints);
+    const double spin_fitted = RmsError(FitTake(spinning, Refits(2)).motion.joints, spinning.truth.joints);
     EXPECT_LT(spin_fitted, 1.02 * spin_as_given) << "noise " << noise;
   }
 }

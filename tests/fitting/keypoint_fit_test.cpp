@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kDegrees = 57.29577951308232;
+constexpr double kDegreesOfRadian = 57.29577951308232;
 
 SkeletonPtr Smpl() {
   static const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
@@ -35,12 +35,13 @@ FittingOptions Banded() {
   return options;
 }
 
-Expected<FitResult> Fitted(const Evidence& evidence, const FrameRate& rate, const std::vector<double>& bones = {}) {
+Expected<FitResult> FittedKeypoints(const Evidence& evidence, const FrameRate& rate,
+                                    const std::vector<double>& bones = {}) {
   const SkeletonPtr body = WithDetectorPoints(Smpl(), DetectorNames(evidence.keypoint_names));
   return FitKeypoints(evidence, rate, Smpl(), body, bones, Banded());
 }
 
-double MeanJointError(const Motion& fit, const Motion& truth) {
+double MeanErrorOfFit(const Motion& fit, const Motion& truth) {
   double sum = 0.0;
   for (int f = 0; f < truth.frame_count(); ++f) {
     for (int j = 0; j < truth.joint_count(); ++j) sum += (fit.joints.at(f, j) - truth.joints.at(f, j)).norm();
@@ -63,15 +64,15 @@ double MeanTurn(const Motion& fit, const Motion& truth, const std::string& joint
   for (int f = 0; f < truth.frame_count(); ++f) {
     sum += LogMatrix(GlobalRotation(fit, f, j).transpose() * GlobalRotation(truth, f, j)).norm();
   }
-  return kDegrees * sum / truth.frame_count();
+  return kDegreesOfRadian * sum / truth.frame_count();
 }
 
 TEST(KeypointFit, IsNearThePersonWithFourNoisyViews) {
   const Motion person = Swinging(60);
-  const auto fit = Fitted(Detections(Ring(4), {person}, 4.0, 0.1), person.rate, person.bone_length);
+  const auto fit = FittedKeypoints(Detections(Ring(4), {person}, 4.0, 0.1), person.rate, person.bone_length);
   ASSERT_TRUE(fit) << fit.error().Message();
   EXPECT_TRUE(fit->converged);
-  EXPECT_LT(MeanJointError(fit->motion, person), 0.012);
+  EXPECT_LT(MeanErrorOfFit(fit->motion, person), 0.012);
   EXPECT_LT(MeanTurn(fit->motion, person, "pelvis"), 6.0);
   EXPECT_EQ(fit->motion.joint_count(), 24);
   EXPECT_EQ(fit->motion.position_cov.size(), 60u * 24 * 6);
@@ -137,7 +138,7 @@ Evidence DetectorDetections(const Motion& person, double noise_px) {
 
 TEST(KeypointFit, ReadsHeadAndFootFromFaceHeelAndToes) {
   const Motion person = Swinging(40);
-  const auto fit = Fitted(DetectorDetections(person, 1.0), person.rate);
+  const auto fit = FittedKeypoints(DetectorDetections(person, 1.0), person.rate);
   ASSERT_TRUE(fit) << fit.error().Message();
   EXPECT_LT(MeanTurn(fit->motion, person, "head"), 5.0);
   EXPECT_LT(MeanTurn(fit->motion, person, "left_ankle"), 5.0);
@@ -146,7 +147,7 @@ TEST(KeypointFit, ReadsHeadAndFootFromFaceHeelAndToes) {
 
 TEST(KeypointFit, TakesTheNeckOfADetectorForTheMiddleBetweenTheShoulders) {
   const Motion person = Swinging(30);
-  const auto fit = Fitted(DetectorDetections(person, 0.5), person.rate);
+  const auto fit = FittedKeypoints(DetectorDetections(person, 0.5), person.rate);
   ASSERT_TRUE(fit) << fit.error().Message();
   const int neck = *Smpl()->FindJoint("neck");
   double error = 0.0;
@@ -214,7 +215,7 @@ TEST_F(KeypointStages, MakeAMotionAndSayWhatBecameOfTheKeypoints) {
   const auto dataset = ReadDataset(folder_ / "fitting");
   ASSERT_TRUE(dataset) << dataset.error().Message();
   ASSERT_TRUE(dataset->clips[0].motion.has_value());
-  EXPECT_LT(MeanJointError(*dataset->clips[0].motion, person_), 0.015);
+  EXPECT_LT(MeanErrorOfFit(*dataset->clips[0].motion, person_), 0.015);
 }
 
 TEST_F(KeypointStages, RefuseAPersonWhoIsNotThereByName) {
@@ -227,20 +228,20 @@ TEST_F(KeypointStages, RefuseAPersonWhoIsNotThereByName) {
 }
 
 /// How one curve follows another, in degrees.
-struct Agreement {
+struct LengthAgreement {
   double rms = 0.0;
   double rms_without_offset = 0.0;
   double correlation = 0.0;
 };
 
-Agreement Compare(const std::vector<double>& ours, const std::vector<double>& theirs) {
+LengthAgreement CompareLengths(const std::vector<double>& ours, const std::vector<double>& theirs) {
   const auto n = static_cast<double>(ours.size());
   double a = 0.0, b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
   for (std::size_t i = 0; i < ours.size(); ++i) {
     a += ours[i] / n, b += theirs[i] / n;
     aa += ours[i] * ours[i] / n, bb += theirs[i] * theirs[i] / n, ab += ours[i] * theirs[i] / n;
   }
-  Agreement agreement;
+  LengthAgreement agreement;
   agreement.rms = std::sqrt(aa + bb - 2.0 * ab);
   agreement.rms_without_offset = std::sqrt(std::max(aa + bb - 2.0 * ab - (a - b) * (a - b), 0.0));
   agreement.correlation = (ab - a * b) / std::sqrt((aa - a * a) * (bb - b * b));
@@ -251,7 +252,7 @@ TEST(KeypointFit, FlexionOfARecordedTrialFollowsOpenSims) {
   const char* data = std::getenv("MOCURATE_TEST_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
   const auto folder = std::filesystem::path(data) / "pose2sim";
-  const auto fit = Fitted(ReadPose2Sim(folder, "single"), FrameRate{60, 1});
+  const auto fit = FittedKeypoints(ReadPose2Sim(folder, "single"), FrameRate{60, 1});
   ASSERT_TRUE(fit) << fit.error().Message();
   const auto reference = ParseOpenSimTable(*ReadFile(folder / "opensim_ik_body25b.mot"), "opensim_ik_body25b.mot");
   ASSERT_TRUE(reference) << reference.error().Message();
@@ -262,7 +263,7 @@ TEST(KeypointFit, FlexionOfARecordedTrialFollowsOpenSims) {
   const auto bend = [&](const std::string& a, const std::string& b, const std::string& c, int f) {
     const Vector3d upper = joint(b, f) - joint(a, f);
     const Vector3d lower = joint(c, f) - joint(b, f);
-    return kDegrees * std::atan2(upper.cross(lower).norm(), upper.dot(lower));
+    return kDegreesOfRadian * std::atan2(upper.cross(lower).norm(), upper.dot(lower));
   };
   for (const std::string side : {"left", "right"}) {
     const std::string end = side == "left" ? "_l" : "_r";
@@ -272,7 +273,7 @@ TEST(KeypointFit, FlexionOfARecordedTrialFollowsOpenSims) {
       ours["elbow_flex" + end].push_back(bend(side + "_shoulder", side + "_elbow", side + "_wrist", f));
       const Vector3d thigh =
           GlobalRotation(motion, f, 0).transpose() * (joint(side + "_knee", f) - joint(side + "_hip", f));
-      ours["hip_flexion" + end].push_back(kDegrees * std::atan2(thigh.z(), -thigh.y()));
+      ours["hip_flexion" + end].push_back(kDegreesOfRadian * std::atan2(thigh.z(), -thigh.y()));
     }
     for (const auto& [name, angles] : ours) {
       const auto label = std::find(reference->labels.begin(), reference->labels.end(), name);
@@ -281,7 +282,7 @@ TEST(KeypointFit, FlexionOfARecordedTrialFollowsOpenSims) {
       for (std::size_t f = 0; f < angles.size(); ++f) {
         theirs.push_back(reference->value(static_cast<int>(f), static_cast<int>(label - reference->labels.begin())));
       }
-      const Agreement agreement = Compare(angles, theirs);
+      const LengthAgreement agreement = CompareLengths(angles, theirs);
       RecordProperty(name, std::to_string(agreement.rms));
       std::printf("%s: RMS %.1f degrees, without offset %.1f, correlation %.3f\n", name.c_str(), agreement.rms,
                   agreement.rms_without_offset, agreement.correlation);

@@ -16,22 +16,22 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const Skeleton& Smpl() {
+const Skeleton& SmplBody() {
   static const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   return *skeleton;
 }
 
-Expected<KeypointTracks> Triangulated(Evidence evidence, int subject = 0) {
+Expected<KeypointTracks> TriangulatedSubject(Evidence evidence, int subject = 0) {
   evidence.subject = subject;
-  return TriangulateKeypoints(evidence, Smpl(), {});
+  return TriangulateKeypoints(evidence, SmplBody(), {});
 }
 
 std::string WhyRefused(const Evidence& evidence, int subject = 0) {
-  const auto found = Triangulated(evidence, subject);
+  const auto found = TriangulatedSubject(evidence, subject);
   return found ? "not refused" : found.error().Message();
 }
 
-const Finding* FindingOf(const KeypointTracks& found, const std::string& code) {
+const Finding* FindingWithCode(const KeypointTracks& found, const std::string& code) {
   for (const Finding& finding : found.findings) {
     if (finding.code == code) return &finding;
   }
@@ -40,7 +40,7 @@ const Finding* FindingOf(const KeypointTracks& found, const std::string& code) {
 
 TEST(KeypointTracks, OfOnePersonAreThePersonsJoints) {
   const Motion person = Swinging(20);
-  const auto found = Triangulated(Detections(Ring(4), {person}, 0.0));
+  const auto found = TriangulatedSubject(Detections(Ring(4), {person}, 0.0));
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_LT(MeanError(found->tracks, person), 1e-6);
   EXPECT_EQ(found->report.people, 1);
@@ -52,8 +52,8 @@ TEST(KeypointTracks, KeepPeopleApartWhoStandCloseAndAreListedInAnyOrder) {
   const Motion adult = Swinging(40, 1.0, {-0.35, 0, 0});
   const Motion child = Swinging(40, 0.7, {0.35, 0, 0.2});
   const Evidence evidence = Detections(Ring(4), {adult, child}, 3.0, 0.1);
-  const auto first = Triangulated(evidence, 0);
-  const auto second = Triangulated(evidence, 1);
+  const auto first = TriangulatedSubject(evidence, 0);
+  const auto second = TriangulatedSubject(evidence, 1);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->report.people, 2);
   const bool adult_first = MeanError(first->tracks, adult) < MeanError(first->tracks, child);
@@ -64,7 +64,7 @@ TEST(KeypointTracks, KeepPeopleApartWhoStandCloseAndAreListedInAnyOrder) {
 TEST(KeypointTracks, FollowPeopleBeforeThirtyTwoCameras) {
   const Motion adult = Swinging(4, 1.0, {-0.5, 0, 0});
   const Motion other = Swinging(4, 0.9, {0.5, 0, 0.3});
-  const auto found = Triangulated(Detections(Ring(32), {adult, other}, 3.0, 0.1));
+  const auto found = TriangulatedSubject(Detections(Ring(32), {adult, other}, 3.0, 0.1));
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_EQ(found->report.people, 2);
   EXPECT_GT(found->report.views, 20.0);
@@ -78,11 +78,11 @@ TEST(KeypointTracks, LeaveOutABystanderWhomOneCameraAloneSees) {
     const Evidence alone = Detections(Ring(4), {person}, 2.0);
     evidence.keypoint_views[c] = alone.keypoint_views[c];
   }
-  const auto found = Triangulated(evidence);
+  const auto found = TriangulatedSubject(evidence);
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_LT(MeanError(found->tracks, person), 0.015);
   EXPECT_EQ(found->report.people, 1);
-  const Finding* left_out = FindingOf(*found, "bystanders_left_out");
+  const Finding* left_out = FindingWithCode(*found, "bystanders_left_out");
   ASSERT_NE(left_out, nullptr);
   EXPECT_EQ(left_out->value, 30);
   EXPECT_THAT(left_out->message, HasSubstr("cam1 30 of 60"));
@@ -96,7 +96,7 @@ TEST(KeypointTracks, AreTheSamePersonsAfterTheyWereHiddenForAWhile) {
       for (int k = 0; k < 24; ++k) view.values[3 * (static_cast<std::size_t>(f) * 24 + k) + 2] = 0.0;
     }
   }
-  const auto found = Triangulated(evidence);
+  const auto found = TriangulatedSubject(evidence);
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_EQ(found->report.people, 1);
   EXPECT_NEAR(found->report.seen_share, 2.0 / 3.0, 0.05);
@@ -106,9 +106,9 @@ TEST(KeypointTracks, NameACameraThatWasMovedAndPutItWhereItStands) {
   const Motion person = Swinging(30);
   Evidence evidence = Detections(Ring(5), {person}, 2.0);
   evidence.keypoint_views[2].camera.camera_from_world.translation += Vector3d(0.25, 0, 0);
-  const auto found = Triangulated(evidence);
+  const auto found = TriangulatedSubject(evidence);
   ASSERT_TRUE(found) << found.error().Message();
-  const Finding* moved = FindingOf(*found, "camera_moved");
+  const Finding* moved = FindingWithCode(*found, "camera_moved");
   ASSERT_NE(moved, nullptr);
   EXPECT_THAT(moved->message, HasSubstr("cam3"));
   EXPECT_EQ(moved->action, "corrected");
@@ -134,13 +134,13 @@ TEST(KeypointTracks, AreReadBetweenTheFramesOfCamerasWhoseClocksDiffer) {
     }
     view.time_s.back() += 0.5 / 30.0;
   }
-  const auto found = Triangulated(late);
+  const auto found = TriangulatedSubject(late);
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_LT(MeanError(found->tracks, person), 0.003);
   for (KeypointView& view : late.keypoint_views) view.time_s = evidence.keypoint_views[0].time_s;
   KeypointFitOptions as_stamped;
   as_stamped.audit.clocks = AuditAction::kOff;
-  const auto wrong = TriangulateKeypoints(late, Smpl(), as_stamped);
+  const auto wrong = TriangulateKeypoints(late, SmplBody(), as_stamped);
   ASSERT_TRUE(wrong) << wrong.error().Message();
   EXPECT_GT(MeanError(wrong->tracks, person), 2.0 * MeanError(found->tracks, person));
 }
@@ -174,7 +174,7 @@ TEST(KeypointTracks, AreRefusedOrDoubtfulWhereEachCamerasFileIsAnothers) {
       exchanged.keypoint_views[c].values[i] += 150.0 * static_cast<double>(c);
     }
   }
-  const auto found = Triangulated(exchanged);
+  const auto found = TriangulatedSubject(exchanged);
   if (found) {
     EXPECT_TRUE(found->report.doubtful) << found->report.triangulated << " " << found->report.median_px;
   } else {
@@ -216,9 +216,9 @@ TEST(KeypointTracks, AreRefusedWhereTheKeypointsAreInAnotherOrder) {
 TEST(KeypointTracks, SayWhenViewsStandTooCloseTogether) {
   std::vector<Camera> close;
   for (int i = 0; i < 3; ++i) close.push_back(LookingAt("cam" + std::to_string(i), {0.25 * i, 1.2, 4.0}, {0, 1, 0}));
-  const auto found = Triangulated(Detections(close, {Swinging(20)}, 0.5));
+  const auto found = TriangulatedSubject(Detections(close, {Swinging(20)}, 0.5));
   ASSERT_TRUE(found) << found.error().Message();
-  EXPECT_NE(FindingOf(*found, "views_close_together"), nullptr);
+  EXPECT_NE(FindingWithCode(*found, "views_close_together"), nullptr);
 }
 
 /// The recorded trials of Pose2Sim (README_multiview.md, sections 1 and 6).
@@ -265,7 +265,7 @@ class Pose2Sim : public testing::Test {
 };
 
 TEST_F(Pose2Sim, SubjectOfTheSingleTrialIsFoundAmongBystanders) {
-  const auto found = Triangulated(ReadPose2Sim(folder_, "single"));
+  const auto found = TriangulatedSubject(ReadPose2Sim(folder_, "single"));
   ASSERT_TRUE(found) << found.error().Message();
   const KeypointReport& report = found->report;
   EXPECT_LE(report.median_px, 8.5);
@@ -275,11 +275,11 @@ TEST_F(Pose2Sim, SubjectOfTheSingleTrialIsFoundAmongBystanders) {
   for (std::size_t k = 5; k <= 18; ++k) limbs += k == 9 || k == 10 ? 0.0 : report.keypoint_share[k] / 12.0;
   EXPECT_GE(limbs, 0.97);
   EXPECT_EQ(report.seen_share, 1.0);
-  const Finding* moved = FindingOf(*found, "camera_moved");
+  const Finding* moved = FindingWithCode(*found, "camera_moved");
   ASSERT_NE(moved, nullptr);
   EXPECT_THAT(moved->message, HasSubstr("cam03"));
   EXPECT_EQ(moved->action, "corrected");
-  EXPECT_NE(FindingOf(*found, "bystanders_left_out"), nullptr);
+  EXPECT_NE(FindingWithCode(*found, "bystanders_left_out"), nullptr);
   ExpectLimbs(*found, adult_, 0.01);
 }
 
@@ -287,7 +287,7 @@ TEST_F(Pose2Sim, BothPeopleAreKeptApartInEveryFrame) {
   const Evidence evidence = ReadPose2Sim(folder_, "two");
   std::map<bool, int> seen;
   for (const int subject : {0, 1}) {
-    const auto found = Triangulated(evidence, subject);
+    const auto found = TriangulatedSubject(evidence, subject);
     ASSERT_TRUE(found) << found.error().Message();
     EXPECT_EQ(found->report.seen_share, 1.0);
     const bool child = Length(*found, "right_knee", "right_ankle") < 0.33;
@@ -300,7 +300,7 @@ TEST_F(Pose2Sim, BothPeopleAreKeptApartInEveryFrame) {
 
 TEST_F(Pose2Sim, StaticTrialsAreTaken) {
   for (const auto& [trial, table] : {std::pair{"static_p1", static_adult_}, std::pair{"static_p2", child_}}) {
-    const auto found = Triangulated(ReadPose2Sim(folder_, trial));
+    const auto found = TriangulatedSubject(ReadPose2Sim(folder_, trial));
     ASSERT_TRUE(found) << trial << ": " << found.error().Message();
     EXPECT_LE(found->report.median_px, 8.5);
     if (trial == std::string("static_p1")) ExpectLimbs(*found, table, 0.012);

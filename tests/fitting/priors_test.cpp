@@ -33,7 +33,7 @@ Take Shuffling(double sway, double knee = 0.8, double arms = 0.0) {
   return take;
 }
 
-Motion Fitted(const Take& take, const JointTrackOptions& options = {}) {
+Motion FittedMotion(const Take& take, const JointTrackOptions& options = {}) {
   const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return fit->motion;
@@ -53,7 +53,7 @@ TEST(Priors, ATrunkThatNobodySeesDoesNotTurnAgainstItselfBetweenHipsAndShoulders
     for (int f = 0; f < take.truth.frame_count(); ++f) Hide(take.tracks, f, *take.truth.skeleton->FindJoint(joint));
   }
   AddNoise(take.tracks, 0.02, 7);
-  const Motion fitted = Fitted(take);
+  const Motion fitted = FittedMotion(take);
   for (const char* joint : {"pelvis", "spine1", "spine2", "spine3"}) {
     const std::size_t j = *take.truth.skeleton->FindJoint(joint);
     const std::size_t joints = take.truth.skeleton->joints.size();
@@ -69,8 +69,8 @@ TEST(Priors, AFootThatStandsIsHeldStill) {
   JointTrackOptions none;
   none.contact_walk.reset();
   for (const char* joint : {"left_ankle", "right_ankle", "left_foot", "right_foot"}) {
-    const double without = RmsOf(Fitted(take, none), take.truth, joint);
-    EXPECT_LT(RmsOf(Fitted(take), take.truth, joint), 0.8 * without) << joint << " without: " << without;
+    const double without = RmsOf(FittedMotion(take, none), take.truth, joint);
+    EXPECT_LT(RmsOf(FittedMotion(take), take.truth, joint), 0.8 * without) << joint << " without: " << without;
   }
 }
 
@@ -83,7 +83,7 @@ TEST_P(WhatPriorsDoNotExpect, IsFittedWithinTheNoise) {
   for (const double knee : {-0.3, 0.8}) {
     Take take = Shuffling(0.08, knee, 1.4);  // up to 0.24 m/s, which is taken for standing
     AddNoise(take.tracks, GetParam(), 5);
-    const Motion fitted = Fitted(take);
+    const Motion fitted = FittedMotion(take);
     for (const Joint& joint : take.truth.skeleton->joints)
       EXPECT_LT(RmsOf(fitted, take.truth, joint.name), std::sqrt(3.0) * GetParam()) << joint.name << ", knee " << knee;
   }

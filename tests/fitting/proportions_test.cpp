@@ -132,7 +132,7 @@ double Volume(const Skeleton& skeleton, const std::vector<int>& star) {
   return across.dot(skeleton.joints[star[2]].rest_offset);
 }
 
-double AngleBetween(const Skeleton& skeleton, int a, int b) {
+double AngleBetweenJoints(const Skeleton& skeleton, int a, int b) {
   const Vector3d& u = skeleton.joints[a].rest_offset;
   const Vector3d& v = skeleton.joints[b].rest_offset;
   return std::atan2(u.cross(v).norm(), u.dot(v)) * 180.0 / 3.14159265358979;
@@ -164,10 +164,11 @@ TEST_P(PersonsBones, AreFoundWhereTheyPoint) {
     }
     for (std::size_t i = 0; i < star.size(); ++i) {
       for (std::size_t k = i + 1; k < star.size(); ++k) {
-        const double truth = AngleBetween(*body, star[i], star[k]);
-        EXPECT_NEAR(AngleBetween(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0)
+        const double truth = AngleBetweenJoints(*body, star[i], star[k]);
+        EXPECT_NEAR(AngleBetweenJoints(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0)
             << noise << ": the rest pose pulls by up to 0.8 degrees";
-        EXPECT_GT(std::abs(AngleBetween(*nominal, star[i], star[k]) - truth), 10.0) << "else there is nothing to find";
+        EXPECT_GT(std::abs(AngleBetweenJoints(*nominal, star[i], star[k]) - truth), 10.0)
+            << "else there is nothing to find";
       }
       EXPECT_NEAR(person->skeleton->joints[star[i]].rest_offset.norm(), nominal->joints[star[i]].rest_offset.norm(),
                   1e-9);
@@ -247,7 +248,7 @@ TEST(Proportions, OfHipsAreFoundByTheBackBeyondAnUnseenJoint) {
   ASSERT_TRUE(person.has_value());
   EXPECT_GT(person->skeleton->joints[left].rest_offset.y(), 0.02);
   EXPECT_GT(person->skeleton->joints[right].rest_offset.y(), 0.02);
-  EXPECT_NEAR(AngleBetween(*person->skeleton, left, right), AngleBetween(*body, left, right), 4.0);
+  EXPECT_NEAR(AngleBetweenJoints(*person->skeleton, left, right), AngleBetweenJoints(*body, left, right), 4.0);
 }
 
 /// Collars and neck that stand where the chest does are not seen, and have lengths with which head and shoulders, which

@@ -13,8 +13,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr int kElbow = 4;
+constexpr double kRadiansOfDegree = 3.14159265358979323846 / 180.0;
+constexpr int kRecordedElbow = 4;
 constexpr int kShoulder = 3;
 constexpr int kAnkle = 10;
 
@@ -52,7 +52,7 @@ TwistError TwistErrorOf(const Motion& fitted, const Motion& truth, int joint, co
   TwistError error;
   for (int f = 0; f < truth.frame_count(); ++f) {
     const Quaterniond away = WorldRotation(truth, f, joint).conjugate() * WorldRotation(fitted, f, joint);
-    twist.push_back(LogQuaternion(away).dot(bone.normalized()) / kDegree);
+    twist.push_back(LogQuaternion(away).dot(bone.normalized()) / kRadiansOfDegree);
     error.mean += twist.back() / truth.frame_count();
   }
   double square = 0.0;
@@ -61,7 +61,7 @@ TwistError TwistErrorOf(const Motion& fitted, const Motion& truth, int joint, co
   return error;
 }
 
-FitResult Fit(const Take& take, JointTrackOptions options = {}) {
+FitResult FitRecorded(const Take& take, JointTrackOptions options = {}) {
   auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit) << fit.error().Message();
   return *std::move(fit);
@@ -80,35 +80,35 @@ INSTANTIATE_TEST_SUITE_P(Solvers, RecordedRotations, testing::Values(TrackSolver
                          [](const auto& solver) { return solver.param == TrackSolver::kCeres ? "Ceres" : "Banded"; });
 
 TEST_P(RecordedRotations, TellHowTwistChangesWhichNoPositionTellsWhateverTheFramesOfTheSource) {
-  Take take = Recorded(2.0 * kDegree);
+  Take take = Recorded(2.0 * kRadiansOfDegree);
   AddNoise(take.tracks, 0.01, 8);
   const Vector3d forearm(1, 0, 0);
-  const FitResult with = Fit(take, Options());
+  const FitResult with = FitRecorded(take, Options());
   JointTrackOptions without = Options();
   without.recorded_rotations = false;
-  const FitResult positions = Fit(take, without);
-  const TwistError told = TwistErrorOf(with.motion, take.truth, kElbow, forearm);
-  const TwistError untold = TwistErrorOf(positions.motion, take.truth, kElbow, forearm);
+  const FitResult positions = FitRecorded(take, without);
+  const TwistError told = TwistErrorOf(with.motion, take.truth, kRecordedElbow, forearm);
+  const TwistError untold = TwistErrorOf(positions.motion, take.truth, kRecordedElbow, forearm);
   EXPECT_LT(told.changing, 3.0);
   EXPECT_GT(untold.changing, 3.0 * told.changing);
   EXPECT_NEAR(told.mean, untold.mean, 10.0) << "how the source's frames lie in the joints is no twist";
-  const std::size_t at = 3 * (static_cast<std::size_t>(45) * take.tracks.joints() + kElbow);
+  const std::size_t at = 3 * (static_cast<std::size_t>(45) * take.tracks.joints() + kRecordedElbow);
   EXPECT_LT(with.motion.rotation_observed[at], 0.8F) << "where the twist lies in the mean, nothing told";
 }
 
 TEST_P(RecordedRotations, AreEvidenceForEndsThatTurnNoSeenJoint) {
   const Take take = Recorded(0.0);
-  const FitResult with = Fit(take, Options());
+  const FitResult with = FitRecorded(take, Options());
   EXPECT_LT(TwistErrorOf(with.motion, take.truth, kAnkle, Vector3d(1, 0, 0)).changing, 3.0);
 }
 
 TEST(RecordedRotationsOfTracks, MoveNoJointByMoreThanItsNoise) {
-  Take take = Recorded(5.0 * kDegree);
+  Take take = Recorded(5.0 * kRadiansOfDegree);
   AddNoise(take.tracks, 0.005, 8);
-  const FitResult with = Fit(take);
+  const FitResult with = FitRecorded(take);
   JointTrackOptions without;
   without.recorded_rotations = false;
-  const FitResult positions = Fit(take, without);
+  const FitResult positions = FitRecorded(take, without);
   double square = 0.0;
   for (std::size_t i = 0; i < with.motion.joints.xyz.size(); ++i) {
     const double moved = with.motion.joints.xyz[i] - positions.motion.joints.xyz[i];
@@ -125,7 +125,7 @@ TEST(RecordedRotationsOfTracks, ThatDoNotFollowTheJointAreNamedAndNotUsed) {
     take.tracks.rotation[static_cast<std::size_t>(f) * joints + kShoulder] =
         ExpQuaternion(2.0 * Vector3d(random.Normal(), random.Normal(), random.Normal()));
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitRecorded(take);
   int told = 0;
   for (const Finding& finding : fit.findings) {
     if (finding.code != "rotations_disagree") continue;
@@ -160,7 +160,7 @@ TEST(RecordedRotationsOfTracks, OfNoConfidenceAreNotRead) {
       one->tracks.rotation_confidence[i] = 0.0;
     }
   }
-  EXPECT_EQ(Fit(take).motion.joints.xyz, Fit(other).motion.joints.xyz);
+  EXPECT_EQ(FitRecorded(take).motion.joints.xyz, FitRecorded(other).motion.joints.xyz);
 }
 
 TEST(RecordedRotationsOfTracks, ThatAreNoRotationsAreRefusedWithTheirPlace) {
@@ -190,12 +190,14 @@ TEST(RecordedRotationsOfTracks, OfAGivenMotionKeepItsTwistOnAnotherSkeleton) {
   const auto fit = FitJointTracks(*mapped, take.truth.rate, other->RestBoneLengths(), Bones::kFixed, {});
   ASSERT_TRUE(fit);
   double worst = 0.0;
-  const Quaterniond first = WorldRotation(take.truth, 0, kElbow).conjugate() * WorldRotation(fit->motion, 0, kElbow);
+  const Quaterniond first =
+      WorldRotation(take.truth, 0, kRecordedElbow).conjugate() * WorldRotation(fit->motion, 0, kRecordedElbow);
   for (int f = 0; f < take.truth.frame_count(); ++f) {
-    const Quaterniond here = WorldRotation(take.truth, f, kElbow).conjugate() * WorldRotation(fit->motion, f, kElbow);
+    const Quaterniond here =
+        WorldRotation(take.truth, f, kRecordedElbow).conjugate() * WorldRotation(fit->motion, f, kRecordedElbow);
     worst = std::max(worst, first.angularDistance(here));
   }
-  EXPECT_LT(worst, 3.0 * kDegree) << "the elbow turns as it did, but for how its frame lies at rest";
+  EXPECT_LT(worst, 3.0 * kRadiansOfDegree) << "the elbow turns as it did, but for how its frame lies at rest";
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNoise = 0.01;
 
-Take NoisyTake(int frames, std::uint64_t seed = 5, double turn_speed = 0.4) {
+Take TurningTake(int frames, std::uint64_t seed = 5, double turn_speed = 0.4) {
   Take take = SmoothTake(frames, Quaterniond::Identity(), 30.0, turn_speed);
   AddNoise(take.tracks, kNoise, seed);
   return take;
@@ -34,7 +34,7 @@ void Exchange(SkeletonTracks& tracks, const std::vector<int>& left_joints, int b
   }
 }
 
-FitResult Fit(const Take& take, const RepairOptions& repair = {}) {
+FitResult FitRepaired(const Take& take, const RepairOptions& repair = {}) {
   auto fit = RepairAndFit(take.tracks, take.truth.rate, take.truth.bone_length, repair, {});
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return std::move(*fit);
@@ -67,11 +67,11 @@ INSTANTIATE_TEST_SUITE_P(Repair, ExchangedLimbs,
 
 TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
   for (const int frames : {1, 2, 7, 20}) {
-    Take take = NoisyTake(90);
-    const double undisturbed = RmsError(Fit(take).motion.joints, take.truth.joints);
+    Take take = TurningTake(90);
+    const double undisturbed = RmsError(FitRepaired(take).motion.joints, take.truth.joints);
     Exchange(take.tracks, GetParam().left, 40, 40 + frames);
     const SkeletonTracks given = take.tracks;
-    const FitResult fit = Fit(take);
+    const FitResult fit = FitRepaired(take);
     EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 1.02 * undisturbed) << frames << " frames";
     EXPECT_EQ(take.tracks.positions.xyz, given.positions.xyz);  // evidence stays
     const std::vector<Finding> findings = OfCode(fit, "swapped_sides");
@@ -95,10 +95,10 @@ TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
 }
 
 TEST(Repair, IsListedSoThatItCanBeTakenBack) {
-  Take take = NoisyTake(60);
+  Take take = TurningTake(60);
   const SkeletonTracks before = take.tracks;
   Exchange(take.tracks, {4, 5}, 30, 34);
-  const nlohmann::json list = nlohmann::json::parse(Fit(take).track_repairs);
+  const nlohmann::json list = nlohmann::json::parse(FitRepaired(take).track_repairs);
   ASSERT_EQ(list.size(), 1u);
   EXPECT_EQ(list[0]["code"], "swapped_sides");
   EXPECT_EQ(list[0]["joints"], (nlohmann::json{"left_elbow", "left_wrist"}));
@@ -113,7 +113,7 @@ TEST(Repair, IsListedSoThatItCanBeTakenBack) {
 TEST(Repair, ExchangesNothingInTracksThatAreRight) {
   for (const double turn_speed : {0.4, 6.0, 12.0}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Take take = NoisyTake(150, seed, turn_speed);
+      const Take take = TurningTake(150, seed, turn_speed);
       EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0).empty())
           << "turn " << turn_speed << " seed " << seed;
     }
@@ -121,7 +121,7 @@ TEST(Repair, ExchangesNothingInTracksThatAreRight) {
 }
 
 TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
-  Take take = NoisyTake(120);
+  Take take = TurningTake(120);
   for (int f = 0; f < 120; ++f) {  // knees of a sitting person, say: each nearer to the other side's hip
     take.tracks.positions.at(f, 10) = Vector3d(take.tracks.positions.at(f, 11)) + Vector3d(0.05, -0.8, 0.0);
     take.tracks.positions.at(f, 12) = Vector3d(take.tracks.positions.at(f, 9)) + Vector3d(-0.05, -0.8, 0.0);
@@ -130,21 +130,21 @@ TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
 }
 
 TEST(Repair, LeavesWhatIsNotClear) {
-  Take take = NoisyTake(60);
+  Take take = TurningTake(60);
   Exchange(take.tracks, {4, 5}, 30, 34);
   const auto clear = FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0);
   ASSERT_EQ(clear.size(), 1u);
   EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, clear[0].margin + 1.0).empty());
   RepairOptions off;
   off.swaps = off.torn = false;
-  EXPECT_TRUE(Fit(take, off).track_repairs.empty());
+  EXPECT_TRUE(FitRepaired(take, off).track_repairs.empty());
 }
 
 TEST(Repair, TakesHeldJointsForMissing) {
-  Take take = NoisyTake(90);
+  Take take = TurningTake(90);
   const int wrist = 5;
   for (int f = 41; f < 56; ++f) take.tracks.positions.at(f, wrist) = Vector3d(take.tracks.positions.at(40, wrist));
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitRepaired(take);
   const auto findings = OfCode(fit, "held_joint");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].joint, "left_wrist");
@@ -155,15 +155,15 @@ TEST(Repair, TakesHeldJointsForMissing) {
   const auto error = [&](const FitResult& result) {
     return (result.motion.joints.at(50, wrist) - take.truth.joints.at(50, wrist)).norm();
   };
-  EXPECT_LT(error(fit), 0.6 * error(Fit(take, off)));
+  EXPECT_LT(error(fit), 0.6 * error(FitRepaired(take, off)));
 }
 
 TEST(Repair, TakesAPersonWhoIsSuddenlyElsewhereForMissing) {
-  Take take = NoisyTake(90);
+  Take take = TurningTake(90);
   for (int f = 40; f < 50; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j) += Vector3d(3.0, 0.0, -2.0);
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitRepaired(take);
   ASSERT_EQ(OfCode(fit, "teleport").size(), 1u);
   EXPECT_EQ(OfCode(fit, "teleport")[0].frame_begin, 40);
   EXPECT_EQ(OfCode(fit, "teleport")[0].frame_end, 50);
@@ -174,12 +174,12 @@ TEST(Repair, TakesAPersonWhoIsSuddenlyElsewhereForMissing) {
 /// A hand that is 0.58 m off for a third of a second: forearms do not grow, and nobody's hand jumps.
 TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
   const int wrist = *TestSkeleton()->FindJoint("left_wrist");
-  const double undisturbed = RmsError(Fit(NoisyTake(90)).motion.joints, NoisyTake(90).truth.joints);
+  const double undisturbed = RmsError(FitRepaired(TurningTake(90)).motion.joints, TurningTake(90).truth.joints);
   for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0),
                               Vector3d(0, 0, 1), Vector3d(0, 0, -1)}) {
-    Take take = NoisyTake(90);
+    Take take = TurningTake(90);
     for (int f = 40; f < 50; ++f) take.tracks.positions.at(f, wrist) += 0.58 * way;
-    const FitResult fit = Fit(take);
+    const FitResult fit = FitRepaired(take);
     EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 1.3 * undisturbed) << way.transpose();
     const std::vector<Finding> findings = OfCode(fit, "joint_torn_off");
     ASSERT_EQ(findings.size(), 1u) << way.transpose();
@@ -189,7 +189,7 @@ TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
     EXPECT_EQ(findings[0].action, "taken as missing");
     for (int f = 0; f < 90; ++f) EXPECT_EQ(StateAt(fit, f, wrist) == JointState::kObserved, f < 40 || f >= 50) << f;
   }
-  EXPECT_TRUE(OfCode(Fit(NoisyTake(90)), "joint_torn_off").empty());
+  EXPECT_TRUE(OfCode(FitRepaired(TurningTake(90)), "joint_torn_off").empty());
 }
 
 /// A wrist beside the forearm is hardly farther from the elbow than it may be, but far from its hand.
@@ -209,7 +209,7 @@ TEST(Repair, BlamesTheJointThatIsOffAndNotWhatHangsFromIt) {
     const Vector3d forearm = take.truth.joints.at(f, 5) - take.truth.joints.at(f, 4);
     take.tracks.positions.at(f, 5) += 0.28 * forearm.unitOrthogonal();
   }
-  const std::vector<Finding> findings = OfCode(Fit(take), "joint_torn_off");
+  const std::vector<Finding> findings = OfCode(FitRepaired(take), "joint_torn_off");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].joint, "left_wrist");
   EXPECT_NEAR(findings[0].frame_begin, 40, 1);
@@ -218,24 +218,24 @@ TEST(Repair, BlamesTheJointThatIsOffAndNotWhatHangsFromIt) {
 
 /// Between two joints that a torn bone joins the one is off that the others do not reach.
 TEST(Repair, BlamesTheJointThatIsOffAndNotItsNeighbours) {
-  Take take = NoisyTake(90);
+  Take take = TurningTake(90);
   const int elbow = *TestSkeleton()->FindJoint("left_elbow");
   for (int f = 40; f < 50; ++f) take.tracks.positions.at(f, elbow) += Vector3d(0.3, 0.5, 0.6);
-  const std::vector<Finding> findings = OfCode(Fit(take), "joint_torn_off");
+  const std::vector<Finding> findings = OfCode(FitRepaired(take), "joint_torn_off");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].joint, "left_elbow");
 }
 
 TEST(Repair, KeepsAStillnessThatLasts) {
-  Take take = NoisyTake(90);
+  Take take = TurningTake(90);
   for (int f = 1; f < 70; ++f) take.tracks.positions.at(f, 5) = Vector3d(take.tracks.positions.at(0, 5));
-  EXPECT_TRUE(OfCode(Fit(take), "held_joint").empty());  // most of what is seen of the joint
+  EXPECT_TRUE(OfCode(FitRepaired(take), "held_joint").empty());  // most of what is seen of the joint
 }
 
 TEST(Repair, StatesTellHowFarTheNextObservationIs) {
-  Take take = NoisyTake(120);
+  Take take = TurningTake(120);
   for (int f = 20; f < 100; ++f) Hide(take.tracks, f, 5);
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitRepaired(take);
   EXPECT_EQ(StateAt(fit, 19, 5), JointState::kObserved);
   EXPECT_EQ(StateAt(fit, 25, 5), JointState::kInterpolated);
   EXPECT_EQ(StateAt(fit, 60, 5), JointState::kInferred);  // 1.3 s from any

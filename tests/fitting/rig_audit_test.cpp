@@ -18,15 +18,15 @@ namespace {
 
 using testing::HasSubstr;
 
-const Skeleton& Smpl() {
+const Skeleton& AuditedBody() {
   static const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   return *skeleton;
 }
 
-Expected<KeypointTracks> Triangulated(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
+Expected<KeypointTracks> TriangulatedWithAudit(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
   KeypointFitOptions options;
   options.audit = audit;
-  return TriangulateKeypoints(evidence, Smpl(), options);
+  return TriangulateKeypoints(evidence, AuditedBody(), options);
 }
 
 std::vector<RigFault> FaultsNamed(const KeypointTracks& found, const std::string& code) {
@@ -37,7 +37,7 @@ std::vector<RigFault> FaultsNamed(const KeypointTracks& found, const std::string
   return faults;
 }
 
-std::string Told(const KeypointTracks& found) {
+std::string ToldByAudit(const KeypointTracks& found) {
   std::string text;
   for (const RigFault& fault : found.report.faults) text += fault.code + ": " + fault.message + "\n";
   return text;
@@ -51,9 +51,9 @@ KeypointAuditOptions Nothing() {
 
 TEST(RigAudit, FindsNothingWhereNothingIsWrong) {
   for (const StudioView& take : StudioViews(FourViews(21), 12)) {
-    const auto found = Triangulated(take.evidence);
+    const auto found = TriangulatedWithAudit(take.evidence);
     ASSERT_TRUE(found) << found.error().Message();
-    EXPECT_TRUE(found->report.faults.empty()) << take.name << ": " << Told(*found);
+    EXPECT_TRUE(found->report.faults.empty()) << take.name << ": " << ToldByAudit(*found);
     ASSERT_EQ(found->report.residual_px.size(), 4u);
     for (const auto& camera : found->report.residual_px) {
       for (const double px : camera) EXPECT_LT(px, 10.0);
@@ -68,7 +68,7 @@ TEST(RigAudit, ClocksOfStudioCamerasAreFoundToMilliseconds) {
   int told = 0;
   double error = 0.0;
   for (const StudioView& take : StudioViews(options, 12)) {
-    const auto found = Triangulated(take.evidence);
+    const auto found = TriangulatedWithAudit(take.evidence);
     ASSERT_TRUE(found) << found.error().Message();
     const auto faults = FaultsNamed(*found, "camera_clock_off");
     const auto clock_of = [&](std::size_t c) {
@@ -77,7 +77,7 @@ TEST(RigAudit, ClocksOfStudioCamerasAreFoundToMilliseconds) {
       }
       return 0.0;
     };
-    EXPECT_TRUE(FaultsNamed(*found, "camera_moved").empty()) << take.name << ": " << Told(*found);
+    EXPECT_TRUE(FaultsNamed(*found, "camera_moved").empty()) << take.name << ": " << ToldByAudit(*found);
     for (std::size_t c = 1; c < 4; ++c) {
       const double truth = take.faults.clock_s[c] - take.faults.clock_s[0];
       if (std::abs(truth) < 0.02) continue;
@@ -99,9 +99,9 @@ TEST(RigAudit, CorrectedClocksBringThePointsBack) {
   const auto takes = StudioViews(options, 4);
   const auto sound = StudioViews(sound_options, 4);
   for (std::size_t i = 0; i < takes.size(); ++i) {
-    const auto corrected = Triangulated(takes[i].evidence);
-    const auto as_given = Triangulated(takes[i].evidence, Nothing());
-    const auto without_fault = Triangulated(sound[i].evidence);
+    const auto corrected = TriangulatedWithAudit(takes[i].evidence);
+    const auto as_given = TriangulatedWithAudit(takes[i].evidence, Nothing());
+    const auto without_fault = TriangulatedWithAudit(sound[i].evidence);
     ASSERT_TRUE(corrected && as_given && without_fault);
     EXPECT_LE(MeanError(corrected->tracks, takes[i].truth), 1.2 * MeanError(without_fault->tracks, takes[i].truth));
     EXPECT_LE(MeanError(corrected->tracks, takes[i].truth), MeanError(as_given->tracks, takes[i].truth));
@@ -112,10 +112,10 @@ TEST(RigAudit, ACameraThatWasKnockedDuringTheTakeIsRefittedFromThatFrameOn) {
   StudioOptions options = FourViews(23);
   options.rig.moved = 0.12;
   for (const StudioView& take : StudioViews(options, 6, 60)) {
-    const auto found = Triangulated(take.evidence);
+    const auto found = TriangulatedWithAudit(take.evidence);
     ASSERT_TRUE(found) << found.error().Message();
     const auto faults = FaultsNamed(*found, "camera_moved");
-    ASSERT_EQ(faults.size(), 1u) << take.name << ": " << Told(*found);
+    ASSERT_EQ(faults.size(), 1u) << take.name << ": " << ToldByAudit(*found);
     const std::size_t last = take.evidence.keypoint_views.size() - 1;
     EXPECT_EQ(faults[0].camera, take.evidence.keypoint_views[last].camera.name);
     EXPECT_NEAR(faults[0].frame_begin, 60, 2) << take.name;
@@ -123,7 +123,7 @@ TEST(RigAudit, ACameraThatWasKnockedDuringTheTakeIsRefittedFromThatFrameOn) {
     EXPECT_NEAR(faults[0].value, 1e3 * moved, 0.6 * 1e3 * moved) << take.name;
     EXPECT_GT(faults[0].confidence, 0.99);
     EXPECT_LT(MeanError(found->tracks, take.truth), 0.022);
-    const auto as_given = Triangulated(take.evidence, Nothing());
+    const auto as_given = TriangulatedWithAudit(take.evidence, Nothing());
     ASSERT_TRUE(as_given);
     EXPECT_LT(MeanError(found->tracks, take.truth), MeanError(as_given->tracks, take.truth));
   }
@@ -139,7 +139,7 @@ TEST(RigAudit, CamerasWithEachOthersFilesAreExchangedBack) {
       std::swap(order[a], order[b]);
       auto& views = take.evidence.keypoint_views;
       std::swap(views[a].values, views[b].values);
-      const auto found = Triangulated(take.evidence);
+      const auto found = TriangulatedWithAudit(take.evidence);
       ASSERT_TRUE(found) << take.name << " " << a << b << ": " << found.error().Message();
       const auto faults = FaultsNamed(*found, "cameras_exchanged");
       ASSERT_EQ(faults.size(), 1u) << take.name << " " << a << b;
@@ -172,7 +172,7 @@ TEST(RigAudit, AViewThatExchangesLimbsForAWhileIsPutRightBeforePointsAreFound) {
         }
       }
     }
-    const auto found = Triangulated(take.evidence);
+    const auto found = TriangulatedWithAudit(take.evidence);
     ASSERT_TRUE(found) << found.error().Message();
     exchanged += end - begin;
     for (const RigFault& fault : FaultsNamed(*found, "view_swaps_sides")) {
@@ -191,12 +191,12 @@ TEST(RigAudit, ACalibrationInMillimetresIsReadInMetresWhereThatIsWanted) {
   const Motion person = Swinging(20);
   Evidence evidence = Detections(Ring(4), {person}, 2.0);
   for (KeypointView& view : evidence.keypoint_views) view.camera.camera_from_world.translation *= 1000.0;
-  const auto refused = Triangulated(evidence);
+  const auto refused = TriangulatedWithAudit(evidence);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().Message(), HasSubstr("millimetres read as metres"));
   KeypointAuditOptions audit;
   audit.unit = AuditAction::kCorrect;
-  const auto found = Triangulated(evidence, audit);
+  const auto found = TriangulatedWithAudit(evidence, audit);
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_LT(MeanError(found->tracks, person), 0.015);
   ASSERT_EQ(FaultsNamed(*found, "calibration_unit").size(), 1u);
@@ -239,9 +239,10 @@ class AlteredTrial : public testing::Test {
 };
 
 TEST_F(AlteredTrial, AsRecordedOnlyTheThirdCameraStandsElsewhere) {
-  const auto found = Triangulated(evidence_);
+  const auto found = TriangulatedWithAudit(evidence_);
   ASSERT_TRUE(found) << found.error().Message();
-  for (const RigFault& fault : FaultsNamed(*found, "camera_moved")) EXPECT_EQ(fault.camera, "cam03") << Told(*found);
+  for (const RigFault& fault : FaultsNamed(*found, "camera_moved"))
+    EXPECT_EQ(fault.camera, "cam03") << ToldByAudit(*found);
   EXPECT_TRUE(FaultsNamed(*found, "cameras_exchanged").empty());
   EXPECT_FALSE(FaultsNamed(*found, "camera_moved").empty());
 }
@@ -261,7 +262,7 @@ TEST_F(AlteredTrial, WithACopyOfACameraMovedFromTheMiddleOn) {
       value[1] = at.y() / at.z();
     }
   }
-  const auto found = Triangulated(evidence_);
+  const auto found = TriangulatedWithAudit(evidence_);
   ASSERT_TRUE(found) << found.error().Message();
   bool told = false;
   for (const RigFault& fault : FaultsNamed(*found, "camera_moved")) {
@@ -270,7 +271,7 @@ TEST_F(AlteredTrial, WithACopyOfACameraMovedFromTheMiddleOn) {
     EXPECT_NEAR(fault.frame_begin, 40, 3);
     EXPECT_GT(fault.confidence, 0.99);
   }
-  EXPECT_TRUE(told) << Told(*found);
+  EXPECT_TRUE(told) << ToldByAudit(*found);
 }
 
 TEST_F(AlteredTrial, WithFramesOfACameraShifted) {
@@ -278,14 +279,14 @@ TEST_F(AlteredTrial, WithFramesOfACameraShifted) {
     Evidence shifted = evidence_;
     KeypointView& view = shifted.keypoint_views[1];
     for (double& time : view.time_s) time += frames / 60.0;
-    const auto found = Triangulated(shifted);
+    const auto found = TriangulatedWithAudit(shifted);
     ASSERT_TRUE(found) << found.error().Message();
     const auto faults = FaultsNamed(*found, "camera_clock_off");
     double clock = 0.0;
     for (const RigFault& fault : faults) {
       if (fault.camera == view.camera.name) clock = fault.value;
     }
-    EXPECT_NEAR(clock, -1e3 * frames / 60.0, 12.0) << Told(*found);
+    EXPECT_NEAR(clock, -1e3 * frames / 60.0, 12.0) << ToldByAudit(*found);
   }
 }
 
@@ -293,10 +294,10 @@ TEST_F(AlteredTrial, WithFoldersOfTwoCamerasExchanged) {
   auto& views = evidence_.keypoint_views;
   std::swap(views[0].values, views[3].values);
   std::swap(views[0].people, views[3].people);
-  const auto found = Triangulated(evidence_);
+  const auto found = TriangulatedWithAudit(evidence_);
   ASSERT_TRUE(found) << found.error().Message();
   const auto faults = FaultsNamed(*found, "cameras_exchanged");
-  ASSERT_EQ(faults.size(), 1u) << Told(*found);
+  ASSERT_EQ(faults.size(), 1u) << ToldByAudit(*found);
   EXPECT_EQ(faults[0].camera, views[0].camera.name + ", " + views[3].camera.name);
   EXPECT_TRUE(faults[0].corrected) << faults[0].confidence;
   EXPECT_LE(found->report.median_px, 8.5);
@@ -304,12 +305,12 @@ TEST_F(AlteredTrial, WithFoldersOfTwoCamerasExchanged) {
 
 TEST_F(AlteredTrial, ReadInTheOrderOfAnotherDetector) {
   const Evidence wrong = ReadPose2Sim(folder_, "single", "BODY_25");
-  const auto refused = Triangulated(wrong);
+  const auto refused = TriangulatedWithAudit(wrong);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().Message(), HasSubstr("in the order of BODY_25B"));
   KeypointAuditOptions audit;
   audit.order = AuditAction::kCorrect;
-  const auto found = Triangulated(wrong, audit);
+  const auto found = TriangulatedWithAudit(wrong, audit);
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_EQ(found->report.keypoint_names, evidence_.keypoint_names);
   EXPECT_EQ(FaultsNamed(*found, "keypoint_order").size(), 1u);
@@ -319,7 +320,7 @@ TEST_F(AlteredTrial, WithACalibrationInMillimetres) {
   for (KeypointView& view : evidence_.keypoint_views) view.camera.camera_from_world.translation *= 1000.0;
   KeypointAuditOptions audit;
   audit.unit = AuditAction::kCorrect;
-  const auto found = Triangulated(evidence_, audit);
+  const auto found = TriangulatedWithAudit(evidence_, audit);
   ASSERT_TRUE(found) << found.error().Message();
   EXPECT_EQ(FaultsNamed(*found, "calibration_unit").size(), 1u);
   EXPECT_LE(found->report.median_px, 8.5);

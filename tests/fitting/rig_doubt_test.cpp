@@ -16,14 +16,14 @@ namespace {
 
 using testing::HasSubstr;
 
-Expected<KeypointTracks> Triangulated(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
+Expected<KeypointTracks> TriangulatedInDoubt(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
   static const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   KeypointFitOptions options;
   options.audit = audit;
   return TriangulateKeypoints(evidence, *skeleton, options);
 }
 
-std::string Told(const KeypointTracks& found) {
+std::string ToldByDoubt(const KeypointTracks& found) {
   std::string text;
   for (const RigFault& fault : found.report.faults) text += fault.code + ": " + fault.message + "\n";
   return text;
@@ -80,15 +80,16 @@ TEST(RigDoubt, PiecesOfRecordedTrialsInventNoMoves) {
   for (const char* trial : {"single", "two"}) {
     const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", trial);
     for (int begin = 0; begin + 45 <= whole.keypoint_views[0].frames(); begin += 4) {
-      const auto found = Triangulated(FramesOf(whole, begin, begin + 45));
+      const auto found = TriangulatedInDoubt(FramesOf(whole, begin, begin + 45));
       ASSERT_TRUE(found) << found.error().Message();
       if (FaultNamed(*found, "camera_moved") != nullptr) ++third;
       for (const RigFault& fault : found->report.faults) {
         if (fault.code == "camera_clock_off") continue;
-        EXPECT_TRUE(fault.code != "camera_moved" || fault.camera == "cam03") << trial << begin << ": " << Told(*found);
-        EXPECT_TRUE(fault.code != "views_disagree" || fault.camera == "cam01, cam03") << Told(*found);
+        EXPECT_TRUE(fault.code != "camera_moved" || fault.camera == "cam03")
+            << trial << begin << ": " << ToldByDoubt(*found);
+        EXPECT_TRUE(fault.code != "views_disagree" || fault.camera == "cam01, cam03") << ToldByDoubt(*found);
       }
-      EXPECT_FALSE(found->report.doubtful) << Told(*found);
+      EXPECT_FALSE(found->report.doubtful) << ToldByDoubt(*found);
     }
   }
   EXPECT_GE(third, 3);
@@ -102,7 +103,7 @@ struct Read {
 };
 
 Read ReadingOf(const StudioView& take, const Evidence& altered) {
-  const auto found = Triangulated(altered);
+  const auto found = TriangulatedInDoubt(altered);
   if (!found) return {found.error().Message(), "", 0.0, 0.0, 0.0, 0};
   Read read{"", "", 0.0, 0.0, MeanError(found->tracks, take.truth), found->report.faults.size()};
   if (read.faults == 0) return read;
@@ -158,7 +159,7 @@ TEST(RigDoubt, AnUnknownOrderIsNotNamed) {
     Evidence altered = evidence;
     std::rotate(altered.keypoint_names.begin(), altered.keypoint_names.begin() + static_cast<std::ptrdiff_t>(shift),
                 altered.keypoint_names.end());
-    const auto refused = Triangulated(altered);
+    const auto refused = TriangulatedInDoubt(altered);
     ASSERT_FALSE(refused) << names.size();
     EXPECT_THAT(refused.error().Message(), testing::Not(HasSubstr("in the order of"))) << shift;
     EXPECT_THAT(refused.error().Message(), HasSubstr("proportions"));
@@ -169,7 +170,7 @@ TEST(RigDoubt, ACameraThatSeesNobodyForMostOfTheTakeIsTold) {
   Evidence evidence = Detections(Ring(4), {Swinging(30)}, 2.0);
   auto& values = evidence.keypoint_views[3].values;
   std::fill(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() * 4 / 5), 0.0);
-  const auto found = Triangulated(evidence);
+  const auto found = TriangulatedInDoubt(evidence);
   ASSERT_TRUE(found) << found.error().Message();
   const auto told = std::find_if(found->findings.begin(), found->findings.end(),
                                  [](const Finding& finding) { return finding.code == "camera_without_person"; });

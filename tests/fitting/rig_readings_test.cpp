@@ -20,7 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-SkeletonPtr Smpl() {
+SkeletonPtr ReadSkeleton() {
   static const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   return skeleton;
 }
@@ -28,10 +28,10 @@ SkeletonPtr Smpl() {
 Expected<BodyTracks> Tracked(const Evidence& evidence, const KeypointAuditOptions& audit = {}) {
   KeypointFitOptions options;
   options.audit = audit;
-  return TracksOnBody(evidence, *Smpl(), Smpl(), options);
+  return TracksOnBody(evidence, *ReadSkeleton(), ReadSkeleton(), options);
 }
 
-std::string Told(const BodyTracks& found) {
+std::string ToldByReadings(const BodyTracks& found) {
   std::string text;
   for (const RigFault& fault : found.report.faults)
     text += fault.code + " " + fault.camera + ": " + fault.message + "\n";
@@ -46,7 +46,7 @@ bool IsTold(const std::string& code, const BodyTracks& found) {
 /// "so 100 % of the entries agree with others, as given 100 %" says nothing.
 void ExpectThatWordsSayWhatIsBetter(const BodyTracks& found) {
   static const std::regex same("so ([0-9]+) % of the entries agree with others, as given \\1 %");
-  EXPECT_FALSE(std::regex_search(Told(found), same)) << Told(found);
+  EXPECT_FALSE(std::regex_search(ToldByReadings(found), same)) << ToldByReadings(found);
 }
 
 double MeanErrorOf(const SkeletonTracks& tracks, const Motion& truth) {
@@ -68,7 +68,7 @@ TEST(RigReadings, ARingOfFourWhoseFacingCamerasAreExchangedIsRefusedWithAllThatE
     for (StudioView take : StudioViews(Views(41, RigKind::kRing), 6)) {
       ExchangeFiles(take.evidence, first, first + 2);
       const auto refused = Tracked(take.evidence);
-      ASSERT_FALSE(refused) << take.name << ": " << Told(*refused);
+      ASSERT_FALSE(refused) << take.name << ": " << ToldByReadings(*refused);
       EXPECT_THAT(refused.error().Message(),
                   AllOf(HasSubstr("cam01 in those of cam03"), HasSubstr("cam02 in those of cam04"),
                         HasSubstr("mirrored"), HasSubstr("nobody can tell")));
@@ -87,7 +87,7 @@ TEST(RigReadings, WhereThatIsOnlyToBeToldNothingIsMadeOfIt) {
     ASSERT_FALSE(found->report.faults.empty());
     EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
     EXPECT_LT(found->report.faults[0].confidence, 0.5);
-    for (const RigFault& fault : found->report.faults) EXPECT_FALSE(fault.corrected) << Told(*found);
+    for (const RigFault& fault : found->report.faults) EXPECT_FALSE(fault.corrected) << ToldByReadings(*found);
     EXPECT_TRUE(IsTold("rig_not_audited", *found)) << "clocks and places were not looked for";
   }
 }
@@ -102,7 +102,7 @@ TEST(RigReadings, AGuessIsToldAndEverythingElseIsLookedForAllTheSame) {
     ASSERT_FALSE(found->report.faults.empty());
     EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
     EXPECT_TRUE(found->report.faults[0].guessed);
-    EXPECT_FALSE(FilesAreWrong(found->report.faults)) << Told(*found);
+    EXPECT_FALSE(FilesAreWrong(found->report.faults)) << ToldByReadings(*found);
     EXPECT_FALSE(IsTold("rig_not_audited", *found));
   }
 }
@@ -118,7 +118,7 @@ TEST(RigReadings, FacingCamerasOfOtherRigsAreExchangedBack) {
       ExchangeFiles(take.evidence, 0, other);
       const auto found = Tracked(take.evidence);
       ASSERT_TRUE(sound && found) << take.name;
-      ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << Told(*found);
+      ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << ToldByReadings(*found);
       EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
       ExpectThatWordsSayWhatIsBetter(*found);
       EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 1.05 * MeanErrorOf(sound->tracks, take.truth) + 1e-3);
@@ -131,7 +131,7 @@ TEST(RigReadings, SidesThatAllViewsCallTheOtherWayAreMendedWhereNoExchangeOfFile
     for (KeypointView& view : take.evidence.keypoint_views) ExchangeSides(view, take.evidence.keypoint_names);
     const auto found = Tracked(take.evidence);
     ASSERT_TRUE(found) << take.name << ": " << found.error().Message();
-    ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << Told(*found);
+    ASSERT_EQ(found->report.faults.size(), 1u) << take.name << ": " << ToldByReadings(*found);
     EXPECT_EQ(found->report.faults[0].code, "views_swap_sides");
     EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 0.04);
   }
@@ -145,11 +145,11 @@ TEST(RigReadings, AViewThatCallsLeftRightThroughoutIsNamedAndNoMovedCameraNorAMi
     ASSERT_TRUE(found) << take.name << ": " << found.error().Message();
     ++takes;
     for (const RigFault& fault : found->report.faults) {
-      EXPECT_EQ(fault.code, "view_swaps_sides") << take.name << ": " << Told(*found);
+      EXPECT_EQ(fault.code, "view_swaps_sides") << take.name << ": " << ToldByReadings(*found);
       const bool whole = fault.limb.empty() && fault.camera == take.evidence.keypoint_views[1].camera.name;
       named += whole ? 1 : 0;
     }
-    EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 0.03) << take.name << ": " << Told(*found);
+    EXPECT_LT(MeanErrorOf(found->tracks, take.truth), 0.03) << take.name << ": " << ToldByReadings(*found);
   }
   EXPECT_GE(named, takes - 1);
 }

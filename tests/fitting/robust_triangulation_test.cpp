@@ -15,7 +15,7 @@ namespace mocurate {
 namespace {
 
 /// N cameras around the origin, 4 m away, looking at it; lens distortion in every second one.
-std::vector<Camera> Ring(int count) {
+std::vector<Camera> DistortedRing(int count) {
   std::vector<Camera> cameras;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * EIGEN_PI * i / count;
@@ -38,7 +38,7 @@ std::vector<Camera> Ring(int count) {
   return cameras;
 }
 
-struct Scene {
+struct SeenPoint {
   std::vector<TriangulationView> views;
   std::vector<ViewRay> rays;
   Vector3d truth;
@@ -46,11 +46,11 @@ struct Scene {
 
 /// A point near the origin seen by all cameras with noise of `sigma` px; the views of `wrong` see something 200 to 400
 /// px off.
-Scene Sight(int cameras, double sigma, const std::vector<int>& wrong, std::uint64_t seed) {
-  Scene scene;
+SeenPoint SeePoint(int cameras, double sigma, const std::vector<int>& wrong, std::uint64_t seed) {
+  SeenPoint scene;
   Random random(seed, "scene");
   scene.truth = Vector3d(random.Uniform(-0.5, 0.5), random.Uniform(0.2, 1.8), random.Uniform(-0.5, 0.5));
-  for (const Camera& camera : Ring(cameras)) scene.views.emplace_back(camera);
+  for (const Camera& camera : DistortedRing(cameras)) scene.views.emplace_back(camera);
   for (int i = 0; i < cameras; ++i) {
     Vector2d pixel = *scene.views[i].camera.ProjectWorld(scene.truth);
     pixel += sigma * Vector2d(random.Normal(), random.Normal());
@@ -65,7 +65,7 @@ Scene Sight(int cameras, double sigma, const std::vector<int>& wrong, std::uint6
 
 TEST(TriangulateRobust, FindsAPointExactlyWithoutNoise) {
   for (const int cameras : {2, 3, 4, 8, 32}) {
-    const Scene scene = Sight(cameras, 0.0, {}, cameras);
+    const SeenPoint scene = SeePoint(cameras, 0.0, {}, cameras);
     const auto point = TriangulateRobust(scene.rays, {});
     ASSERT_TRUE(point) << cameras;
     EXPECT_LT((point->position - scene.truth).norm(), 1e-6);
@@ -83,7 +83,7 @@ TEST(TriangulateRobust, LeavesOutViewsThatSeeSomethingElse) {
                            Case{32, {3, 4, 9, 11, 17, 20, 25, 28, 31}}}) {
     int right = 0;
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
-      const Scene scene = Sight(test.cameras, 2.0, test.wrong, seed);
+      const SeenPoint scene = SeePoint(test.cameras, 2.0, test.wrong, seed);
       const auto point = TriangulateRobust(scene.rays, {});
       if (!point || (point->position - scene.truth).norm() > 0.03) continue;
       bool clean = true;
@@ -97,11 +97,11 @@ TEST(TriangulateRobust, LeavesOutViewsThatSeeSomethingElse) {
 TEST(TriangulateRobust, SaysNothingWhereNoMajorityAgrees) {
   int found = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    found += TriangulateRobust(Sight(4, 1.0, {0, 2}, seed).rays, {}) ? 1 : 0;
+    found += TriangulateRobust(SeePoint(4, 1.0, {0, 2}, seed).rays, {}) ? 1 : 0;
   }
   EXPECT_LE(found, 5);
   EXPECT_FALSE(TriangulateRobust({}, {}));
-  Scene scene = Sight(4, 0.0, {}, 1);
+  SeenPoint scene = SeePoint(4, 0.0, {}, 1);
   scene.rays.erase(scene.rays.begin() + 1, scene.rays.end());
   EXPECT_FALSE(TriangulateRobust(scene.rays, {}));
 }
@@ -111,7 +111,7 @@ TEST(TriangulateRobust, StatesACovarianceThatCoversItsErrors) {
   int within_two = 0;
   int count = 0;
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
-    const Scene scene = Sight(4, 4.0, {}, seed);
+    const SeenPoint scene = SeePoint(4, 4.0, {}, seed);
     const auto point = TriangulateRobust(scene.rays, {});
     if (!point) continue;
     const Eigen::LLT<Matrix3d> root(point->covariance);

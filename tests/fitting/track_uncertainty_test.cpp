@@ -46,13 +46,13 @@ struct Coverage {
   double two() const { return static_cast<double>(within_two) / count; }
 };
 
-FitResult Fit(const Take& take, const JointTrackOptions& options = {}) {
+FitResult FitWithUncertainty(const Take& take, const JointTrackOptions& options = {}) {
   auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return std::move(*fit);
 }
 
-float At(const std::vector<float>& values, const Motion& motion, int frame, int joint, int axis) {
+float ValueAt(const std::vector<float>& values, const Motion& motion, int frame, int joint, int axis) {
   return values[3 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint) + axis];
 }
 
@@ -111,16 +111,16 @@ TEST(TrackUncertainty, SaysThatTheTwistOfAStraightLimbIsNotObserved) {
   take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, take.truth.rotation,
                           take.truth.bone_length);
   take.tracks.positions = take.truth.joints;
-  const Motion motion = Fit(take).motion;
+  const Motion motion = FitWithUncertainty(take).motion;
   for (const int shoulder : {3, 6}) {  // arms straight out to the sides: twist is about x
-    EXPECT_LT(At(motion.rotation_observed, motion, 30, shoulder, 0), 0.1);
-    EXPECT_GT(At(motion.rotation_observed, motion, 30, shoulder, 1), 0.95);
-    EXPECT_GT(At(motion.rotation_observed, motion, 30, shoulder, 2), 0.95);
-    EXPECT_GT(At(motion.rotation_sigma, motion, 30, shoulder, 0), 0.3F);
+    EXPECT_LT(ValueAt(motion.rotation_observed, motion, 30, shoulder, 0), 0.1);
+    EXPECT_GT(ValueAt(motion.rotation_observed, motion, 30, shoulder, 1), 0.95);
+    EXPECT_GT(ValueAt(motion.rotation_observed, motion, 30, shoulder, 2), 0.95);
+    EXPECT_GT(ValueAt(motion.rotation_sigma, motion, 30, shoulder, 0), 0.3F);
   }
   for (int i = 0; i < 3; ++i) {
-    EXPECT_GT(At(motion.rotation_observed, motion, 30, 0, i), 0.99);  // hips and chest fix the root
-    EXPECT_EQ(At(motion.rotation_observed, motion, 30, 5, i), 0.0F);  // nothing hangs on a wrist
+    EXPECT_GT(ValueAt(motion.rotation_observed, motion, 30, 0, i), 0.99);  // hips and chest fix the root
+    EXPECT_EQ(ValueAt(motion.rotation_observed, motion, 30, 5, i), 0.0F);  // nothing hangs on a wrist
   }
 }
 
@@ -128,7 +128,7 @@ TEST(TrackUncertainty, GrowsWhereAJointIsNotSeen) {
   Take take = SmoothTake(90);
   for (int f = 30; f < 60; ++f) Hide(take.tracks, f, 5);
   AddNoise(take.tracks, 0.01, 4);
-  const Motion motion = Fit(take).motion;
+  const Motion motion = FitWithUncertainty(take).motion;
   EXPECT_GT(CovarianceAt(motion, 45, 5).trace(), 4.0 * CovarianceAt(motion, 15, 5).trace());
   EXPECT_GT(CovarianceAt(motion, 45, 5).trace(), CovarianceAt(motion, 32, 5).trace());
   EXPECT_LT(std::sqrt(CovarianceAt(motion, 45, 5).trace()), 0.5);  // it hangs on the elbow
@@ -146,7 +146,7 @@ TEST(TrackUncertainty, HoldsForABodyThatSwaysAsAWhole) {
                           take.truth.bone_length);
   take.tracks.positions = take.truth.joints;
   AddNoise(take.tracks, 0.02, 6);
-  const Motion motion = Fit(take).motion;
+  const Motion motion = FitWithUncertainty(take).motion;
   Coverage coverage;
   coverage.Add(motion, take.truth.joints);
   EXPECT_NEAR(coverage.one(), 0.683, 0.08);
@@ -158,8 +158,8 @@ TEST(TrackUncertainty, IsTheSameInWindows) {
   AddNoise(take.tracks, 0.01, 4);
   JointTrackOptions windows;
   windows.window_frames = 70;
-  const Motion whole = Fit(take).motion;
-  const Motion parts = Fit(take, windows).motion;
+  const Motion whole = FitWithUncertainty(take).motion;
+  const Motion parts = FitWithUncertainty(take, windows).motion;
   for (int f = 0; f < 200; ++f) {
     const double expected = CovarianceAt(whole, f, 8).trace();
     EXPECT_NEAR(CovarianceAt(parts, f, 8).trace(), expected, 0.02 * expected) << "frame " << f;
@@ -171,7 +171,7 @@ TEST(TrackUncertainty, NeverExceedsThatOfAnAngleOfWhichNothingIsKnown) {
   for (int j = 1; j < take.tracks.joints(); ++j) {
     for (int f = 0; f < 3; ++f) Hide(take.tracks, f, j);
   }
-  const Motion motion = Fit(take).motion;  // one joint says nothing about any rotation
+  const Motion motion = FitWithUncertainty(take).motion;  // one joint says nothing about any rotation
   for (const float sigma : motion.rotation_sigma) EXPECT_LE(sigma, 1.8139F);
   for (const float observed : motion.rotation_observed) EXPECT_LT(observed, 0.01F);
   EXPECT_TRUE(motion.Check().has_value());
@@ -183,7 +183,7 @@ TEST(StatedUncertainty, OfAFitToAFittedMotionIsNoLessThanThatOfTheFirst) {
   AddNoise(take.tracks, 0.02, 5);
   Clip clip;
   clip.rate = take.truth.rate;
-  clip.motion = Fit(take).motion;
+  clip.motion = FitWithUncertainty(take).motion;
   clip.motion->state[7] = JointState::kInferred;
   const auto again = FitTracksOfClip(clip, take.tracks.skeleton, take.truth.bone_length, FittingOptions{});
   ASSERT_TRUE(again.has_value()) << again.error().Message();
@@ -218,12 +218,12 @@ TEST(TrackUncertainty, WhereSamplesLieToOneSideForLongTheFitIsSaidToBeOffByAsMuc
   const auto stated = [&](const FitResult& fit, int frame) {
     return std::sqrt(CovarianceAt(fit.motion, frame, ankle).trace());
   };
-  const FitResult before = Fit(take);
+  const FitResult before = FitWithUncertainty(take);
   for (int f = 40; f < 70; ++f) {  // the leg would be longer
     const Vector3d leg = take.truth.joints.at(f, ankle) - take.truth.joints.at(f, hip);
     take.tracks.positions.at(f, ankle) += 0.06 * leg.normalized();
   }
-  const FitResult fit = Fit(take);
+  const FitResult fit = FitWithUncertainty(take);
   for (int f = 45; f < 65; ++f) {
     const double off = (fit.motion.joints.at(f, ankle) - take.tracks.positions.at(f, ankle)).norm();
     EXPECT_GT(stated(fit, f), 0.5 * off) << "frame " << f;

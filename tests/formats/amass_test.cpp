@@ -19,7 +19,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Amass Small(Amass::Layout layout, std::size_t columns) {
+Amass SmallAmass(Amass::Layout layout, std::size_t columns) {
   Amass amass;
   amass.layout = layout;
   amass.rate_hz = 120.00004577636719;
@@ -42,7 +42,7 @@ Amass Small(Amass::Layout layout, std::size_t columns) {
   return amass;
 }
 
-Npz Members(const Amass& amass) { return ParseNpz(EncodeAmass(amass, "m.npz").value(), "m.npz").value(); }
+Npz AmassMembers(const Amass& amass) { return ParseNpz(EncodeAmass(amass, "m.npz").value(), "m.npz").value(); }
 
 NpyArray& At(Npz& npz, const std::string& name) {
   for (NpzMember& member : npz.members) {
@@ -51,7 +51,7 @@ NpyArray& At(Npz& npz, const std::string& name) {
   throw std::logic_error("no member " + name);
 }
 
-std::string Fails(const Npz& npz) {
+std::string AmassFails(const Npz& npz) {
   const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
   return amass ? "parsed" : amass.error().Message();
 }
@@ -59,7 +59,7 @@ std::string Fails(const Npz& npz) {
 TEST(Amass, BothLayoutsAreWrittenAndReadAgain) {
   for (const auto& [layout, columns] : {std::pair{Amass::Layout::kLegacy, 156}, std::pair{Amass::Layout::kSplit, 156},
                                         std::pair{Amass::Layout::kSplit, 165}}) {
-    const Amass amass = Small(layout, static_cast<std::size_t>(columns));
+    const Amass amass = SmallAmass(layout, static_cast<std::size_t>(columns));
     const auto again = ParseAmass(EncodeAmass(amass, "m.npz").value(), "m.npz");
     ASSERT_TRUE(again) << again.error().Message();
     EXPECT_EQ(again->layout, amass.layout);
@@ -78,8 +78,8 @@ TEST(Amass, BothLayoutsAreWrittenAndReadAgain) {
 }
 
 TEST(Amass, TheSplitKeysAloneGiveTheSamePoses) {
-  const Amass amass = Small(Amass::Layout::kSplit, 165);
-  Npz npz = Members(amass);
+  const Amass amass = SmallAmass(Amass::Layout::kSplit, 165);
+  Npz npz = AmassMembers(amass);
   npz.members.erase(npz.members.begin());  // poses
   const auto again = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
   ASSERT_TRUE(again) << again.error().Message();
@@ -89,7 +89,7 @@ TEST(Amass, TheSplitKeysAloneGiveTheSamePoses) {
 TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
   for (const auto& [dtype, text] :
        {std::pair{"|S6", "male"}, std::pair{"<U4", "male"}, std::pair{"<U7", "b'male'"}, std::pair{"<U4", "Male"}}) {
-    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     At(npz, "gender").dtype = dtype;
     At(npz, "gender").texts = {text};
     const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
@@ -99,7 +99,7 @@ TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
 }
 
 TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
-  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   for (NpzMember& member : npz.members) {
     if (member.name == "poses") member.name = "pose";
   }
@@ -112,31 +112,31 @@ TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
 
 TEST(Amass, ArraysOfDifferentLengthsDisagreeAndTheOneThatAloneDiffersIsNamed) {
   for (const char* key : {"poses", "trans"}) {
-    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     NpyArray& array = At(npz, key);
     array.values.resize(array.values.size() / 2);
     array.shape[0] = 1;
-    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + key + ": the arrays disagree about the frames: "));
-    EXPECT_THAT(Fails(npz), HasSubstr(std::string("'") + key + "' has 1"));
-    EXPECT_THAT(Fails(npz), HasSubstr("'marker_data' has 2"));
-    EXPECT_THAT(Fails(npz), HasSubstr(std::string("'") + key + "' is cut off"));
+    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + key + ": the arrays disagree about the frames: "));
+    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("'") + key + "' has 1"));
+    EXPECT_THAT(AmassFails(npz), HasSubstr("'marker_data' has 2"));
+    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("'") + key + "' is cut off"));
   }
 }
 
 TEST(Amass, PosesOfAnotherShapeAreToldTheWayBack) {
-  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   At(npz, "poses").shape = {156, 2};
-  EXPECT_THAT(Fails(npz), HasSubstr("poses.T"));
+  EXPECT_THAT(AmassFails(npz), HasSubstr("poses.T"));
   At(npz, "poses").shape = {2, 52, 3};
-  EXPECT_THAT(Fails(npz), HasSubstr("poses.reshape(len(poses), -1)"));
+  EXPECT_THAT(AmassFails(npz), HasSubstr("poses.reshape(len(poses), -1)"));
 }
 
 TEST(Amass, BetasWithAnAxisOfOnePersonAreTheSame) {
-  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   At(npz, "betas").shape = {1, 2};
   const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
   ASSERT_TRUE(amass) << amass.error().Message();
-  EXPECT_EQ(amass->betas, Small(Amass::Layout::kLegacy, 156).betas);
+  EXPECT_EQ(amass->betas, SmallAmass(Amass::Layout::kLegacy, 156).betas);
 }
 
 TEST(Amass, AnyCorruptedFieldIsNamed) {
@@ -173,9 +173,9 @@ TEST(Amass, AnyCorruptedFieldIsNamed) {
                          {"marker_data", cut},
                          {"marker_labels", [](NpyArray& a) { a.texts.pop_back(), a.shape = {1}; }}};
   for (const Case& c : legacy) {
-    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     c.corrupt(At(npz, c.key));
-    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
+    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
   }
   const Case split[] = {{"root_orient", cut},
                         {"pose_body", [](NpyArray& a) { a.values[7] += 0.1; }},
@@ -184,31 +184,31 @@ TEST(Amass, AnyCorruptedFieldIsNamed) {
                         {"pose_hand", cut},
                         {"mocap_frame_rate", [](NpyArray& a) { a.values[0] = -30; }}};
   for (const Case& c : split) {
-    Npz npz = Members(Small(Amass::Layout::kSplit, 165));
+    Npz npz = AmassMembers(SmallAmass(Amass::Layout::kSplit, 165));
     c.corrupt(At(npz, c.key));
-    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
+    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
   }
   for (const char* key : {"trans", "betas", "mocap_framerate"}) {
-    Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+    Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     for (NpzMember& member : npz.members) member.name = member.name == key ? "other" : member.name;
-    EXPECT_THAT(Fails(npz), HasSubstr(std::string("m.npz:") + key + ": ")) << key;
+    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + key + ": ")) << key;
   }
 }
 
 TEST(Amass, RatesThatContradictEachOtherOrTheLengthAreRefused) {
-  Npz npz = Members(Small(Amass::Layout::kLegacy, 156));
+  Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   npz.members.push_back({"mocap_frame_rate", MakeArray({}, {60}), ""});
-  EXPECT_THAT(Fails(npz), HasSubstr("the rate differs"));
-  npz = Members(Small(Amass::Layout::kSplit, 165));
+  EXPECT_THAT(AmassFails(npz), HasSubstr("the rate differs"));
+  npz = AmassMembers(SmallAmass(Amass::Layout::kSplit, 165));
   npz.members.push_back({"mocap_time_length", MakeArray({}, {10}), ""});
-  EXPECT_THAT(Fails(npz), HasSubstr("m.npz:mocap_time_length: 10 s, but 2 frames"));
+  EXPECT_THAT(AmassFails(npz), HasSubstr("m.npz:mocap_time_length: 10 s, but 2 frames"));
 }
 
 TEST(Amass, AShapeFileHoldsNoMotion) {
   Npz npz;
   npz.members.push_back({"betas", MakeArray({2}, {1, 2}), ""});
   npz.members.push_back({"gender", MakeTextArray("male"), ""});
-  EXPECT_THAT(Fails(npz), HasSubstr("the file holds no motion"));
+  EXPECT_THAT(AmassFails(npz), HasSubstr("the file holds no motion"));
 }
 
 TEST(Amass, ThePublishedSampleIsReadWhole) {

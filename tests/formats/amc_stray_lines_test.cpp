@@ -11,14 +11,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Expected<Amc> Read(const std::string& frames) {
+Expected<Amc> ReadStray(const std::string& frames) {
   return ParseAmc(":DEGREES\n" + frames, {nullptr, DamagedRows::kReport}, "wave.amc");
 }
 
 const char* const kTwo = "1\nroot 1 2\narm 3\n2\nroot 4 5\narm 6\n";
 
 TEST(AmcStrayLines, AWordBeforeTheNumberOfAFrameBeginsNoFrameOfItsOwn) {
-  const auto amc = Read(std::string(kTwo) + "pause\n3\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n");
+  const auto amc = ReadStray(std::string(kTwo) + "pause\n3\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
   EXPECT_TRUE(amc->damaged.empty());
@@ -27,14 +27,14 @@ TEST(AmcStrayLines, AWordBeforeTheNumberOfAFrameBeginsNoFrameOfItsOwn) {
 }
 
 TEST(AmcStrayLines, AWordInTheNumbersPlaceIsTheFrameItself) {
-  const auto amc = Read(std::string(kTwo) + "3x\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n");
+  const auto amc = ReadStray(std::string(kTwo) + "3x\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
   EXPECT_EQ(amc->findings.size(), 1u);
 }
 
 TEST(AmcStrayLines, ANumberThatStandsTwiceIsStillTwoFrames) {
-  const auto amc = Read(std::string(kTwo) + "3\n3\nroot 7 8\narm 9\n");
+  const auto amc = ReadStray(std::string(kTwo) + "3\n3\nroot 7 8\narm 9\n");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 3));
 }

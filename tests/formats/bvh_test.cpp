@@ -25,12 +25,12 @@ std::string TwoJoints(const std::string& rows = "1 2 3 0 0 90  7 0 0 0\n4 5 6 0 
          frames + "\nFrame Time: " + time + "\n" + rows;
 }
 
-std::string Fails(const std::string& text) {
+std::string BvhFails(const std::string& text) {
   const auto parsed = ParseBvh(text, "clip.bvh");
   return parsed ? "parsed" : parsed.error().Message();
 }
 
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+std::string WithReplaced(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
 
@@ -140,18 +140,19 @@ TEST(Bvh, EveryRefusalSaysAWayOut) {
                                  {"OFFSET 1 2 3", "OFFSET 1 2 1e300"},
                                  {"CHANNELS 4", "CHANNELS 3"},
                                  {"JOINT", "JOINTS"}}) {
-    const auto bvh = ParseBvh(Replaced(text, from, to), "clip.bvh", DamagedRows::kReport);
+    const auto bvh = ParseBvh(WithReplaced(text, from, to), "clip.bvh", DamagedRows::kReport);
     ASSERT_FALSE(bvh) << to;
     EXPECT_THAT(bvh.error().where, HasSubstr("clip.bvh:")) << to;
     EXPECT_FALSE(bvh.error().hint.empty()) << to << ": " << bvh.error().what;
   }
-  EXPECT_THAT(Fails(text.substr(0, text.find("MOTION") - 20)), HasSubstr("it is cut off"));
-  EXPECT_THAT(Fails(std::string("\xFF\xFEH\0I\0", 6)), HasSubstr("the text is UTF-16: save it as UTF-8"));
-  EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "MOTION")),
+  EXPECT_THAT(BvhFails(text.substr(0, text.find("MOTION") - 20)), HasSubstr("it is cut off"));
+  EXPECT_THAT(BvhFails(std::string("\xFF\xFEH\0I\0", 6)), HasSubstr("the text is UTF-16: save it as UTF-8"));
+  EXPECT_THAT(BvhFails(WithReplaced(text, "}\nMOTION", "MOTION")),
               HasSubstr("a '}' is missing before it, with 1 joint still"));
-  EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "}\n}\nMOTION")), HasSubstr("one '}' too many"));
-  EXPECT_THAT(Fails(Replaced(text, "}\nMOTION", "}\nROOT Other\n{\n}\nMOTION")), HasSubstr("a file has one ROOT"));
-  const auto lacks = ParseBvh(Replaced(text, "CHANNELS 4 Yposition Zrotation Yrotation Xrotation", ""), "clip.bvh",
+  EXPECT_THAT(BvhFails(WithReplaced(text, "}\nMOTION", "}\n}\nMOTION")), HasSubstr("one '}' too many"));
+  EXPECT_THAT(BvhFails(WithReplaced(text, "}\nMOTION", "}\nROOT Other\n{\n}\nMOTION")),
+              HasSubstr("a file has one ROOT"));
+  const auto lacks = ParseBvh(WithReplaced(text, "CHANNELS 4 Yposition Zrotation Yrotation Xrotation", ""), "clip.bvh",
                               DamagedRows::kReport);
   ASSERT_FALSE(lacks);
   EXPECT_THAT(lacks.error().hint, HasSubstr("every row has 10 numbers: mend the CHANNELS"));
@@ -159,24 +160,25 @@ TEST(Bvh, EveryRefusalSaysAWayOut) {
 }
 
 TEST(Bvh, BadInputIsRefusedWithPlaceAndReason) {
-  EXPECT_EQ(Fails(""), "clip.bvh: the file is empty (copy it again)");
-  EXPECT_THAT(Fails("%PDF"), HasSubstr("clip.bvh:1: a BVH file begins with HIERARCHY, not '%PDF'"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n4 5 6 0\n")),
+  EXPECT_EQ(BvhFails(""), "clip.bvh: the file is empty (copy it again)");
+  EXPECT_THAT(BvhFails("%PDF"), HasSubstr("clip.bvh:1: a BVH file begins with HIERARCHY, not '%PDF'"));
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n4 5 6 0\n")),
               HasSubstr("clip.bvh:16: frame 1 has 4 numbers, the hierarchy has 10 channels (the file is cut off"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n")),
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n")),
               HasSubstr("clip.bvh:13: Frames announces 2, the file holds 1 (the file is cut off"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 nan 0 0 90 7 0 0 0\n", "1")),
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 nan 0 0 90 7 0 0 0\n", "1")),
               HasSubstr("clip.bvh:15: 'nan' in frame 0, channel 2 is no finite number"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 x 0 0 90 7 0 0 0\n", "1")), HasSubstr("'x' in frame 0, channel 2"));
-  EXPECT_THAT(Fails(Replaced(TwoJoints(), "Zrotation\n JOINT", "Wrotation\n JOINT")),
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 x 0 0 90 7 0 0 0\n", "1")), HasSubstr("'x' in frame 0, channel 2"));
+  EXPECT_THAT(BvhFails(WithReplaced(TwoJoints(), "Zrotation\n JOINT", "Wrotation\n JOINT")),
               HasSubstr("clip.bvh:5: unknown channel 'Wrotation' of joint 'Hips'"));
-  EXPECT_THAT(Fails(Replaced(TwoJoints(), "CHANNELS 4", "CHANNELS 3")), HasSubstr("must say how many names follow"));
-  EXPECT_THAT(Fails(TwoJoints("", "0")), HasSubstr("'Frames: 0' says so as well"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "0")), HasSubstr("frame time 0 s gives no frame rate"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "nan")), HasSubstr("gives no frame rate"));
-  EXPECT_THAT(Fails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "1e-320")), HasSubstr("gives no frame rate"));
-  EXPECT_THAT(Fails(TwoJoints("1\n", "99999999999999")), HasSubstr("has 1 numbers"));
-  EXPECT_THAT(Fails(TwoJoints().substr(0, 150)), HasSubstr("clip.bvh:9: the file ends where"));
+  EXPECT_THAT(BvhFails(WithReplaced(TwoJoints(), "CHANNELS 4", "CHANNELS 3")),
+              HasSubstr("must say how many names follow"));
+  EXPECT_THAT(BvhFails(TwoJoints("", "0")), HasSubstr("'Frames: 0' says so as well"));
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "0")), HasSubstr("frame time 0 s gives no frame rate"));
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "nan")), HasSubstr("gives no frame rate"));
+  EXPECT_THAT(BvhFails(TwoJoints("1 2 3 0 0 90 7 0 0 0\n", "1", "1e-320")), HasSubstr("gives no frame rate"));
+  EXPECT_THAT(BvhFails(TwoJoints("1\n", "99999999999999")), HasSubstr("has 1 numbers"));
+  EXPECT_THAT(BvhFails(TwoJoints().substr(0, 150)), HasSubstr("clip.bvh:9: the file ends where"));
 }
 
 TEST(Bvh, CutOffAnywhereItIsRefusedNeverReadAsShorter) {

@@ -25,18 +25,18 @@ constexpr const char* kBvh =
     "Frame Time: 0.5\n1 2 3 4 5 6\n7 8 9 1 2 3\n";
 
 template <class T>
-Status Answer(const Expected<T>& read) {
+Status StatusOfDamaged(const Expected<T>& read) {
   return read ? Status() : Status(Forward(read));
 }
 
 template <class T>
-std::string Message(const Expected<T>& read) {
+std::string MessageOfDamaged(const Expected<T>& read) {
   return read ? "parsed" : read.error().Message();
 }
 
 TEST(DamagedFields, OfABvhAreNamedWithTheirLine) {
   ExpectEveryDamagedWordIsNamed(
-      kBvh, [](const std::string& text) { return Answer(ParseBvh(text, "file")); },
+      kBvh, [](const std::string& text) { return StatusOfDamaged(ParseBvh(text, "file")); },
       [](std::string_view, std::string_view word) { return word == "Hips" || word == "Knee"; });
 }
 
@@ -45,7 +45,8 @@ TEST(DamagedFields, OfATableOfNumbersAreNamedWithTheirLine) {
   layout.rows_per_frame = 2;
   for (const char* text : {"1 2 3\n4 5 6\n7 8 9\n1 2 3\n", "1,2,3\n4,5,6\n7,8,9\n1,2,3\n"}) {
     ExpectEveryDamagedWordIsNamed(
-        text, [&](const std::string& damaged) { return Answer(ParseJointTable(damaged, layout, "file")); }, nullptr);
+        text, [&](const std::string& damaged) { return StatusOfDamaged(ParseJointTable(damaged, layout, "file")); },
+        nullptr);
   }
 }
 
@@ -58,7 +59,7 @@ TEST(DamagedFields, OfADepthSequenceAreNamedWithTheirPath) {
       document,
       [](const std::string& bytes) {
         const auto sequence = ParseDepthSequence(bytes, "s.json");
-        return sequence ? Message(ParseDepthSequenceTruth(bytes, "s.json")) : Message(sequence);
+        return sequence ? MessageOfDamaged(ParseDepthSequenceTruth(bytes, "s.json")) : MessageOfDamaged(sequence);
       },
       [](const std::string& path) { return path == "/body"; });
 }
@@ -70,7 +71,7 @@ TEST(DamagedFields, OfTheHeaderOfAnArrayAreNamed) {
   array.values.assign(6, 1.0);
   const std::string good = WriteNpy(array);
   const auto message = [&](const std::string& from, const std::string& to) {
-    return Message(ParseNpy(Replaced(good, from, to), "a.npy"));
+    return MessageOfDamaged(ParseNpy(Replaced(good, from, to), "a.npy"));
   };
   EXPECT_EQ(message("NUMPY", "NUMPY"), "parsed");
   EXPECT_THAT(message("NUMPY", "NUMPX"), HasSubstr("does not begin as a numpy array"));
@@ -110,7 +111,7 @@ std::string Mot(const std::string& rows, const std::string& columns) {
   return "Coordinates\nnRows=" + rows + "\nnColumns=" + columns + "\nendheader\ntime\ta\n0\t1\n1\t2\n";
 }
 
-std::string Skeleton(const std::string& count) {
+std::string SkeletonText(const std::string& count) {
   NtuSkeleton scene;
   scene.frames = {{NtuBody()}, {}};
   return count + WriteNtuSkeleton(scene).substr(1);
@@ -118,22 +119,24 @@ std::string Skeleton(const std::string& count) {
 
 TEST(HeaderCounts, ThatContradictWhatFollowsAreToldWithBothNumbersAndTheirPlace) {
   const Contradiction cases[] = {
-      {"BVH, more", Answer(ParseBvh(BvhOf("3"), "f")), 3, "Frames announces 3, the file holds 2", "f:17"},
-      {"BVH, fewer", Answer(ParseBvh(BvhOf("1"), "f")), 1, "Frames announces 1, the file holds 2", "f:17"},
-      {"NTU, more", Answer(ParseNtuSkeleton(Skeleton("7"), "f")), 7, "the frame count announces 7, the file holds 2",
-       "f:1"},
-      {"NTU, fewer", Answer(ParseNtuSkeleton(Skeleton("1"), "f")), 1, "the file holds 2", "f:1"},
-      {"PLY text, more", Answer(ParsePly(PlyText("3", false), "f")), 3, "element vertex announces 3, the file holds 2",
-       "f:9"},
-      {"PLY text, fewer", Answer(ParsePly(PlyText("1", false), "f")), 1, "the file holds 2", "f:8"},
-      {"PLY binary, more", Answer(ParsePly(PlyText("3", true), "f")), 3, "the file holds 2", "f:6"},
-      {"PLY binary, fewer", Answer(ParsePly(PlyText("1", true), "f")), 1, "the file holds 2", "f"},
-      {"PCD text, more", Answer(ParsePcd(PcdText("3", false), "f")), 3, "POINTS announces 3, the file holds 2", "f:10"},
-      {"PCD text, fewer", Answer(ParsePcd(PcdText("1", false), "f")), 1, "the file holds 2", "f:10"},
-      {"PCD binary, more", Answer(ParsePcd(PcdText("3", true), "f")), 3, "the file holds 2", "f:10"},
-      {"PCD binary, fewer", Answer(ParsePcd(PcdText("1", true), "f")), 1, "the file holds 2", "f:10"},
-      {"rows", Answer(ParseOpenSimTable(Mot("3", "2"), "f")), 3, "nRows announces 3, the file holds 2", "f:2"},
-      {"columns", Answer(ParseOpenSimTable(Mot("2", "4"), "f")), 4, "nColumns announces 4, the file holds 2", "f:3"}};
+      {"BVH, more", StatusOfDamaged(ParseBvh(BvhOf("3"), "f")), 3, "Frames announces 3, the file holds 2", "f:17"},
+      {"BVH, fewer", StatusOfDamaged(ParseBvh(BvhOf("1"), "f")), 1, "Frames announces 1, the file holds 2", "f:17"},
+      {"NTU, more", StatusOfDamaged(ParseNtuSkeleton(SkeletonText("7"), "f")), 7,
+       "the frame count announces 7, the file holds 2", "f:1"},
+      {"NTU, fewer", StatusOfDamaged(ParseNtuSkeleton(SkeletonText("1"), "f")), 1, "the file holds 2", "f:1"},
+      {"PLY text, more", StatusOfDamaged(ParsePly(PlyText("3", false), "f")), 3,
+       "element vertex announces 3, the file holds 2", "f:9"},
+      {"PLY text, fewer", StatusOfDamaged(ParsePly(PlyText("1", false), "f")), 1, "the file holds 2", "f:8"},
+      {"PLY binary, more", StatusOfDamaged(ParsePly(PlyText("3", true), "f")), 3, "the file holds 2", "f:6"},
+      {"PLY binary, fewer", StatusOfDamaged(ParsePly(PlyText("1", true), "f")), 1, "the file holds 2", "f"},
+      {"PCD text, more", StatusOfDamaged(ParsePcd(PcdText("3", false), "f")), 3, "POINTS announces 3, the file holds 2",
+       "f:10"},
+      {"PCD text, fewer", StatusOfDamaged(ParsePcd(PcdText("1", false), "f")), 1, "the file holds 2", "f:10"},
+      {"PCD binary, more", StatusOfDamaged(ParsePcd(PcdText("3", true), "f")), 3, "the file holds 2", "f:10"},
+      {"PCD binary, fewer", StatusOfDamaged(ParsePcd(PcdText("1", true), "f")), 1, "the file holds 2", "f:10"},
+      {"rows", StatusOfDamaged(ParseOpenSimTable(Mot("3", "2"), "f")), 3, "nRows announces 3, the file holds 2", "f:2"},
+      {"columns", StatusOfDamaged(ParseOpenSimTable(Mot("2", "4"), "f")), 4, "nColumns announces 4, the file holds 2",
+       "f:3"}};
   for (const Contradiction& c : cases) {
     ASSERT_FALSE(c.read) << c.name;
     EXPECT_THAT(c.read.error().what, HasSubstr(c.held)) << c.name;

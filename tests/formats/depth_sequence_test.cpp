@@ -15,7 +15,7 @@ constexpr const char* kSequence = R"({"body": "male", "fps": 12, "frames": 2, "f
   "frames_data": [{"rotvec24": [[0, 0, 0], [0, 0, 1]], "translation_added": [0, 1, 0], "joints_m": [[1, 2, 3], [4, 5, 6]]},
                   {"rotvec24": [[0, 0, 0], [0, 0, 2]], "translation_added": [0, 1, 0], "joints_m": [[1, 2, 3], [4, 5, 6]]}]})";
 
-std::string Fails(const std::string& from, const std::string& to) {
+std::string SequenceFails(const std::string& from, const std::string& to) {
   std::string text = kSequence;
   text.replace(text.find(from), from.size(), to);
   const auto sequence = ParseDepthSequence(text, "s.json");
@@ -44,15 +44,17 @@ TEST(DepthSequence, BadInputIsRefusedWithTheKey) {
   EXPECT_EQ(ParseDepthSequence("", "s.json").error().Message(), "s.json: the file is empty");
   EXPECT_THAT(ParseDepthSequence("{\"fps\": 12", "s.json").error().Message(), HasSubstr("not valid JSON"));
   EXPECT_THAT(ParseDepthSequence("[]", "s.json").error().Message(), HasSubstr("the key 'fps' is missing"));
-  EXPECT_THAT(Fails("\"fps\": 12", "\"fps\": 0"), HasSubstr("s.json:/fps: the frame rate must be from 1e-6 to 1e6 Hz"));
-  EXPECT_THAT(Fails("[0, -1, 0]", "[0, 1, 0]"), HasSubstr("s.json:/views/d1/R_p_to_d: the matrix is no rotation"));
-  EXPECT_THAT(Fails("[1, 2, 3],", "[1, 2],"), HasSubstr("/views/d1/t_m: 3 numbers are expected"));
-  EXPECT_THAT(Fails("\"last\": 1", "\"last\": 2"), HasSubstr("/labels/0/last: a whole number from 0 to 1"));
-  EXPECT_THAT(Fails("[512, 424]", "[512, 0]"), HasSubstr("image size"));
-  EXPECT_THAT(Fails("[[0, 0, 0], [0, 0, 2]]", "[[0, 0, 0]]"),
+  EXPECT_THAT(SequenceFails("\"fps\": 12", "\"fps\": 0"),
+              HasSubstr("s.json:/fps: the frame rate must be from 1e-6 to 1e6 Hz"));
+  EXPECT_THAT(SequenceFails("[0, -1, 0]", "[0, 1, 0]"),
+              HasSubstr("s.json:/views/d1/R_p_to_d: the matrix is no rotation"));
+  EXPECT_THAT(SequenceFails("[1, 2, 3],", "[1, 2],"), HasSubstr("/views/d1/t_m: 3 numbers are expected"));
+  EXPECT_THAT(SequenceFails("\"last\": 1", "\"last\": 2"), HasSubstr("/labels/0/last: a whole number from 0 to 1"));
+  EXPECT_THAT(SequenceFails("[512, 424]", "[512, 0]"), HasSubstr("image size"));
+  EXPECT_THAT(SequenceFails("[[0, 0, 0], [0, 0, 2]]", "[[0, 0, 0]]"),
               HasSubstr("/frames_data/1/rotvec24: 2 rows are expected"));
-  EXPECT_THAT(Fails("\"frames\": 2", "\"frames\": 3"), HasSubstr("frames_data does not hold the 3 frames"));
-  EXPECT_THAT(Fails("frames_data", "frames_dat"), HasSubstr("carries no truth"));
+  EXPECT_THAT(SequenceFails("\"frames\": 2", "\"frames\": 3"), HasSubstr("frames_data does not hold the 3 frames"));
+  EXPECT_THAT(SequenceFails("frames_data", "frames_dat"), HasSubstr("carries no truth"));
 }
 
 }  // namespace

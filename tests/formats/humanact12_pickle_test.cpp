@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-HumanAct12Clip Clip(std::size_t frames, int label) {
+HumanAct12Clip ClipOfLabel(std::size_t frames, int label) {
   HumanAct12Clip clip;
   clip.frames = frames;
   clip.label = label;
@@ -23,7 +23,7 @@ HumanAct12Clip Clip(std::size_t frames, int label) {
 }
 
 TEST(HumanAct12Pickle, WrittenAndReadAgainIsTheSame) {
-  const std::vector<HumanAct12Clip> clips{Clip(3, 0), Clip(8, 11)};
+  const std::vector<HumanAct12Clip> clips{ClipOfLabel(3, 0), ClipOfLabel(8, 11)};
   const auto again = ParseHumanAct12Pickle(EncodeHumanAct12Pickle(clips, "h.pkl").value(), "h.pkl");
   ASSERT_TRUE(again) << again.error().Message();
   ASSERT_EQ(again->size(), 2u);
@@ -35,8 +35,8 @@ TEST(HumanAct12Pickle, WrittenAndReadAgainIsTheSame) {
   }
 }
 
-std::string Fails(const std::vector<NpyArray>& poses, const std::vector<NpyArray>& joints,
-                  const std::vector<std::int64_t>& labels, const std::string& left_out = "") {
+std::string HumanAct12Fails(const std::vector<NpyArray>& poses, const std::vector<NpyArray>& joints,
+                            const std::vector<std::int64_t>& labels, const std::string& left_out = "") {
   PickleWriter writer;
   writer.BeginDict();
   const auto list = [&](const char* key, const std::vector<NpyArray>& arrays) {
@@ -63,14 +63,16 @@ TEST(HumanAct12Pickle, AnyCorruptedFieldIsNamed) {
   const NpyArray poses = MakeArray({2, 72}, std::vector<double>(144, 0.1));
   const NpyArray joints = MakeArray({2, 24, 3}, std::vector<double>(144, 0.1));
   const NpyArray shorter = MakeArray({1, 24, 3}, std::vector<double>(72, 0.1));
-  EXPECT_EQ(Fails({poses}, {joints}, {3}), "parsed");
-  EXPECT_THAT(Fails({joints}, {joints}, {3}), HasSubstr("h.pkl:/poses/0: numbers of shape (2, 24, 3)"));
-  EXPECT_THAT(Fails({poses, poses}, {joints, shorter}, {3, 3}), HasSubstr("h.pkl:/joints3D/1: numbers of shape"));
-  EXPECT_THAT(Fails({poses}, {joints, joints}, {3}), HasSubstr("h.pkl:/joints3D: 2 clips, but 1"));
-  EXPECT_THAT(Fails({poses}, {joints}, {3, 4}), HasSubstr("h.pkl:/y: 2 clips, but 1"));
-  EXPECT_THAT(Fails({poses}, {joints}, {12}), HasSubstr("h.pkl:/y/0: class 12 is none of 0 to 11"));
+  EXPECT_EQ(HumanAct12Fails({poses}, {joints}, {3}), "parsed");
+  EXPECT_THAT(HumanAct12Fails({joints}, {joints}, {3}), HasSubstr("h.pkl:/poses/0: numbers of shape (2, 24, 3)"));
+  EXPECT_THAT(HumanAct12Fails({poses, poses}, {joints, shorter}, {3, 3}),
+              HasSubstr("h.pkl:/joints3D/1: numbers of shape"));
+  EXPECT_THAT(HumanAct12Fails({poses}, {joints, joints}, {3}), HasSubstr("h.pkl:/joints3D: 2 clips, but 1"));
+  EXPECT_THAT(HumanAct12Fails({poses}, {joints}, {3, 4}), HasSubstr("h.pkl:/y: 2 clips, but 1"));
+  EXPECT_THAT(HumanAct12Fails({poses}, {joints}, {12}), HasSubstr("h.pkl:/y/0: class 12 is none of 0 to 11"));
   for (const char* key : {"poses", "joints3D", "y"}) {
-    EXPECT_THAT(Fails({poses}, {joints}, {3}, key), HasSubstr(std::string("the key '") + key + "' is missing"));
+    EXPECT_THAT(HumanAct12Fails({poses}, {joints}, {3}, key),
+                HasSubstr(std::string("the key '") + key + "' is missing"));
   }
 }
 

@@ -20,7 +20,7 @@ constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z con
 
 JointLayout Layout(const std::string& text) { return ParseJointLayout(text, "layout").value(); }
 
-JointTableLayout Rows(int rows_per_frame, DamagedRows damaged = DamagedRows::kRefuse) {
+JointTableLayout LayoutRows(int rows_per_frame, DamagedRows damaged = DamagedRows::kRefuse) {
   JointTableLayout rows;
   rows.rows_per_frame = rows_per_frame;
   rows.damaged_rows = damaged;
@@ -80,9 +80,9 @@ TEST(JointRows, NumbersGoWhereTheDeclarationPutsThem) {
 TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
   const JointLayout layout = Layout("2*(x y z)");
   const std::string text = "1 2 3\n4 5 6\n7 8\n10 11 12\n13 14 15\n16 17 18\n";
-  EXPECT_THAT(ParseJointRows(text, layout, Rows(2), "a.txt").error().Message(),
+  EXPECT_THAT(ParseJointRows(text, layout, LayoutRows(2), "a.txt").error().Message(),
               HasSubstr("a.txt:3: row has 2 numbers, not 3"));
-  const auto rows = ParseJointRows(text, layout, Rows(2, DamagedRows::kReport), "a.txt");
+  const auto rows = ParseJointRows(text, layout, LayoutRows(2, DamagedRows::kReport), "a.txt");
   ASSERT_TRUE(rows) << rows.error().Message();
   ASSERT_EQ(rows->frames, 3);
   for (int i = 6; i < 12; ++i) EXPECT_TRUE(std::isnan(rows->position[static_cast<std::size_t>(i)])) << "both joints";
@@ -97,7 +97,7 @@ TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
 TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
   const JointLayout layout = Layout("2*(x y z)");
   const auto rows =
-      ParseJointRows("1 2 3\n4 oops 6\n7 8 9\n10 11 12\n13 14 15\n", layout, Rows(2, DamagedRows::kReport), "a");
+      ParseJointRows("1 2 3\n4 oops 6\n7 8 9\n10 11 12\n13 14 15\n", layout, LayoutRows(2, DamagedRows::kReport), "a");
   ASSERT_TRUE(rows) << rows.error().Message();
   EXPECT_EQ(rows->frames, 2);
   EXPECT_EQ(rows->position[6], 7.0);
@@ -106,22 +106,23 @@ TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
   EXPECT_EQ(rows->findings[1].code, "cut_off");
   std::string other;
   for (int i = 0; i < 100; ++i) other += "1 2 3 4\n";
-  EXPECT_THAT(ParseJointRows(other, layout, Rows(2, DamagedRows::kReport), "a").error().Message(),
+  EXPECT_THAT(ParseJointRows(other, layout, LayoutRows(2, DamagedRows::kReport), "a").error().Message(),
               HasSubstr("more rows are damaged than whole"));
 }
 
 TEST(JointRows, TheEndIsTheEnd) {
-  JointTableLayout table = Rows(1);
+  JointTableLayout table = LayoutRows(1);
   table.end_word = "END";
   EXPECT_TRUE(ParseJointRows("1 2 3\n", Layout("1*(x y z)"), table, "a"));
   EXPECT_THAT(ParseJointRows("1 2 3\nEND\n4 5 6\n", Layout("1*(x y z)"), table, "a").error().Message(),
               HasSubstr("a:3: '4' stands after END"));
-  EXPECT_THAT(ParseJointRows("1 2 3\nEND\n", Layout("1*(x y z)"), Rows(1), "a").error().Message(),
+  EXPECT_THAT(ParseJointRows("1 2 3\nEND\n", Layout("1*(x y z)"), LayoutRows(1), "a").error().Message(),
               HasSubstr("a:2: 'END' is not a number"));
 }
 
 TEST(JointRows, FrameNumbersThatJumpAreReported) {
-  const auto rows = ParseJointRows("1,1,2,3\n2,1,2,3\n5,1,2,3\n6,1,2,3\n", Layout("frame 1*(x y z)"), Rows(1), "a");
+  const auto rows =
+      ParseJointRows("1,1,2,3\n2,1,2,3\n5,1,2,3\n6,1,2,3\n", Layout("frame 1*(x y z)"), LayoutRows(1), "a");
   ASSERT_TRUE(rows);
   ASSERT_EQ(rows->findings.size(), 1u);
   EXPECT_EQ(rows->findings[0].code, "frame_number");
@@ -132,11 +133,11 @@ TEST(JointRows, EveryDamagedFieldIsNamedWithItsLine) {
   ExpectEveryDamagedWordIsNamed(
       "1,1,2,3\n2,4,5,6\n",
       [](const std::string& text) -> Status {
-        const auto rows = ParseJointRows(text, Layout("frame 1*(x y z)"), Rows(1), "file");
+        const auto rows = ParseJointRows(text, Layout("frame 1*(x y z)"), LayoutRows(1), "file");
         return rows ? Status() : Forward(rows);
       },
       nullptr);
-  EXPECT_THAT(ParseJointRows("1,1,2,x\n", Layout("frame 1*(x y z)"), Rows(1), "a").error().Message(),
+  EXPECT_THAT(ParseJointRows("1,1,2,x\n", Layout("frame 1*(x y z)"), LayoutRows(1), "a").error().Message(),
               HasSubstr("column 4, 'joint 0 z'"));
 }
 
@@ -155,7 +156,7 @@ TEST_P(KinectSets, IsReadByItsDeclaration) {
   const Set& set = GetParam();
   const auto folder = RecordedData(set.folder);
   if (folder.empty()) GTEST_SKIP() << set.folder << " is not there";
-  JointTableLayout table = Rows(set.rows_per_frame);
+  JointTableLayout table = LayoutRows(set.rows_per_frame);
   table.end_word = "END";
   int files = 0, frames = 0;
   for (const auto& path : FilesEndingIn(folder, set.ending)) {
@@ -180,7 +181,7 @@ TEST(KinectSets, Cad60HoldsRotationsOfWholeBodies) {
   const auto folder = RecordedData("kinect/cad60");
   if (folder.empty()) GTEST_SKIP() << "CAD-60 is not there";
   for (const auto& path : FilesEndingIn(folder, ".txt")) {
-    const JointRows rows = ParseJointRows(Bytes(path), Layout(kCad60), Rows(1), path.string()).value();
+    const JointRows rows = ParseJointRows(Bytes(path), Layout(kCad60), LayoutRows(1), path.string()).value();
     EXPECT_EQ(rows.frame_number[0], 1.0);
     for (const double confidence : rows.confidence) EXPECT_TRUE(confidence == 0 || confidence == 1);
     for (std::size_t i = 0; i < rows.rotation_confidence.size(); ++i) {

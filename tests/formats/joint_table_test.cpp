@@ -14,14 +14,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-JointTableLayout Rows(int rows_per_frame, int columns = 0) {
+JointTableLayout TableRows(int rows_per_frame, int columns = 0) {
   JointTableLayout layout;
   layout.rows_per_frame = rows_per_frame;
   layout.columns = columns;
   return layout;
 }
 
-std::string Fails(const std::string& text, const JointTableLayout& layout) {
+std::string TableFails(const std::string& text, const JointTableLayout& layout) {
   const auto table = ParseJointTable(text, layout, "a.txt");
   return table ? "parsed" : table.error().Message();
 }
@@ -29,7 +29,7 @@ std::string Fails(const std::string& text, const JointTableLayout& layout) {
 TEST(JointTable, BlanksCommasTabsAndLineEndsAreAllTheSame) {
   for (const char* text :
        {"1 2 3\n4 5 6\n", "1,2,3\r\n4,5,6", "1\t2 3 \r\n\r\n4, 5, 6,\n", "\xEF\xBB\xBF+1 2 3\r4 5 6e0"}) {
-    const auto table = ParseJointTable(text, Rows(2, 3), "a.txt");
+    const auto table = ParseJointTable(text, TableRows(2, 3), "a.txt");
     ASSERT_TRUE(table) << table.error().Message();
     EXPECT_EQ(table->frames, 1);
     EXPECT_THAT(table->values, ElementsAre(1, 2, 3, 4, 5, 6));
@@ -37,26 +37,27 @@ TEST(JointTable, BlanksCommasTabsAndLineEndsAreAllTheSame) {
 }
 
 TEST(JointTable, BadInputIsRefusedWithPlaceAndReason) {
-  EXPECT_EQ(Fails("", Rows(2)), "a.txt: the file holds no numbers (is the file empty?)");
-  EXPECT_EQ(Fails("\n \n", Rows(2)), "a.txt: the file holds no numbers (is the file empty?)");
+  EXPECT_EQ(TableFails("", TableRows(2)), "a.txt: the file holds no numbers (is the file empty?)");
+  EXPECT_EQ(TableFails("\n \n", TableRows(2)), "a.txt: the file holds no numbers (is the file empty?)");
   EXPECT_EQ(
-      Fails("1 2\n3 4\n5 6\n", Rows(2)),
+      TableFails("1 2\n3 4\n5 6\n", TableRows(2)),
       "a.txt:4: 3 rows are not a whole number of frames of 2 rows (1 left over) (check rows_per_frame; or a row is "
       "missing or too many, or the file is cut off)");
-  EXPECT_THAT(Fails("1 2\n3\n", Rows(2)), HasSubstr("a.txt:2: row has 1 number, not 2"));
-  EXPECT_THAT(Fails("1 2\n3 4 5\n", Rows(1, 3)), HasSubstr("a.txt:1: row has 2 numbers, not 3"));
-  EXPECT_THAT(Fails("1 2\nx 4\n", Rows(1)), HasSubstr("a.txt:2: 'x' is not a number"));
-  EXPECT_THAT(Fails("1 2\n3 4z\n", Rows(1)), HasSubstr("'4z' is not a number"));
-  EXPECT_THAT(Fails("1 2\n3,5 -4,25\n", Rows(1)),
+  EXPECT_THAT(TableFails("1 2\n3\n", TableRows(2)), HasSubstr("a.txt:2: row has 1 number, not 2"));
+  EXPECT_THAT(TableFails("1 2\n3 4 5\n", TableRows(1, 3)), HasSubstr("a.txt:1: row has 2 numbers, not 3"));
+  EXPECT_THAT(TableFails("1 2\nx 4\n", TableRows(1)), HasSubstr("a.txt:2: 'x' is not a number"));
+  EXPECT_THAT(TableFails("1 2\n3 4z\n", TableRows(1)), HasSubstr("'4z' is not a number"));
+  EXPECT_THAT(TableFails("1 2\n3,5 -4,25\n", TableRows(1)),
               HasSubstr("a.txt:2: row has 4 numbers, not 2: its numbers have a decimal comma"));
-  EXPECT_THAT(Fails("1 2\n3,5;4,25\n", Rows(1)), HasSubstr("decimal comma (write them with a decimal point"));
-  EXPECT_THAT(Fails("1 2\n3,5,6,7\n", Rows(1)), ::testing::Not(HasSubstr("decimal comma"))) << "commas that separate";
-  EXPECT_THAT(Fails("1 nan\n", Rows(1)), HasSubstr("a.txt:1: 'nan' is not a finite number"));
-  EXPECT_THAT(Fails("1 1e999\n", Rows(1)), HasSubstr("'1e999' is not a finite number"));
+  EXPECT_THAT(TableFails("1 2\n3,5;4,25\n", TableRows(1)), HasSubstr("decimal comma (write them with a decimal point"));
+  EXPECT_THAT(TableFails("1 2\n3,5,6,7\n", TableRows(1)), ::testing::Not(HasSubstr("decimal comma")))
+      << "commas that separate";
+  EXPECT_THAT(TableFails("1 nan\n", TableRows(1)), HasSubstr("a.txt:1: 'nan' is not a finite number"));
+  EXPECT_THAT(TableFails("1 1e999\n", TableRows(1)), HasSubstr("'1e999' is not a finite number"));
 }
 
 TEST(JointTable, NanIsAMissingValueWhereDeclared) {
-  JointTableLayout layout = Rows(1);
+  JointTableLayout layout = TableRows(1);
   layout.allow_nan = true;
   const auto table = ParseJointTable("1 nan -nan\n", layout, "a.txt");
   ASSERT_TRUE(table);
@@ -64,9 +65,9 @@ TEST(JointTable, NanIsAMissingValueWhereDeclared) {
 }
 
 TEST(JointTable, ANumberBeyondAnyPersonCostsItselfAndIsNamed) {
-  EXPECT_THAT(Fails("1 2\n3 -1e300\n", Rows(1)),
+  EXPECT_THAT(TableFails("1 2\n3 -1e300\n", TableRows(1)),
               HasSubstr("a.txt:2: -1e+300 is no coordinate of a person (column 2) (numbers reach to 1e+30)"));
-  JointTableLayout layout = Rows(1, 2);
+  JointTableLayout layout = TableRows(1, 2);
   layout.damaged_rows = DamagedRows::kReport;
   const auto table = ParseJointTable("1 2\n1e300 4\n5 6\n", layout, "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
@@ -80,7 +81,7 @@ TEST(JointTable, ANumberBeyondAnyPersonCostsItselfAndIsNamed) {
 }
 
 TEST(JointTable, NumbersThatAreNotFiniteCostThemselvesAndAreToldTogether) {
-  JointTableLayout layout = Rows(1, 3);
+  JointTableLayout layout = TableRows(1, 3);
   layout.damaged_rows = DamagedRows::kReport;
   const auto table = ParseJointTable("1 2 3\nnan 5 -inf\n7 8 9\n1 nan 3\n1 2\n4 5 6\n", layout, "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
@@ -98,14 +99,14 @@ TEST(JointTable, NumbersThatAreNotFiniteCostThemselvesAndAreToldTogether) {
 }
 
 TEST(JointTable, InfinityIsNoWordForAMissingJoint) {
-  JointTableLayout layout = Rows(1);
+  JointTableLayout layout = TableRows(1);
   layout.allow_nan = true;
-  EXPECT_THAT(Fails("1 2\nnan inf\n", layout), HasSubstr("a.txt:2: 'inf' is not a finite number (column 2)"));
-  EXPECT_THAT(Fails("1 2\nnan 1e999\n", layout), HasSubstr("'1e999' is not a finite number"));
+  EXPECT_THAT(TableFails("1 2\nnan inf\n", layout), HasSubstr("a.txt:2: 'inf' is not a finite number (column 2)"));
+  EXPECT_THAT(TableFails("1 2\nnan 1e999\n", layout), HasSubstr("'1e999' is not a finite number"));
 }
 
 TEST(JointTable, NumbersTooSmallForADoubleAreZero) {
-  const auto table = ParseJointTable("1.6e-380 -1e-0400 4e-310\n", Rows(1), "a.txt");
+  const auto table = ParseJointTable("1.6e-380 -1e-0400 4e-310\n", TableRows(1), "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->at(0, 0, 0), 0.0);
   EXPECT_GT(table->at(0, 0, 2), 0.0);
@@ -115,7 +116,7 @@ TEST(JointTable, WrittenAndReadAgainIsTheSame) {
   JointTable table;
   table.frames = 2, table.rows_per_frame = 1, table.columns = 3;
   table.values = {0.1, -1e-7, 1.0 / 3.0, 2687.6377, 0, 1e30};
-  const auto again = ParseJointTable(WriteJointTable(table), Rows(1, 3), "a.txt");
+  const auto again = ParseJointTable(WriteJointTable(table), TableRows(1, 3), "a.txt");
   ASSERT_TRUE(again);
   EXPECT_EQ(again->values, table.values);
 }
@@ -124,7 +125,7 @@ TEST(JointTable, ALargeFileIsReadFasterThanADiskGivesIt) {
   std::string text;
   for (int i = 0; i < 400000; ++i) text += "-133.46" + std::to_string(i) + " 562.2903 2687.6377\n";
   const auto begin = std::chrono::steady_clock::now();
-  const auto table = ParseJointTable(text, Rows(4, 3), "a.txt");
+  const auto table = ParseJointTable(text, TableRows(4, 3), "a.txt");
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   ASSERT_TRUE(table);
   RecordProperty("megabytes_per_second", FormatDouble(std::round(static_cast<double>(text.size()) / seconds / 1e6)));
@@ -132,7 +133,7 @@ TEST(JointTable, ALargeFileIsReadFasterThanADiskGivesIt) {
 }
 
 TEST(JointTable, AHeaderIsPassedOverAndShiftsNothing) {
-  JointTableLayout layout = Rows(2, 3);
+  JointTableLayout layout = TableRows(2, 3);
   layout.damaged_rows = DamagedRows::kReport;
   const auto table = ParseJointTable("x y z\n1 2 3\n4 5 6\n", layout, "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
@@ -143,16 +144,17 @@ TEST(JointTable, AHeaderIsPassedOverAndShiftsNothing) {
 }
 
 TEST(JointTable, OtherSeparatorsAndEncodingsAreNamed) {
-  JointTableLayout layout = Rows(1, 3);
+  JointTableLayout layout = TableRows(1, 3);
   layout.damaged_rows = DamagedRows::kReport;
-  EXPECT_THAT(Fails("1.5;2;3\n4;5;6\n", layout), HasSubstr("its numbers stand between ';' (write them with blanks"));
-  EXPECT_THAT(Fails("1|2|3\n", layout), HasSubstr("its numbers stand between '|'"));
-  EXPECT_THAT(Fails(std::string("\xFF\xFE"
-                                "1\0",
-                                4),
-                    layout),
+  EXPECT_THAT(TableFails("1.5;2;3\n4;5;6\n", layout),
+              HasSubstr("its numbers stand between ';' (write them with blanks"));
+  EXPECT_THAT(TableFails("1|2|3\n", layout), HasSubstr("its numbers stand between '|'"));
+  EXPECT_THAT(TableFails(std::string("\xFF\xFE"
+                                     "1\0",
+                                     4),
+                         layout),
               HasSubstr("the text is UTF-16"));
-  EXPECT_THAT(Fails("<html>404</html>\n", layout), HasSubstr("holds no row of numbers"));
+  EXPECT_THAT(TableFails("<html>404</html>\n", layout), HasSubstr("holds no row of numbers"));
 }
 
 }  // namespace

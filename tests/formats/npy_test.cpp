@@ -15,8 +15,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::string File(const std::string& descr, const std::string& shape, const std::string& data, int version = 1,
-                 const std::string& order = "False") {
+std::string NpyFile(const std::string& descr, const std::string& shape, const std::string& data, int version = 1,
+                    const std::string& order = "False") {
   std::string header = "{'descr': '" + descr + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }\n";
   std::string bytes = "\x93NUMPY";
   bytes += static_cast<char>(version);
@@ -26,7 +26,7 @@ std::string File(const std::string& descr, const std::string& shape, const std::
 }
 
 template <class T>
-std::string Bytes(std::initializer_list<T> values, bool big_endian = false) {
+std::string BytesOfNumbers(std::initializer_list<T> values, bool big_endian = false) {
   std::string bytes;
   for (const T value : values) {
     char raw[sizeof(T)];
@@ -36,17 +36,17 @@ std::string Bytes(std::initializer_list<T> values, bool big_endian = false) {
   return bytes;
 }
 
-std::string Fails(const std::string& bytes) {
+std::string NpyFails(const std::string& bytes) {
   const auto array = ParseNpy(bytes, "p.npy");
   return array ? "parsed" : array.error().Message();
 }
 
 TEST(Npy, TypesByteOrdersAndVersionsGiveTheSameNumbers) {
-  const std::string files[] = {File("<f4", "(2, 2)", Bytes<float>({1, -2, 3, 4})),
-                               File(">f4", "(2,2)", Bytes<float>({1, -2, 3, 4}, true), 2),
-                               File("<f8", "(2, 2)", Bytes<double>({1, -2, 3, 4}), 3),
-                               File(">i4", "(2, 2)", Bytes<std::int32_t>({1, -2, 3, 4}, true)),
-                               File("<i8", "(2, 2)", Bytes<std::int64_t>({1, -2, 3, 4}))};
+  const std::string files[] = {NpyFile("<f4", "(2, 2)", BytesOfNumbers<float>({1, -2, 3, 4})),
+                               NpyFile(">f4", "(2,2)", BytesOfNumbers<float>({1, -2, 3, 4}, true), 2),
+                               NpyFile("<f8", "(2, 2)", BytesOfNumbers<double>({1, -2, 3, 4}), 3),
+                               NpyFile(">i4", "(2, 2)", BytesOfNumbers<std::int32_t>({1, -2, 3, 4}, true)),
+                               NpyFile("<i8", "(2, 2)", BytesOfNumbers<std::int64_t>({1, -2, 3, 4}))};
   for (const std::string& bytes : files) {
     const auto array = ParseNpy(bytes, "p.npy");
     ASSERT_TRUE(array) << array.error().Message();
@@ -56,7 +56,8 @@ TEST(Npy, TypesByteOrdersAndVersionsGiveTheSameNumbers) {
 }
 
 TEST(Npy, FortranOrderIsTurnedIntoCOrder) {
-  const auto array = ParseNpy(File("<i4", "(2, 3)", Bytes<std::int32_t>({0, 10, 1, 11, 2, 12}), 1, "True"), "p.npy");
+  const auto array =
+      ParseNpy(NpyFile("<i4", "(2, 3)", BytesOfNumbers<std::int32_t>({0, 10, 1, 11, 2, 12}), 1, "True"), "p.npy");
   ASSERT_TRUE(array) << array.error().Message();
   EXPECT_THAT(array->values, ElementsAre(0, 1, 2, 10, 11, 12));
 }
@@ -119,14 +120,14 @@ TEST(Npy, HalfPrecisionIsRoundedToTheNearestEvenDigit) {
 
 TEST(Npy, TextsAreReadInUnicodeAndBytes) {
   const auto unicode =
-      ParseNpy(File("<U3", "(2,)", std::string("a\0\0\0\xe9\0\0\0\0\0\0\0x\0\0\0y\0\0\0\xac\x20\0\0", 24)), "p");
+      ParseNpy(NpyFile("<U3", "(2,)", std::string("a\0\0\0\xe9\0\0\0\0\0\0\0x\0\0\0y\0\0\0\xac\x20\0\0", 24)), "p");
   ASSERT_TRUE(unicode) << unicode.error().Message();
   EXPECT_THAT(unicode->texts, ElementsAre("a\xc3\xa9", "xy\xe2\x82\xac"));
   EXPECT_TRUE(unicode->values.empty());
-  const auto big = ParseNpy(File(">U1", "()", std::string("\0\0\0a", 4)), "p");
+  const auto big = ParseNpy(NpyFile(">U1", "()", std::string("\0\0\0a", 4)), "p");
   ASSERT_TRUE(big) << big.error().Message();
   EXPECT_THAT(big->texts, ElementsAre("a"));
-  const auto bytes = ParseNpy(File("|S4", "(2,)", std::string("maleC7\0\0", 8)), "p");
+  const auto bytes = ParseNpy(NpyFile("|S4", "(2,)", std::string("maleC7\0\0", 8)), "p");
   ASSERT_TRUE(bytes) << bytes.error().Message();
   EXPECT_THAT(bytes->texts, ElementsAre("male", "C7"));
   for (const auto& array : {*unicode, *big, *bytes}) {
@@ -135,7 +136,7 @@ TEST(Npy, TextsAreReadInUnicodeAndBytes) {
     EXPECT_EQ(again->texts, array.texts);
     EXPECT_EQ(again->dtype, array.dtype);
   }
-  EXPECT_THAT(Fails(File("<U1", "(1,)", std::string("\0\0\x11\0", 4))),
+  EXPECT_THAT(NpyFails(NpyFile("<U1", "(1,)", std::string("\0\0\x11\0", 4))),
               HasSubstr("a character that is none of Unicode"));
 }
 
@@ -155,16 +156,17 @@ TEST(Npy, AValueThatItsTypeCannotHoldIsNotWritten) {
 }
 
 TEST(Npy, BadInputIsRefusedWithReason) {
-  EXPECT_EQ(Fails(""), "p.npy: the file is empty");
-  EXPECT_THAT(Fails("PK\x03\x04 zipped arrays"), HasSubstr("does not begin as a numpy array"));
-  EXPECT_THAT(Fails(File("<f4", "(2, 2)", Bytes<float>({1, 2, 3}))),
+  EXPECT_EQ(NpyFails(""), "p.npy: the file is empty");
+  EXPECT_THAT(NpyFails("PK\x03\x04 zipped arrays"), HasSubstr("does not begin as a numpy array"));
+  EXPECT_THAT(NpyFails(NpyFile("<f4", "(2, 2)", BytesOfNumbers<float>({1, 2, 3}))),
               HasSubstr("shape (2, 2) announces 4, the file holds 3 (the file is cut off"));
-  EXPECT_THAT(Fails(File("<f4", "(4611686018427387904, 4)", Bytes<float>({1}))), HasSubstr("the file holds 1"));
-  EXPECT_THAT(Fails(File("|O", "(1,)", "\x80\x03")), HasSubstr("arrays of type '|O' are not read"));
-  EXPECT_THAT(Fails(File("<c8", "(1,)", "12345678")), HasSubstr("'<c8' are not read"));
-  EXPECT_THAT(Fails(File("<f4", "(1,", "1234")), HasSubstr("the npy header lacks the shape"));
-  EXPECT_THAT(Fails(File("<f4", "(1,)", "1234", 9)), HasSubstr("npy format version 9"));
-  EXPECT_THAT(Fails(std::string("\x93NUMPY\x01\x00\xFF\xFF{", 11)), HasSubstr("the header is cut off"));
+  EXPECT_THAT(NpyFails(NpyFile("<f4", "(4611686018427387904, 4)", BytesOfNumbers<float>({1}))),
+              HasSubstr("the file holds 1"));
+  EXPECT_THAT(NpyFails(NpyFile("|O", "(1,)", "\x80\x03")), HasSubstr("arrays of type '|O' are not read"));
+  EXPECT_THAT(NpyFails(NpyFile("<c8", "(1,)", "12345678")), HasSubstr("'<c8' are not read"));
+  EXPECT_THAT(NpyFails(NpyFile("<f4", "(1,", "1234")), HasSubstr("the npy header lacks the shape"));
+  EXPECT_THAT(NpyFails(NpyFile("<f4", "(1,)", "1234", 9)), HasSubstr("npy format version 9"));
+  EXPECT_THAT(NpyFails(std::string("\x93NUMPY\x01\x00\xFF\xFF{", 11)), HasSubstr("the header is cut off"));
 }
 
 }  // namespace

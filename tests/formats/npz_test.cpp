@@ -15,22 +15,22 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Npz Small() {
+Npz SmallNpz() {
   Npz npz;
   npz.members.push_back({"poses", MakeArray({2, 3}, {1, 2, 3, 4, 5, 6}, "<f4"), ""});
   npz.members.push_back({"gender", MakeTextArray("m\xc3\xa4le"), ""});
   return npz;
 }
 
-std::string Fails(const std::string& bytes, const NpzLimits& limits = {}) {
+std::string NpzFails(const std::string& bytes, const NpzLimits& limits = {}) {
   const auto npz = ParseNpz(bytes, "a.npz", limits);
   return npz ? "parsed" : npz.error().Message();
 }
 
 TEST(Npz, WrittenAndReadAgainIsTheSameAndTheBytesAreTheSame) {
-  const auto bytes = EncodeNpz(Small(), "a.npz");
+  const auto bytes = EncodeNpz(SmallNpz(), "a.npz");
   ASSERT_TRUE(bytes) << bytes.error().Message();
-  EXPECT_EQ(*EncodeNpz(Small(), "a.npz"), *bytes);
+  EXPECT_EQ(*EncodeNpz(SmallNpz(), "a.npz"), *bytes);
   const auto again = ParseNpz(*bytes, "a.npz");
   ASSERT_TRUE(again) << again.error().Message();
   ASSERT_EQ(again->members.size(), 2u);
@@ -42,10 +42,10 @@ TEST(Npz, WrittenAndReadAgainIsTheSameAndTheBytesAreTheSame) {
 }
 
 TEST(Npz, TheTimeOfDayDoesNotReachTheFile) {
-  const std::string bytes = EncodeNpz(Small(), "a.npz").value();
+  const std::string bytes = EncodeNpz(SmallNpz(), "a.npz").value();
   EXPECT_EQ(bytes.substr(10, 4), std::string("\0\0\x21\0", 4)) << "1980-01-01 00:00";
   setenv("TZ", "Pacific/Auckland", 1);
-  EXPECT_EQ(EncodeNpz(Small(), "a.npz").value(), bytes);
+  EXPECT_EQ(EncodeNpz(SmallNpz(), "a.npz").value(), bytes);
   unsetenv("TZ");
 }
 
@@ -70,27 +70,27 @@ TEST(Npz, MembersOfObjectsAreSkippedAndForeignFilesIgnored) {
 }
 
 TEST(Npz, ABadMemberIsNamed) {
-  const std::string good = EncodeNpz(Small(), "a.npz").value();
+  const std::string good = EncodeNpz(SmallNpz(), "a.npz").value();
   std::string damaged = good;
   damaged[damaged.find("NUMPY") + 130] ^= 1;  // a value of poses: the checksum tells
-  EXPECT_THAT(Fails(damaged), HasSubstr("a.npz:poses"));
-  EXPECT_THAT(Fails(good.substr(0, good.size() - 30)), HasSubstr("a.npz: no zip archive"));
-  EXPECT_THAT(Fails(""), HasSubstr("the file is empty"));
-  EXPECT_THAT(Fails(WriteStoredZip({{"trans.npy", "x"}}, "z").value()), HasSubstr("a.npz:trans"));
-  EXPECT_THAT(Fails(WriteStoredZip({{"trans.npy", WriteNpy(MakeArray({1}, {7})).substr(0, 130)}}, "z").value()),
+  EXPECT_THAT(NpzFails(damaged), HasSubstr("a.npz:poses"));
+  EXPECT_THAT(NpzFails(good.substr(0, good.size() - 30)), HasSubstr("a.npz: no zip archive"));
+  EXPECT_THAT(NpzFails(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(NpzFails(WriteStoredZip({{"trans.npy", "x"}}, "z").value()), HasSubstr("a.npz:trans"));
+  EXPECT_THAT(NpzFails(WriteStoredZip({{"trans.npy", WriteNpy(MakeArray({1}, {7})).substr(0, 130)}}, "z").value()),
               HasSubstr("a.npz:trans: shape (1,) announces 1, the file holds 0"));
 }
 
 TEST(Npz, WhatIsUnpackedIsBounded) {
   NpzLimits limits;
   limits.zip.bytes = 100;
-  EXPECT_THAT(Fails(EncodeNpz(Small(), "a.npz").value(), limits), HasSubstr("more than 100 bytes when unpacked"));
+  EXPECT_THAT(NpzFails(EncodeNpz(SmallNpz(), "a.npz").value(), limits), HasSubstr("more than 100 bytes when unpacked"));
   limits = {};
   limits.numbers = 5;
-  EXPECT_THAT(Fails(EncodeNpz(Small(), "a.npz").value(), limits), HasSubstr("more than 5 numbers"));
+  EXPECT_THAT(NpzFails(EncodeNpz(SmallNpz(), "a.npz").value(), limits), HasSubstr("more than 5 numbers"));
   limits = {};
   limits.zip.members = 1;
-  EXPECT_THAT(Fails(EncodeNpz(Small(), "a.npz").value(), limits), HasSubstr("2 members"));
+  EXPECT_THAT(NpzFails(EncodeNpz(SmallNpz(), "a.npz").value(), limits), HasSubstr("2 members"));
 }
 
 TEST(Npz, APackedArchiveIsRead) {

@@ -37,7 +37,7 @@ NtuSkeleton Scene() {
   return scene;
 }
 
-std::string Fails(const std::string& text) {
+std::string NtuFails(const std::string& text) {
   const auto skeleton = ParseNtuSkeleton(text, "a.skeleton");
   return skeleton ? "read" : skeleton.error().Message();
 }
@@ -70,14 +70,15 @@ TEST(NtuSkeletonText, CarriageReturnsChangeNothingAndAnEmptyTakeIsEmpty) {
 
 TEST(NtuSkeletonText, CountsThatContradictTheDataAreRefusedWhereItShows) {
   const std::string text = WriteNtuSkeleton(Scene());
-  EXPECT_THAT(Fails("4" + text.substr(1)), HasSubstr("a.skeleton:1: the frame count announces 4, the file holds 3"));
-  EXPECT_THAT(Fails("2" + text.substr(1)), HasSubstr("a.skeleton:1: the frame count announces 2, the file holds 3"));
-  EXPECT_THAT(Fails(Replaced(text, "\n25\n", "\n24\n")), HasSubstr("a.skeleton:4: joint count 24 is not 25"));
-  EXPECT_THAT(Fails("3\n2" + text.substr(3)), HasSubstr("frame 0, body 1"));
-  EXPECT_THAT(Fails("3\n0" + text.substr(3)), HasSubstr("a.skeleton:3: 10 numbers stand where 1 are expected"));
-  EXPECT_THAT(Fails(Replaced(text, std::to_string(kFirst + 1), std::to_string(kFirst))), HasSubstr("twice in a frame"));
-  EXPECT_THAT(Fails(""), HasSubstr("the file ends where the frame count is expected"));
-  EXPECT_THAT(Fails("99999999999\n"), HasSubstr("frame count 99999999999"));
+  EXPECT_THAT(NtuFails("4" + text.substr(1)), HasSubstr("a.skeleton:1: the frame count announces 4, the file holds 3"));
+  EXPECT_THAT(NtuFails("2" + text.substr(1)), HasSubstr("a.skeleton:1: the frame count announces 2, the file holds 3"));
+  EXPECT_THAT(NtuFails(Replaced(text, "\n25\n", "\n24\n")), HasSubstr("a.skeleton:4: joint count 24 is not 25"));
+  EXPECT_THAT(NtuFails("3\n2" + text.substr(3)), HasSubstr("frame 0, body 1"));
+  EXPECT_THAT(NtuFails("3\n0" + text.substr(3)), HasSubstr("a.skeleton:3: 10 numbers stand where 1 are expected"));
+  EXPECT_THAT(NtuFails(Replaced(text, std::to_string(kFirst + 1), std::to_string(kFirst))),
+              HasSubstr("twice in a frame"));
+  EXPECT_THAT(NtuFails(""), HasSubstr("the file ends where the frame count is expected"));
+  EXPECT_THAT(NtuFails("99999999999\n"), HasSubstr("frame count 99999999999"));
 }
 
 TEST(NtuSkeletonText, NoLineCanBeLostUnseen) {
@@ -101,13 +102,13 @@ TEST(NtuSkeletonText, EveryDamagedFieldIsNamedWithItsLine) {
       },
       nullptr);
   const std::string text = WriteNtuSkeleton(one);
-  EXPECT_THAT(Fails(Replaced(text, "0.13 0.5 3.1 270", "0.13 0.5 x 270")),
+  EXPECT_THAT(NtuFails(Replaced(text, "0.13 0.5 3.1 270", "0.13 0.5 x 270")),
               HasSubstr("a.skeleton:8: 'x' is no finite number: z, frame 0, body 0, joint 3"));
-  EXPECT_THAT(Fails(Replaced(text, "0.13 0.5 3.1 270", "0.13 0.5 270")),
+  EXPECT_THAT(NtuFails(Replaced(text, "0.13 0.5 3.1 270", "0.13 0.5 270")),
               HasSubstr("a.skeleton:8: 11 numbers stand where 12 are expected, from x to tracking state, frame 0, body "
                         "0, joint 3"));
-  EXPECT_THAT(Fails(Replaced(text, " 0 0 0 2\n", " 0 0 0 7\n")), HasSubstr("tracking state 7 is no whole number"));
-  EXPECT_THAT(Fails(Replaced(text, "\n" + std::to_string(kFirst), "\n7.2e16")), HasSubstr("'7.2e16' is no body id"));
+  EXPECT_THAT(NtuFails(Replaced(text, " 0 0 0 2\n", " 0 0 0 7\n")), HasSubstr("tracking state 7 is no whole number"));
+  EXPECT_THAT(NtuFails(Replaced(text, "\n" + std::to_string(kFirst), "\n7.2e16")), HasSubstr("'7.2e16' is no body id"));
 }
 
 TEST(NtuSkeletonText, ADamagedLineCostsItsJointAndNothingElseWhereThatIsAskedFor) {

@@ -17,7 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::string Fails(const std::string& bytes) {
+std::string PickleFails(const std::string& bytes) {
   const auto pickle = ParsePickle(bytes, "p.pkl");
   return pickle ? "parsed" : pickle.error().Message();
 }
@@ -76,7 +76,7 @@ TEST(Pickle, AJoblibFileHoldsItsArraysBetweenTheOpcodes) {
   const PickleRef objects = *pickle->top().Key("o");
   EXPECT_EQ(objects.Layout()->dtype, "|O");
   EXPECT_FALSE(objects.Array());
-  EXPECT_THAT(Fails("\x78\x9c packed"), HasSubstr("the file is packed (zlib)"));
+  EXPECT_THAT(PickleFails("\x78\x9c packed"), HasSubstr("the file is packed (zlib)"));
 }
 
 TEST(Pickle, SparseMatricesGiveTheirEntries) {
@@ -118,56 +118,56 @@ TEST(Pickle, AChumpyArrayIsItsNumbers) {
 }
 
 TEST(Pickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
-  EXPECT_THAT(Fails("cposix\nsystem\n(S'touch evil'\ntR."), HasSubstr("'posix system'"));
-  EXPECT_THAT(Fails(std::string("\x80\x04\x8c\x02os\x8c\x06system\x93\x8c\x04"
-                                "echo\x85R.")),
+  EXPECT_THAT(PickleFails("cposix\nsystem\n(S'touch evil'\ntR."), HasSubstr("'posix system'"));
+  EXPECT_THAT(PickleFails(std::string("\x80\x04\x8c\x02os\x8c\x06system\x93\x8c\x04"
+                                      "echo\x85R.")),
               HasSubstr("'os system'"));
-  EXPECT_THAT(Fails("c__builtin__\neval\n."), HasSubstr("'__builtin__ eval'"));
-  EXPECT_THAT(Fails("cnumpy\nload\n."), HasSubstr("'numpy load'"));
+  EXPECT_THAT(PickleFails("c__builtin__\neval\n."), HasSubstr("'__builtin__ eval'"));
+  EXPECT_THAT(PickleFails("cnumpy\nload\n."), HasSubstr("'numpy load'"));
   EXPECT_FALSE(std::filesystem::exists("evil"));
-  EXPECT_THAT(Fails("cnumpy\nndarray\n)R."), HasSubstr("'numpy ndarray' is called"));
-  EXPECT_THAT(Fails("(iposix\nsystem\n."), HasSubstr("opcode 0x69 (INST)"));
-  EXPECT_THAT(Fails("\x80\x02\x82\x01."), HasSubstr("opcode 0x82 (EXT1)"));
-  EXPECT_THAT(Fails("\x80\x05\x97."), HasSubstr("opcode 0x97 (NEXT_BUFFER)"));
-  EXPECT_THAT(Fails("\x80\x02K\x01Q."), HasSubstr("BINPERSID"));
-  EXPECT_THAT(Fails("\x80\x09N."), HasSubstr("pickle protocol 9"));
+  EXPECT_THAT(PickleFails("cnumpy\nndarray\n)R."), HasSubstr("'numpy ndarray' is called"));
+  EXPECT_THAT(PickleFails("(iposix\nsystem\n."), HasSubstr("opcode 0x69 (INST)"));
+  EXPECT_THAT(PickleFails("\x80\x02\x82\x01."), HasSubstr("opcode 0x82 (EXT1)"));
+  EXPECT_THAT(PickleFails("\x80\x05\x97."), HasSubstr("opcode 0x97 (NEXT_BUFFER)"));
+  EXPECT_THAT(PickleFails("\x80\x02K\x01Q."), HasSubstr("BINPERSID"));
+  EXPECT_THAT(PickleFails("\x80\x09N."), HasSubstr("pickle protocol 9"));
 }
 
 TEST(Pickle, WhatContradictsItselfIsRefusedWithItsPlace) {
-  EXPECT_THAT(Fails(""), HasSubstr("the file is empty"));
-  EXPECT_THAT(Fails("\x80\x02K"), HasSubstr("the file ends inside a number"));
-  EXPECT_THAT(Fails("\x80\x02K\x01"), HasSubstr("ends before its pickle"));
-  EXPECT_THAT(Fails("h\x05."), HasSubstr("object 5 is used before it is defined"));
-  EXPECT_THAT(Fails("\x80\x02X\xff\xff\xff\x7f."), HasSubstr("a text of 2147483647 bytes"));
-  EXPECT_THAT(Fails(std::string("\x80\x02X\x01\0\0\0\xff.", 9)), HasSubstr("no UTF-8"));
-  EXPECT_THAT(Fails("Ixyz\n."), HasSubstr("'xyz' is no integer"));
-  EXPECT_THAT(Fails("(."), HasSubstr("a container is never ended"));
-  EXPECT_THAT(Fails("."), HasSubstr("a pickle without a result"));
+  EXPECT_THAT(PickleFails(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(PickleFails("\x80\x02K"), HasSubstr("the file ends inside a number"));
+  EXPECT_THAT(PickleFails("\x80\x02K\x01"), HasSubstr("ends before its pickle"));
+  EXPECT_THAT(PickleFails("h\x05."), HasSubstr("object 5 is used before it is defined"));
+  EXPECT_THAT(PickleFails("\x80\x02X\xff\xff\xff\x7f."), HasSubstr("a text of 2147483647 bytes"));
+  EXPECT_THAT(PickleFails(std::string("\x80\x02X\x01\0\0\0\xff.", 9)), HasSubstr("no UTF-8"));
+  EXPECT_THAT(PickleFails("Ixyz\n."), HasSubstr("'xyz' is no integer"));
+  EXPECT_THAT(PickleFails("(."), HasSubstr("a container is never ended"));
+  EXPECT_THAT(PickleFails("."), HasSubstr("a pickle without a result"));
   std::string shape = FromHex(kPickleP2);
   shape.replace(shape.find("K\x01K\x02\x86"), 5, "K\x01K\x03\x86");
-  EXPECT_THAT(Fails(shape), HasSubstr("the shape (1, 3) of an array contradicts its 8 bytes"));
+  EXPECT_THAT(PickleFails(shape), HasSubstr("the shape (1, 3) of an array contradicts its 8 bytes"));
   std::string type = FromHex(kPickleP2);
   type.replace(type.find("f4"), 2, "c8");
-  EXPECT_THAT(Fails(type), HasSubstr("arrays of the type 'c8'"));
+  EXPECT_THAT(PickleFails(type), HasSubstr("arrays of the type 'c8'"));
 }
 
 TEST(Pickle, ContainersThatHoldThemselvesExplodeOrNestWithoutEndAreRefused) {
-  EXPECT_THAT(Fails(std::string("]q\0h\0a.", 7)), HasSubstr("holds itself"));
+  EXPECT_THAT(PickleFails(std::string("]q\0h\0a.", 7)), HasSubstr("holds itself"));
   std::string bomb = "]q";
   bomb += '\0';
   for (char i = 1; i < 40; ++i) {  // each list holds the one before it twice
     bomb += std::string("](h") + static_cast<char>(i - 1) + "h" + static_cast<char>(i - 1) + "eq" + i;
   }
-  EXPECT_THAT(Fails(bomb + "."), HasSubstr("repeated too often"));
-  EXPECT_THAT(Fails(std::string(")") + std::string(100000, '\x85') + "."), HasSubstr("nested deeper than 64"));
-  EXPECT_THAT(Fails(std::string(5000000, ')') + "."), HasSubstr("more than 4194304 objects"));
+  EXPECT_THAT(PickleFails(bomb + "."), HasSubstr("repeated too often"));
+  EXPECT_THAT(PickleFails(std::string(")") + std::string(100000, '\x85') + "."), HasSubstr("nested deeper than 64"));
+  EXPECT_THAT(PickleFails(std::string(5000000, ')') + "."), HasSubstr("more than 4194304 objects"));
   std::string copies = "(lp0\n(";  // a set made of one long list, a thousand times
   copies += std::string(100000, 'N') + "e";
   for (int i = 0; i < 1000; ++i) copies += "c__builtin__\nset\n(g0\ntR";
-  EXPECT_THAT(Fails(copies + "."), HasSubstr("more work than"));
+  EXPECT_THAT(PickleFails(copies + "."), HasSubstr("more work than"));
   std::string texts = "Vx\np0\n0V" + std::string(1000000, 'y') + "\np1\n0Vlatin1\np2\n0";
   for (int i = 0; i < 1000; ++i) texts += "c_codecs\nencode\n(g1\ng2\ntR0";
-  EXPECT_THAT(Fails(texts + "N."), HasSubstr("the same bytes are repeated too often"));
+  EXPECT_THAT(PickleFails(texts + "N."), HasSubstr("the same bytes are repeated too often"));
 }
 
 TEST(Pickle, WhatTheWriterWritesIsReadAgain) {

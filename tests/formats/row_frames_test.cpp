@@ -29,18 +29,18 @@ std::vector<std::string> Lines(int frames) {
   return lines;
 }
 
-std::string Text(const std::vector<std::string>& lines) {
+std::string TextOfLines(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) text += line + "\n";
   return text;
 }
 
-Expected<JointRows> Read(const std::vector<std::string>& lines, OddFrame odd = OddFrame::kLast,
-                         DamagedRows damaged = DamagedRows::kReport) {
+Expected<JointRows> ReadRows(const std::vector<std::string>& lines, OddFrame odd = OddFrame::kLast,
+                             DamagedRows damaged = DamagedRows::kReport) {
   JointTableLayout table;
   table.rows_per_frame = kJoints;
   table.damaged_rows = damaged;
-  return ParseJointRows(Text(lines), ParseJointLayout("12*(x y z confidence)", "").value(), table, "t.txt", odd);
+  return ParseJointRows(TextOfLines(lines), ParseJointLayout("12*(x y z confidence)", "").value(), table, "t.txt", odd);
 }
 
 /// Frames that are missing; every other must hold its own number.
@@ -64,7 +64,7 @@ TEST(RowFrames, ARowThatIsMissingCostsItsFrameAndShiftsNothing) {
     SCOPED_TRACE(row);
     std::vector<std::string> lines = Lines(10);
     lines.erase(lines.begin() + row);
-    const Expected<JointRows> rows = Read(lines);
+    const Expected<JointRows> rows = ReadRows(lines);
     ASSERT_TRUE(rows) << rows.error().Message();
     EXPECT_EQ(rows->frames, 10);
     EXPECT_THAT(Missing(*rows), ElementsAre(row / kJoints));
@@ -79,7 +79,7 @@ TEST(RowFrames, ARowThatIsMissingCostsItsFrameAndShiftsNothing) {
 TEST(RowFrames, ARowTooManyCostsItsFrameAndShiftsNothing) {
   std::vector<std::string> lines = Lines(10);
   lines.insert(lines.begin() + 40, lines[39]);
-  const Expected<JointRows> rows = Read(lines);
+  const Expected<JointRows> rows = ReadRows(lines);
   ASSERT_TRUE(rows) << rows.error().Message();
   EXPECT_THAT(Missing(*rows), ElementsAre(3));
   ASSERT_EQ(rows->findings.size(), 1U);
@@ -90,7 +90,7 @@ TEST(RowFrames, ARowTooManyCostsItsFrameAndShiftsNothing) {
 TEST(RowFrames, ARowTooManyInTheFirstFrameCostsBothFramesThatItMayStandIn) {
   std::vector<std::string> lines = Lines(10);
   lines.insert(lines.begin() + 10, lines[9]);
-  const Expected<JointRows> rows = Read(lines);
+  const Expected<JointRows> rows = ReadRows(lines);
   ASSERT_TRUE(rows) << rows.error().Message();
   for (const int frame : Missing(*rows)) EXPECT_LE(frame, 1);
 }
@@ -99,7 +99,7 @@ TEST(RowFrames, OneRowMissingAndOneTooManyAreSeenThoughTheCountIsRight) {
   std::vector<std::string> lines = Lines(10);
   lines.insert(lines.begin() + 90, lines[3]);
   lines.erase(lines.begin() + 30);
-  const Expected<JointRows> rows = Read(lines);
+  const Expected<JointRows> rows = ReadRows(lines);
   ASSERT_TRUE(rows) << rows.error().Message();
   EXPECT_THAT(Missing(*rows), ElementsAre(2, 7));
   EXPECT_EQ(rows->findings.size(), 2U);
@@ -108,11 +108,11 @@ TEST(RowFrames, OneRowMissingAndOneTooManyAreSeenThoughTheCountIsRight) {
 TEST(RowFrames, WhichEndOfATableIsNotWholeIsForTheCallerToSay) {
   std::vector<std::string> lines = Lines(10);
   lines.erase(lines.begin() + 5);
-  const Expected<JointRows> cut = Read(lines);
+  const Expected<JointRows> cut = ReadRows(lines);
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->rows_left_over, kJoints - 1);
   EXPECT_EQ(cut->findings.at(0).code, "cut_off");
-  const Expected<JointRows> first = Read(lines, OddFrame::kFirst);
+  const Expected<JointRows> first = ReadRows(lines, OddFrame::kFirst);
   ASSERT_TRUE(first);
   EXPECT_THAT(Missing(*first), ElementsAre(0));
   EXPECT_EQ(first->findings.at(0).code, "frame_rows");
@@ -123,7 +123,7 @@ TEST(RowFrames, AWholeTableHasNoBreaksHoweverFarTheBodyJumps) {
   const std::vector<std::string> later = Lines(500);
   lines.insert(lines.end(), later.end() - 5 * kJoints, later.end());
   for (int row = 0; row < 8; ++row) lines[static_cast<std::size_t>(50 + row)] = "0 0 0 0";
-  const Expected<JointRows> rows = Read(lines);
+  const Expected<JointRows> rows = ReadRows(lines);
   ASSERT_TRUE(rows);
   EXPECT_THAT(rows->findings, IsEmpty());
 }
@@ -132,7 +132,7 @@ TEST(RowFrames, WhereDamageIsRefusedTheErrorNamesLineAndFrame) {
   std::vector<std::string> lines = Lines(10);
   lines.insert(lines.begin() + 90, lines[3]);
   lines.erase(lines.begin() + 30);
-  const Expected<JointRows> rows = Read(lines, OddFrame::kLast, DamagedRows::kRefuse);
+  const Expected<JointRows> rows = ReadRows(lines, OddFrame::kLast, DamagedRows::kRefuse);
   ASSERT_FALSE(rows);
   EXPECT_EQ(rows.error().where, "t.txt:31");
   EXPECT_THAT(rows.error().what, HasSubstr("frame 2 has 11 rows, not 12"));
@@ -142,7 +142,7 @@ TEST(RowFrames, WhereDamageIsRefusedTheErrorNamesLineAndFrame) {
 TEST(RowFrames, ATableOfAnotherCountOfJointsIsRefusedWithTheCount) {
   std::vector<std::string> lines = Lines(10);
   for (int f = 9; f >= 0; --f) lines.erase(lines.begin() + f * kJoints + 5);
-  const Expected<JointRows> rows = Read(lines);
+  const Expected<JointRows> rows = ReadRows(lines);
   ASSERT_FALSE(rows);
   EXPECT_THAT(rows.error().Message(), HasSubstr("have another count of rows than 12, the first 11"));
   EXPECT_THAT(rows.error().hint, HasSubstr("rows_per_frame"));

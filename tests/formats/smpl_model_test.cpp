@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-SmplModel Small() {
+SmplModel SmallModel() {
   SmplModel model;
   model.vertices = 4;
   model.joints = 3;
@@ -31,11 +31,11 @@ SmplModel Small() {
   return model;
 }
 
-Npz Members() { return ParseNpz(EncodeSmplModelNpz(Small(), "s.npz").value(), "s.npz").value(); }
+Npz ModelMembers() { return ParseNpz(EncodeSmplModelNpz(SmallModel(), "s.npz").value(), "s.npz").value(); }
 
 void ExpectSmall(const Expected<SmplModel>& model) {
   ASSERT_TRUE(model) << model.error().Message();
-  const SmplModel small = Small();
+  const SmplModel small = SmallModel();
   EXPECT_EQ(model->vertices, small.vertices);
   EXPECT_EQ(model->joints, small.joints);
   EXPECT_EQ(model->shapes, small.shapes);
@@ -50,13 +50,13 @@ void ExpectSmall(const Expected<SmplModel>& model) {
 }
 
 TEST(SmplModel, AnNpzIsWrittenAndReadAgain) {
-  ExpectSmall(ParseSmplModel(EncodeSmplModelNpz(Small(), "s.npz").value(), "s.npz"));
+  ExpectSmall(ParseSmplModel(EncodeSmplModelNpz(SmallModel(), "s.npz").value(), "s.npz"));
 }
 
 TEST(SmplModel, APickleHoldsTheSameModel) {
   PickleWriter writer;
   writer.BeginDict();
-  for (const NpzMember& member : Members().members) {
+  for (const NpzMember& member : ModelMembers().members) {
     writer.Text(member.name);
     NpyArray array = member.array;
     if (member.name == "kintree_table") {  // as in SMPL: unsigned, the root's parent is the largest number
@@ -74,7 +74,7 @@ TEST(SmplModel, APickleHoldsTheSameModel) {
 TEST(SmplModel, ASparseRegressorIsTheSameMatrix) {
   PickleWriter writer;
   writer.BeginDict();
-  for (const NpzMember& member : Members().members) {
+  for (const NpzMember& member : ModelMembers().members) {
     if (member.name == "J_regressor") continue;
     writer.Text(member.name);
     writer.Array(member.array);
@@ -123,7 +123,7 @@ TEST(SmplModel, AnyCorruptedFieldIsNamed) {
   cases.push_back({"kintree_table", [](NpyArray& a) { a.values[4] = 0; }});
   cases.push_back({"f", [](NpyArray& a) { a.values[5] = 4; }});
   for (const Case& c : cases) {
-    Npz npz = Members();
+    Npz npz = ModelMembers();
     for (NpzMember& member : npz.members) {
       if (member.name == c.key) c.corrupt(member.array);
     }
@@ -132,7 +132,7 @@ TEST(SmplModel, AnyCorruptedFieldIsNamed) {
     EXPECT_THAT(model.error().Message(), HasSubstr(std::string("s.npz:") + c.key + ": "));
   }
   for (const char* key : {"v_template", "shapedirs", "J_regressor", "weights", "kintree_table", "f"}) {
-    Npz npz = Members();
+    Npz npz = ModelMembers();
     for (NpzMember& member : npz.members) member.name = member.name == key ? "other" : member.name;
     const auto model = ParseSmplModel(EncodeNpz(npz, "s.npz").value(), "s.npz");
     ASSERT_FALSE(model) << key;

@@ -13,29 +13,29 @@
 namespace mocurate {
 namespace {
 
-std::string Pickle(const std::string& body) { return std::string("\x80\x02", 2) + body + "."; }
+std::string PickleBytes(const std::string& body) { return std::string("\x80\x02", 2) + body + "."; }
 
-std::string Text(const std::string& text) {
+std::string PickledText(const std::string& text) {
   return std::string("X") + static_cast<char>(text.size()) + std::string(3, '\0') + text;
 }
 
 const std::string kMagic("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 15);
 
 // A file of torch.save around the pickle of its object; no storage follows.
-std::string File(const std::string& object, const std::string& keys = "]", const std::string& storages = "") {
-  return kMagic + Pickle(std::string("M\xe9\x03", 3)) + Pickle("}" + Text("little_endian") + "\x88s") + Pickle(object) +
-         Pickle(keys) + storages;
+std::string TorchFile(const std::string& object, const std::string& keys = "]", const std::string& storages = "") {
+  return kMagic + PickleBytes(std::string("M\xe9\x03", 3)) + PickleBytes("}" + PickledText("little_endian") + "\x88s") +
+         PickleBytes(object) + PickleBytes(keys) + storages;
 }
 
 std::string Storage(const std::string& element_class, int size) {
-  return "((" + Text("storage") + "ctorch\n" + element_class + "\n" + Text("7") + Text("cpu") + "K" +
-         static_cast<char>(size) + "NtQ";
+  return "((" + PickledText("storage") + "ctorch\n" + element_class + "\n" + PickledText("7") + PickledText("cpu") +
+         "K" + static_cast<char>(size) + "NtQ";
 }
 
 // {"w": tensor} over a storage of `stored` floats.
 std::string TensorObject(int stored, int offset, int rows, int columns, int row_stride, int column_stride) {
   const auto k = [](int value) { return std::string("K") + static_cast<char>(value); };
-  return "}" + Text("w") + "ctorch._utils\n_rebuild_tensor_v2\n" + Storage("FloatStorage", stored) + k(offset) +
+  return "}" + PickledText("w") + "ctorch._utils\n_rebuild_tensor_v2\n" + Storage("FloatStorage", stored) + k(offset) +
          k(rows) + k(columns) + "\x86" + k(row_stride) + k(column_stride) + "\x86\x89NtRs";
 }
 
@@ -46,7 +46,8 @@ std::string Floats(const std::vector<float>& values) {
 }
 
 TEST(TorchPickle, ATensorIsReadThroughItsStrides) {
-  const std::string bytes = File(TensorObject(6, 0, 2, 3, 1, 2), "](" + Text("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
+  const std::string bytes =
+      TorchFile(TensorObject(6, 0, 2, 3, 1, 2), "](" + PickledText("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
   const Expected<TorchTable> table = ParseTorchPickle(bytes, "t.tar");
   ASSERT_TRUE(table) << table.error().Message();
   const TorchTensor* tensor = table->Find("w");
@@ -59,7 +60,7 @@ TEST(TorchPickle, ATensorThatReachesOutsideItsStorageIsRefused) {
   for (const auto& object : {TensorObject(6, 1, 2, 3, 1, 2), TensorObject(6, 0, 2, 4, 1, 2),
                              TensorObject(6, 6, 1, 1, 1, 1), TensorObject(6, 0, 100, 100, 100, 100)}) {
     const Expected<TorchTable> table =
-        ParseTorchPickle(File(object, "](" + Text("7") + "e", Floats({0, 1, 2, 3, 4, 5})), "t.tar");
+        ParseTorchPickle(TorchFile(object, "](" + PickledText("7") + "e", Floats({0, 1, 2, 3, 4, 5})), "t.tar");
     ASSERT_FALSE(table);
     EXPECT_EQ(table.error().code, ErrorCode::kMalformed) << table.error().Message();
   }
@@ -68,12 +69,12 @@ TEST(TorchPickle, ATensorThatReachesOutsideItsStorageIsRefused) {
 TEST(TorchPickle, ATinyStorageCannotBeBlownUpBeyondTheLimit) {
   TorchLimits limits;
   limits.elements = 100;
-  const std::string bytes = File(TensorObject(1, 0, 100, 100, 0, 0), "](" + Text("7") + "e", Floats({1}));
+  const std::string bytes = TorchFile(TensorObject(1, 0, 100, 100, 0, 0), "](" + PickledText("7") + "e", Floats({1}));
   EXPECT_FALSE(ParseTorchPickle(bytes, "t.tar", limits));
 }
 
 TEST(TorchPickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
-  const std::string evil = File("cposix\nsystem\n" + Text("touch evil") + "\x85R");
+  const std::string evil = TorchFile("cposix\nsystem\n" + PickledText("touch evil") + "\x85R");
   const Expected<TorchTable> table = ParseTorchPickle(evil, "evil.tar");
   ASSERT_FALSE(table);
   EXPECT_EQ(table.error().code, ErrorCode::kUnsupported);
@@ -82,23 +83,23 @@ TEST(TorchPickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
 }
 
 TEST(TorchPickle, AnUnknownOpcodeIsNamed) {
-  const Expected<TorchTable> table = ParseTorchPickle(File("\x82\x01"), "t.tar");
+  const Expected<TorchTable> table = ParseTorchPickle(TorchFile("\x82\x01"), "t.tar");
   ASSERT_FALSE(table);
   EXPECT_NE(table.error().what.find("0x82 (EXT1)"), std::string::npos) << table.error().what;
 }
 
 TEST(TorchPickle, ScalarsAreListedByTheirPath) {
-  const Expected<TorchTable> table = ParseTorchPickle(File("}" + Text("a") + "}" + Text("b") +
-                                                           "J\xff\xff\xff\xff"
-                                                           "s"
-                                                           "s" +
-                                                           Text("c") +
-                                                           "]K\x05"
-                                                           "aG\x3f\xf8" +
-                                                           std::string(6, '\0') +
-                                                           "a"
-                                                           "s" +
-                                                           Text("name") + Text("x") + "s"),
+  const Expected<TorchTable> table = ParseTorchPickle(TorchFile("}" + PickledText("a") + "}" + PickledText("b") +
+                                                                "J\xff\xff\xff\xff"
+                                                                "s"
+                                                                "s" +
+                                                                PickledText("c") +
+                                                                "]K\x05"
+                                                                "aG\x3f\xf8" +
+                                                                std::string(6, '\0') +
+                                                                "a"
+                                                                "s" +
+                                                                PickledText("name") + PickledText("x") + "s"),
                                                       "t.tar");
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->numbers.at("a/b"), -1.0);
@@ -108,20 +109,20 @@ TEST(TorchPickle, ScalarsAreListedByTheirPath) {
 }
 
 TEST(TorchPickle, ContainersThatHoldThemselvesOrExplodeEnd) {
-  EXPECT_FALSE(ParseTorchPickle(File(std::string("]q\0h\0a", 6)), "cycle.tar"));
+  EXPECT_FALSE(ParseTorchPickle(TorchFile(std::string("]q\0h\0a", 6)), "cycle.tar"));
   std::string bomb = std::string("]q\0", 3);
   for (char i = 1; i < 40; ++i) {  // each list holds the one before it twice: 2^40 visits
     bomb += std::string("](h") + static_cast<char>(i - 1) + "h" + static_cast<char>(i - 1) + "eq" + i;
   }
-  EXPECT_FALSE(ParseTorchPickle(File(bomb), "bomb.tar"));
+  EXPECT_FALSE(ParseTorchPickle(TorchFile(bomb), "bomb.tar"));
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += i == 0 ? ")" : "\x85";
-  EXPECT_FALSE(ParseTorchPickle(File(deep), "deep.tar"));
+  EXPECT_FALSE(ParseTorchPickle(TorchFile(deep), "deep.tar"));
 }
 
 std::string ZipFile(const std::string& object, const std::vector<float>& values) {
   const std::string numbers(reinterpret_cast<const char*>(values.data()), 4 * values.size());
-  return WriteStoredZip({{"archive/data.pkl", Pickle(object)}, {"archive/data/7", numbers}}, "t.pt").value();
+  return WriteStoredZip({{"archive/data.pkl", PickleBytes(object)}, {"archive/data/7", numbers}}, "t.pt").value();
 }
 
 TEST(TorchPickle, TheZipFormHoldsTheSameTensors) {
@@ -140,14 +141,15 @@ TEST(TorchPickle, ADamagedZipFormIsRefusedByItsMember) {
   };
   EXPECT_NE(fails("PK\x03\x04zip").find("no zip archive"), std::string::npos);
   EXPECT_NE(fails(ZipFile(TensorObject(6, 0, 2, 3, 1, 2), {0, 1, 2})).find("archive/data/7"), std::string::npos);
-  EXPECT_NE(fails(WriteStoredZip({{"archive/data.pkl", Pickle(TensorObject(6, 0, 2, 3, 1, 2))}}, "t").value())
+  EXPECT_NE(fails(WriteStoredZip({{"archive/data.pkl", PickleBytes(TensorObject(6, 0, 2, 3, 1, 2))}}, "t").value())
                 .find("lacks the numbers 'archive/data/7'"),
             std::string::npos);
   EXPECT_NE(fails(WriteStoredZip({{"a.npy", ""}}, "t").value()).find("no data.pkl"), std::string::npos);
 }
 
 TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {
-  const std::string good = File(TensorObject(6, 0, 2, 3, 3, 1), "](" + Text("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
+  const std::string good =
+      TorchFile(TensorObject(6, 0, 2, 3, 3, 1), "](" + PickledText("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
   ASSERT_TRUE(ParseTorchPickle(good, "good"));
   Random random(1, "torch_pickle.mutation");
   int refused = 0;

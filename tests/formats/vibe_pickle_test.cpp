@@ -101,40 +101,40 @@ std::string Written(const std::string& changed, const std::function<void(PickleW
   return writer.Finish("v.pkl").value();
 }
 
-std::string Fails(const std::string& bytes) {
+std::string VibeFails(const std::string& bytes) {
   const auto tracks = ParseVibeTracks(bytes, "v.pkl");
   return tracks ? "parsed" : tracks.error().Message();
 }
 
 TEST(VibePickle, AnyCorruptedFieldIsNamed) {
-  ASSERT_EQ(Fails(Written("", [](PickleWriter&) {})), "parsed");
+  ASSERT_EQ(VibeFails(Written("", [](PickleWriter&) {})), "parsed");
   for (const char* key : {"pose", "joints3d", "betas", "orig_cam", "pred_cam", "bboxes", "frame_ids"}) {
     const std::string where = std::string("v.pkl:/1/") + key + ": ";
-    EXPECT_THAT(Fails(Written(key,
-                              [](PickleWriter& w) {
-                                w.Array(MakeArray({2, 5}, std::vector<double>(10, 0)));
-                              })),
+    EXPECT_THAT(VibeFails(Written(key,
+                                  [](PickleWriter& w) {
+                                    w.Array(MakeArray({2, 5}, std::vector<double>(10, 0)));
+                                  })),
                 HasSubstr(where));
-    EXPECT_THAT(Fails(Written(key, [](PickleWriter& w) { w.Text("x"); })), HasSubstr(where));
+    EXPECT_THAT(VibeFails(Written(key, [](PickleWriter& w) { w.Text("x"); })), HasSubstr(where));
   }
-  EXPECT_THAT(Fails(Written("pose",
-                            [](PickleWriter& w) {
-                              std::vector<double> values(144, 0.0);
-                              values[75] = std::numeric_limits<double>::infinity();
-                              w.Array(MakeArray({2, 72}, values));
-                            })),
+  EXPECT_THAT(VibeFails(Written("pose",
+                                [](PickleWriter& w) {
+                                  std::vector<double> values(144, 0.0);
+                                  values[75] = std::numeric_limits<double>::infinity();
+                                  w.Array(MakeArray({2, 72}, values));
+                                })),
               HasSubstr("v.pkl:/1/pose: the value at [1, 3] is not finite"));
-  EXPECT_THAT(Fails(Written("betas",
-                            [](PickleWriter& w) {
-                              w.Array(MakeArray({1, 10}, std::vector<double>(10, 0)));
-                            })),
+  EXPECT_THAT(VibeFails(Written("betas",
+                                [](PickleWriter& w) {
+                                  w.Array(MakeArray({1, 10}, std::vector<double>(10, 0)));
+                                })),
               HasSubstr("shape (1, 10) where numbers of shape (2, 10)"));
-  EXPECT_THAT(Fails(Written("frame_ids",
-                            [](PickleWriter& w) {
-                              w.Array(MakeArray({2}, {5, 5}));
-                            })),
+  EXPECT_THAT(VibeFails(Written("frame_ids",
+                                [](PickleWriter& w) {
+                                  w.Array(MakeArray({2}, {5, 5}));
+                                })),
               HasSubstr("frame ids do not rise"));
-  EXPECT_THAT(Fails(Written("pose", [](PickleWriter& w) { w.None(); })), HasSubstr("the key 'pose' is missing"));
+  EXPECT_THAT(VibeFails(Written("pose", [](PickleWriter& w) { w.None(); })), HasSubstr("the key 'pose' is missing"));
 }
 
 TEST(VibePickle, ACacheWithAListCutShortIsRefused) {

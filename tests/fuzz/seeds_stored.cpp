@@ -14,7 +14,7 @@ namespace {
 
 /// The bytes of what `write` writes at a path.
 template <typename Write>
-void Add(FuzzSeeds& seeds, const std::string& target, const Write& write) {
+void AddStored(FuzzSeeds& seeds, const std::string& target, const Write& write) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("mocurate_seed_" + std::to_string(::getpid()));
   const Status written = write(path);
@@ -42,10 +42,10 @@ Checkpoint SmallCheckpoint() {
 }  // namespace
 
 void AddStoredSeeds(FuzzSeeds& seeds) {
-  Add(seeds, "store", [](const auto& path) { return WriteDataset(test::MakeDataset(), path); });
-  Add(seeds, "store", [](const auto& path) { return WriteEvidence(test::MakeEvidenceClip(true), path); });
-  Add(seeds, "store", [](const auto& path) { return WriteTruth(test::MakeTruth(), path); });
-  Add(seeds, "checkpoint", [](const auto& path) { return WriteCheckpoint(SmallCheckpoint(), path); });
+  AddStored(seeds, "store", [](const auto& path) { return WriteDataset(test::MakeDataset(), path); });
+  AddStored(seeds, "store", [](const auto& path) { return WriteEvidence(test::MakeEvidenceClip(true), path); });
+  AddStored(seeds, "store", [](const auto& path) { return WriteTruth(test::MakeTruth(), path); });
+  AddStored(seeds, "checkpoint", [](const auto& path) { return WriteCheckpoint(SmallCheckpoint(), path); });
 }
 
 FuzzSeeds AllFuzzSeeds() {

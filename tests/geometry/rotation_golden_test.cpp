@@ -13,7 +13,7 @@ using test::kPi;
 
 constexpr double kTolerance = 1e-12;
 
-Vector3d VectorAt(const golden::Array<double>& array, std::size_t row) {
+Vector3d GoldenVector(const golden::Array<double>& array, std::size_t row) {
   return Vector3d(array.row(row)[0], array.row(row)[1], array.row(row)[2]);
 }
 
@@ -48,7 +48,7 @@ class RotationGoldens : public testing::Test {
   std::size_t count() const { return tags_.size(); }
   std::string Place(std::size_t row) const { return std::to_string(row) + " " + tags_[row]; }
   bool IsExactPi(std::size_t row) const {
-    return tags_[row] == "exact_pi" || std::abs(VectorAt(axis_angle_, row).norm() - kPi) < 1e-15;
+    return tags_[row] == "exact_pi" || std::abs(GoldenVector(axis_angle_, row).norm() - kPi) < 1e-15;
   }
 
   std::unique_ptr<Golden> file_;
@@ -62,7 +62,7 @@ TEST_F(RotationGoldens, TheExponentialEqualsScipyActorAndPytorch3d) {
     const auto matrix = Doubles(std::string(library) + "/axis_angle_to_matrix");
     const auto quaternion = Doubles(std::string(library) + "/axis_angle_to_quaternion");
     for (std::size_t i = 0; i < count(); ++i) {
-      const Vector3d w = VectorAt(axis_angle_, i);
+      const Vector3d w = GoldenVector(axis_angle_, i);
       EXPECT_LT(Difference(ExpMatrix(w), MatrixAt(truth_, i)), 4e-15) << Place(i);
       EXPECT_LT(Difference(ExpMatrix(w), MatrixAt(matrix, i)), 4e-15) << library << ' ' << Place(i);
       EXPECT_LT(AngleBetween(ExpQuaternion(w), QuaternionAt(quaternion, i)), 4e-15) << library << ' ' << Place(i);
@@ -75,7 +75,7 @@ TEST_F(RotationGoldens, TheExponentialEqualsAction2MotionFromAHundredthOfARadian
   const auto hat = Doubles("a2m_lie_f64/hat");
   int compared = 0;
   for (std::size_t i = 0; i < count(); ++i) {
-    const Vector3d w = VectorAt(axis_angle_, i);
+    const Vector3d w = GoldenVector(axis_angle_, i);
     EXPECT_EQ(Hat(w), MatrixAt(hat, i)) << Place(i);
     if (w.norm() >= 0.01) {
       EXPECT_LT(Difference(ExpMatrix(w), MatrixAt(reference, i)), kTolerance) << Place(i);
@@ -99,12 +99,12 @@ TEST_F(RotationGoldens, TheLogarithmIsTheTruthAlsoWhereTheReferencesFail) {
     ASSERT_TRUE(w.allFinite()) << Place(i);
     EXPECT_LT(Difference(ExpMatrix(w), r), 4e-15) << Place(i);
     if (!IsExactPi(i)) {
-      EXPECT_LT(Difference(w, VectorAt(canonical, i)), 4e-15) << Place(i);
-      EXPECT_LT(Difference(w, VectorAt(pytorch3d, i)), 4e-15) << Place(i);
+      EXPECT_LT(Difference(w, GoldenVector(canonical, i)), 4e-15) << Place(i);
+      EXPECT_LT(Difference(w, GoldenVector(pytorch3d, i)), 4e-15) << Place(i);
     }
-    if (!VectorAt(action2motion, i).allFinite()) ++not_a_number;
+    if (!GoldenVector(action2motion, i).allFinite()) ++not_a_number;
     if (tags_[i] == "generic" || tags_[i] == "above_pi" || tags_[i] == "two_turns") {
-      EXPECT_LT(Difference(w, VectorAt(action2motion, i)), kTolerance) << Place(i);
+      EXPECT_LT(Difference(w, GoldenVector(action2motion, i)), kTolerance) << Place(i);
     }
   }
   EXPECT_GE(not_a_number, 5) << "the reference has NaN at the identity and for tiny angles";
@@ -119,7 +119,7 @@ TEST_F(RotationGoldens, LogarithmsOfTheReferencesAreTheSameRotationAsOursAwayFro
       // ACTOR takes roots of differences: right to 1e-8 only near 0 and pi, and wrong at exactly pi.
       if (is_actor && IsExactPi(i)) continue;
       const bool is_rough = is_actor && (tags_[i] == "near_pi" || tags_[i].rfind("angle_", 0) == 0);
-      EXPECT_LT(Difference(ExpMatrix(VectorAt(reference, i)), ExpMatrix(LogMatrix(MatrixAt(truth_, i)))),
+      EXPECT_LT(Difference(ExpMatrix(GoldenVector(reference, i)), ExpMatrix(LogMatrix(MatrixAt(truth_, i)))),
                 is_rough ? 1e-7 : kTolerance)
           << name << ' ' << Place(i);
     }
@@ -152,7 +152,7 @@ TEST_F(RotationGoldens, EulerAnglesEqualActorInSixOrders) {
     const auto matrix = Doubles(std::string("actor_f64/euler_") + text + "_to_matrix");
     int compared = 0;
     for (std::size_t i = 0; i < count(); ++i) {
-      const Vector3d theirs = VectorAt(angles, i);
+      const Vector3d theirs = GoldenVector(angles, i);
       const Matrix3d r = MatrixAt(truth_, i);
       EXPECT_LT(Difference(MatrixFromEuler(theirs, order), MatrixAt(matrix, i)), kTolerance) << text << Place(i);
       const Vector3d ours = EulerFromMatrix(r, order);
@@ -173,7 +173,7 @@ TEST_F(RotationGoldens, EulerMatricesEqualTheReferenceAlsoInGimbalLock) {
     const EulerOrder order = EulerOrder::Parse(text).value();
     const auto matrix = Doubles(std::string("euler/") + text + "_f64/matrix");
     for (std::size_t i = 0; i < angles.rows(); ++i) {
-      const Vector3d given = VectorAt(angles, i);
+      const Vector3d given = GoldenVector(angles, i);
       EXPECT_LT(Difference(MatrixFromEuler(given, order), MatrixAt(matrix, i)), kTolerance) << text << ' ' << i;
       const Vector3d back = EulerFromMatrix(MatrixAt(matrix, i), order);
       EXPECT_LT(Difference(MatrixFromEuler(back, order), MatrixAt(matrix, i)), kTolerance) << text << ' ' << i;
@@ -205,7 +205,7 @@ TEST_F(RotationGoldens, RawSixNumbersEqualActorByRowsAndMultiActByColumns) {
     const Matrix3d by_columns = MatrixFrom6D(SixAt(raw, i), Rotation6D::kColumns);
     EXPECT_LT(Difference(by_columns, MatrixAt(columns, i)), kTolerance) << i;
     if (i < 27) {
-      EXPECT_LT(Difference(LogMatrix(by_columns), VectorAt(axis_angle, i)), kTolerance) << i;
+      EXPECT_LT(Difference(LogMatrix(by_columns), GoldenVector(axis_angle, i)), kTolerance) << i;
     }
   }
 }
@@ -215,10 +215,10 @@ TEST_F(RotationGoldens, SwingsEqualAction2MotionWhereItHasAnAnswer) {
   const auto v = Doubles("lie_u_v/v");
   const auto reference = Doubles("lie_u_v/axis_angle_f64");
   for (std::size_t i = 0; i < u.rows(); ++i) {
-    const Quaterniond swing = SwingBetween(VectorAt(u, i), VectorAt(v, i));
-    EXPECT_LT(Difference(swing * VectorAt(u, i), VectorAt(v, i)), 4e-15) << i;
+    const Quaterniond swing = SwingBetween(GoldenVector(u, i), GoldenVector(v, i));
+    EXPECT_LT(Difference(swing * GoldenVector(u, i), GoldenVector(v, i)), 4e-15) << i;
     if (i < 15) {
-      EXPECT_LT(Difference(LogQuaternion(swing), VectorAt(reference, i)), kTolerance) << i;
+      EXPECT_LT(Difference(LogQuaternion(swing), GoldenVector(reference, i)), kTolerance) << i;
     }
   }
 }
@@ -232,7 +232,7 @@ TEST_F(RotationGoldens, QuaternionProductsEqualTheReference) {
   for (std::size_t i = 0; i < a.rows(); ++i) {
     const Quaterniond ours = QuaternionAt(a, i) * QuaternionAt(b, i);
     EXPECT_LT(AngleBetween(ours, QuaternionAt(product, i)), 1e-14) << i;
-    EXPECT_LT(Difference(QuaternionAt(a, i) * VectorAt(p, i), VectorAt(applied, i)), kTolerance) << i;
+    EXPECT_LT(Difference(QuaternionAt(a, i) * GoldenVector(p, i), GoldenVector(applied, i)), kTolerance) << i;
   }
 }
 
@@ -241,7 +241,7 @@ TEST_F(RotationGoldens, JacobiansEqualTheGradientOfTheReferenceExponential) {
   const auto cotangent = Doubles("grad/exp_cotangent");
   const auto gradient = Doubles("grad/exp_grad");
   for (std::size_t i = 0; i < input.rows(); ++i) {
-    const Vector3d w = VectorAt(input, i);
+    const Vector3d w = GoldenVector(input, i);
     if (w.norm() < 0.01) continue;
     // d R / d w_k = R Hat(J_r e_k).
     const Matrix3d r = ExpMatrix(w);

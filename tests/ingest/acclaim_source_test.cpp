@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kMetres = 0.0254 / 0.45;  // per unit of the files
+constexpr double kAcclaimMetres = 0.0254 / 0.45;  // per unit of the files
 
 class Acclaim : public ::testing::Test {
  protected:
@@ -21,7 +21,7 @@ class Acclaim : public ::testing::Test {
 };
 
 /// Largest distance in metres between the joints of a clip and the starts of the bones by the format's own kinematics.
-double JointError(const Motion& motion, const Asf& asf, const Amc& amc) {
+double AcclaimJointError(const Motion& motion, const Asf& asf, const Amc& amc) {
   double worst = 0.0;
   std::vector<Vector3d> ends;
   Vector3d root;
@@ -30,7 +30,7 @@ double JointError(const Motion& motion, const Asf& asf, const Amc& amc) {
     for (const AsfBone& bone : asf.bones) {
       const Vector3d start = bone.parent < 0 ? root : ends[static_cast<std::size_t>(bone.parent)];
       const int joint = *motion.skeleton->FindJoint(bone.name);
-      worst = std::max(worst, (motion.joints.at(f, joint) - kMetres * start).norm());
+      worst = std::max(worst, (motion.joints.at(f, joint) - kAcclaimMetres * start).norm());
     }
   }
   return worst;
@@ -59,7 +59,7 @@ TEST_F(Acclaim, JointsStandWhereTheBonesOfTheFileStart) {
   options.skeleton = &*asf;
   const auto amc = ParseAmc(*text, options, "01_01.amc");
   ASSERT_TRUE(amc);
-  EXPECT_LT(JointError(motion, *asf, *amc), 1e-4);
+  EXPECT_LT(AcclaimJointError(motion, *asf, *amc), 1e-4);
   EXPECT_EQ(ingested.clip.provenance.at("skeleton_file"), "01.asf");
 }
 

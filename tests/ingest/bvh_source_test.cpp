@@ -36,7 +36,7 @@ IngestOptions SmallSource(const std::string& name, const std::string& rows) {
 }
 
 /// Largest distance between the ingested joints and the file's own kinematics, metres, over joints other than the root.
-double JointError(const Motion& motion, const Bvh& bvh, const Matrix3d& metres_from_file) {
+double BvhJointError(const Motion& motion, const Bvh& bvh, const Matrix3d& metres_from_file) {
   double worst = 0.0;
   std::vector<Vector3d> positions;
   for (int f = 0; f < bvh.frames; ++f) {
@@ -71,7 +71,7 @@ TEST(BvhSource, TheTranslationInHipsMovesIntoTheRoot) {
   const Motion motion = Only(options, "hips");
   EXPECT_EQ(motion.rate, (FrameRate{50, 1}));
   EXPECT_TRUE(motion.root_translation[0].isApprox(Vector3d(0.01, 0.80, 0.03), 1e-6));
-  EXPECT_LT(JointError(motion, *ParseBvh(SmallBvh(rows), "x"), 0.01 * Matrix3d::Identity()), 1e-6);
+  EXPECT_LT(BvhJointError(motion, *ParseBvh(SmallBvh(rows), "x"), 0.01 * Matrix3d::Identity()), 1e-6);
   EXPECT_NEAR(motion.bone_length[2], 0.10, 1e-7);
   EXPECT_EQ(motion.skeleton->joints[2].mirror, 3);
 }
@@ -84,7 +84,7 @@ TEST(BvhSource, EveryAxisConventionKeepsTheShapeOfTheMotion) {
     options.source.axes = text;
     const Motion motion = Only(options, "axes");
     const Matrix3d world_from_file = AxisConvention::Parse(text)->canonical_from_source;
-    EXPECT_LT(JointError(motion, *ParseBvh(SmallBvh(rows), "x"), 0.01 * world_from_file), 1e-6) << text;
+    EXPECT_LT(BvhJointError(motion, *ParseBvh(SmallBvh(rows), "x"), 0.01 * world_from_file), 1e-6) << text;
   }
 }
 
@@ -151,7 +151,7 @@ TEST(BvhSource, AllOfBandai2IsReadToAMicrometre) {
     EXPECT_EQ(ingested.clip.provenance.at("style"), ingested.clip.identity.person);
     if (index++ % 12 != 0) continue;
     const auto bytes = ReadFile(item.inputs[0].path);
-    worst = std::max(worst, JointError(motion, *ParseBvh(*bytes, "x"), 0.01 * Matrix3d::Identity()));
+    worst = std::max(worst, BvhJointError(motion, *ParseBvh(*bytes, "x"), 0.01 * Matrix3d::Identity()));
   }
   EXPECT_EQ(frames, 18913);
   EXPECT_LT(worst, 1e-6);
@@ -195,7 +195,7 @@ TEST(BvhSource, OtherExportersAreReadOnTheirOwnSkeletons) {
     const Ingested ingested = RunIngest(item, "misc");
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
     const Bvh bvh = *ParseBvh(*ReadFile(item.inputs[0].path), "x");
-    EXPECT_LT(JointError(*ingested.clip.motion, bvh, 0.01 * Matrix3d::Identity()), 2e-6) << item.item;
+    EXPECT_LT(BvhJointError(*ingested.clip.motion, bvh, 0.01 * Matrix3d::Identity()), 2e-6) << item.item;
     for (const Finding& finding : ingested.outcome->findings) {
       EXPECT_NE(finding.code, "handedness_contradiction") << item.item << finding.message;
       doubted[finding.code].insert(item.item);

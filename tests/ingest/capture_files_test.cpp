@@ -14,13 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class CaptureFiles : public testing::Test {
+class CapturedFiles : public testing::Test {
  protected:
-  CaptureFiles() {
+  CapturedFiles() {
     std::string pattern = (fs::temp_directory_path() / "mocurate_capture_XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
   }
-  ~CaptureFiles() override {
+  ~CapturedFiles() override {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
   }
@@ -38,7 +38,7 @@ class CaptureFiles : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(CaptureFiles, LieInTheFolderAndFollowTheCapture) {
+TEST_F(CapturedFiles, LieInTheFolderAndFollowTheCapture) {
   ASSERT_TRUE(Unpack({{"a.txt", "1"}, {"b.txt", "2"}}));
   EXPECT_EQ(Text("a.txt"), "1");
   ASSERT_TRUE(Unpack({{"a.txt", "3"}, {"c.txt", "4"}}));
@@ -47,7 +47,7 @@ TEST_F(CaptureFiles, LieInTheFolderAndFollowTheCapture) {
   EXPECT_EQ(Text("c.txt"), "4");
 }
 
-TEST_F(CaptureFiles, FilesOfOthersStayWhateverHappens) {
+TEST_F(CapturedFiles, FilesOfOthersStayWhateverHappens) {
   ASSERT_TRUE(Unpack({{"a.txt", "1"}, {"b.txt", "2"}}));
   Write("notes.txt", "mine");
   Write("b.txt", "2, corrected by hand");
@@ -56,7 +56,7 @@ TEST_F(CaptureFiles, FilesOfOthersStayWhateverHappens) {
   EXPECT_EQ(Text("b.txt"), "2, corrected by hand");
 }
 
-TEST_F(CaptureFiles, AFileOfAnotherInTheWayIsNamedAndNotOverwritten) {
+TEST_F(CapturedFiles, AFileOfAnotherInTheWayIsNamedAndNotOverwritten) {
   Write("a.txt", "mine");
   const Status refused = Unpack({{"a.txt", "1"}});
   ASSERT_FALSE(refused);
@@ -65,7 +65,7 @@ TEST_F(CaptureFiles, AFileOfAnotherInTheWayIsNamedAndNotOverwritten) {
   EXPECT_EQ(Text("a.txt"), "mine");
 }
 
-TEST_F(CaptureFiles, ALostFileIsWrittenAgain) {
+TEST_F(CapturedFiles, ALostFileIsWrittenAgain) {
   ASSERT_TRUE(Unpack({{"a.txt", "1"}}));
   fs::remove(folder_ / "capture/a.txt");
   ASSERT_TRUE(Unpack({{"a.txt", "1"}}));
@@ -73,7 +73,7 @@ TEST_F(CaptureFiles, ALostFileIsWrittenAgain) {
   EXPECT_EQ(CaptureFileNames(folder_ / "artifact").value(), std::set<std::string>{"a.txt"});
 }
 
-TEST_F(CaptureFiles, BytesThatAreNoCaptureAreAnError) {
+TEST_F(CapturedFiles, BytesThatAreNoCaptureAreAnError) {
   ASSERT_TRUE(WriteFile(folder_ / "artifact", "[]"));
   EXPECT_EQ(UnpackCapture(folder_ / "artifact", folder_ / "capture").error().code, ErrorCode::kMalformed);
 }

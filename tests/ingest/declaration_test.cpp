@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr const char* kBvh =
+constexpr const char* kDeclaredBvh =
     "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
     "MOTION\nFrames: 2\nFrame Time: 0.04\n0 1 0\n0 1 0.1\n";
 
@@ -42,7 +42,7 @@ TEST(Declaration, ARecordingToExcludeThatIsNotThereIsToldWithTheNearest) {
 
 TEST(Declaration, FilesOfAnotherFormatAreAnErrorThatNamesTheirs) {
   IngestOptions options = SmallTable(FreshFolder("bvh_as_table"));
-  for (const char* name : {"a1_s1.txt", "a2_s1.txt"}) Put(options.path / name, kBvh);
+  for (const char* name : {"a1_s1.txt", "a2_s1.txt"}) Put(options.path / name, kDeclaredBvh);
   const auto bvh = Discover(options);
   ASSERT_FALSE(bvh);
   EXPECT_EQ(bvh.error().code, ErrorCode::kConfig);
@@ -58,7 +58,7 @@ TEST(Declaration, FilesThatEndAsItsClipsAndAreNamedOtherwiseAreToldWhereOthersAr
   options.source.files = "walk_{person}.bvh";
   options.source.label = "walk";
   options.source.other_files = OtherFiles::kIgnore;
-  for (const char* name : {"walk_1.bvh", "run_1.bvh", "notes.txt"}) Put(options.path / name, kBvh);
+  for (const char* name : {"walk_1.bvh", "run_1.bvh", "notes.txt"}) Put(options.path / name, kDeclaredBvh);
   const auto discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   ASSERT_EQ(discovery->findings.size(), 1u);
@@ -80,7 +80,7 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   source.format = SourceFormat::kNpy;
   source.units = "m";
   source.axes = "+x +y +z";
-  for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", kBvh);
+  for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", kDeclaredBvh);
   EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
   source.format = SourceFormat::kBvh;
   const auto declared = InspectPath(folder_, source);
@@ -90,11 +90,12 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
 }
 
 TEST_F(WrittenFormats, RatesOfFilesThatDifferAreNoneOfAll) {
-  std::string fast = kBvh;
+  std::string fast = kDeclaredBvh;
   const std::size_t at = fast.find("Frame Time:");
   ASSERT_NE(at, std::string::npos);
   fast.replace(at, fast.find('\n', at) - at, "Frame Time: 0.0125");
-  for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", take < 30 ? kBvh : fast);
+  for (int take = 10; take < 50; ++take)
+    Written("take" + std::to_string(take) + ".bvh", take < 30 ? kDeclaredBvh : fast);
   EXPECT_THAT(InspectionText(InspectPath(folder_, std::nullopt)), HasSubstr("declared, 50 % agree"));
 }
 
@@ -105,7 +106,7 @@ TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) 
   source.files = "{take}.npy";
   source.units = "m";
   source.axes = "+x +y +z";
-  Written("take.bvh", kBvh);
+  Written("take.bvh", kDeclaredBvh);
   const auto told = InspectPath(folder_, source);
   EXPECT_THAT(Codes(told, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
   EXPECT_THAT(Codes(told, "warning"), ::testing::Contains("name_mismatch"));

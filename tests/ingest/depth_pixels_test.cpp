@@ -21,7 +21,7 @@
 namespace mocurate {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 using test::RecordedFile;
 using ::testing::HasSubstr;
 
@@ -32,7 +32,7 @@ class RecordedDepth : public ::testing::Test {
   }
 };
 
-double Median(std::vector<double> values) {
+double MedianOfPixels(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];
 }
@@ -111,8 +111,8 @@ TEST_F(RecordedDepth, EveryTurntableViewLiesOnTheOthers) {
     rms.push_back(Rms(distances));
     worst_clipped = std::max(worst_clipped, rms.back());
   }
-  EXPECT_LE(Median(rms), 1.6e-3);
-  EXPECT_GT(Median(rms), 0.8e-3);
+  EXPECT_LE(MedianOfPixels(rms), 1.6e-3);
+  EXPECT_GT(MedianOfPixels(rms), 0.8e-3);
   EXPECT_LE(worst_clipped, 2.5e-3);
 }
 
@@ -214,19 +214,19 @@ TEST_F(RecordedDepth, NoiseFreeRenderingsLieOnThePosedBody) {
       ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / "body_cc0" / "body_cc0.h5");
   ASSERT_TRUE(body) << body.error().Message();
   for (const std::string name : {"male_tpose", "male_wave", "female_squat", "child_arms_down"}) {
-    const json truth = json::parse(RecordedFile("clouds/rendered_body/" + name + ".json"));
+    const Json truth = Json::parse(RecordedFile("clouds/rendered_body/" + name + ".json"));
     std::vector<Quaterniond> rotations;
-    for (const json& r : truth["rotvec24"]) rotations.push_back(ExpQuaternion(Vector3d(r[0], r[1], r[2])));
-    const json& t = truth["translation_added"];
+    for (const Json& r : truth["rotvec24"]) rotations.push_back(ExpQuaternion(Vector3d(r[0], r[1], r[2])));
+    const Json& t = truth["translation_added"];
     const RestBody posed = Posed(*body, body->variants.at(truth["body"]), rotations, Vector3d(t[0], t[1], t[2]));
     for (std::size_t j = 0; j < 24; ++j) {
-      const json& joint = truth["joints_m"][j];
+      const Json& joint = truth["joints_m"][j];
       EXPECT_LT((posed.joints[j] - Vector3d(joint[0], joint[1], joint[2])).norm(), 1e-5) << name << " " << j;
     }
     const Surface surface(posed, body->faces);
     std::vector<double> distances;
     for (const auto& item : truth["views"].items()) {
-      const json& given = item.value();
+      const Json& given = item.value();
       CalibratedView view;
       view.fx = given["fx_fy_cx_cy"][0], view.fy = given["fx_fy_cx_cy"][1];
       view.cx = given["fx_fy_cx_cy"][2], view.cy = given["fx_fy_cx_cy"][3];

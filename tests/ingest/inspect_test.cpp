@@ -9,6 +9,7 @@
 
 #include "core/base/file.h"
 #include "ingest/synthetic/studio.h"
+#include "tests/ingest/inspections.h"
 
 namespace mocurate {
 namespace {
@@ -23,16 +24,6 @@ fs::path DataFolder() {
 
 #define NEEDS_DATA() \
   if (DataFolder().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set"
-
-Json Value(const Json& clip, const char* field) { return clip.at(field).at("value"); }
-
-std::vector<std::string> Codes(const Json& inspection, const std::string& severity) {
-  std::vector<std::string> codes;
-  for (const Json& finding : inspection.at("findings")) {
-    if (finding.at("severity") == severity) codes.push_back(finding.at("code"));
-  }
-  return codes;
-}
 
 /// Share of clips whose field is told, and told as expected.
 struct Score {
@@ -83,7 +74,7 @@ class Inspection : public ::testing::Test {
   fs::path folder_;
 };
 
-SourceOptions Kard() {
+SourceOptions KardSource() {
   SourceOptions source;
   source.name = "kard";
   source.format = SourceFormat::kJointTable;
@@ -213,17 +204,17 @@ TEST_F(Inspection, ADepthSequenceIsOneClipOfItsJson) {
 TEST_F(Inspection, AWrongDeclarationIsContradictedByTheMotion) {
   NEEDS_DATA();
   const fs::path file = DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt";
-  EXPECT_THAT(Codes(InspectPath(file, Kard()), "error"), ::testing::IsEmpty());
-  SourceOptions wrong = Kard();
+  EXPECT_THAT(Codes(InspectPath(file, KardSource()), "error"), ::testing::IsEmpty());
+  SourceOptions wrong = KardSource();
   wrong.axes = "+x +y +z";
   EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::ElementsAre("handedness_contradiction"));
-  wrong = Kard();
+  wrong = KardSource();
   wrong.units = "cm";
   EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::ElementsAre("units_contradiction"));
-  wrong = Kard();
+  wrong = KardSource();
   wrong.axes = "+x +z +y";
   EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::Contains("up_contradiction"));
-  wrong = Kard();
+  wrong = KardSource();
   std::swap(wrong.joints[0], wrong.joints[11]);
   std::swap(wrong.joints[3], wrong.joints[13]);
   EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::Contains("joint_order_contradiction"));

@@ -32,7 +32,7 @@ const ItemSpec* Find(const Discovery& discovery, const std::string& item) {
   return nullptr;
 }
 
-std::vector<std::string> Codes(const StageOutcome& outcome) {
+std::vector<std::string> CodesOfOutcome(const StageOutcome& outcome) {
   std::vector<std::string> codes;
   for (const Finding& finding : outcome.findings) codes.push_back(finding.code);
   return codes;
@@ -57,7 +57,7 @@ TEST_F(Pose2Sim, ARecordingIsOneClipOfAllItsCameras) {
   ASSERT_NE(item, nullptr);
   const Ingested ingested = RunIngest(*item, "pose2sim_single");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_TRUE(Codes(*ingested.outcome).empty()) << ingested.outcome->findings[0].message;
+  EXPECT_TRUE(CodesOfOutcome(*ingested.outcome).empty()) << ingested.outcome->findings[0].message;
   const Clip& clip = ingested.clip;
   EXPECT_EQ(clip.id(), "pose2sim/p1/single#0-80");
   EXPECT_EQ(clip.rate, (FrameRate{60, 1}));
@@ -163,7 +163,7 @@ TEST_F(Pose2Sim, StaticTrialsAreAClipOfOnePersonEach) {
   for (const ItemSpec& item : discovery->items) {
     const Ingested ingested = RunIngest(item, "static");
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-    EXPECT_TRUE(Codes(*ingested.outcome).empty()) << ingested.outcome->findings[0].message;
+    EXPECT_TRUE(CodesOfOutcome(*ingested.outcome).empty()) << ingested.outcome->findings[0].message;
     ASSERT_EQ(ingested.clip.evidence.keypoint_views.size(), 4u);
     for (const KeypointView& view : ingested.clip.evidence.keypoint_views) EXPECT_EQ(view.people, 1);
     EXPECT_EQ(ingested.clip.identity.end_frame, 12);
@@ -193,7 +193,7 @@ TEST_F(Pose2Sim, TwoPeopleAreTwoClipsOfTheSameViews) {
   const auto listed = ParseOpenPose(*ReadFile(Declared("pose2sim_two").path / name), name);
   ASSERT_TRUE(listed) << listed.error().Message();
   EXPECT_EQ(SeenPeople(a.clip.evidence.keypoint_views[0], 1) + 1, static_cast<int>(listed->people.size()));
-  EXPECT_THAT(Codes(*a.outcome), ::testing::Not(::testing::Contains("keypoint_count")));
+  EXPECT_THAT(CodesOfOutcome(*a.outcome), ::testing::Not(::testing::Contains("keypoint_count")));
 }
 
 TEST_F(Pose2Sim, CamerasOnTheirSidesAreAContradiction) {
@@ -201,7 +201,7 @@ TEST_F(Pose2Sim, CamerasOnTheirSidesAreAContradiction) {
   ASSERT_TRUE(discovery);
   const Ingested ingested = RunIngest(*Find(*discovery, "pose2sim/p1/single"), "sideways");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_THAT(Codes(*ingested.outcome), ::testing::Contains("up_contradiction"));
+  EXPECT_THAT(CodesOfOutcome(*ingested.outcome), ::testing::Contains("up_contradiction"));
 }
 
 /// The first frames of a trial in a folder of its own, where tests may break things.
@@ -239,7 +239,7 @@ TEST_F(BrokenRecording, AFrameThatIsMissingOrUnreadableCostsThatFrameOfThatView)
   Put(folder_ / "single/cam03_json/cam03.0002.json", "{\"people\": [{\"pose_keypoints_2d\": [1, 2");
   const Ingested ingested = Ingest("broken_frames");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("frames_missing", "unreadable_frames"));
+  EXPECT_THAT(CodesOfOutcome(*ingested.outcome), ::testing::ElementsAre("frames_missing", "unreadable_frames"));
   EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 1);
   EXPECT_THAT(ingested.outcome->findings[1].message, HasSubstr("cam03.0002.json"));
   const auto& views = ingested.clip.evidence.keypoint_views;
@@ -262,7 +262,7 @@ TEST_F(BrokenRecording, PointsWithCoordinatesAndNoConfidenceAreNotSeenAndCounted
   }
   const Ingested ingested = Ingest("unsure_points");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("unsure_points"));
+  EXPECT_THAT(CodesOfOutcome(*ingested.outcome), ::testing::ElementsAre("unsure_points"));
   EXPECT_EQ(ingested.outcome->findings[0].value, 2.0);
   EXPECT_THAT(ingested.outcome->findings[0].message, HasSubstr("the first in single/cam02_json/cam02.0001.json"));
   std::vector<nlohmann::json> told;
@@ -288,7 +288,7 @@ TEST_F(BrokenRecording, NumbersOfAnotherRangeAreToldByBoth) {
   const auto told_by_both = [&](const std::string& code) {
     const Ingested ingested = Ingest("range");
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-    EXPECT_THAT(Codes(*ingested.outcome), ::testing::Contains(code));
+    EXPECT_THAT(CodesOfOutcome(*ingested.outcome), ::testing::Contains(code));
     bool told = false;
     const nlohmann::json inspection = InspectPath(folder_, std::nullopt);
     for (const nlohmann::json& finding : inspection.at("findings")) told = told || finding.at("code") == code;
@@ -312,13 +312,13 @@ TEST_F(BrokenRecording, AnImageOfACrowdIsNoFrame) {
   Put(folder_ / name, WriteOpenPose(*frame));
   const Ingested hundred = Ingest("hundred");
   ASSERT_TRUE(hundred.outcome) << hundred.outcome.error().Message();
-  EXPECT_THAT(Codes(*hundred.outcome), ::testing::IsEmpty());
+  EXPECT_THAT(CodesOfOutcome(*hundred.outcome), ::testing::IsEmpty());
   EXPECT_EQ(hundred.clip.evidence.keypoint_views.at(2).people, 100);
   frame->people.push_back(person);
   Put(folder_ / name, WriteOpenPose(*frame));
   const Ingested crowd = Ingest("crowd");
   ASSERT_TRUE(crowd.outcome) << crowd.outcome.error().Message();
-  ASSERT_THAT(Codes(*crowd.outcome), ::testing::ElementsAre("unreadable_frames"));
+  ASSERT_THAT(CodesOfOutcome(*crowd.outcome), ::testing::ElementsAre("unreadable_frames"));
   EXPECT_EQ(crowd.outcome->findings[0].frame_begin, 2);
   EXPECT_THAT(crowd.outcome->findings[0].message, HasSubstr("cam03.0002.json: 101 people are seen, at most 100"));
   EXPECT_LT(crowd.clip.evidence.keypoint_views.at(2).people, 10);
@@ -333,7 +333,8 @@ TEST_F(BrokenRecording, CamerasWithoutPartnersAreNamed) {
   }
   const Ingested ingested = Ingest("partners");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("camera_not_calibrated", "camera_without_files"));
+  EXPECT_THAT(CodesOfOutcome(*ingested.outcome),
+              ::testing::ElementsAre("camera_not_calibrated", "camera_without_files"));
   EXPECT_THAT(ingested.outcome->findings[0].message, HasSubstr("gopro"));
   EXPECT_THAT(ingested.outcome->findings[1].message, HasSubstr("cam_04"));
   EXPECT_EQ(ingested.clip.evidence.keypoint_views.size(), 3u);
@@ -341,7 +342,7 @@ TEST_F(BrokenRecording, CamerasWithoutPartnersAreNamed) {
   const Ingested told = Ingest("partners_told");
   ASSERT_TRUE(told.outcome) << told.outcome.error().Message();
   EXPECT_EQ(told.clip.evidence.keypoint_views.size(), 4u);
-  EXPECT_TRUE(Codes(*told.outcome).empty());
+  EXPECT_TRUE(CodesOfOutcome(*told.outcome).empty());
 }
 
 TEST_F(BrokenRecording, AnUnreadableCalibrationRefusesTheClip) {
@@ -360,7 +361,7 @@ TEST_F(BrokenRecording, MorePeopleThanAnybodySeesAreDoubted) {
   options_.source.person = "p{body}";
   const Ingested ingested = Ingest("five_people");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_THAT(Codes(*ingested.outcome), ::testing::ElementsAre("people_missing"));
+  EXPECT_THAT(CodesOfOutcome(*ingested.outcome), ::testing::ElementsAre("people_missing"));
 }
 
 TEST_F(BrokenRecording, AFileNumberedFarAwayIsNoFrame) {

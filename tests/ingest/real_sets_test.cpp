@@ -99,7 +99,7 @@ struct Outcome {
   std::map<std::string, int> facing;
 };
 
-Json Truth(const RealSet& set, const std::string& field) {
+Json TrueValue(const RealSet& set, const std::string& field) {
   if (field == "rate_hz") return set.rate_hz > 0.0 ? Json(set.rate_hz) : Json();
   const std::string text = field == "units" ? set.units : field == "up" ? set.up : set.handedness;
   return text.empty() ? Json() : Json(text);
@@ -124,7 +124,7 @@ bool IsNear(const Json& said, double value, double truth) {
 
 /// Whether the reason is about this field: it has no truth, or is named.
 bool RealSet::MayLack(const std::string& field) const {
-  return *why != '\0' && (Truth(*this, field).is_null() || doubtful.count(field) > 0);
+  return *why != '\0' && (TrueValue(*this, field).is_null() || doubtful.count(field) > 0);
 }
 
 const std::vector<std::string> kFields = {"units", "up", "handedness", "rate_hz"};
@@ -148,7 +148,7 @@ std::vector<Outcome> LookAtAll() {
       ++outcome.clips;
       outcome.frames += Value(clip, "frames").is_null() ? 0 : Value(clip, "frames").get<int>();
       for (const std::string& field : kFields) {
-        const Json value = Value(clip, field.c_str()), truth = Truth(set, field);
+        const Json value = Value(clip, field.c_str()), truth = TrueValue(set, field);
         Answers& answers = outcome.fields[field];
         const bool near =
             value.is_number() && truth.is_number() && IsNear(clip.at(field), value.get<double>(), truth.get<double>());

@@ -126,7 +126,7 @@ TEST(HumanAct12Pickle, BonesThatRestElsewhereAreToldAndRotationsKept) {
 }
 
 /// A track of 49 points of which those named by SPIN as SMPL's hips and more are placed by the joint's number.
-VibeTrack Track(const Motion& motion, const Quaterniond& file_from_world) {
+VibeTrack SmplTrack(const Motion& motion, const Quaterniond& file_from_world) {
   VibeTrack track;
   track.id = 1;
   track.frames = static_cast<std::size_t>(motion.frame_count());
@@ -153,7 +153,7 @@ TEST(Uestc, VideosAreTurnedBackByTheirViewAndMovedByTheCamera) {
   for (const UestcVideo& video : videos) {
     const double angle = video.side == 1 ? 0.0 : -0.25 * EIGEN_PI * video.view;
     world_from_file.push_back(kHalfTurn * ExpQuaternion(Vector3d(0.0, angle, 0.0)));
-    tracks.push_back(Track(truth, world_from_file.back().conjugate()));
+    tracks.push_back(SmplTrack(truth, world_from_file.back().conjugate()));
   }
   Put(folder / "vibe_cache_refined.pkl", *EncodeVibeCache(tracks, "cache"));
   Put(folder / "info/names.txt", WriteUestcNames(videos));
@@ -194,7 +194,7 @@ TEST(Uestc, VideosAreTurnedBackByTheirViewAndMovedByTheCamera) {
 TEST(Uestc, WithoutWhatStandsBesideItTheFileThatIsMissingIsNamed) {
   const std::filesystem::path folder = FreshFolder("uestc_bare");
   EXPECT_THAT(Discover(Recipe("uestc", folder)).error().Message(), HasSubstr("vibe_cache_refined.pkl"));
-  Put(folder / "vibe_cache_refined.pkl", *EncodeVibeCache({Track(Somebody(4, 1), kHalfTurn)}, "cache"));
+  Put(folder / "vibe_cache_refined.pkl", *EncodeVibeCache({SmplTrack(Somebody(4, 1), kHalfTurn)}, "cache"));
   EXPECT_THAT(Discover(Recipe("uestc", folder)).error().Message(), HasSubstr("info/names.txt"));
   Put(folder / "info/names.txt", WriteUestcNames({{0, 0, 1, 1}, {1, 0, 1, 1}}));
   Put(folder / "info/num_frames_min.txt", WriteUestcFrameCounts({4, 4}));
@@ -210,7 +210,7 @@ TEST(Uestc, WithoutWhatStandsBesideItTheFileThatIsMissingIsNamed) {
 
 TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
   const std::filesystem::path folder = FreshFolder("ntu13_vibe");
-  const VibeTrack track = Track(Somebody(8, 2), kHalfTurn.conjugate());
+  const VibeTrack track = SmplTrack(Somebody(8, 2), kHalfTurn.conjugate());
   VibeTrack other = track;
   other.id = 4;
   for (const char* action : {"A006", "A038", "A102", "A058"}) {
@@ -248,7 +248,7 @@ TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
 TEST(Ntu13Vibe, OnSmplsTreeItsRotationsAreRead) {
   const std::filesystem::path folder = FreshFolder("ntu13_rotations");
   const Motion truth = Somebody(8, 2);
-  Put(folder / "S001C002P003R001A006.pkl", *EncodeVibeTracks({Track(truth, kHalfTurn)}, "tracks"));
+  Put(folder / "S001C002P003R001A006.pkl", *EncodeVibeTracks({SmplTrack(truth, kHalfTurn)}, "tracks"));
   const auto discovery = Discover(Declared(
       "ntu13_vibe", {"ingest.path=" + folder.string(), "ingest.source.skeleton=smpl24", "ingest.source.joints=[]"}));
   ASSERT_TRUE(discovery) << discovery.error().Message();

@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 
 /// Frames [begin, end) of somebody whose box starts at x and moves on by `drift` pixels a frame.
-VibeTrack Track(std::int64_t id, int begin, int end, double x, double drift = 0.0, double turn = 0.1) {
+VibeTrack TrackOfFrames(std::int64_t id, int begin, int end, double x, double drift = 0.0, double turn = 0.1) {
   VibeTrack track;
   track.id = id;
   track.joints = 49;
@@ -41,8 +41,8 @@ UestcPerson Selected(const std::vector<VibeTrack>& tracks, double x, UestcRule r
 }
 
 TEST(UestcTracks, OneTrackIsTakenWhereverItIsAndItsGapsAreFilled) {
-  VibeTrack track = Track(3, 0, 10, 900);
-  const VibeTrack later = Track(3, 14, 20, 900);
+  VibeTrack track = TrackOfFrames(3, 0, 10, 900);
+  const VibeTrack later = TrackOfFrames(3, 14, 20, 900);
   track.frames += later.frames;
   for (auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::betas, &VibeTrack::original_camera,
                      &VibeTrack::predicted_camera, &VibeTrack::boxes}) {
@@ -65,8 +65,8 @@ TEST(UestcTracks, OneTrackIsTakenWhereverItIsAndItsGapsAreFilled) {
 }
 
 TEST(UestcTracks, OfRivalsTheNearestToTheSensorsPersonIsTakenAndThenTheNearestToWhereItWas) {
-  const std::vector<VibeTrack> tracks = {Track(1, 0, 100, 800), Track(2, 2, 50, 480, 2.0), Track(4, 55, 100, 580),
-                                         Track(5, 53, 60, 120)};
+  const std::vector<VibeTrack> tracks = {TrackOfFrames(1, 0, 100, 800), TrackOfFrames(2, 2, 50, 480, 2.0),
+                                         TrackOfFrames(4, 55, 100, 580), TrackOfFrames(5, 53, 60, 120)};
   for (const UestcRule rule : {UestcRule::kPublished, UestcRule::kCorrected}) {
     EXPECT_THAT(Selected(tracks, 480, rule).chosen, ElementsAre(2, 4)) << "the one at 800 stands in the background";
   }
@@ -74,7 +74,7 @@ TEST(UestcTracks, OfRivalsTheNearestToTheSensorsPersonIsTakenAndThenTheNearestTo
 
 TEST(UestcTracks, PublishedLosesTheBeginningToALaterDetectionAndCorrectedKeepsIt) {
   // The person is found twice; the second detection lies a pixel nearer.
-  const std::vector<VibeTrack> tracks = {Track(1, 0, 60, 482), Track(2, 50, 100, 480)};
+  const std::vector<VibeTrack> tracks = {TrackOfFrames(1, 0, 60, 482), TrackOfFrames(2, 50, 100, 480)};
   EXPECT_THAT(Selected(tracks, 480, UestcRule::kPublished).chosen, ElementsAre(2));
   const UestcPerson corrected = Selected(tracks, 480, UestcRule::kCorrected);
   EXPECT_THAT(corrected.chosen, ElementsAre(1)) << "what begins before it ends is gone, as published";
@@ -82,7 +82,8 @@ TEST(UestcTracks, PublishedLosesTheBeginningToALaterDetectionAndCorrectedKeepsIt
 }
 
 TEST(UestcTracks, SomebodyFarAwayWithoutRivalIsTakenAsPublishedAndLeftOutAsCorrected) {
-  const std::vector<VibeTrack> tracks = {Track(1, 0, 50, 480), Track(2, 52, 60, 900), Track(3, 65, 90, 490)};
+  const std::vector<VibeTrack> tracks = {TrackOfFrames(1, 0, 50, 480), TrackOfFrames(2, 52, 60, 900),
+                                         TrackOfFrames(3, 65, 90, 490)};
   EXPECT_THAT(Selected(tracks, 480, UestcRule::kPublished).chosen, ElementsAre(1, 2, 3));
   const UestcPerson corrected = Selected(tracks, 480, UestcRule::kCorrected);
   EXPECT_THAT(corrected.chosen, ElementsAre(1, 3));
@@ -92,7 +93,7 @@ TEST(UestcTracks, SomebodyFarAwayWithoutRivalIsTakenAsPublishedAndLeftOutAsCorre
 
 TEST(UestcTracks, TheReleasedGapFillingTurnsTheRootBackwardsWhereItsAngleIsNearAHalfTurn) {
   // The root turns from 3.0 to 3.3 rad, told as 3.0 and -2.983: the negated vector is nearer as four numbers.
-  VibeTrack before = Track(1, 0, 2, 480), after = Track(2, 4, 6, 480);
+  VibeTrack before = TrackOfFrames(1, 0, 2, 480), after = TrackOfFrames(2, 4, 6, 480);
   for (std::size_t f = 0; f < 2; ++f) before.pose[f * 72 + 1] = 3.0;
   for (std::size_t f = 0; f < 2; ++f) after.pose[f * 72 + 1] = 3.3 - 2.0 * 3.14159265358979;
   const UestcPerson corrected = Selected({before, after}, 480, UestcRule::kCorrected);
@@ -107,7 +108,7 @@ TEST(UestcTracks, TheReleasedGapFillingTurnsTheRootBackwardsWhereItsAngleIsNearA
 
 TEST(UestcTracks, WhatDoesNotFitIsRefused) {
   EXPECT_FALSE(SelectUestcTrack({}, {0, 0}, UestcRule::kPublished));
-  VibeTrack track = Track(1, 0, 5, 480);
+  VibeTrack track = TrackOfFrames(1, 0, 5, 480);
   track.boxes.pop_back();
   const auto refused = SelectUestcTrack({track}, {0, 0}, UestcRule::kPublished);
   ASSERT_FALSE(refused);

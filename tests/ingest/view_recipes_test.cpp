@@ -196,7 +196,7 @@ TEST(NamesOfCameras, ShareNoLetterAtBothEnds) {
   EXPECT_EQ(names.cameras, (std::vector<std::string>{"1", "1_1"}));
 }
 
-std::string Matrix(const std::string& key, int rows, int columns, const std::string& numbers) {
+std::string MatrixText(const std::string& key, int rows, int columns, const std::string& numbers) {
   return key + ": !!opencv-matrix\n   rows: " + std::to_string(rows) + "\n   cols: " + std::to_string(columns) +
          "\n   dt: d\n   data: [ " + numbers + " ]\n";
 }
@@ -207,10 +207,10 @@ TEST(DeclaredCameras, DirectlyInTheFolderAreFilesOfIt) {
   std::string intri = head, extri = head;
   DepthImage image{64, 48, std::vector<std::uint16_t>(64 * 48, 1500)};
   for (const std::string camera : {"cam1", "cam2"}) {
-    intri += Matrix("K_" + camera, 3, 3, "1000, 0, 500, 0, 1000, 400, 0, 0, 1");
-    intri += Matrix("dist_" + camera, 1, 5, "0, 0, 0, 0, 0");
-    extri += Matrix("R_" + camera, 3, 1, camera == "cam1" ? "0, 0, 0" : "0, 1, 0");
-    extri += Matrix("T_" + camera, 3, 1, "0, 0, 3");
+    intri += MatrixText("K_" + camera, 3, 3, "1000, 0, 500, 0, 1000, 400, 0, 0, 1");
+    intri += MatrixText("dist_" + camera, 1, 5, "0, 0, 0, 0, 0");
+    extri += MatrixText("R_" + camera, 3, 1, camera == "cam1" ? "0, 0, 0" : "0, 1, 0");
+    extri += MatrixText("T_" + camera, 3, 1, "0, 0, 3");
     Put(folder / (camera + "_0.png"), *EncodePng(image));
   }
   Put(folder / "intri.yml", intri);

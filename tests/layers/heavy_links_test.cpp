@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-const fs::path kRoot = MOCURATE_SOURCE_FOLDER;
+const fs::path kSources = MOCURATE_SOURCE_FOLDER;
 const char* const kRooms[] = {"core", "ingest", "fitting", "canon", "train", "eval", "report", "app"};
 
 /// Link name of a heavy library (as a prefix) -> the targets that may name it.
@@ -46,7 +46,7 @@ const std::map<std::string, std::vector<std::string>> kForbiddenReach = {
     {"mocurate_eval_metrics", {"Ceres::", "Open3D::", "opencv_", "mocurate_torch"}},
 };
 
-std::string ReadText(const fs::path& path) {
+std::string ReadLinks(const fs::path& path) {
   std::ifstream stream(path);
   std::stringstream text;
   text << stream.rdbuf();
@@ -115,7 +115,7 @@ std::vector<std::string> ForbiddenReach(const Links& links) {
 
 Links AllLinks() {
   Links links;
-  for (const char* room : kRooms) AddLinks(ReadText(kRoot / room / "CMakeLists.txt"), links);
+  for (const char* room : kRooms) AddLinks(ReadLinks(kSources / room / "CMakeLists.txt"), links);
   return links;
 }
 
@@ -126,11 +126,11 @@ Includes AllIncludes() {
   static const std::regex kInclude("^\\s*#\\s*include [\"<]([^\">]+)[\">]");
   Includes includes;
   for (const char* room : kRooms) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / room)) {
+    for (const auto& entry : fs::recursive_directory_iterator(kSources / room)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".h" && extension != ".cpp") continue;
-      std::vector<std::string>& own = includes[fs::relative(entry.path(), kRoot).string()];
-      std::istringstream lines(ReadText(entry.path()));
+      std::vector<std::string>& own = includes[fs::relative(entry.path(), kSources).string()];
+      std::istringstream lines(ReadLinks(entry.path()));
       for (std::string line; std::getline(lines, line);) {
         std::smatch match;
         if (std::regex_search(line, match, kInclude)) own.push_back(match[1]);

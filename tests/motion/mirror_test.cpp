@@ -9,11 +9,11 @@ using test::FullClip;
 using test::LargestAngle;
 using test::LargestDistance;
 
-const char* const kAll[] = {"smpl24", "humanact12", "ntu25",    "ntu18",    "ntu14", "cmu20",
-                            "cmu31",  "kinect20",   "openni15", "openni16", "a2m21", "bandai22"};
+const char* const kAllMirrored[] = {"smpl24", "humanact12", "ntu25",    "ntu18",    "ntu14", "cmu20",
+                                    "cmu31",  "kinect20",   "openni15", "openni16", "a2m21", "bandai22"};
 
 TEST(Mirror, TwiceIsTheIdentity) {
-  for (const char* name : kAll) {
+  for (const char* name : kAllMirrored) {
     const Clip clip = FullClip(name, 5);
     const Clip twice = Mirror(Mirror(clip));
     EXPECT_LT(LargestDistance(clip.motion->joints, twice.motion->joints), 1e-12) << name;
@@ -29,7 +29,7 @@ TEST(Mirror, TwiceIsTheIdentity) {
 }
 
 TEST(Mirror, JointsAreThoseOfTheOtherSideReflected) {
-  for (const char* name : kAll) {
+  for (const char* name : kAllMirrored) {
     const Clip clip = FullClip(name, 5);
     const Clip mirrored = Mirror(clip);
     ASSERT_TRUE(mirrored.motion->Check()) << name << mirrored.motion->Check().error().Message();

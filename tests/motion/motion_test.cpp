@@ -39,7 +39,7 @@ TEST(ClipIdentity, IsSourcePersonRecordingAndSpan) {
   EXPECT_EQ(identity.id(), "kard/s01/a01_e02#0-97");
 }
 
-void ExpectBroken(const Motion& motion, const std::string& words) {
+void ExpectBrokenMotion(const Motion& motion, const std::string& words) {
   const Status check = motion.Check();
   ASSERT_FALSE(check) << "expected: " << words;
   EXPECT_THAT(check.error().Message(), HasSubstr(words));
@@ -50,22 +50,22 @@ TEST(MotionCheck, FindsEachBrokenRule) {
   ASSERT_TRUE(good.Check()) << good.Check().error().Message();
   Motion m = good;
   m.rotation.pop_back();
-  ExpectBroken(m, "rotation has 63 entries, 64 are needed");
+  ExpectBrokenMotion(m, "rotation has 63 entries, 64 are needed");
   m = good;
   m.joints.at(2, 3).x() += 1e-3;
-  ExpectBroken(m, "'head' of frame 2");
+  ExpectBrokenMotion(m, "'head' of frame 2");
   m = good;
   m.rotation_at(1, 2).coeffs() *= 1.01;
-  ExpectBroken(m, "frame 1, joint 'neck'");
+  ExpectBrokenMotion(m, "frame 1, joint 'neck'");
   m = good;
   m.joints.xyz[5] = std::nan("");
-  ExpectBroken(m, "joints is not finite at index 5");
+  ExpectBrokenMotion(m, "joints is not finite at index 5");
   m = good;
   m.contact.pop_back();
-  ExpectBroken(m, "contact has 7");
+  ExpectBrokenMotion(m, "contact has 7");
   m = good;
   m.skeleton = Built("openni15");
-  ExpectBroken(m, "16 joints");
+  ExpectBrokenMotion(m, "16 joints");
   EXPECT_TRUE(MakeJointsOnly(good.skeleton, good.rate, good.joints).Check());
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kSeeds = 24;
 
-TakeOptions Somebody(std::uint64_t seed) {
+TakeOptions SomebodyRecorded(std::uint64_t seed) {
   Random random(seed, "somebody", "");
   TakeOptions options;
   options.frames = 60 + static_cast<int>(60.0 * random.Uniform());
@@ -39,14 +39,14 @@ std::vector<Finding> Only(const std::string& code, const Take& take, double rate
 
 TEST(Defects, ASoundTakeHasNone) {
   for (std::uint64_t seed = 0; seed < 4 * kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     EXPECT_TRUE(Only("none", Perform(seed, who), who.rate_hz).empty()) << "seed " << seed;
   }
 }
 
 TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     Take take = Perform(seed, who);
     const int begin = 5 + static_cast<int>(seed), length = 2 + static_cast<int>(seed % 7);
     for (int f = begin + 1; f < begin + length; ++f) {
@@ -64,7 +64,7 @@ TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
 /// 30 Hz in a file of 60 or 90, or of 72 (some frames twice, some three times): nobody's stream hangs.
 TEST(Defects, FramesThatAllStandSeveralTimesAreToldOnce) {
   for (const auto& [each, more] : {std::pair{2, 0}, {3, 0}, {2, 1}}) {
-    const TakeOptions who = Somebody(3);
+    const TakeOptions who = SomebodyRecorded(3);
     const Take once = Perform(3, who);
     std::vector<int> from;
     for (int f = 0; f < once.positions.frames; ++f) from.insert(from.end(), each + (f % 2 == 0 ? more : 0), f);
@@ -107,7 +107,7 @@ TEST(Defects, AStreamThatHangsForMostOfAClipIsNoLowerRate) {
 
 TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     Take take = Perform(seed, who);
     const int joint = static_cast<int>(seed % 20), begin = 4 + static_cast<int>(seed);
     const int length = 2 + static_cast<int>(seed % 6);
@@ -130,7 +130,7 @@ Take Rounded(Take take, double step) {
 
 TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsToldThereToo) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = Somebody(seed);
+    TakeOptions who = SomebodyRecorded(seed);
     who.noise = 0.0005;
     who.walk = 0.0;
     for (const Finding& finding : CheckPoints(Rounded(Perform(seed, who), 0.01).view(), who.rate_hz))
@@ -148,7 +148,7 @@ TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsToldThereToo) {
 
 TEST(Defects, AFootPlantedInMotionWithoutNoiseIsNoGapThatWasFilled) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = Somebody(seed);
+    TakeOptions who = SomebodyRecorded(seed);
     who.noise = 0.0;
     Take take = Perform(seed, who);
     // One foot lands within a frame, two joints come softly to rest, as a walk that was keyed ends.
@@ -168,7 +168,7 @@ TEST(Defects, AFootPlantedInMotionWithoutNoiseIsNoGapThatWasFilled) {
 
 TEST(Defects, ZeroFramesAndZeroJointsAreFoundAndAMissingOneIsNeither) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     Take take = Perform(seed, who);
     const int begin = 3 + static_cast<int>(seed);
     for (int f = begin; f < begin + 4; ++f) {
@@ -201,7 +201,7 @@ TEST(Defects, OneJointAtTheOriginIsFound) {
 
 TEST(Defects, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = Somebody(seed);
+    TakeOptions who = SomebodyRecorded(seed);
     Take take = Perform(seed, who);
     const double far = seed % 2 == 0 ? 1000.0 : 1.5;
     const int begin = seed % 5 == 0 ? 0 : 10 + static_cast<int>(seed), length = 1 + static_cast<int>(seed % 5);
@@ -218,7 +218,7 @@ TEST(Defects, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
 
 TEST(Defects, TheRootAloneFarAwayIsAJointFarFromItsBody) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     Take take = Perform(seed, who);
     for (int f = 20; f < 25; ++f) take.positions.at(f, 0).z() += 1000.0;
     const auto found = Only("joint_far", take, who.rate_hz);
@@ -232,7 +232,7 @@ TEST(Defects, TheRootAloneFarAwayIsAJointFarFromItsBody) {
 
 TEST(Defects, SidesThatSwapAreFoundInTheFramesInWhichTheyAre) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = Somebody(seed);
+    TakeOptions who = SomebodyRecorded(seed);
     who.noise = 0.01;
     Take take = Perform(seed, who);
     const bool arms = seed % 3 != 1, legs = seed % 3 != 0;
@@ -266,7 +266,7 @@ TEST(Defects, HalfAStrideOfLostFramesIsNoSwapOfTheLegs) {
 
 TEST(Defects, ASwapWhoseChangeBackIsLostEndsWhereTheLimbsLieAsBefore) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = Somebody(seed);
+    TakeOptions who = SomebodyRecorded(seed);
     who.rate_hz = 60.0;
     who.noise = 0.01;
     Take take = Perform(seed, who);
@@ -343,7 +343,7 @@ TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesTellsARateThatIsTooHighOrTo
 
 TEST(Defects, WhoMovesAsAPuppetDoesNeverTellsThatTheRateIsTooLow) {
   for (std::uint64_t seed = 0; seed < 2 * kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     const RateMeasure measure = MeasureRate(Perform(seed, who).view());
     EXPECT_EQ(measure.lowest, 0.0) << "seed " << seed << ": " << measure.Words();
     EXPECT_TRUE(measure.Allows(who.rate_hz)) << "seed " << seed << ": " << measure.Words();

@@ -49,7 +49,7 @@ JointPositions Applied(const Matrix3d& matrix, JointPositions positions) {
 }
 
 /// As a depth tracker sees it: lengths change from frame to frame.
-JointPositions Tracked(JointPositions positions) {
+JointPositions DepthTracked(JointPositions positions) {
   for (int f = 1; f < positions.frames; f += 2) {
     for (int j = 0; j < positions.joints; ++j) positions.at(f, j) *= 1.02;
   }
@@ -105,7 +105,7 @@ TEST(Handedness, StraightLegsThatATrackerBendsBackwardsSayNothing) {
   HandednessPoints points = Points();
   points.toe[0] = points.toe[1] = -1;
   const JointPositions backwards = Person(-0.4 * std::tan(0.45), 0.0);  // knees of 0.9 rad
-  EXPECT_EQ(MeasureHandedness(Tracked(backwards), points).cues[1].frames, 0);
+  EXPECT_EQ(MeasureHandedness(DepthTracked(backwards), points).cues[1].frames, 0);
   EXPECT_EQ(MeasureHandedness(backwards, points).handedness, Handedness::kLeft) << "fixed bones do not bend so";
 }
 
@@ -123,18 +123,19 @@ TEST(Handedness, PartsThatContradictEachOtherDoNotTell) {
 
 TEST(Handedness, FeetAndKneesThatAgreeOverruleHandsBehindTheBack) {
   EXPECT_EQ(MeasureHandedness(Person(0.3, -0.4), Points()).handedness, Handedness::kRight);
-  EXPECT_FALSE(MeasureHandedness(Tracked(Person(0.4, -0.4)), Points()).handedness.has_value()) << "10 tracked frames";
-  EXPECT_EQ(MeasureHandedness(Longer(Tracked(Person(0.4, -0.4)), 2), Points()).handedness, Handedness::kRight);
+  EXPECT_FALSE(MeasureHandedness(DepthTracked(Person(0.4, -0.4)), Points()).handedness.has_value())
+      << "10 tracked frames";
+  EXPECT_EQ(MeasureHandedness(Longer(DepthTracked(Person(0.4, -0.4)), 2), Points()).handedness, Handedness::kRight);
 }
 
 TEST(Handedness, OnePartAloneTellsOnlyWhenItIsOverwhelming) {
   HandednessPoints points = Points();
   points.toe[0] = points.toe[1] = -1;
-  const JointPositions sitting = Tracked(Person(0.4, 0.0));
+  const JointPositions sitting = DepthTracked(Person(0.4, 0.0));
   EXPECT_FALSE(MeasureHandedness(sitting, points).handedness.has_value()) << "20 votes of knees";
   JointPositions longer = Longer(sitting, 4);
   EXPECT_EQ(MeasureHandedness(longer, points).handedness, Handedness::kRight);
-  const JointPositions upright = Tracked(Person(0.0, 0.0));
+  const JointPositions upright = DepthTracked(Person(0.0, 0.0));
   for (int f = 20; f < longer.frames; ++f) {
     for (int j = 0; j < longer.joints; ++j) longer.at(f, j) = upright.at(f % upright.frames, j);
   }

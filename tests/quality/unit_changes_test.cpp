@@ -10,7 +10,7 @@
 namespace mocurate::test {
 namespace {
 
-constexpr std::uint64_t kSeeds = 24;
+constexpr std::uint64_t kUnitSeeds = 24;
 
 Take Somebody(std::uint64_t seed) {
   TakeOptions options;
@@ -19,7 +19,7 @@ Take Somebody(std::uint64_t seed) {
 }
 
 TEST(UnitChanges, FramesOfAnotherUnitAreToldFromFirstToLastWithTheirFactor) {
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+  for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) {
     for (const double factor : {0.001, 0.01, 0.1, 10.0, 100.0, 1000.0}) {
       Take take = Somebody(seed);
       const int begin = static_cast<int>(seed), end = begin + 1 + static_cast<int>(seed) / 2;
@@ -37,12 +37,12 @@ TEST(UnitChanges, FramesOfAnotherUnitAreToldFromFirstToLastWithTheirFactor) {
 }
 
 TEST(UnitChanges, ATakeOfOneUnitHasNone) {
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) EXPECT_TRUE(FindUnitChanges(Somebody(seed).view()).empty());
+  for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) EXPECT_TRUE(FindUnitChanges(Somebody(seed).view()).empty());
 }
 
 /// Within a box of some millimetres: about a hundredth of a body.
 TEST(UnitChanges, JointsThatFallIntoOnePlaceAreNoBodyOfAnotherUnit) {
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+  for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) {
     for (const double reach : {0.001, 0.005, 0.009}) {
       Take take = Somebody(seed);
       Random random(seed, "place", "");

@@ -29,7 +29,8 @@ Answer Python(const std::string& arguments) {
 std::string Quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 
 const std::filesystem::path kScripts = MOCURATE_TEST_SOURCE_FOLDER;
-const std::filesystem::path kDocument = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
+const std::filesystem::path kFormatDocument =
+    std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
 
 /// Debian's python3-h5py, without anything of ours. May be missing on a bare machine, never where the whole suite runs.
 class StoreWithH5py : public ::testing::Test {
@@ -46,7 +47,7 @@ TEST_F(StoreWithH5py, a_dataset_is_read_without_us) {
   const Dataset dataset = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
   const Answer answer =
-      Python(Quoted(kScripts / "read_store.py") + " " + Quoted(folder / "set.h5") + " " + Quoted(kDocument));
+      Python(Quoted(kScripts / "read_store.py") + " " + Quoted(folder / "set.h5") + " " + Quoted(kFormatDocument));
   ASSERT_EQ(answer.status, 0) << answer.text;
   const auto seen = nlohmann::json::parse(answer.text, nullptr, false);
   ASSERT_TRUE(seen.is_object()) << answer.text.substr(0, 300);
@@ -82,7 +83,7 @@ TEST_F(StoreWithH5py, a_set_written_by_another_program_is_read) {
   const Folder folder;
   for (const char* storage : {"", " gzip"}) {
     const Answer answer = Python(Quoted(kScripts / "write_store.py") + " " + Quoted(folder / "made.h5") + " " +
-                                 Quoted(kDocument) + storage);
+                                 Quoted(kFormatDocument) + storage);
     ASSERT_EQ(answer.status, 0) << answer.text;
     const auto read = ReadDataset(folder / "made.h5");
     ASSERT_TRUE(read) << read.error().Message();
