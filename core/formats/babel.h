@@ -52,8 +52,8 @@ struct BabelProblem {
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name);
 std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 
-/// Whether a category is one of the 150 that most segments have, or "transition". BABEL has some hundred more, which few
-/// segments have.
+/// Whether a category is one of the 150 that most segments have, or "transition". BABEL has some hundred more, which
+/// few segments have.
 bool IsFrequentBabelCategory(std::string_view category);
 std::vector<std::string> FrequentBabelCategories();
 
