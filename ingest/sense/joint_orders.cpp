@@ -25,13 +25,11 @@ std::vector<std::string> SmplJoints(std::size_t count) {
   return names;
 }
 
-/// Median and robust relative spread of the distance between two points; spread 1 when hardly ever seen together.
-struct Distance {
-  double median = 0.0;
-  double spread = 1.0;
-};
+using Distance = PointDistance;
 
-Distance DistanceBetween(const JointPositions& positions, const std::vector<double>& confidence, int a, int b) {
+}  // namespace
+
+PointDistance DistanceBetween(const JointPositions& positions, const std::vector<double>& confidence, int a, int b) {
   std::vector<double> lengths;
   const int step = std::max(1, positions.frames / kFramesLookedAt);
   const auto seen = [&](int f, int k) {
@@ -48,8 +46,6 @@ Distance DistanceBetween(const JointPositions& positions, const std::vector<doub
   distance.spread = std::min(1.0, kMadToSigma * Median(lengths) / distance.median);
   return distance;
 }
-
-}  // namespace
 
 const std::vector<JointOrder>& KnownJointOrders() {
   static const std::vector<JointOrder> orders = {

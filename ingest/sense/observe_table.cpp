@@ -47,7 +47,8 @@ Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& na
   smoothest->remarks.push_back({"layout_unknown", Severity::kWarning, least_rough,
                                 "no known order of joints fits; " + std::to_string(smoothest->joints) +
                                     " joints a frame give the smoothest motion, with steps of " +
-                                    RoundedText(least_rough) + " of the body"});
+                                    RoundedText(least_rough) + " of the body" +
+                                    (smoothest->skeleton_evidence.empty() ? "" : "; " + smoothest->skeleton_evidence)});
   return std::move(*smoothest);
 }
 
