@@ -150,7 +150,7 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
   const std::filesystem::path meant = FolderMeant(options, found);
   if (!meant.empty()) {
     return {ErrorCode::kNotFound, none, where,
-            "from the folder above it does: give " + DisplayPath(meant) + " as ingest.path"};
+            "from the folder above it does: give " + DisplayPath(meant) + " (ingest.path)"};
   }
   const std::string files = found.empty() ? "" : "the folder holds " + EndingsOf(found) + "; ";
   if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, files + "is it the right folder?"};

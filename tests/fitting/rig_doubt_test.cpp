@@ -160,6 +160,26 @@ TEST(RigDoubt, AMirroredImageIsNamedAndTurnedBackAndNoMovedCamera) {
   EXPECT_GE(named, 3);
 }
 
+/// Bystanders whom no other view sees hide how much better the rig agrees.
+TEST(RigDoubt, AMirroredImageOfARecordedTrialWithBystandersIsNamed) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  for (const char* trial : {"single", "two"}) {
+    const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", trial);
+    for (std::size_t v = 0; v < 4; ++v) {
+      Evidence altered = whole;
+      Mirror(altered.keypoint_views[v]);
+      const auto found = Triangulated(altered);
+      ASSERT_TRUE(found) << found.error().Message();
+      const RigFault* fault = FaultNamed(*found, "view_mirrored");
+      ASSERT_NE(fault, nullptr) << trial << v << ": " << Told(*found);
+      EXPECT_EQ(fault->camera, altered.keypoint_views[v].camera.name);
+      EXPECT_TRUE(fault->corrected);
+    }
+    EXPECT_EQ(FaultNamed(*Triangulated(whole), "view_mirrored"), nullptr);
+  }
+}
+
 TEST(RigDoubt, KeypointsOfImagesOfAnotherSizeAreNamedWithTheFactor) {
   for (const bool all : {false, true}) {
     for (const StudioView& take : StudioViews(FourViews(27), 3)) {

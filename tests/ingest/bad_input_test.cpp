@@ -183,7 +183,7 @@ TEST(BadInput, TheFolderOfATakeInsteadOfTheOneAbove) {
   options.source.files = options.path.filename().string() + "/" + options.source.files;
   const auto discovery = Discover(options);
   ASSERT_FALSE(discovery);
-  EXPECT_THAT(discovery.error().hint, HasSubstr("give " + above.string() + " as ingest.path"));
+  EXPECT_THAT(discovery.error().hint, HasSubstr("give " + above.string() + " (ingest.path)"));
 }
 
 TEST(BadInput, TwoFilesOfOneName) {
