@@ -112,6 +112,13 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
   return {};
 }
 
+/// Everything may be off by this, all along.
+void AddToCovariances(const Matrix3d& c, Motion& motion) {
+  const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+  for (std::size_t i = 0; i < motion.position_cov.size(); ++i)
+    motion.position_cov[i] += static_cast<float>(values[i % 6]);
+}
+
 }  // namespace
 
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,
@@ -142,6 +149,7 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
   MarkRepaired(found->exchanged, fit->motion);
+  AddToCovariances(found->report.place_doubt, fit->motion);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());

@@ -8,6 +8,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "ingest/folder_listing.h"
+#include "ingest/sources/pattern.h"
 
 namespace mocurate {
 namespace {
@@ -27,6 +28,20 @@ std::string EndingsOf(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < order.size() && i < 3; ++i)
     text += (i == 0 ? "" : ", ") + std::to_string(-order[i].first) + " " + order[i].second;
   return text + (order.size() > 3 ? " and others" : "");
+}
+
+/// The folder above from which the pattern names what this one holds; empty where there is none.
+std::filesystem::path FolderMeant(const IngestOptions& options, const std::vector<std::string>& found) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(options.source.files, "ingest.source.files");
+  std::filesystem::path folder = std::filesystem::absolute(options.path / "").lexically_normal().parent_path();
+  std::string above;
+  for (int level = 0; pattern && level < pattern->depth() && folder.has_filename(); ++level) {
+    above = folder.filename().string() + "/" + above;
+    folder = folder.parent_path();
+    const auto named = [&](const std::string& name) { return pattern->Match(above + name).has_value(); };
+    if (std::any_of(found.begin(), found.end(), named)) return folder;
+  }
+  return {};
 }
 
 }  // namespace
@@ -131,6 +146,11 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
                     : "all " + Counted(count, "file") + " that match the pattern are left out by rule; the first: ") +
             ruled->outcome.error.Message(),
         where, "take the rule out, or choose other files"};
+  }
+  const std::filesystem::path meant = FolderMeant(options, found);
+  if (!meant.empty()) {
+    return {ErrorCode::kNotFound, none, where,
+            "from the folder above it does: give " + DisplayPath(meant) + " (ingest.path)"};
   }
   const std::string files = found.empty() ? "" : "the folder holds " + EndingsOf(found) + "; ";
   if (discovery.left_out.empty()) return {ErrorCode::kNotFound, none, where, files + "is it the right folder?"};

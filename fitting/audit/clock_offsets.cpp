@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fitting/evidence/noise.h"
+
 namespace mocurate {
 namespace {
 
@@ -17,6 +19,7 @@ constexpr double kNoIdea_s = 0.2;                                ///< a standard
 constexpr double kJump_px = 60.0;  ///< off the line from before to after: one of the three is somewhere else
 constexpr double kSettled_s = 2e-4;
 constexpr double kSameClock_s = 0.004;
+constexpr std::size_t kMostlyEnough = 4;  ///< views, of which three tell each other's clocks
 
 /// d pixel error / d point, px per metre.
 Eigen::Matrix<double, 2, 3> SlopeOf(const Camera& camera, const Matrix3d& rotation, const Vector3d& point) {
@@ -190,6 +193,32 @@ ClockOffsets RefineClocks(const RigSamples& samples, const RigModel& model, cons
     if (v != common_clock) offsets.sigma_s[v] = std::hypot(offsets.sigma_s[v], common_sigma_s);
   }
   return offsets;
+}
+
+std::vector<double> ChangeOfClocks(const RigSamples& samples, const RigModel& model, const RigModel& calibrated,
+                                   const TriangulationOptions& options) {
+  const std::size_t views = samples.views();
+  std::vector<RigModel> others(1, model);
+  others[0].camera = calibrated.camera;
+  for (std::size_t k = 0; k < views && views >= kMostlyEnough; ++k) {
+    others.push_back(model);
+    others.back().camera[k].resize(1, model.camera[k][0]);
+    others.back().camera[k][0].from_s = std::numeric_limits<double>::infinity();  // it sees nothing
+  }
+  std::vector<double> change(views, 0.0);
+  for (const RigModel& other : others) {
+    const ClockOffsets clocks = RefineClocks(samples, other, options);
+    std::vector<double> differences;  // another camera may have the common clock
+    for (std::size_t v = 0; v < views; ++v) {
+      if (std::isfinite(clocks.sigma_s[v])) differences.push_back(clocks.clock_s[v] - model.clock_s[v]);
+    }
+    const double common_s = Median(differences);
+    for (std::size_t v = 0; v < views; ++v) {
+      if (!std::isfinite(clocks.sigma_s[v])) continue;
+      change[v] = std::max(change[v], std::abs(clocks.clock_s[v] - model.clock_s[v] - common_s));
+    }
+  }
+  return change;
 }
 
 }  // namespace mocurate

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "fitting/evidence/noise.h"
+
 namespace mocurate {
 namespace {
 
 constexpr double kLeastShareOfNoise = 2.0;   ///< of the noise of a detection
 constexpr double kLeastDoubtedMove = 0.008;  ///< m, at the person
+constexpr double kGrossShift = 3.0;          ///< times the median shift: what belongs to another pair of views
 
 /// Longest distance between two cameras.
 double ExtentOf(const RigModel& rig) {
@@ -51,6 +54,32 @@ bool IsNotableMove(const Camera& was, const std::vector<CameraPart>& parts, cons
     const SeenMove seen = MoveAtPoints(was, part.camera, points);
     return seen.px >= kLeastShareOfNoise * noise_px && seen.m >= kLeastDoubtedMove;
   });
+}
+
+Matrix3d ShiftBetween(const RigSamples& samples, const RigModel& one, const RigModel& other,
+                      const TriangulationOptions& options) {
+  const auto points = [&](const RigModel& model) {
+    return TriangulateViews(samples.Views(model), samples.count(), samples.keypoints(), options);
+  };
+  const TriangulatedTracks here = points(one);
+  const TriangulatedTracks there = points(other);
+  std::vector<Vector3d> shifts;
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < here.confidence.size(); ++i) {
+    if (here.confidence[i] <= 0.0 || there.confidence[i] <= 0.0) continue;
+    shifts.emplace_back(Eigen::Map<const Vector3d>(here.positions.xyz.data() + 3 * i) -
+                        Eigen::Map<const Vector3d>(there.positions.xyz.data() + 3 * i));
+    lengths.push_back(shifts.back().norm());
+  }
+  const double gross = kGrossShift * Median(lengths);
+  Matrix3d sum = Matrix3d::Zero();
+  double count = 0.0;
+  for (const Vector3d& shift : shifts) {
+    if (shift.norm() > gross) continue;
+    sum += shift * shift.transpose();
+    count += 1.0;
+  }
+  return count > 0.0 ? Matrix3d(sum / count) : sum;
 }
 
 RigFault DisagreementOf(const std::vector<RigView>& rig, std::vector<std::size_t> views) {

@@ -66,6 +66,7 @@ class KeypointAuditor {
     cost_ = CostsOf(model_);
     DropIdleMoves();
     DropIdleClocks();
+    WidenClocks();
     for (std::size_t v = 0; v < rig_.size(); ++v) {
       TellOfSides(v, audited);
       TellOfClock(v, audited);
@@ -190,6 +191,13 @@ class KeypointAuditor {
     return move && Confidence(move->cost, cost_) < kRivalBeaten;
   }
 
+  /// Clocks that were found are no surer than the other cameras agree on them.
+  void WidenClocks() {
+    if (model_.clock_s == given_.clock_s || clock_sigma_s_.empty()) return;
+    const std::vector<double> change = ChangeOfClocks(samples_, model_, given_, options_.triangulation);
+    for (std::size_t v = 0; v < rig_.size(); ++v) clock_sigma_s_[v] = std::hypot(clock_sigma_s_[v], change[v]);
+  }
+
   bool IsDoubted(std::size_t v) const { return std::find(doubted_.begin(), doubted_.end(), v) != doubted_.end(); }
 
   /// Takes back clocks that hardly explain anything, or not surely, or of cameras that disagree in another way: a
@@ -286,7 +294,12 @@ class KeypointAuditor {
     fault.confidence = confidence;
     fault.corrected = options_.audit.moved == AuditAction::kCorrect;
     fault.message += " of several cameras one or more stand elsewhere than calibrated, and which ones cannot be told";
-    if (fault.corrected) fault.message += "; placed so that they agree";
+    if (fault.corrected) {
+      audited.place_doubt = ShiftBetween(samples_, model_, without, options_.triangulation);
+      fault.message += "; placed so that they agree, which moves people by " +
+                       RoundedText(1e3 * std::sqrt(audited.place_doubt.trace()), 2) +
+                       " mm: by so much they may be off, and the stated uncertainty has it";
+    }
     audited.corrected = audited.corrected || fault.corrected;
     audited.faults.push_back(std::move(fault));
   }

@@ -16,6 +16,9 @@ struct AuditedRig {
                              ///< the take is two views, the later one named "NAME from frame N"
   std::vector<RigFault> faults;
   bool corrected = false;
+  /// What people may be off by because several cameras may be the ones that stand elsewhere, m^2 per axis and between
+  /// axes: how far the places that were taken move them.
+  Matrix3d place_doubt = Matrix3d::Zero();
   std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
   /// (views, spans) median pixel error of a camera's detections in equal spans of the take, before anything is
   /// corrected; 0 where it sees nobody.

@@ -66,13 +66,16 @@ class DepthAuditor {
     }
     report_.loss_after = LossOfViews();
     for (std::size_t v = 0; v < late_.size(); ++v) TellOfClock(v), TellOfMove(v);
-    if (report_.not_audited.empty() && !files_wrong_) {
-      for (RigFault& fault : StrangersOf(rig_, losses_, options_.longest_s)) report_.faults.push_back(std::move(fault));
-    }
+    for (RigFault& fault : Strangers()) report_.faults.push_back(std::move(fault));
     return AuditedDepthRig{Corrected(), std::move(report_)};
   }
 
  private:
+  std::vector<RigFault> Strangers() const {
+    if (!report_.not_audited.empty()) return ContradictionOf(report_.cameras, report_.loss_after);
+    return files_wrong_ ? std::vector<RigFault>() : StrangersOf(rig_, losses_, options_.longest_s);
+  }
+
   Status See() {
     Expected<SeenRig> rig = witness_.Seen(late_);
     if (!rig) return Forward(rig);

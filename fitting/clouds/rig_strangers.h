@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "fitting/audit/rig_fault.h"
@@ -15,5 +16,9 @@ std::vector<RigFault> StrangersOf(const SeenRig& rig, const std::vector<double>&
 /// than kFewViews those that stick out.
 inline constexpr std::size_t kFewViews = 8;
 std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views);
+
+/// "views_disagree" of each camera of a rig of three and more that a moment or two cannot judge further, where what one
+/// sees misses the surfaces of the others by more than noise does. `losses` (views), means of LossOfSamples.
+std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, const std::vector<double>& losses);
 
 }  // namespace mocurate

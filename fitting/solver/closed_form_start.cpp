@@ -146,12 +146,12 @@ class ClosedFormPose {
   }
 
  private:
-  /// Global rotation of a joint, as near to `above` as its targets allow; those not seen for long tell nothing. Places
-  /// a root that is not seen.
+  /// Global rotation of a joint, as near to `above` as its targets allow; of several those not seen for long tell
+  /// nothing. Places a root that is not seen.
   Quaterniond Turn(const JointPositions& filled, int frame, int joint, const Quaterniond& above) {
     std::vector<Target> targets;
     for (const Target& target : targets_[joint]) {
-      if (Lately(frame, target.joint)) targets.push_back(target);
+      if (targets_[joint].size() == 1 || Lately(frame, target.joint)) targets.push_back(target);
     }
     if (targets.empty()) return above;
     const bool free_root = joint == 0 && !Lately(frame, 0);

@@ -21,6 +21,7 @@ struct KeypointReport {
   std::vector<double> keypoint_share;  ///< (K) of the frames, triangulated
   std::vector<std::string> camera_names;
   std::vector<CameraAgreement> cameras;
+  Matrix3d place_doubt = Matrix3d::Zero();       ///< see AuditedRig
   std::vector<RigFault> faults;                  ///< of the rig, its calibration or its files
   std::vector<std::string> given_cameras;        ///< as the evidence lists them
   std::vector<std::vector<double>> residual_px;  ///< (given cameras, spans of the take), before corrections

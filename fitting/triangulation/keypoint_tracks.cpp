@@ -301,6 +301,12 @@ bool MendSidesOfViews(const std::vector<RigView>& rig, const TriangulatedTracks&
   return true;
 }
 
+/// A late camera and one that stands elsewhere look alike to who walks; 30 mm are a poor tracker's joint.
+bool ClocksAndPlacesMix(const KeypointReport& report) {
+  const auto late = [](const RigFault& fault) { return fault.code == "camera_clock_off"; };
+  return std::sqrt(report.place_doubt.trace()) > 0.03 && std::any_of(report.faults.begin(), report.faults.end(), late);
+}
+
 Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
                                       const KeypointFitOptions& options, std::vector<RigFault> faults) {
   const auto keypoints = static_cast<int>(evidence.keypoint_names.size());
@@ -352,6 +358,8 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   }
   found.report.faults = std::move(faults);
   found.report.residual_px = audited.residual_px;
+  found.report.place_doubt = audited.place_doubt;
+  found.report.doubtful = found.report.doubtful || ClocksAndPlacesMix(found.report);
   TellOfPeople(rig, take, evidence.subject, found.findings);
   TellOfContradiction(rig, person, found);
   TellOfCameras(found.report, UnseenShares(person), options.triangulation.outlier, found.findings);

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "tests/fitting/cloud_scene.h"
 
@@ -74,6 +75,29 @@ TEST(RenderedStills, AreFittedOneByOneWithoutKnowingTheFacing) {
     ++count;
   }
   EXPECT_LT(sum / count, 0.03);
+}
+
+/// One moment of three views tells not which camera is wrong, but that one is.
+TEST(RenderedStills, SurfacesTellThatTheDepthsOfOneCameraAreATenthTooLong) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const std::filesystem::path folder = std::filesystem::path(data) / "clouds" / "rendered_body";
+  for (const char* name : {"male_tpose", "female_walk_noisy", "child_arms_down"}) {
+    const auto still = ReadStill(folder, name);
+    ASSERT_TRUE(still) << still.error().Message();
+    const auto sound = AuditDepthRig(still->clip.evidence.depth_views, {});
+    ASSERT_TRUE(sound) << sound.error().Message();
+    EXPECT_TRUE(sound->report.faults.empty()) << name;
+    for (std::size_t v = 0; v < 3; ++v) {
+      std::vector<DepthView> views = still->clip.evidence.depth_views;
+      views[v].metres_per_unit *= 1.1;
+      const auto told = AuditDepthRig(views, {});
+      ASSERT_TRUE(told) << told.error().Message();
+      ASSERT_EQ(told->report.faults.size(), 3u) << name << v;
+      EXPECT_EQ(told->report.faults[0].code, "views_disagree");
+      EXPECT_TRUE(told->report.IsDoubtful());
+    }
+  }
 }
 
 }  // namespace

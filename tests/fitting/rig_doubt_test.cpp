@@ -95,6 +95,38 @@ TEST(RigDoubt, PiecesOfRecordedTrialsInventNoMoves) {
   EXPECT_GE(third, 3);
 }
 
+/// The view as of a camera whose clock is late: what it stamps happened `frames` before.
+void Delay(KeypointView& view, int frames) {
+  const std::vector<double> given = view.values;
+  const auto row = given.size() / static_cast<std::size_t>(view.frames());
+  for (int f = frames; f < view.frames(); ++f) {
+    std::copy_n(given.begin() + static_cast<std::ptrdiff_t>((f - frames) * row), row,
+                view.values.begin() + static_cast<std::ptrdiff_t>(f * row));
+  }
+}
+
+/// Somebody walks before a rig whose third camera stands elsewhere: a clock and a place look alike there.
+TEST(RigDoubt, ADelayedCameraOfARecordedTrialIsOffByWhatIsSaid) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", "single");
+  for (const std::size_t late : {0u, 1u, 3u}) {
+    Evidence evidence = whole;
+    Delay(evidence.keypoint_views[late], 6);
+    const auto found = Triangulated(evidence);
+    ASSERT_TRUE(found) << found.error().Message();
+    const RigFault* clock = FaultNamed(*found, "camera_clock_off");
+    ASSERT_NE(clock, nullptr) << late;
+    const std::string words = "(standard deviation ";
+    const double sigma_ms = std::stod(clock->message.substr(clock->message.find(words) + words.size()));
+    EXPECT_LT(std::abs(clock->value + 100.0), 2.5 * sigma_ms) << clock->message;
+    if (late != 3) continue;
+    EXPECT_NE(FaultNamed(*found, "views_disagree"), nullptr) << Told(*found);
+    EXPECT_GT(std::sqrt(found->report.place_doubt.trace()), 0.03);  // people come out 60 mm off
+    EXPECT_TRUE(found->report.doubtful);
+  }
+}
+
 /// Detections of a studio take with something done to them; what is told, and how far points are off.
 struct Read {
   std::string code, camera;
@@ -127,6 +159,26 @@ TEST(RigDoubt, AMirroredImageIsNamedAndTurnedBackAndNoMovedCamera) {
     EXPECT_LT(read.error_m, 0.025);
   }
   EXPECT_GE(named, 3);
+}
+
+/// Bystanders whom no other view sees hide how much better the rig agrees.
+TEST(RigDoubt, AMirroredImageOfARecordedTrialWithBystandersIsNamed) {
+  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  for (const char* trial : {"single", "two"}) {
+    const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", trial);
+    for (std::size_t v = 0; v < 4; ++v) {
+      Evidence altered = whole;
+      Mirror(altered.keypoint_views[v]);
+      const auto found = Triangulated(altered);
+      ASSERT_TRUE(found) << found.error().Message();
+      const RigFault* fault = FaultNamed(*found, "view_mirrored");
+      ASSERT_NE(fault, nullptr) << trial << v << ": " << Told(*found);
+      EXPECT_EQ(fault->camera, altered.keypoint_views[v].camera.name);
+      EXPECT_TRUE(fault->corrected);
+    }
+    EXPECT_EQ(FaultNamed(*Triangulated(whole), "view_mirrored"), nullptr);
+  }
 }
 
 TEST(RigDoubt, KeypointsOfImagesOfAnotherSizeAreNamedWithTheFactor) {

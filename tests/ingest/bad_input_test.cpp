@@ -177,6 +177,15 @@ TEST(BadInput, AFolderThatIsNotThereOrHoldsNothing) {
   EXPECT_THAT(Discover(options).error().Message(), HasSubstr("no folder with captures is given"));
 }
 
+TEST(BadInput, TheFolderOfATakeInsteadOfTheOneAbove) {
+  IngestOptions options = OneFile("take", "1 2 3\n4 5 6\n");
+  const std::filesystem::path above = options.path.parent_path();
+  options.source.files = options.path.filename().string() + "/" + options.source.files;
+  const auto discovery = Discover(options);
+  ASSERT_FALSE(discovery);
+  EXPECT_THAT(discovery.error().hint, HasSubstr("give " + above.string() + " (ingest.path)"));
+}
+
 TEST(BadInput, TwoFilesOfOneName) {
   IngestOptions options = OneFile("twins", "1 2 3\n4 5 6\n");
   Put(options.path / "a2_s2.txt", "1 2 3\n4 5 6\n");
