@@ -260,8 +260,8 @@ class Judge {
     for (const CalibratedView& view : calibration_.views) {
       if (const double aspect = std::max(view.fx / view.fy, view.fy / view.fx); aspect > kTallestPixel) {
         sense.remarks.push_back({"calibration_contradiction", Severity::kError, aspect,
-                                 "camera '" + view.name + "': focal lengths of " + Rounded(view.fx) + " and " +
-                                     Rounded(view.fy) + " px make pixels " + Rounded(aspect) +
+                                 "camera '" + view.name + "': focal lengths of " + ThreeDigits(view.fx) + " and " +
+                                     ThreeDigits(view.fy) + " px make pixels " + ThreeDigits(aspect) +
                                      " times as long as wide: mend one of them"});
       }
       const double half = view.width > 0 ? 0.5 * view.width : view.cx;
@@ -300,7 +300,7 @@ class Judge {
       sense.remarks.push_back({"calibration_contradiction", Severity::kError, farthest / next,
                                "camera '" + calibration_.views[outermost].name + "'" +
                                    (world.empty() ? "" : " of '" + world + "'") + " stands " +
-                                   Rounded(farthest / next) +
+                                   ThreeDigits(farthest / next) +
                                    " times as far from the middle of all cameras as any other: mend its translation, "
                                    "or leave it out"});
     }
