@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-Clip ClipOf(const Take& take) {
+Clip ClipOf(const PlayedTake& take) {
   Clip clip;
   clip.identity.recording = "bad";
   clip.rate = take.truth.rate;
@@ -50,7 +50,7 @@ long TimesTold(const FitResult& fit, const std::string& code) {
 
 TEST(BadTracks, OfOneAndTwoFramesAreFitted) {
   for (const int frames : {1, 2}) {
-    const Take take = SmoothTake(frames);
+    const PlayedTake take = SmoothTake(frames);
     const FitResult fit = SoundFit(ClipOf(take), take.truth.bone_length);
     EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2e-3) << frames;
     EXPECT_EQ(TimesTold(fit, "noise_not_measured"), 1);
@@ -61,7 +61,7 @@ TEST(BadTracks, OfOneAndTwoFramesAreFitted) {
 
 /// 2-D points whose depth is a constant.
 TEST(BadTracks, InOnePlaneAreRefused) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   AddNoise(take.tracks, 0.01, 3);
   SoundFit(ClipOf(take));
   const Matrix3d tilted = ExpQuaternion(Vector3d(0.3, 0.7, 0.1)).toRotationMatrix();
@@ -80,7 +80,7 @@ TEST(BadTracks, InOnePlaneAreRefused) {
 
 /// A tracker's word for nobody: what is written there was not observed.
 TEST(BadTracks, AtZeroAreNotObserved) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   AddNoise(take.tracks, 0.01, 3);
   const auto zero_from = [&](int begin) {
     for (int f = begin; f < 60; ++f) {
@@ -110,7 +110,7 @@ TEST(BadTracks, AtZeroAreNotObserved) {
 TEST(BadTracks, WithInfinitiesAreRefusedByPlace) {
   for (const double value : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()}) {
-    Take take = SmoothTake(10);
+    PlayedTake take = SmoothTake(10);
     take.tracks.positions.at(4, 2).x() = value;
     const auto fit = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
     ASSERT_FALSE(fit.has_value());
@@ -120,7 +120,7 @@ TEST(BadTracks, WithInfinitiesAreRefusedByPlace) {
 }
 
 TEST(BadTracks, WithDuplicateTimesAreRefusedByPlaceAndNumber) {
-  Take take = SmoothTake(10);
+  PlayedTake take = SmoothTake(10);
   take.tracks.time_s[6] = take.tracks.time_s[5];
   const auto fit = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions{});
   ASSERT_FALSE(fit.has_value());
@@ -129,7 +129,7 @@ TEST(BadTracks, WithDuplicateTimesAreRefusedByPlaceAndNumber) {
 }
 
 TEST(BadTracks, WithoutAnybodyAreRefusedAndWithNobodyForAWhileSayHowLittleIsKnown) {
-  Take take = SmoothTake(120);
+  PlayedTake take = SmoothTake(120);
   for (int f = 40; f < 85; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
   }
@@ -152,7 +152,7 @@ TEST(BadTracks, WithoutAnybodyAreRefusedAndWithNobodyForAWhileSayHowLittleIsKnow
 TEST(BadTracks, WithNobodyForLongAreLessSureThanAWalkWouldBe) {
   double sigma[2] = {};
   for (const int longer : {0, 1}) {
-    Take take = SmoothTake(150);
+    PlayedTake take = SmoothTake(150);
     AddNoise(take.tracks, 0.01, 3);
     const int half = longer == 1 ? 30 : 7;
     for (int f = 75 - half; f <= 75 + half; ++f) {
@@ -165,7 +165,7 @@ TEST(BadTracks, WithNobodyForLongAreLessSureThanAWalkWouldBe) {
 
 /// What trackers write who do not see a hand: the wrist's place. It says nothing of the hand, nor of anybody's noise.
 TEST(BadTracks, OfAJointThatStandsInItsParentsPlaceAreMissingThere) {
-  Take take = SmoothTake(120);
+  PlayedTake take = SmoothTake(120);
   AddNoise(take.tracks, 0.01, 4);
   const double noise = EstimateNoise(take.tracks, take.truth.bone_length).sigma;
   const int wrist = *TestSkeleton()->FindJoint("left_wrist");
@@ -194,7 +194,7 @@ TEST(BadTracks, OfAJointThatStandsInItsParentsPlaceAreMissingThere) {
 }
 
 TEST(BadTracks, WithBonesOfNoLengthAreFittedAndDoubted) {
-  Take take = SmoothTake(30);
+  PlayedTake take = SmoothTake(30);
   std::vector<double> bones = take.truth.bone_length;
   bones[4] = bones[5] = 0.0;
   const FitResult fit = SoundFit(ClipOf(take), bones);

@@ -97,7 +97,7 @@ class BandedWindow : public testing::TestWithParam<bool> {
     EXPECT_LT((equations.Corner() - square.bottomRightCorner(b, b)).norm(), scale);
   }
 
-  Take take_;
+  PlayedTake take_;
   std::vector<double> sigma_;
   std::vector<double> prior_;
   JointTrackOptions options_;
@@ -152,7 +152,7 @@ JointTrackOptions With(TrackSolver solver) {
 
 TEST(BandedSolver, FindsTheOptimumThatCeresFinds) {
   for (const bool damaged : {false, true}) {
-    Take take = SmoothTake(80);
+    PlayedTake take = SmoothTake(80);
     if (damaged) {
       AddUnevenNoise(take.tracks, 0.02, 9);
     } else {
@@ -178,7 +178,7 @@ TEST(BandedSolver, FindsTheOptimumThatCeresFinds) {
 
 TEST(BandedSolver, SolvesAClipOfOneAndOfTwoFrames) {
   for (const int frames : {1, 2}) {
-    Take take = SmoothTake(frames);
+    PlayedTake take = SmoothTake(frames);
     const auto fit =
         FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, With(TrackSolver::kBanded));
     ASSERT_TRUE(fit.has_value());
@@ -187,7 +187,7 @@ TEST(BandedSolver, SolvesAClipOfOneAndOfTwoFrames) {
 }
 
 TEST(BandedSolver, FitsLongClipsInWindowsThatJoin) {
-  Take take = SmoothTake(300);
+  PlayedTake take = SmoothTake(300);
   AddNoise(take.tracks, 0.01, 2);
   JointTrackOptions whole = With(TrackSolver::kBanded);
   JointTrackOptions windows = whole;

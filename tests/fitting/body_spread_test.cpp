@@ -26,7 +26,7 @@ Matrix3d SpreadOfJoint(const std::vector<float>& covariances, int frame, int joi
 
 /// A take of ten frames of which some joints are never seen, at its true pose.
 std::vector<float> OfTakeWithout(const std::vector<int>& hidden) {
-  Take take = SmoothTake(10);
+  PlayedTake take = SmoothTake(10);
   const int joints = take.tracks.joints();
   for (const int j : hidden) {
     for (int f = 0; f < 10; ++f) Hide(take.tracks, f, j);
@@ -89,7 +89,7 @@ TEST(BodySpread, CoversWhereTheUnseenJointsOfOtherBodiesAre) {
       if (joint.parent != kChest && joint.name != "chest") continue;
       joint.rest_offset += kTrunkSpread * Vector3d(random.Normal(), random.Normal(), random.Normal());
     }
-    Take take = SmoothTake(20, Quaterniond::Identity(), 30.0, 0.4, body);
+    PlayedTake take = SmoothTake(20, Quaterniond::Identity(), 30.0, 0.4, body);
     AddNoise(take.tracks, 0.003, 100 + static_cast<std::uint64_t>(person));
     for (int f = 0; f < 20; ++f) Hide(take.tracks, f, kChest);
     take.tracks = OnBody(take.tracks, TestSkeleton());

@@ -73,14 +73,14 @@ T Residual(const Skeleton& skeleton, const FleshCapsule& capsule, const Vector3d
 }
 
 /// One random pose, capsule and point.
-struct Case {
+struct CapsuleCase {
   Skeleton skeleton = BranchedChain();
   FleshCapsule capsule;
   Vector3d point;
   std::array<double, kParameters> parameters;
   double weight = 7.0;
 
-  explicit Case(std::uint64_t item) {
+  explicit CapsuleCase(std::uint64_t item) {
     Random random = Random(20240607, "capsule_cost", std::to_string(item));
     const auto vector = [&](double scale) {
       return Vector3d(scale * random.Normal(), scale * random.Normal(), scale * random.Normal());
@@ -97,7 +97,7 @@ struct Case {
 };
 
 /// The cost's own residual and its Jacobian scattered over all parameters.
-double Evaluate(const Case& given, std::array<double, kParameters>& gradient) {
+double Evaluate(const CapsuleCase& given, std::array<double, kParameters>& gradient) {
   PoseState state(given.skeleton, 1, {kBones.begin(), kBones.end()}, std::vector<bool>(kJointsOfBranched, true));
   std::copy(given.parameters.begin(), given.parameters.end(), state.translation(0));
   state.Update(0, 1, true);
@@ -120,7 +120,7 @@ double Evaluate(const Case& given, std::array<double, kParameters>& gradient) {
 
 TEST(CapsuleDistanceCost, IsTheWeightedDistanceToTheCapsulesSurface) {
   for (std::uint64_t item = 0; item < 40; ++item) {
-    const Case given(item);
+    const CapsuleCase given(item);
     std::array<double, kParameters> gradient;
     const double expected = Residual(given.skeleton, given.capsule, given.point, given.weight, given.parameters.data());
     EXPECT_NEAR(Evaluate(given, gradient), expected, 1e-12);
@@ -129,7 +129,7 @@ TEST(CapsuleDistanceCost, IsTheWeightedDistanceToTheCapsulesSurface) {
 
 TEST(CapsuleDistanceCost, HasTheJacobianOfAutomaticDifferentiation) {
   for (std::uint64_t item = 0; item < 40; ++item) {
-    const Case given(item);
+    const CapsuleCase given(item);
     std::array<double, kParameters> gradient;
     Evaluate(given, gradient);
     std::array<Jet, kParameters> jets;
@@ -142,7 +142,7 @@ TEST(CapsuleDistanceCost, HasTheJacobianOfAutomaticDifferentiation) {
 TEST(CapsuleDistanceCost, HasTheJacobianOfDifferences) {
   constexpr double kStep = 1e-6;
   for (std::uint64_t item = 0; item < 10; ++item) {
-    Case given(item);
+    CapsuleCase given(item);
     std::array<double, kParameters> gradient;
     std::array<double, kParameters> ignored;
     Evaluate(given, gradient);

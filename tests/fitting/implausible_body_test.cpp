@@ -15,8 +15,8 @@ namespace {
 constexpr int kElbow = 4, kWrist = 5;
 
 /// The left arm bends and stretches.
-Take BendingTake(double sigma = 0.005) {
-  Take take = SmoothTake(120);
+PlayedTake BendingTake(double sigma = 0.005) {
+  PlayedTake take = SmoothTake(120);
   for (int f = 0; f < 120; ++f) {
     const Vector3d elbow = take.truth.joints.at(f, kElbow);
     const Vector3d upper = (elbow - Vector3d(take.truth.joints.at(f, 3))).normalized();
@@ -35,7 +35,7 @@ std::vector<std::string> Codes(const SkeletonTracks& tracks) {
 }
 
 TEST(ImplausibleBody, IsNoneOfASoundTakeHoweverManyJointsAreHidden) {
-  Take take = BendingTake();
+  PlayedTake take = BendingTake();
   EXPECT_TRUE(FindImplausibleBody(take.tracks).empty());
   for (int f = 0; f < 120; ++f) {
     Hide(take.tracks, f, kElbow);
@@ -45,7 +45,7 @@ TEST(ImplausibleBody, IsNoneOfASoundTakeHoweverManyJointsAreHidden) {
 }
 
 TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
-  Take take = BendingTake();
+  PlayedTake take = BendingTake();
   for (int f = 0; f < 120; ++f) {
     const Vector3d elbow = take.tracks.positions.at(f, kElbow);
     take.tracks.positions.at(f, kElbow) = Vector3d(take.tracks.positions.at(f, kWrist));
@@ -60,7 +60,7 @@ TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
 
 TEST(ImplausibleBody, HasAJointElsewhereThroughout) {
   for (const int joint : {2, kElbow, kWrist}) {
-    Take take = BendingTake();
+    PlayedTake take = BendingTake();
     for (int f = 0; f < 120; ++f) take.tracks.positions.at(f, joint) += Vector3d(0.3, 0.0, 0.4);
     const std::vector<Finding> findings = FindImplausibleBody(take.tracks);
     ASSERT_EQ(findings.size(), 1u) << joint;
@@ -73,7 +73,7 @@ TEST(ImplausibleBody, HasAJointElsewhereThroughout) {
 TEST(ImplausibleBody, HasAWristThatIsTooNearTheElbowAndNotTheOneOfTheOtherSide) {
   constexpr int kRightElbow = 7, kRightWrist = 8;
   for (const auto& [elbow, wrist] : {std::pair(kElbow, kWrist), std::pair(kRightElbow, kRightWrist)}) {
-    Take take = BendingTake();
+    PlayedTake take = BendingTake();
     for (int f = 0; f < 120; ++f) {
       const Vector3d from = take.tracks.positions.at(f, elbow);
       const Vector3d forearm = Vector3d(take.tracks.positions.at(f, wrist)) - from;
@@ -86,7 +86,7 @@ TEST(ImplausibleBody, HasAWristThatIsTooNearTheElbowAndNotTheOneOfTheOtherSide) 
 
 TEST(ImplausibleBody, Grows) {
   for (const double growth : {0.1, -0.1}) {
-    Take take = BendingTake(0.003);
+    PlayedTake take = BendingTake(0.003);
     for (int f = 0; f < 120; ++f) {
       for (int j = 0; j < 14; ++j) take.tracks.positions.at(f, j) *= 1.0 + growth * f / 119.0;
     }
@@ -99,7 +99,7 @@ TEST(ImplausibleBody, Grows) {
 
 TEST(ImplausibleBody, IsOfNobodysSize) {
   for (const double scale : {1.7, 0.2}) {
-    Take take = BendingTake();
+    PlayedTake take = BendingTake();
     for (double& value : take.tracks.positions.xyz) value *= scale;
     EXPECT_EQ(Codes(take.tracks), std::vector<std::string>{"size_doubtful "}) << scale;
   }

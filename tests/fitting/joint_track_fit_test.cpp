@@ -15,7 +15,7 @@
 namespace mocurate {
 namespace {
 
-FitResult FitTake(const Take& take, const JointTrackOptions& options = {}) {
+FitResult FitTake(const PlayedTake& take, const JointTrackOptions& options = {}) {
   const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return *fit;
@@ -28,7 +28,7 @@ JointTrackOptions Tight() {
 }
 
 TEST(JointTrackFit, RecoversNoiseFreeTracks) {
-  const Take take = SmoothTake(60);
+  const PlayedTake take = SmoothTake(60);
   EXPECT_LT(LargestError(FitTake(take).motion.joints, take.truth.joints), 5e-4);  // half of what is taken for noise
   const FitResult fit = FitTake(take, Tight());
   EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 1e-4);
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(JointTrackFit, AnyPosture,
                                          Vector3d(1.2, -2.0, 1.7)));
 
 TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
-  Take take = SmoothTake(40, ExpQuaternion(GetParam()));
+  PlayedTake take = SmoothTake(40, ExpQuaternion(GetParam()));
   const FitResult clean = FitTake(take, Tight());
   EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 1e-4);
   AddNoise(take.tracks, 0.01, 5);
@@ -56,7 +56,7 @@ TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
 }
 
 TEST(JointTrackFit, FollowsAPersonThatSpinsSeveralTimes) {
-  const Take take = SmoothTake(150, Quaterniond::Identity(), 30.0, 6.0);  // five turns
+  const PlayedTake take = SmoothTake(150, Quaterniond::Identity(), 30.0, 6.0);  // five turns
   EXPECT_LT(LargestError(FitTake(take, Tight()).motion.joints, take.truth.joints), 5e-4);
 }
 
@@ -68,7 +68,7 @@ TEST(JointTrackFit, ShouldersTurnAChestWhoseCollarsBeginAtItsTop) {
   body->joints[*body->FindJoint("neck")].rest_offset = {0.0, 0.2, 0.001};
   body->joints[*body->FindJoint("left_collar")].rest_offset = {0.001, 0.2, 0.0};
   body->joints[*body->FindJoint("right_collar")].rest_offset = {-0.001, 0.2, 0.0};
-  Take take = SmoothTake(60, Quaterniond::Identity(), 30.0, 0.4, body);
+  PlayedTake take = SmoothTake(60, Quaterniond::Identity(), 30.0, 0.4, body);
   AddNoise(take.tracks, 0.01, 5);
   JointTrackOptions closed_form;
   closed_form.steps.clear();
@@ -85,7 +85,7 @@ TEST(JointTrackFit, ShouldersTurnAChestWhoseCollarsBeginAtItsTop) {
 }
 
 TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
-  Take take = SmoothTake(90);
+  PlayedTake take = SmoothTake(90);
   Random random(1, "half");
   for (int f = 0; f < 90; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) {
@@ -95,7 +95,7 @@ TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
   const FitResult fit = FitTake(take);
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 0.01);
   EXPECT_LT(fit.residual_rms, 0.005);
-  Take other = take;
+  PlayedTake other = take;
   for (std::size_t i = 0; i < other.tracks.confidence.size(); ++i) {
     if (other.tracks.confidence[i] > 0.0) continue;
     for (int k = 0; k < 3; ++k) other.tracks.positions.xyz[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
@@ -105,7 +105,7 @@ TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
 
 // Where the right side stands between the last and the next sight of it, a line between the two does not tell.
 TEST(JointTrackFit, APersonWhoTurnsWhileOneSideIsHiddenStartsTurned) {
-  Take take = SmoothTake(120, Quaterniond::Identity(), 30.0, 0.0);
+  PlayedTake take = SmoothTake(120, Quaterniond::Identity(), 30.0, 0.0);
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation;
   const int joints = take.truth.joint_count();
@@ -134,7 +134,7 @@ TEST(JointTrackFit, APersonWhoTurnsWhileOneSideIsHiddenStartsTurned) {
 }
 
 TEST(JointTrackFit, MarksWhereEachJointComesFrom) {
-  Take take = SmoothTake(30);
+  PlayedTake take = SmoothTake(30);
   for (int f = 0; f < 30; ++f) Hide(take.tracks, f, 5);
   Hide(take.tracks, 10, 2);
   const FitResult fit = FitTake(take);
@@ -145,7 +145,7 @@ TEST(JointTrackFit, MarksWhereEachJointComesFrom) {
 }
 
 TEST(JointTrackFit, InterpolatesFramesWithoutAnyEvidence) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   for (int f = 25; f < 31; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
   }
@@ -159,9 +159,9 @@ TEST(JointTrackFit, InterpolatesFramesWithoutAnyEvidence) {
 }
 
 TEST(JointTrackFit, SurvivesAFirstFrameAloneAndASingleFrame) {
-  const Take single = SmoothTake(1);
+  const PlayedTake single = SmoothTake(1);
   EXPECT_LT(LargestError(FitTake(single, Tight()).motion.joints, single.truth.joints), 1e-3);
-  Take take = SmoothTake(20);
+  PlayedTake take = SmoothTake(20);
   for (int f = 1; f < 20; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
   }
@@ -171,7 +171,7 @@ TEST(JointTrackFit, SurvivesAFirstFrameAloneAndASingleFrame) {
 }
 
 TEST(JointTrackFit, ResistsGrossOutliers) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   AddNoise(take.tracks, 0.005, 2);
   const double undisturbed = RmsError(FitTake(take).motion.joints, take.truth.joints);
   Random random(4, "outliers");
@@ -187,7 +187,7 @@ TEST(JointTrackFit, ResistsGrossOutliers) {
 }
 
 TEST(JointTrackFit, TrustsEachDirectionAsFarAsItsPrecisionSays) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   AddUnevenNoise(take.tracks, 0.02, 12);
   const FitResult told = FitTake(take);
   EXPECT_NEAR(told.noise_sigma, 0.02, 0.002);  // that of a sample whose precision is the identity
@@ -198,7 +198,7 @@ TEST(JointTrackFit, TrustsEachDirectionAsFarAsItsPrecisionSays) {
 }
 
 TEST(JointTrackFit, DoesNotTakeWhatIsFarOffInAnUnsureDirectionForAnOutlier) {
-  Take take = SmoothTake(40);
+  PlayedTake take = SmoothTake(40);
   AddNoise(take.tracks, 0.01, 3);
   take.tracks.precision.assign(take.tracks.confidence.size(), Matrix3d::Identity());
   take.tracks.positions.at(20, 5).z() += 0.4;
@@ -213,7 +213,7 @@ TEST(JointTrackFit, DoesNotTakeWhatIsFarOffInAnUnsureDirectionForAnOutlier) {
 }
 
 TEST(JointTrackFit, TrustsConfidence) {
-  Take take = SmoothTake(40);
+  PlayedTake take = SmoothTake(40);
   AddNoise(take.tracks, 0.01, 9);
   for (int f = 0; f < 40; ++f) {  // one joint says something else, quietly
     take.tracks.positions.at(f, 1) += Vector3d(0.03, 0, 0);
@@ -231,7 +231,7 @@ TEST(JointTrackFit, TrustsConfidence) {
 }
 
 TEST(JointTrackFit, DoesNotSmoothAcrossAGapInTime) {
-  Take take = SmoothTake(40);
+  PlayedTake take = SmoothTake(40);
   const double jump = 3.0;
   for (int f = 20; f < 40; ++f) {
     take.tracks.time_s[f] += 5.0;
@@ -246,8 +246,8 @@ TEST(JointTrackFit, DoesNotSmoothAcrossAGapInTime) {
 }
 
 TEST(JointTrackFit, GivesTheSameSmoothnessAtAnyRate) {
-  Take slow = SmoothTake(45, Quaterniond::Identity(), 15.0);
-  Take fast = SmoothTake(180, Quaterniond::Identity(), 60.0);
+  PlayedTake slow = SmoothTake(45, Quaterniond::Identity(), 15.0);
+  PlayedTake fast = SmoothTake(180, Quaterniond::Identity(), 60.0);
   AddNoise(slow.tracks, 0.02, 21);
   AddNoise(fast.tracks, 0.02, 21);
   // Four times the evidence in the same time must not cost accuracy, as smoothness by frame would.
@@ -256,7 +256,7 @@ TEST(JointTrackFit, GivesTheSameSmoothnessAtAnyRate) {
 }
 
 TEST(JointTrackFit, WindowsAgreeWithTheWholeClip) {
-  Take take = SmoothTake(200);
+  PlayedTake take = SmoothTake(200);
   AddNoise(take.tracks, 0.01, 31);
   JointTrackOptions windows = Tight();
   windows.window_frames = 60;
@@ -267,7 +267,7 @@ TEST(JointTrackFit, WindowsAgreeWithTheWholeClip) {
 }
 
 TEST(JointTrackFit, GivesTheSameBytesAgain) {
-  Take take = SmoothTake(50);
+  PlayedTake take = SmoothTake(50);
   AddNoise(take.tracks, 0.02, 41);
   const FitResult first = FitTake(take);
   const FitResult second = FitTake(take);
@@ -276,7 +276,7 @@ TEST(JointTrackFit, GivesTheSameBytesAgain) {
 }
 
 TEST(JointTrackFit, SaysWhenItDidNotConverge) {
-  Take take = SmoothTake(30);
+  PlayedTake take = SmoothTake(30);
   AddNoise(take.tracks, 0.02, 51);
   JointTrackOptions options = Tight();
   options.steps.back().max_iterations = 1;
@@ -286,7 +286,7 @@ TEST(JointTrackFit, SaysWhenItDidNotConverge) {
 }
 
 TEST(JointTrackFit, WithoutStepsIsTheClosedForm) {
-  Take take = SmoothTake(30);
+  PlayedTake take = SmoothTake(30);
   JointTrackOptions options;
   options.steps.clear();
   const FitResult fit = FitTake(take, options);
@@ -297,7 +297,7 @@ TEST(JointTrackFit, WithoutStepsIsTheClosedForm) {
 }
 
 TEST(JointTrackFit, AStepThatFreesTheRootMovesThePersonAsAWhole) {
-  Take take = SmoothTake(30);
+  PlayedTake take = SmoothTake(30);
   AddNoise(take.tracks, 0.02, 51);
   JointTrackOptions options;
   options.steps.clear();
@@ -319,14 +319,14 @@ TEST(JointTrackFit, AStepThatFreesTheRootMovesThePersonAsAWhole) {
 }
 
 TEST(JointTrackFit, FindsTheNoiseOfTheTracks) {
-  Take take = SmoothTake(100);
+  PlayedTake take = SmoothTake(100);
   AddNoise(take.tracks, 0.02, 61);
   EXPECT_NEAR(FitTake(take).noise_sigma, 0.02, 0.002);
 }
 
 /// Between two frames of a runner lies much motion, which is no noise: her bones keep their lengths.
 TEST(JointTrackFit, FastMotionIsNoNoise) {
-  Take take = SmoothTake(150, Quaterniond::Identity(), 8.0, 4.0);
+  PlayedTake take = SmoothTake(150, Quaterniond::Identity(), 8.0, 4.0);
   EXPECT_LT(EstimateNoise(take.tracks, {}).sigma, 2e-3);
   const BoneEstimate bones = EstimateBoneLengths({take.tracks}, *take.tracks.skeleton, true);
   for (int j = 1; j < take.tracks.joints(); ++j) {
@@ -337,7 +337,7 @@ TEST(JointTrackFit, FastMotionIsNoNoise) {
 }
 
 TEST(JointTrackFit, PlacesARootThatNoTrackGives) {
-  Take take = SmoothTake(40, ExpQuaternion(Vector3d(0, 2.5, 0)));
+  PlayedTake take = SmoothTake(40, ExpQuaternion(Vector3d(0, 2.5, 0)));
   for (int f = 0; f < 40; ++f) Hide(take.tracks, f, 0);
   const FitResult fit = FitTake(take, Tight());
   EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);
@@ -351,13 +351,13 @@ JointTrackOptions Refits(int count) {
 
 TEST(JointTrackFit, SmoothsByHowMuchThePersonMoves) {
   for (const double noise : {0.005, 0.02}) {
-    Take calm = SmoothTake(120);
+    PlayedTake calm = SmoothTake(120);
     AddNoise(calm.tracks, noise, 6);
     const double as_given = RmsError(FitTake(calm, Refits(0)).motion.joints, calm.truth.joints);
     const double fitted = RmsError(FitTake(calm, Refits(2)).motion.joints, calm.truth.joints);
     EXPECT_LT(fitted, 0.95 * as_given) << "noise " << noise;
 
-    Take spinning = SmoothTake(120, Quaterniond::Identity(), 30.0, 9.0);
+    PlayedTake spinning = SmoothTake(120, Quaterniond::Identity(), 30.0, 9.0);
     AddNoise(spinning.tracks, noise, 6);
     const double spin_as_given = RmsError(FitTake(spinning, Refits(0)).motion.joints, spinning.truth.joints);
     const double spin_fitted = RmsError(FitTake(spinning, Refits(2)).motion.joints, spinning.truth.joints);

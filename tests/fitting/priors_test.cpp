@@ -12,11 +12,11 @@ namespace {
 
 /// Four seconds of somebody whose bent legs carry the pelvis sideways by `sway` metres and back; feet stay level with
 /// the floor and go along. Knees of `knee` radians, arms raised by `arms`, far from the rest pose.
-Take Shuffling(double sway, double knee = 0.8, double arms = 0.0) {
+PlayedTake Shuffling(double sway, double knee = 0.8, double arms = 0.0) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation;
-  Take take;
+  PlayedTake take;
   take.tracks.skeleton = skeleton;
   for (int f = 0; f < 120; ++f) {
     take.tracks.time_s.push_back(f / 30.0);
@@ -33,7 +33,7 @@ Take Shuffling(double sway, double knee = 0.8, double arms = 0.0) {
   return take;
 }
 
-Motion FittedMotion(const Take& take, const JointTrackOptions& options = {}) {
+Motion FittedMotion(const PlayedTake& take, const JointTrackOptions& options = {}) {
   const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return fit->motion;
@@ -48,7 +48,7 @@ double RmsOf(const Motion& fitted, const Motion& truth, const std::string& joint
 }
 
 TEST(Priors, ATrunkThatNobodySeesDoesNotTurnAgainstItselfBetweenHipsAndShoulders) {
-  Take take = Shuffling(0.1);
+  PlayedTake take = Shuffling(0.1);
   for (const char* joint : {"pelvis", "spine1", "spine2", "spine3", "neck", "head", "left_collar", "right_collar"}) {
     for (int f = 0; f < take.truth.frame_count(); ++f) Hide(take.tracks, f, *take.truth.skeleton->FindJoint(joint));
   }
@@ -64,7 +64,7 @@ TEST(Priors, ATrunkThatNobodySeesDoesNotTurnAgainstItselfBetweenHipsAndShoulders
 }
 
 TEST(Priors, AFootThatStandsIsHeldStill) {
-  Take take = Shuffling(0.0);
+  PlayedTake take = Shuffling(0.0);
   AddNoise(take.tracks, 0.02, 3);
   JointTrackOptions none;
   none.contact_walk.reset();
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Priors, WhatPriorsDoNotExpect, testing::Values(0.002, 0
 
 TEST_P(WhatPriorsDoNotExpect, IsFittedWithinTheNoise) {
   for (const double knee : {-0.3, 0.8}) {
-    Take take = Shuffling(0.08, knee, 1.4);  // up to 0.24 m/s, which is taken for standing
+    PlayedTake take = Shuffling(0.08, knee, 1.4);  // up to 0.24 m/s, which is taken for standing
     AddNoise(take.tracks, GetParam(), 5);
     const Motion fitted = FittedMotion(take);
     for (const Joint& joint : take.truth.skeleton->joints)

@@ -11,8 +11,8 @@ namespace mocurate {
 namespace {
 
 /// A take of a person 8 % larger than the rest skeleton.
-Take LargerPerson(int frames) {
-  Take take = SmoothTake(frames);
+PlayedTake LargerPerson(int frames) {
+  PlayedTake take = SmoothTake(frames);
   std::vector<double> bones = take.truth.bone_length;
   for (double& bone : bones) bone *= 1.08;
   take.truth =
@@ -22,7 +22,7 @@ Take LargerPerson(int frames) {
 }
 
 TEST(Proportions, AreExactWithoutNoise) {
-  const Take take = LargerPerson(50);
+  const PlayedTake take = LargerPerson(50);
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   ASSERT_TRUE(person.has_value());
   EXPECT_NEAR(person->scale, 1.08, 1e-5);
@@ -30,7 +30,7 @@ TEST(Proportions, AreExactWithoutNoise) {
 }
 
 TEST(Proportions, AreNotInflatedByNoise) {
-  Take take = LargerPerson(400);
+  PlayedTake take = LargerPerson(400);
   AddNoise(take.tracks, 0.02, 3);
   const BoneEstimate bones = EstimateBoneLengths({take.tracks}, *take.tracks.skeleton, true);
   for (int j = 1; j < take.tracks.joints(); ++j) {
@@ -40,7 +40,7 @@ TEST(Proportions, AreNotInflatedByNoise) {
 
 /// Noise that is five times as large towards a camera makes short bones longer by a tenth, and most samples less.
 TEST(Proportions, AreNotInflatedByNoiseInDepth) {
-  Take take = LargerPerson(3000);
+  PlayedTake take = LargerPerson(3000);
   Random random(5, "depth");
   const Vector3d spread(0.01, 0.01, 0.05);
   for (int f = 0; f < take.tracks.frames(); ++f) {
@@ -59,7 +59,7 @@ TEST(Proportions, AreNotInflatedByNoiseInDepth) {
 /// Where the neck's root is not tracked, hips and head tell how long the trunk is: else it would fold, or pull them
 /// apart.
 TEST(Proportions, OfATrunkWhoseMiddleIsUnseenSpanIt) {
-  Take take = SmoothTake(200);
+  PlayedTake take = SmoothTake(200);
   const Skeleton& skeleton = *take.tracks.skeleton;
   const int chest = *skeleton.FindJoint("chest");
   const int head = *skeleton.FindJoint("head");
@@ -78,7 +78,7 @@ TEST(Proportions, OfATrunkWhoseMiddleIsUnseenSpanIt) {
 }
 
 TEST(Proportions, OfUnseenJointsFollowTheRest) {
-  Take take = LargerPerson(50);
+  PlayedTake take = LargerPerson(50);
   for (int f = 0; f < 50; ++f) {
     Hide(take.tracks, f, 0);   // root: from the distances between chest and hips
     Hide(take.tracks, f, 13);  // a leaf: rest length times scale
@@ -92,7 +92,7 @@ TEST(Proportions, OfUnseenJointsFollowTheRest) {
 }
 
 TEST(Proportions, AreSymmetricUnlessAskedOtherwise) {
-  Take take = LargerPerson(60);
+  PlayedTake take = LargerPerson(60);
   AddNoise(take.tracks, 0.01, 8);
   ProportionsOptions options;
   const auto both = EstimateProportions({take.tracks}, take.tracks.skeleton, options);
@@ -103,7 +103,7 @@ TEST(Proportions, AreSymmetricUnlessAskedOtherwise) {
 }
 
 TEST(Proportions, CanBeRefinedByFitsWithFreeBones) {
-  Take take = LargerPerson(120);
+  PlayedTake take = LargerPerson(120);
   AddNoise(take.tracks, 0.02, 13);
   ProportionsOptions options;
   options.refine_clips = 2;
@@ -141,7 +141,7 @@ double AngleBetweenJoints(const Skeleton& skeleton, int a, int b) {
 class PersonsBones : public ::testing::TestWithParam<double> {};
 
 TEST_P(PersonsBones, AreFoundWhereTheyPoint) {
-  Take take = SmoothTake(400);
+  PlayedTake take = SmoothTake(400);
   const SkeletonPtr nominal = take.tracks.skeleton;
   const SkeletonPtr body = OtherBody(*nominal, GetParam());
   take.truth = MakeMotion(body, take.truth.rate, take.truth.root_translation, take.truth.rotation, {});
@@ -178,7 +178,7 @@ TEST_P(PersonsBones, AreFoundWhereTheyPoint) {
 
 /// A tracker may be unsure of a trunk in every frame and still say where it is.
 TEST_P(PersonsBones, AreNoMirrorImageHoweverUnsureEveryFrameIs) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   const SkeletonPtr nominal = take.tracks.skeleton;
   const SkeletonPtr body = OtherBody(*nominal, GetParam());
   take.tracks.positions =
@@ -197,7 +197,7 @@ TEST_P(PersonsBones, AreNoMirrorImageHoweverUnsureEveryFrameIs) {
 INSTANTIATE_TEST_SUITE_P(Proportions, PersonsBones, ::testing::Values(-0.5, 0.5));
 
 TEST(Proportions, OfTheSkeletonsOwnDirectionsKeepThem) {
-  Take take = LargerPerson(400);
+  PlayedTake take = LargerPerson(400);
   AddNoise(take.tracks, 0.015, 3);
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   ASSERT_TRUE(person.has_value());
@@ -210,9 +210,9 @@ TEST(Proportions, OfTheSkeletonsOwnDirectionsKeepThem) {
 
 /// One noisy frame says little, and what nobody sees nothing.
 TEST(Proportions, OfFewSamplesAndOfUnseenJointsKeepTheSkeletonsDirections) {
-  Take one = LargerPerson(1);
+  PlayedTake one = LargerPerson(1);
   AddNoise(one.tracks, 0.02, 5);
-  Take unseen = LargerPerson(300);
+  PlayedTake unseen = LargerPerson(300);
   const int chest = *unseen.tracks.skeleton->FindJoint("chest");
   for (int f = 0; f < 300; ++f) Hide(unseen.tracks, f, chest);
   AddNoise(unseen.tracks, 0.005, 6);
@@ -239,7 +239,7 @@ TEST(Proportions, OfHipsAreFoundByTheBackBeyondAnUnseenJoint) {
   const int left = *body->FindJoint("left_hip"), right = *body->FindJoint("right_hip");
   body->joints[left].rest_offset = {0.088, 0.044, 0.012};
   body->joints[right].rest_offset = {-0.088, 0.044, 0.012};
-  Take take = SmoothTake(400, Quaterniond::Identity(), 30.0, 0.4, body);
+  PlayedTake take = SmoothTake(400, Quaterniond::Identity(), 30.0, 0.4, body);
   take.tracks.skeleton = nominal;
   const int unseen = *body->FindJoint("spine1");
   for (int f = 0; f < 400; ++f) Hide(take.tracks, f, unseen);
@@ -262,7 +262,7 @@ TEST(Proportions, OfJointsThatStandForTheirParentSpanToWhatFollows) {
   body->joints[body->joints[collar].mirror].rest_offset.setZero();
   body->joints[shoulder].rest_offset = {0.18, 0.07, -0.02};
   body->joints[body->joints[shoulder].mirror].rest_offset = {-0.18, 0.07, -0.02};
-  Take take = SmoothTake(300, Quaterniond::Identity(), 30.0, 0.4, body);
+  PlayedTake take = SmoothTake(300, Quaterniond::Identity(), 30.0, 0.4, body);
   take.tracks.skeleton = nominal;
   const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
   ASSERT_TRUE(person.has_value());
@@ -276,7 +276,7 @@ TEST(Proportions, OfJointsThatStandForTheirParentSpanToWhatFollows) {
 
 /// Hips that stand for the pelvis in most frames: nobody saw them there.
 TEST(Proportions, AreOfFramesInWhichJointsAreSeen) {
-  Take take = LargerPerson(300);
+  PlayedTake take = LargerPerson(300);
   const Skeleton& skeleton = *take.tracks.skeleton;
   for (int f = 0; f < 300; ++f) {
     if (f % 3 == 0) continue;
@@ -290,7 +290,7 @@ TEST(Proportions, AreOfFramesInWhichJointsAreSeen) {
 }
 
 TEST(Proportions, GoThroughTheirArtifact) {
-  const Take take = LargerPerson(20);
+  const PlayedTake take = LargerPerson(20);
   auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   ASSERT_TRUE(person.has_value());
   person->person = "p1";
@@ -307,7 +307,7 @@ TEST(Proportions, GoThroughTheirArtifact) {
 }
 
 TEST(Proportions, OfAnotherSkeletonAreRefused) {
-  const Take take = LargerPerson(20);
+  const PlayedTake take = LargerPerson(20);
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   Skeleton other = *take.tracks.skeleton;
   other.name = "other";

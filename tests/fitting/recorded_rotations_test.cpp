@@ -25,8 +25,8 @@ Quaterniond WorldRotation(const Motion& motion, int frame, int joint) {
 }
 
 /// A take whose source recorded rotations too, each joint's in a frame of the source's own choice.
-Take Recorded(double noise_rad, std::uint64_t seed = 5) {
-  Take take = SmoothTake(90);
+PlayedTake Recorded(double noise_rad, std::uint64_t seed = 5) {
+  PlayedTake take = SmoothTake(90);
   Random random(seed, "recorded");
   std::vector<Quaterniond> convention;
   for (int j = 0; j < take.tracks.joints(); ++j)
@@ -61,7 +61,7 @@ TwistError TwistErrorOf(const Motion& fitted, const Motion& truth, int joint, co
   return error;
 }
 
-FitResult FitRecorded(const Take& take, JointTrackOptions options = {}) {
+FitResult FitRecorded(const PlayedTake& take, JointTrackOptions options = {}) {
   auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit) << fit.error().Message();
   return *std::move(fit);
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, RecordedRotations, testing::Values(TrackSolver
                          [](const auto& solver) { return solver.param == TrackSolver::kCeres ? "Ceres" : "Banded"; });
 
 TEST_P(RecordedRotations, TellHowTwistChangesWhichNoPositionTellsWhateverTheFramesOfTheSource) {
-  Take take = Recorded(2.0 * kRadiansOfDegree);
+  PlayedTake take = Recorded(2.0 * kRadiansOfDegree);
   AddNoise(take.tracks, 0.01, 8);
   const Vector3d forearm(1, 0, 0);
   const FitResult with = FitRecorded(take, Options());
@@ -97,13 +97,13 @@ TEST_P(RecordedRotations, TellHowTwistChangesWhichNoPositionTellsWhateverTheFram
 }
 
 TEST_P(RecordedRotations, AreEvidenceForEndsThatTurnNoSeenJoint) {
-  const Take take = Recorded(0.0);
+  const PlayedTake take = Recorded(0.0);
   const FitResult with = FitRecorded(take, Options());
   EXPECT_LT(TwistErrorOf(with.motion, take.truth, kAnkle, Vector3d(1, 0, 0)).changing, 3.0);
 }
 
 TEST(RecordedRotationsOfTracks, MoveNoJointByMoreThanItsNoise) {
-  Take take = Recorded(5.0 * kRadiansOfDegree);
+  PlayedTake take = Recorded(5.0 * kRadiansOfDegree);
   AddNoise(take.tracks, 0.005, 8);
   const FitResult with = FitRecorded(take);
   JointTrackOptions without;
@@ -118,7 +118,7 @@ TEST(RecordedRotationsOfTracks, MoveNoJointByMoreThanItsNoise) {
 }
 
 TEST(RecordedRotationsOfTracks, ThatDoNotFollowTheJointAreNamedAndNotUsed) {
-  Take take = Recorded(0.0);
+  PlayedTake take = Recorded(0.0);
   Random random(6, "wild");
   const auto joints = static_cast<std::size_t>(take.tracks.joints());
   for (int f = 0; f < take.tracks.frames(); ++f) {
@@ -138,7 +138,7 @@ TEST(RecordedRotationsOfTracks, ThatDoNotFollowTheJointAreNamedAndNotUsed) {
 
 TEST(RecordedRotationsOfTracks, OfAFewFramesTellNothingAndThatIsSaid) {
   for (const int frames : {1, 2, 5}) {
-    Take take = Recorded(0.0);
+    PlayedTake take = Recorded(0.0);
     take.tracks = CutTracks(take.tracks, 0, frames);
     take.truth = {};
     const auto fit =
@@ -151,10 +151,10 @@ TEST(RecordedRotationsOfTracks, OfAFewFramesTellNothingAndThatIsSaid) {
 }
 
 TEST(RecordedRotationsOfTracks, OfNoConfidenceAreNotRead) {
-  Take take = Recorded(0.0);
-  Take other = take;
+  PlayedTake take = Recorded(0.0);
+  PlayedTake other = take;
   const Quaterniond nothing(std::numeric_limits<double>::quiet_NaN(), 0, 0, 0);
-  for (Take* one : {&take, &other}) {
+  for (PlayedTake* one : {&take, &other}) {
     for (std::size_t i = 0; i < one->tracks.rotation.size(); i += 3) {
       one->tracks.rotation[i] = one == &take ? nothing : Quaterniond::Identity();
       one->tracks.rotation_confidence[i] = 0.0;
@@ -164,7 +164,7 @@ TEST(RecordedRotationsOfTracks, OfNoConfidenceAreNotRead) {
 }
 
 TEST(RecordedRotationsOfTracks, ThatAreNoRotationsAreRefusedWithTheirPlace) {
-  const Take take = Recorded(0.0);
+  const PlayedTake take = Recorded(0.0);
   JointTracks source = AsSource(take.tracks);
   source.rotation = take.tracks.rotation;
   source.rotation_confidence = take.tracks.rotation_confidence;
@@ -176,7 +176,7 @@ TEST(RecordedRotationsOfTracks, ThatAreNoRotationsAreRefusedWithTheirPlace) {
 }
 
 TEST(RecordedRotationsOfTracks, OfAGivenMotionKeepItsTwistOnAnotherSkeleton) {
-  const Take take = SmoothTake(90);
+  const PlayedTake take = SmoothTake(90);
   auto other = std::make_shared<Skeleton>(*take.truth.skeleton);  // the same joints, another rest pose: arms down
   other->name = "arms_down";
   for (Joint& joint : other->joints) {

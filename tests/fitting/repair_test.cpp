@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kNoise = 0.01;
 
-Take TurningTake(int frames, std::uint64_t seed = 5, double turn_speed = 0.4) {
-  Take take = SmoothTake(frames, Quaterniond::Identity(), 30.0, turn_speed);
+PlayedTake TurningTake(int frames, std::uint64_t seed = 5, double turn_speed = 0.4) {
+  PlayedTake take = SmoothTake(frames, Quaterniond::Identity(), 30.0, turn_speed);
   AddNoise(take.tracks, kNoise, seed);
   return take;
 }
@@ -34,7 +34,7 @@ void Exchange(SkeletonTracks& tracks, const std::vector<int>& left_joints, int b
   }
 }
 
-FitResult FitRepaired(const Take& take, const RepairOptions& repair = {}) {
+FitResult FitRepaired(const PlayedTake& take, const RepairOptions& repair = {}) {
   auto fit = RepairAndFit(take.tracks, take.truth.rate, take.truth.bone_length, repair, {});
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return std::move(*fit);
@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Repair, ExchangedLimbs,
 
 TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
   for (const int frames : {1, 2, 7, 20}) {
-    Take take = TurningTake(90);
+    PlayedTake take = TurningTake(90);
     const double undisturbed = RmsError(FitRepaired(take).motion.joints, take.truth.joints);
     Exchange(take.tracks, GetParam().left, 40, 40 + frames);
     const SkeletonTracks given = take.tracks;
@@ -95,7 +95,7 @@ TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
 }
 
 TEST(Repair, IsListedSoThatItCanBeTakenBack) {
-  Take take = TurningTake(60);
+  PlayedTake take = TurningTake(60);
   const SkeletonTracks before = take.tracks;
   Exchange(take.tracks, {4, 5}, 30, 34);
   const nlohmann::json list = nlohmann::json::parse(FitRepaired(take).track_repairs);
@@ -113,7 +113,7 @@ TEST(Repair, IsListedSoThatItCanBeTakenBack) {
 TEST(Repair, ExchangesNothingInTracksThatAreRight) {
   for (const double turn_speed : {0.4, 6.0, 12.0}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Take take = TurningTake(150, seed, turn_speed);
+      const PlayedTake take = TurningTake(150, seed, turn_speed);
       EXPECT_TRUE(FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0).empty())
           << "turn " << turn_speed << " seed " << seed;
     }
@@ -121,7 +121,7 @@ TEST(Repair, ExchangesNothingInTracksThatAreRight) {
 }
 
 TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
-  Take take = TurningTake(120);
+  PlayedTake take = TurningTake(120);
   for (int f = 0; f < 120; ++f) {  // knees of a sitting person, say: each nearer to the other side's hip
     take.tracks.positions.at(f, 10) = Vector3d(take.tracks.positions.at(f, 11)) + Vector3d(0.05, -0.8, 0.0);
     take.tracks.positions.at(f, 12) = Vector3d(take.tracks.positions.at(f, 9)) + Vector3d(-0.05, -0.8, 0.0);
@@ -130,7 +130,7 @@ TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
 }
 
 TEST(Repair, LeavesWhatIsNotClear) {
-  Take take = TurningTake(60);
+  PlayedTake take = TurningTake(60);
   Exchange(take.tracks, {4, 5}, 30, 34);
   const auto clear = FindExchanges(take.tracks, take.truth.bone_length, kNoise, 10.0);
   ASSERT_EQ(clear.size(), 1u);
@@ -141,7 +141,7 @@ TEST(Repair, LeavesWhatIsNotClear) {
 }
 
 TEST(Repair, TakesHeldJointsForMissing) {
-  Take take = TurningTake(90);
+  PlayedTake take = TurningTake(90);
   const int wrist = 5;
   for (int f = 41; f < 56; ++f) take.tracks.positions.at(f, wrist) = Vector3d(take.tracks.positions.at(40, wrist));
   const FitResult fit = FitRepaired(take);
@@ -159,7 +159,7 @@ TEST(Repair, TakesHeldJointsForMissing) {
 }
 
 TEST(Repair, TakesAPersonWhoIsSuddenlyElsewhereForMissing) {
-  Take take = TurningTake(90);
+  PlayedTake take = TurningTake(90);
   for (int f = 40; f < 50; ++f) {
     for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j) += Vector3d(3.0, 0.0, -2.0);
   }
@@ -177,7 +177,7 @@ TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
   const double undisturbed = RmsError(FitRepaired(TurningTake(90)).motion.joints, TurningTake(90).truth.joints);
   for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0),
                               Vector3d(0, 0, 1), Vector3d(0, 0, -1)}) {
-    Take take = TurningTake(90);
+    PlayedTake take = TurningTake(90);
     for (int f = 40; f < 50; ++f) take.tracks.positions.at(f, wrist) += 0.58 * way;
     const FitResult fit = FitRepaired(take);
     EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 1.3 * undisturbed) << way.transpose();
@@ -203,7 +203,7 @@ TEST(Repair, BlamesTheJointThatIsOffAndNotWhatHangsFromIt) {
     hand.mirror = wrist == 5 ? 15 : 14;
     body->joints.push_back(hand);
   }
-  Take take = SmoothTake(90, Quaterniond::Identity(), 30.0, 0.4, body);
+  PlayedTake take = SmoothTake(90, Quaterniond::Identity(), 30.0, 0.4, body);
   AddNoise(take.tracks, kNoise, 5);
   for (int f = 40; f < 50; ++f) {
     const Vector3d forearm = take.truth.joints.at(f, 5) - take.truth.joints.at(f, 4);
@@ -218,7 +218,7 @@ TEST(Repair, BlamesTheJointThatIsOffAndNotWhatHangsFromIt) {
 
 /// Between two joints that a torn bone joins the one is off that the others do not reach.
 TEST(Repair, BlamesTheJointThatIsOffAndNotItsNeighbours) {
-  Take take = TurningTake(90);
+  PlayedTake take = TurningTake(90);
   const int elbow = *TestSkeleton()->FindJoint("left_elbow");
   for (int f = 40; f < 50; ++f) take.tracks.positions.at(f, elbow) += Vector3d(0.3, 0.5, 0.6);
   const std::vector<Finding> findings = OfCode(FitRepaired(take), "joint_torn_off");
@@ -227,13 +227,13 @@ TEST(Repair, BlamesTheJointThatIsOffAndNotItsNeighbours) {
 }
 
 TEST(Repair, KeepsAStillnessThatLasts) {
-  Take take = TurningTake(90);
+  PlayedTake take = TurningTake(90);
   for (int f = 1; f < 70; ++f) take.tracks.positions.at(f, 5) = Vector3d(take.tracks.positions.at(0, 5));
   EXPECT_TRUE(OfCode(FitRepaired(take), "held_joint").empty());  // most of what is seen of the joint
 }
 
 TEST(Repair, StatesTellHowFarTheNextObservationIs) {
-  Take take = TurningTake(120);
+  PlayedTake take = TurningTake(120);
   for (int f = 20; f < 100; ++f) Hide(take.tracks, f, 5);
   const FitResult fit = FitRepaired(take);
   EXPECT_EQ(StateAt(fit, 19, 5), JointState::kObserved);

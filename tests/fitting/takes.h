@@ -40,14 +40,14 @@ inline SkeletonPtr TestSkeleton() {
 }
 
 /// A smooth take with everything that was true, and tracks that say exactly that.
-struct Take {
+struct PlayedTake {
   Motion truth;
   SkeletonTracks tracks;
 };
 
 /// Every joint swings; `world_from_root` turns the whole person.
-inline Take SmoothTake(int frames, const Quaterniond& world_from_root = Quaterniond::Identity(), double rate_hz = 30.0,
-                       double turn_speed = 0.4, const SkeletonPtr& body = TestSkeleton()) {
+inline PlayedTake SmoothTake(int frames, const Quaterniond& world_from_root = Quaterniond::Identity(),
+                             double rate_hz = 30.0, double turn_speed = 0.4, const SkeletonPtr& body = TestSkeleton()) {
   Random random(3, "take");
   std::vector<Vector3d> translation;
   std::vector<Quaterniond> rotation;
@@ -70,7 +70,7 @@ inline Take SmoothTake(int frames, const Quaterniond& world_from_root = Quaterni
                                 : ExpQuaternion(swing));
     }
   }
-  Take take;
+  PlayedTake take;
   take.truth = MakeMotion(body, FrameRate::FromHz(rate_hz), translation, rotation, body->RestBoneLengths());
   tracks.positions = take.truth.joints;
   tracks.confidence.assign(tracks.positions.xyz.size() / 3, 1.0);

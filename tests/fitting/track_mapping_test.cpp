@@ -16,7 +16,7 @@ Error ErrorOf(const JointTracks& tracks) {
 }
 
 TEST(TrackMapping, FindsJointsByName) {
-  const Take take = SmoothTake(5);
+  const PlayedTake take = SmoothTake(5);
   const auto mapped = MapTracks(AsSource(take.tracks), TestSkeleton());
   ASSERT_TRUE(mapped.has_value()) << mapped.error().Message();
   EXPECT_EQ(mapped->positions.xyz, take.tracks.positions.xyz);
@@ -79,7 +79,7 @@ TEST(FitOfClip, NeedsTracks) {
 }
 
 TEST(FitOfClip, FlagsASkeletonThatDoesNotBelongToItsEvidence) {
-  Take take = SmoothTake(20);
+  PlayedTake take = SmoothTake(20);
   for (double& value : take.tracks.positions.xyz) value *= 10.0;  // as if centimetres were taken for decimetres
   Clip clip;
   clip.rate = FrameRate{30, 1};

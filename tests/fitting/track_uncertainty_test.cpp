@@ -46,7 +46,7 @@ struct Coverage {
   double two() const { return static_cast<double>(within_two) / count; }
 };
 
-FitResult FitWithUncertainty(const Take& take, const JointTrackOptions& options = {}) {
+FitResult FitWithUncertainty(const PlayedTake& take, const JointTrackOptions& options = {}) {
   auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return std::move(*fit);
@@ -57,7 +57,7 @@ float ValueAt(const std::vector<float>& values, const Motion& motion, int frame,
 }
 
 TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
-  Take take = SmoothTake(5);
+  PlayedTake take = SmoothTake(5);
   AddUnevenNoise(take.tracks, 0.01, 8);
   const std::vector<double> sigma(take.tracks.joints(), 0.01);
   const JointTrackOptions options;
@@ -104,7 +104,7 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
 }
 
 TEST(TrackUncertainty, SaysThatTheTwistOfAStraightLimbIsNotObserved) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   for (int f = 0; f < 60; ++f) {
     for (int j = 1; j < take.truth.joint_count(); ++j) take.truth.rotation_at(f, j).setIdentity();
   }
@@ -125,7 +125,7 @@ TEST(TrackUncertainty, SaysThatTheTwistOfAStraightLimbIsNotObserved) {
 }
 
 TEST(TrackUncertainty, GrowsWhereAJointIsNotSeen) {
-  Take take = SmoothTake(90);
+  PlayedTake take = SmoothTake(90);
   for (int f = 30; f < 60; ++f) Hide(take.tracks, f, 5);
   AddNoise(take.tracks, 0.01, 4);
   const Motion motion = FitWithUncertainty(take).motion;
@@ -137,7 +137,7 @@ TEST(TrackUncertainty, GrowsWhereAJointIsNotSeen) {
 /// All joints say how the body moves as a whole. Were each taken for a witness of its own, the walks of a body that
 /// sways would be believed as many times too much as it has joints, and its swaying taken for noise.
 TEST(TrackUncertainty, HoldsForABodyThatSwaysAsAWhole) {
-  Take take = SmoothTake(120);
+  PlayedTake take = SmoothTake(120);
   for (int f = 0; f < 120; ++f) {
     for (int j = 0; j < take.truth.joint_count(); ++j) take.truth.rotation_at(f, j) = take.truth.rotation_at(0, j);
     take.truth.root_translation[f] = Vector3d(0.0, 1.0, 0.025 * std::sin(0.4 * f));
@@ -154,7 +154,7 @@ TEST(TrackUncertainty, HoldsForABodyThatSwaysAsAWhole) {
 }
 
 TEST(TrackUncertainty, IsTheSameInWindows) {
-  Take take = SmoothTake(200);
+  PlayedTake take = SmoothTake(200);
   AddNoise(take.tracks, 0.01, 4);
   JointTrackOptions windows;
   windows.window_frames = 70;
@@ -167,7 +167,7 @@ TEST(TrackUncertainty, IsTheSameInWindows) {
 }
 
 TEST(TrackUncertainty, NeverExceedsThatOfAnAngleOfWhichNothingIsKnown) {
-  Take take = SmoothTake(3);
+  PlayedTake take = SmoothTake(3);
   for (int j = 1; j < take.tracks.joints(); ++j) {
     for (int f = 0; f < 3; ++f) Hide(take.tracks, f, j);
   }
@@ -179,7 +179,7 @@ TEST(TrackUncertainty, NeverExceedsThatOfAnAngleOfWhichNothingIsKnown) {
 
 /// Fitted to the joints of a motion that was fitted itself: those lie smoothly, and their own error is in none of them.
 TEST(StatedUncertainty, OfAFitToAFittedMotionIsNoLessThanThatOfTheFirst) {
-  Take take = SmoothTake(60);
+  PlayedTake take = SmoothTake(60);
   AddNoise(take.tracks, 0.02, 5);
   Clip clip;
   clip.rate = take.truth.rate;
@@ -211,7 +211,7 @@ TEST(StatedUncertainty, CoversTheErrorsOfTheReferenceProblems) {
 }
 
 TEST(TrackUncertainty, WhereSamplesLieToOneSideForLongTheFitIsSaidToBeOffByAsMuch) {
-  Take take = SmoothTake(120);
+  PlayedTake take = SmoothTake(120);
   AddNoise(take.tracks, 0.006, 9);
   const int ankle = *take.truth.skeleton->FindJoint("left_ankle");
   const int hip = *take.truth.skeleton->FindJoint("left_hip");
@@ -232,7 +232,7 @@ TEST(TrackUncertainty, WhereSamplesLieToOneSideForLongTheFitIsSaidToBeOffByAsMuc
 }
 
 TEST(TrackUncertainty, GrowsWithTheGapOfEachJointAndOfWhatHangsOnIt) {
-  Take take = SmoothTake(120);
+  PlayedTake take = SmoothTake(120);
   const Skeleton& body = *take.truth.skeleton;
   const int elbow = *body.FindJoint("left_elbow");
   const int wrist = *body.FindJoint("left_wrist");
