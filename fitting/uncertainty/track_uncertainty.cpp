@@ -6,6 +6,7 @@
 #include "fitting/uncertainty/body_spread.h"
 #include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/frame_covariances.h"
+#include "fitting/uncertainty/lasting_noise.h"
 #include "fitting/uncertainty/lasting_residuals.h"
 #include "fitting/uncertainty/unseen_growth.h"
 
@@ -40,6 +41,8 @@ std::vector<double> PriorVariance(const TrackWindow& whole) {
 struct Freedom {
   double squares = 0.0;
   double numbers = 0.0;
+  double samples = 0.0;
+  double leverage = 0.0;  ///< sum of what a sample counts in its joint's position, per axis
 };
 
 class Reader {
@@ -64,7 +67,10 @@ class Reader {
       const Matrix3d information = track.DataInformation(frame, j);
       const Vector3d away = state.position(frame, j) - window_.tracks.positions.at(frame, j);
       freedom_.squares += away.dot(information * away);
-      freedom_.numbers += std::max(3.0 - information.cwiseProduct(position).sum(), 3.0 * kSmallestShare);
+      const double leverage = information.cwiseProduct(position).sum();
+      freedom_.numbers += std::max(3.0 - leverage, 3.0 * kSmallestShare);
+      freedom_.samples += 1.0;
+      freedom_.leverage += leverage / 3.0;
     }
   }
 
@@ -98,7 +104,6 @@ class Reader {
 /// seen in its frame, and the prior's part of a rotation, stay.
 void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, double factor,
            PoseUncertainty& uncertainty) {
-  uncertainty.variance_factor = factor;
   factor *= kUncertaintyCalibration;
   const UnseenGrowth growth = GrowthOfUnseen(tracks);
   for (int f = 0; f < tracks.frames(); ++f) {
@@ -138,7 +143,9 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double l
   if (!visited) return tl::unexpected<Error>(visited.error());
   if (freedom.numbers > 0.0) {
     const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
-    Scale(whole.tracks, prior, factor, uncertainty);
+    const double averaged = freedom.samples / std::max(freedom.leverage, 1e-9);
+    Scale(whole.tracks, prior, factor * GrowthByLastingNoise(whole, averaged), uncertainty);
+    uncertainty.variance_factor = factor;
     const std::vector<float> lasting = CovarianceOfLasting(whole, factor);
     for (std::size_t i = 0; i < lasting.size(); ++i) uncertainty.position_cov[i] += lasting[i];
   }

@@ -44,6 +44,7 @@ void Set(const std::string& name, double value, JointTrackOptions& options, Repa
   if (name == "outlier") errors.tracker.outlier_share = value;
   if (name == "frozen") errors.tracker.frozen_share = value;
   if (name == "wander") errors.tracker.wander = value;
+  if (name == "wander_frames") errors.tracker.wander_frames = value;
   if (name == "swapped") errors.swapped_frames = value;
   if (name == "swap_mean") errors.swap_mean_frames = value;
 }

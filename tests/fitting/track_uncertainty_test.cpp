@@ -231,6 +231,26 @@ TEST(TrackUncertainty, WhereSamplesLieToOneSideForLongTheFitIsSaidToBeOffByAsMuc
   EXPECT_LT(stated(fit, 100), 1.5 * stated(before, 100));  // elsewhere nothing is said
 }
 
+TEST(TrackUncertainty, KnowsATrackersErrorThatLasts) {
+  Coverage coverage;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    Take take = SmoothTake(150);
+    Random random(seed, "lasting noise");
+    const auto normal = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()); };
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      Vector3d lasting = 0.015 * normal();
+      for (int f = 0; f < take.tracks.frames(); ++f) {
+        take.tracks.positions.at(f, j) += lasting + 0.015 * normal();
+        lasting = 0.9 * lasting + 0.015 * std::sqrt(1.0 - 0.81) * normal();
+      }
+    }
+    coverage.Add(Fit(take).motion, take.truth.joints);
+  }
+  EXPECT_GT(coverage.one(), 0.55);  // errors that do not last would be stated as half as large
+  EXPECT_GT(coverage.two(), 0.85);
+  EXPECT_LT(coverage.one(), 0.80);
+}
+
 TEST(TrackUncertainty, GrowsWithTheGapOfEachJointAndOfWhatHangsOnIt) {
   PlayedTake take = SmoothTake(120);
   const Skeleton& body = *take.truth.skeleton;
