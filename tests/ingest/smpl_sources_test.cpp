@@ -300,6 +300,27 @@ TEST(Ntu13Vibe, OnSmplsTreeItsRotationsAreRead) {
   EXPECT_LT(WorstAngle(*ingested.clip.motion, truth), 1e-6);
 }
 
+TEST(Ntu13Vibe, FramesWithoutARowAreFilledSoThatThoseAfterKeepTheirTime) {
+  const std::filesystem::path folder = FreshFolder("ntu13_gap");
+  VibeTrack track = Track(Somebody(12, 2), kHalfTurn);
+  for (std::size_t f = 5; f < track.frames; ++f) track.frame_ids[f] += 3;
+  Put(folder / "S001C001P001R001A006.pkl", *EncodeVibeTracks({track}, "x"));
+  const auto discovery = Discover(Declared(
+      "ntu13_vibe", {"ingest.path=" + folder.string(), "ingest.source.skeleton=smpl24", "ingest.source.joints=[]"}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "ntu13_gap");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.motion->frame_count(), 15);
+  int told = 0;
+  for (const Finding& finding : ingested.outcome->findings) {
+    if (finding.code != "frames_filled") continue;
+    ++told;
+    EXPECT_EQ(finding.frame_begin, 5);
+    EXPECT_EQ(finding.frame_end, 8);
+  }
+  EXPECT_EQ(told, 1);
+}
+
 TEST(Phspd, FramesThatNobodyAnnotatedAreMissingInTheirPlace) {
   const std::filesystem::path folder = FreshFolder("phspd");
   const Motion truth = Somebody(3, 4);

@@ -140,21 +140,6 @@ TEST_F(VibePeople, AnIdThatChangesIsOnePersonAndTheGapIsFilled) {
   }
 }
 
-TEST_F(VibePeople, FramesThatANamedTrackLacksAreFilledSoThatThoseAfterKeepTheirTime) {
-  const std::size_t half = performer.frames / 2;
-  VibeTrack gap = Piece(performer, 1, 0, half);
-  const VibeTrack after = Piece(performer, 1, half + 3, performer.frames);
-  for (auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::betas, &VibeTrack::original_camera,
-                     &VibeTrack::predicted_camera, &VibeTrack::boxes})
-    (gap.*field).insert((gap.*field).end(), (after.*field).begin(), (after.*field).end());
-  gap.frame_ids.insert(gap.frame_ids.end(), after.frame_ids.begin(), after.frame_ids.end());
-  gap.frames += after.frames;
-  const mocurate::Ingested ingested = Read({gap, bystander}, {"ingest.source.track=1"});
-  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  EXPECT_LT(ErrorOf(ingested.clip), 0.1) << "three frames are between two";
-  EXPECT_THAT(Found(ingested, "frames_filled"), HasSubstr("3 frames"));
-}
-
 TEST_F(VibePeople, APosterIsAGhost) {
   VibeTrack poster = bystander;
   for (auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::original_camera, &VibeTrack::boxes}) {
