@@ -134,8 +134,8 @@ std::vector<Finding> FindNeverSeen(const TrackedPoints& points, const std::vecto
     if (seen[static_cast<std::size_t>(k)] == 0) names += (names.empty() ? "'" : ", '") + points.name(k) + "'";
   }
   Finding finding = FrameFinding("joint_never_seen", 0, 0, "", static_cast<double>(never),
-                                 names + (never == 1 ? " is" : " are") + " seen in none of " +
-                                     Counted(points.frames(), "frame") + ", other joints are");
+                                 Counted(never, "joint") + " seen in none of " + Counted(points.frames(), "frame") +
+                                     ", while others are: " + names);
   finding.severity = Severity::kInfo;
   return {std::move(finding)};
 }
