@@ -21,6 +21,7 @@ const std::map<std::string, std::string>& CheckCodes() {
   static const std::map<std::string, std::string> codes = {
       {"zero_frames", "frames whose joints are all at 0 0 0"},
       {"zero_joint", "a joint at 0 0 0 among others that are not"},
+      {"joint_never_seen", "a joint that is missing in every frame"},
       {"collapsed_frames", "frames whose joints lie in one point"},
       {"frozen_frames", "frames equal to the last digit"},
       {"repeated_frames", "each frame several times"},

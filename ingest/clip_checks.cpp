@@ -93,11 +93,51 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
     finding.severity = Severity::kInfo;
     findings.push_back(std::move(finding));
   }
+  return findings;
+}
+
+void SayWhatZerosAre(SourceFormat format, std::vector<Finding>& findings) {
   for (Finding& finding : findings) {
     if (finding.code.rfind("zero_", 0) != 0) continue;
-    finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    if (format == SourceFormat::kAmass) {
+      finding.message = "'" + finding.joint + "' is at 0 0 0 in " +
+                        Counted(finding.frame_end - finding.frame_begin, "frame") +
+                        ": the file does not say where the body goes";
+    } else if (format == SourceFormat::kNtuSkeleton) {
+      finding.message += "; taken as missing";
+    } else if (format == SourceFormat::kJointTable) {
+      finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    } else {
+      finding.message +=
+          "; ingest.source.checks.actions: {" + finding.code + ": missing} takes tracks there as not seen";
+    }
   }
-  return findings;
+}
+
+std::vector<Finding> FindNeverSeen(const TrackedPoints& points, const std::vector<Finding>& told) {
+  std::vector<char> seen(static_cast<std::size_t>(points.count()), 0);
+  for (int f = 0; f < points.frames(); ++f) {
+    for (int k = 0; k < points.count(); ++k) {
+      if (points.sees(f, k)) seen[static_cast<std::size_t>(k)] = 1;
+    }
+  }
+  if (std::count(seen.begin(), seen.end(), 1) == 0) return {};
+  for (const Finding& finding : told) {
+    for (int k = 0; k < points.count(); ++k) {
+      if (finding.joint == points.name(k)) seen[static_cast<std::size_t>(k)] = 1;
+    }
+  }
+  const auto never = std::count(seen.begin(), seen.end(), 0);
+  if (never == 0) return {};
+  std::string names;
+  for (int k = 0; k < points.count(); ++k) {
+    if (seen[static_cast<std::size_t>(k)] == 0) names += (names.empty() ? "'" : ", '") + points.name(k) + "'";
+  }
+  Finding finding = FrameFinding("joint_never_seen", 0, 0, "", static_cast<double>(never),
+                                 Counted(never, "joint") + " seen in none of " + Counted(points.frames(), "frame") +
+                                     ", while others are: " + names);
+  finding.severity = Severity::kInfo;
+  return {std::move(finding)};
 }
 
 bool SpoilsPoses(const std::vector<Finding>& findings) {
@@ -204,6 +244,8 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   }
   std::vector<Finding> findings = FindDefects(options, points.view(), ingested.clip.rate.hz(), metres,
                                               FramesLost(source, named, points.positions->frames));
+  SayWhatZerosAre(source.format, findings);
+  for (Finding& finding : FindNeverSeen(points.view(), ingested.findings)) findings.push_back(std::move(finding));
   if (SpoilsPoses(ingested.findings)) {
     const auto shown = [](const Finding& finding) { return finding.code != "frozen_frames"; };
     findings.erase(std::remove_if(findings.begin(), findings.end(), shown), findings.end());

@@ -41,6 +41,13 @@ struct DroppedClip {
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
                                  std::optional<double> rate_hz, bool metres, int lost_frames = 0);
 
+/// Says of findings of zeros what is to be done about them in a source of `format`.
+void SayWhatZerosAre(SourceFormat format, std::vector<Finding>& findings);
+
+/// "joint_never_seen" (info): joints that are missing in every frame of a clip in which others are seen; value their
+/// number. Joints that a finding of `told` is about are left out.
+std::vector<Finding> FindNeverSeen(const TrackedPoints& points, const std::vector<Finding>& told = {});
+
 /// Of a file that says neither when its frames were taken nor how fast: up to half a second at 30 Hz, a second at 15.
 /// HumanAct12's clips, which leave out what nobody annotated, lack up to 17 frames.
 inline constexpr int kLostWithoutRate = 15;

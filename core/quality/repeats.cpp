@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kAbrupt = 1e-3;    // metres: who stands still by intent sets out more softly, and no sensor is so sure
 constexpr double kByChance = 0.01;  // stillnesses of a clip on a grid, above which one is no defect
-constexpr int kMostTimes = 4;       // that a frame is written: 15 Hz in a file of 60
-constexpr double kNearlyAll = 0.9;  // of the frames
-constexpr int kFewestRepeated = 5;  // different frames
+constexpr int kBeyondOthers = 3;  // times the longest stillness of any joint that moves: by chance none stands so long
+constexpr int kMostTimes = 4;     // that a frame is written: 15 Hz in a file of 60
+constexpr double kNearlyAll = 0.9;   // of the frames
+constexpr int kFewestRepeated = 5;   // different frames
 constexpr double kCollapsed = 0.02;  // metres: no body is so small
 
 /// Calls with [begin, end) of each run of frames in which `holds`.
@@ -44,6 +45,20 @@ class Repeats {
   }
 
   bool Moves(int k) const { return moves_[static_cast<std::size_t>(k)] != 0; }
+
+  /// Whether a joint that never moves was held among joints that do: most of the others move, and it hangs on one that
+  /// does. A root that stays, and what is bound to it, stands so by intent.
+  bool HeldThroughout(int k) const {
+    int seen = 0, moving = 0;
+    for (int other = 0; other < points_.count(); ++other) {
+      seen += EverSeen(other) ? 1 : 0;
+      moving += Moves(other) ? 1 : 0;
+    }
+    if (2 * moving <= seen) return false;
+    if (points_.parents.empty()) return true;
+    const int parent = points_.parents[static_cast<std::size_t>(k)];
+    return parent >= 0 && Moves(parent);
+  }
   bool Joint(int f, int k) const { return f > 0 && BothSeen(f, k) && Same(f, k); }
 
   /// Every joint that ever moves, and the same joints are seen. In a clip where none ever does, any joint.
@@ -69,6 +84,7 @@ class Repeats {
   /// steps of a coarse grid every stillness is entered and left.
   bool ByGrid(int begin, int end, int k) const {
     if (!grid_) return false;
+    if (!Moves(k)) return end - begin <= kBeyondOthers * LongestStillness();
     if (ExpectedByChance(points_, *grid_, k, begin, end) > kByChance) return true;
     const auto softly = [&](int f) {
       if (f < 1 || f >= points_.frames() || !BothSeen(f, k)) return true;
@@ -96,6 +112,23 @@ class Repeats {
     return Step(f, k) > kAbrupt && (!seen || Step(f, k) > 0.5 * Step(beyond, k));
   }
   double Step(int f, int k) const { return (points_.at(f, k) - points_.at(f - 1, k)).norm(); }
+  bool EverSeen(int k) const {
+    for (int f = 0; f < points_.frames(); ++f) {
+      if (points_.sees(f, k)) return true;
+    }
+    return false;
+  }
+  /// Frames of the longest stillness of a joint that moves.
+  int LongestStillness() const {
+    int longest = 0;
+    for (int k = 0; k < points_.count(); ++k) {
+      if (!Moves(k)) continue;
+      ForRuns(
+          points_.frames(), [&](int f) { return Joint(f, k); },
+          [&](int begin, int end) { longest = std::max(longest, end - begin + 1); });
+    }
+    return longest;
+  }
   bool Same(int f, int k) const { return points_.at(f, k) == points_.at(f - 1, k); }
 
   const TrackedPoints& points_;
@@ -115,7 +148,7 @@ struct Hold {
 std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats, int fewest) {
   std::vector<Hold> holds;
   for (int k = 0; k < points.count(); ++k) {
-    if (!repeats.Moves(k)) continue;
+    if (!repeats.Moves(k) && !repeats.HeldThroughout(k)) continue;
     const auto held = [&](int f) { return repeats.Joint(f, k); };
     ForRuns(points.frames(), held, [&](int begin, int end) {
       int others = 0;  // steps in which something else moves

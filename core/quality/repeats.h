@@ -21,8 +21,9 @@ struct RepeatLimits {
 /// holds are soft was made, not sensed: its planted feet stop within a frame as well, and none of its holds is told; of
 /// a clip that was sensed all are. Samples that were rounded to pixels or millimetres repeat by chance: there a hold is
 /// told where it is longer than chance explains, at the grid's step and the joint's speed around it, and does not begin
-/// and end with single steps of the grid. A joint that never moves in the whole clip (the root of many a BVH file) is
-/// no held joint, and tells nothing about whether the others freeze. A clip that never moves is one frozen span.
+/// and end with single steps of the grid. A joint that never moves in the whole clip tells nothing about whether the
+/// others freeze; it is held where most joints move and the one it hangs on does, and is none where it is a root (of
+/// many a BVH file) or bound to one that stays. A clip that never moves is one frozen span.
 std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits& limits = {});
 
 /// Exact zeros that stand as if they were seen.

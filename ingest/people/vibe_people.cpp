@@ -109,6 +109,15 @@ Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const
 
 }  // namespace
 
+Expected<UestcPerson> NamedVibePerson(const VibeTrack& track, const std::string& name) {
+  if (track.frame_ids.empty()) return UestcPerson{track, {}, {}, {}};
+  const Expected<FrameRange> range = FramesOf({track}, name);
+  if (!range) return Forward(range);
+  UestcPerson person = JoinVibeTracks({&track}, UestcRule::kCorrected);
+  person.chosen.clear();  // its name is the source's
+  return person;
+}
+
 Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
                                        double rate_hz, const std::string& name) {
   if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "nobody was found in the video", name, "leave it out");

@@ -17,4 +17,8 @@ namespace mocurate {
 Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
                                        double rate_hz, const std::string& name);
 
+/// The track that a source names: frames between its rows are filled along the shortest arc and told as
+/// "frames_filled". A track that does not say its frames is taken as it is. Errors as of ChooseVibePerson.
+Expected<UestcPerson> NamedVibePerson(const VibeTrack& track, const std::string& name);
+
 }  // namespace mocurate

@@ -104,6 +104,22 @@ bool MayBeRadians(const Angles& angles) {
   return angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
 }
 
+/// Of SMPL's poses (frames, columns).
+std::optional<Finding> DoubtRotationVectors(const std::vector<double>& poses, std::size_t frames, std::size_t columns) {
+  const std::size_t joints = std::min(kBodyJoints, columns / 3);
+  Angles angles;
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const double* turn = &poses[f * columns + 3 * j];
+      angles.Add(std::hypot(turn[0], turn[1], turn[2]));
+    }
+  }
+  if (angles.share() < kManyOver) return std::nullopt;
+  return AngleContradiction(angles.largest,
+                            "the rotation vectors in 'poses' are " + OverWords(angles) +
+                                ": radians of a body are not, degrees are; multiply them by pi / 180 = 0.0174533");
+}
+
 }  // namespace
 
 std::optional<Finding> DoubtAngles(const Bvh& bvh) {
@@ -130,18 +146,11 @@ std::optional<Finding> DoubtAngles(const Bvh& bvh) {
 }
 
 std::optional<Finding> DoubtAngles(const Amass& amass) {
-  const std::size_t joints = std::min(kLivelyJoints, amass.pose_columns / 3);
-  Angles angles;
-  for (std::size_t f = 0; f < amass.frames; ++f) {
-    for (std::size_t j = 0; j < joints; ++j) {
-      const double* turn = &amass.poses[f * amass.pose_columns + 3 * j];
-      angles.Add(std::hypot(turn[0], turn[1], turn[2]));
-    }
-  }
-  if (angles.share() < kManyOver) return std::nullopt;
-  return AngleContradiction(angles.largest,
-                            "the rotation vectors in 'poses' are " + OverWords(angles) +
-                                ": radians of a body are not, degrees are; multiply them by pi / 180 = 0.0174533");
+  return DoubtRotationVectors(amass.poses, amass.frames, amass.pose_columns);
+}
+
+std::optional<Finding> DoubtAngles(const HumanAct12Clip& clip) {
+  return DoubtRotationVectors(clip.poses, clip.frames, clip.frames == 0 ? 0 : clip.poses.size() / clip.frames);
 }
 
 std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {

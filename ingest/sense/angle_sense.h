@@ -6,6 +6,7 @@
 #include "core/formats/amass.h"
 #include "core/formats/amc.h"
 #include "core/formats/bvh.h"
+#include "core/formats/humanact12_pickle.h"
 
 namespace mocurate {
 
@@ -13,6 +14,9 @@ namespace mocurate {
 /// AMASS, where at least one in twenty of the joints' is longer than a whole turn. Radians of people are not; degrees
 /// are. One in 22 may be: a root that is never wrapped.
 std::optional<Finding> DoubtAngles(const Amass& amass);
+
+/// The same of a clip of `humanact12poses.pkl`.
+std::optional<Finding> DoubtAngles(const HumanAct12Clip& clip);
 
 /// The same of a BVH, which is in degrees: at least 10 joints that turn, and none of them but the root by more than
 /// what pi is in radians.

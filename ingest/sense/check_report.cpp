@@ -62,6 +62,12 @@ bool Remarked(const ObservedClip& clip, const std::string& code) {
                      [&](const Remark& remark) { return remark.code == code; });
 }
 
+SourceFormat FormatOf(const ObservedClip& clip) {
+  if (clip.format == "amass") return SourceFormat::kAmass;
+  if (clip.format == "ntu_skeleton") return SourceFormat::kNtuSkeleton;
+  return clip.format == "joint_table" ? SourceFormat::kJointTable : SourceFormat::kNone;
+}
+
 /// A clip in metres with y up.
 struct ClipInMetres {
   ClipInMetres(const ObservedClip& clip, const std::string& units, const std::string& up, double rate_hz);
@@ -138,10 +144,13 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   const std::optional<double> rate = declared ? source->rate_hz : clip.rate_doubt ? std::nullopt : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
   metres.confidence = CheckedConfidence(clip);
+  std::vector<Finding> unseen = FindNeverSeen(metres.view(clip));
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options = source ? source->checks : CheckOptions();
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known,
                                            rate ? lost_frames : std::max(lost_frames, kLostWithoutRate));
+  SayWhatZerosAre(FormatOf(clip), found);
+  found.insert(found.end(), std::make_move_iterator(unseen.begin()), std::make_move_iterator(unseen.end()));
   CheckPath(clip, options, metres, up, found);
   if (!Remarked(clip, "no_joint_seen")) {
     std::vector<Finding> told;

@@ -2,11 +2,15 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/fault_codes.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/pose_sense.h"
 
 namespace mocurate {
 namespace {
@@ -22,12 +26,19 @@ void SetPositions(const std::vector<double>& xyz, std::size_t frames, std::size_
 }
 
 Expected<ObservedFile> HumanAct12In(const FileBytes& file) {
-  const auto clips = ParseHumanAct12Pickle(file.bytes, file.name);
-  if (!clips) return Forward(clips);
+  const auto archive = HumanAct12Archive::Open(file.bytes, file.name);
+  if (!archive) return Forward(archive);
   ObservedFile observed;
-  for (const HumanAct12Clip& source : *clips) {
+  for (std::size_t i = 0; i < archive->size(); ++i) {
+    const Expected<HumanAct12Clip> entry = archive->Clip(i);
+    if (!entry) {  // costs a run one clip
+      observed.remarks.push_back({FaultCode(entry.error(), "humanact12_pickle"), Severity::kError,
+                                  static_cast<double>(i), entry.error().Message()});
+      continue;
+    }
+    const HumanAct12Clip& source = *entry;
     ObservedClip clip;
-    clip.id = "[" + std::to_string(observed.clips.size()) + "]";
+    clip.id = "[" + std::to_string(i) + "]";
     clip.format = "humanact12_pickle";
     SetPositions(source.joints, source.frames, 24, clip);
     clip.layout_evidence = "list joints3D of the file";
@@ -36,9 +47,13 @@ Expected<ObservedFile> HumanAct12In(const FileBytes& file) {
     for (const JointOrder& order : KnownJointOrders()) {
       if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
     }
+    std::optional<Finding> spoiled = DoubtAngles(source);
+    if (!spoiled) spoiled = DoubtPoses(source);
+    if (spoiled) clip.remarks.push_back({spoiled->code, spoiled->severity, spoiled->value, spoiled->message});
     observed.clips.push_back(std::move(clip));
   }
-  return observed;
+  if (!observed.clips.empty() || archive->size() == 0) return observed;
+  return Forward(archive->Clip(0));
 }
 
 /// The order of SPIN and VIBE (Kolotouros et al. 2019): 25 of OpenPose, then 24 of other data sets.
@@ -77,6 +92,17 @@ Expected<ObservedFile> PhspdRigIn(const FileBytes& file) {
   return observed;
 }
 
+/// Where frames have no row: an ingest fills them.
+void RemarkGaps(const VibeTrack& track, ObservedClip& clip) {
+  for (std::size_t row = 1; row < track.frame_ids.size(); ++row) {
+    const std::int64_t last = track.frame_ids[row - 1], next = track.frame_ids[row];
+    if (next <= last + 1) continue;
+    clip.remarks.push_back({"frames_filled", Severity::kInfo, static_cast<double>(next - last - 1),
+                            Counted(next - last - 1, "frame") + " without the person: " + std::to_string(last) +
+                                " is followed by " + std::to_string(next) + "; an ingest interpolates them"});
+  }
+}
+
 Expected<ObservedFile> VibeTracksIn(const FileBytes& file) {
   const auto tracks = ParseVibeTracks(file.bytes, file.name);
   if (!tracks) return Forward(tracks);
@@ -84,6 +110,7 @@ Expected<ObservedFile> VibeTracksIn(const FileBytes& file) {
   for (const VibeTrack& track : *tracks) {
     observed.clips.push_back(ObserveVibeTrack(track, "vibe_tracks"));
     observed.clips.back().id = "[" + std::to_string(track.id) + "]";
+    RemarkGaps(track, observed.clips.back());
   }
   return observed;
 }

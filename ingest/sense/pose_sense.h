@@ -5,6 +5,7 @@
 
 #include "core/base/finding.h"
 #include "core/formats/amass.h"
+#include "core/formats/humanact12_pickle.h"
 #include "core/motion/motion.h"
 
 namespace mocurate {
@@ -14,6 +15,10 @@ namespace mocurate {
 /// more are told, at most 20 spans; value: frames; an error from half of the clip on. Fitted poses of who stands still
 /// differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h).
 std::vector<Finding> DoubtPoses(const Amass& amass);
+
+/// "frozen_pose" of a clip of `humanact12poses.pkl` of 5 frames or more: every rotation is what it was to the last
+/// digit in every frame, while the recorded joints move against each other; an error. Value: frames.
+std::optional<Finding> DoubtPoses(const HumanAct12Clip& clip);
 
 /// "units_contradiction" where the markers are a power of ten larger or smaller than the body that poses and `trans`
 /// give, `posed` (frames, joints; metres): `marker_data` is of another unit, and the body is sound. Value: how many

@@ -3,6 +3,8 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/pose_sense.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -78,7 +80,12 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
                                     FileBoneLengths(joints, **skeleton));
-  NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
+  std::optional<Finding> spoiled = DoubtAngles(*clip);
+  if (!spoiled) spoiled = DoubtPoses(*clip);
+  if (spoiled)
+    ingested.findings.push_back(*std::move(spoiled));
+  else
+    NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
   ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
   return ingested;
 }

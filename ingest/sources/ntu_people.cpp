@@ -5,6 +5,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/median.h"
+#include "core/quality/repeats.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -117,6 +118,30 @@ Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& sou
                                bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
   people.findings.insert(people.findings.begin(), stitched.begin(), stitched.end());
   return people;
+}
+
+void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings) {
+  const int frames = static_cast<int>(skeleton.frames.size());
+  JointPositions positions(frames, kNtuJoints);
+  std::vector<double> followed(static_cast<std::size_t>(frames) * kNtuJoints, 0.0), time_s;
+  for (int f = 0; f < frames; ++f) {
+    time_s.push_back(f);
+    for (const NtuBody& person : skeleton.frames[static_cast<std::size_t>(f)]) {
+      if (std::find(body.ids.begin(), body.ids.end(), person.id) == body.ids.end()) continue;
+      for (int j = 0; j < kNtuJoints; ++j) {
+        const NtuJoint& joint = person.joints[static_cast<std::size_t>(j)];
+        if (joint.tracking == 0) continue;
+        positions.at(f, j) = Vector3d(joint.x_m, joint.y_m, joint.z_m);
+        followed[static_cast<std::size_t>(f) * kNtuJoints + static_cast<std::size_t>(j)] = 1.0;
+      }
+    }
+  }
+  for (Finding& finding : FindBlanks({positions, followed, time_s, NtuJointNames()})) {
+    if (finding.code != "zero_joint") continue;
+    finding.action = "taken as missing";
+    finding.message += "; taken as missing";
+    findings.push_back(std::move(finding));
+  }
 }
 
 Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,

@@ -18,6 +18,10 @@ std::vector<std::string> NtuJointNames();
 /// PeopleOptions' steps are in the result. Error kConfig: axes.
 Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& source, std::size_t wanted);
 
+/// "zero_joint", taken as missing: joints of `body` that the sensor says it tracks or infers, and puts at 0 0 0; value
+/// the frames.
+void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings);
+
 /// Of a file that holds fewer people than `wanted`: the `own`-th of them, from 1, is not there. `name` for messages.
 Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
                      const std::string& name);

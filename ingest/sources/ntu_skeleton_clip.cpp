@@ -43,6 +43,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(frames, "frame"), file.name,
                 "the tracker lost the person: leave the file out");
   }
+  NoteZeroJoints(*skeleton, body, ingested.findings);
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.provenance["body_id"] = body.Name();
   ingested.clip.evidence.tracks = std::move(tracks);

@@ -110,9 +110,9 @@ Expected<UestcPerson> ChosenPerson(const SourceFile& file, bool by_name) {
   if (!tracks) return Forward(tracks);
   if (!by_name) return ChooseVibePerson(*tracks, file.source.people, *file.source.rate_hz, file.name);
   std::string keys;
-  for (VibeTrack& track : *tracks) {
+  for (const VibeTrack& track : *tracks) {
     keys += (keys.empty() ? "" : ", ") + std::to_string(track.id);
-    if (std::to_string(track.id) == file.source.track) return UestcPerson{std::move(track), {}, {}, {}};
+    if (std::to_string(track.id) == file.source.track) return NamedVibePerson(track, file.name);
   }
   return Fail(ErrorCode::kInconsistent, "the file has no track " + file.source.track, file.name,
               keys.empty() ? "it has none: nobody was found in the video" : "its tracks are " + keys);

@@ -113,7 +113,7 @@ TEST(RigDoubt, ADelayedCameraOfARecordedTrialIsOffByWhatIsSaid) {
   for (const std::size_t late : {0u, 1u, 3u}) {
     Evidence evidence = whole;
     Delay(evidence.keypoint_views[late], 6);
-    const auto found = Triangulated(evidence);
+    const auto found = TriangulatedInDoubt(evidence);
     ASSERT_TRUE(found) << found.error().Message();
     const RigFault* clock = FaultNamed(*found, "camera_clock_off");
     ASSERT_NE(clock, nullptr) << late;
@@ -121,7 +121,7 @@ TEST(RigDoubt, ADelayedCameraOfARecordedTrialIsOffByWhatIsSaid) {
     const double sigma_ms = std::stod(clock->message.substr(clock->message.find(words) + words.size()));
     EXPECT_LT(std::abs(clock->value + 100.0), 2.5 * sigma_ms) << clock->message;
     if (late != 3) continue;
-    EXPECT_NE(FaultNamed(*found, "views_disagree"), nullptr) << Told(*found);
+    EXPECT_NE(FaultNamed(*found, "views_disagree"), nullptr) << ToldByDoubt(*found);
     EXPECT_GT(std::sqrt(found->report.place_doubt.trace()), 0.03);  // people come out 60 mm off
     EXPECT_TRUE(found->report.doubtful);
   }
@@ -170,14 +170,14 @@ TEST(RigDoubt, AMirroredImageOfARecordedTrialWithBystandersIsNamed) {
     for (std::size_t v = 0; v < 4; ++v) {
       Evidence altered = whole;
       Mirror(altered.keypoint_views[v]);
-      const auto found = Triangulated(altered);
+      const auto found = TriangulatedInDoubt(altered);
       ASSERT_TRUE(found) << found.error().Message();
       const RigFault* fault = FaultNamed(*found, "view_mirrored");
-      ASSERT_NE(fault, nullptr) << trial << v << ": " << Told(*found);
+      ASSERT_NE(fault, nullptr) << trial << v << ": " << ToldByDoubt(*found);
       EXPECT_EQ(fault->camera, altered.keypoint_views[v].camera.name);
       EXPECT_TRUE(fault->corrected);
     }
-    EXPECT_EQ(FaultNamed(*Triangulated(whole), "view_mirrored"), nullptr);
+    EXPECT_EQ(FaultNamed(*TriangulatedInDoubt(whole), "view_mirrored"), nullptr);
   }
 }
 

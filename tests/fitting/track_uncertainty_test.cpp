@@ -234,7 +234,7 @@ TEST(TrackUncertainty, WhereSamplesLieToOneSideForLongTheFitIsSaidToBeOffByAsMuc
 TEST(TrackUncertainty, KnowsATrackersErrorThatLasts) {
   Coverage coverage;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    Take take = SmoothTake(150);
+    PlayedTake take = SmoothTake(150);
     Random random(seed, "lasting noise");
     const auto normal = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()); };
     for (int j = 0; j < take.tracks.joints(); ++j) {
@@ -244,7 +244,7 @@ TEST(TrackUncertainty, KnowsATrackersErrorThatLasts) {
         lasting = 0.9 * lasting + 0.015 * std::sqrt(1.0 - 0.81) * normal();
       }
     }
-    coverage.Add(Fit(take).motion, take.truth.joints);
+    coverage.Add(FitWithUncertainty(take).motion, take.truth.joints);
   }
   EXPECT_GT(coverage.one(), 0.55);  // errors that do not last would be stated as half as large
   EXPECT_GT(coverage.two(), 0.85);

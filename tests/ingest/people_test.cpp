@@ -13,7 +13,6 @@ namespace mocurate {
 namespace {
 
 using test::Perform;
-using test::Take;
 using test::TakeOptions;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -28,8 +27,8 @@ TakeOptions Body(double stature, int frames = 90) {
 }
 
 /// Frames [begin, end) of a take, every `step`-th, moved by `offset`.
-PersonTrack Piece(const Take& take, std::uint64_t id, int begin, int end, const Vector3d& offset = Vector3d::Zero(),
-                  int step = 1) {
+PersonTrack Piece(const test::Take& take, std::uint64_t id, int begin, int end,
+                  const Vector3d& offset = Vector3d::Zero(), int step = 1) {
   PersonTrack track;
   track.ids = {id};
   track.positions.joints = take.positions.joints;
@@ -45,7 +44,7 @@ PersonTrack Piece(const Take& take, std::uint64_t id, int begin, int end, const 
   return track;
 }
 
-std::vector<PersonTrack> Stitched(std::vector<PersonTrack> tracks, const Take& like,
+std::vector<PersonTrack> Stitched(std::vector<PersonTrack> tracks, const test::Take& like,
                                   std::vector<Finding>* found = nullptr) {
   std::vector<Finding> findings;
   auto people = StitchTracks(std::move(tracks), like.parents, like.time_s, {}, findings);
@@ -53,7 +52,7 @@ std::vector<PersonTrack> Stitched(std::vector<PersonTrack> tracks, const Take& l
   return people;
 }
 
-People Chosen(std::vector<PersonTrack> tracks, std::size_t wanted, const Take& like,
+People Chosen(std::vector<PersonTrack> tracks, std::size_t wanted, const test::Take& like,
               TrackRule rule = TrackRule::kMotion) {
   return ChoosePeople(std::move(tracks), wanted, rule, true, GhostLimits(), like.parents, like.rest_lengths, 90);
 }
@@ -70,7 +69,7 @@ std::string OnlyGhost(const People& people) {
 }
 
 TEST(Stitching, SomebodyLostAndFoundUnderAnotherNumberIsOnePersonAndTheOtherStaysTheOther) {
-  const Take a = Perform(1, Body(1.1)), b = Perform(2, Body(0.9));
+  const test::Take a = Perform(1, Body(1.1)), b = Perform(2, Body(0.9));
   std::vector<Finding> findings;
   const auto people =
       Stitched({Piece(a, 10, 0, 40), Piece(a, 11, 52, 90), Piece(b, 20, 0, 90, {1.2, 0, 0})}, a, &findings);
@@ -86,7 +85,7 @@ TEST(Stitching, SomebodyLostAndFoundUnderAnotherNumberIsOnePersonAndTheOtherStay
 
 TEST(Stitching, TwoWhoChangePlacesWhileLostComeBackAsThemselves) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const Take a = Perform(seed, Body(1.15)), b = Perform(seed + 100, Body(0.85));
+    const test::Take a = Perform(seed, Body(1.15)), b = Perform(seed + 100, Body(0.85));
     const Vector3d left(-0.4, 0, 0), right(0.4, 0, 0);
     const auto people = Stitched({Piece(a, 10, 0, 40, left), Piece(b, 20, 0, 40, right), Piece(b, 21, 50, 90, left),
                                   Piece(a, 11, 50, 90, right)},
@@ -100,8 +99,8 @@ TEST(Stitching, TwoWhoChangePlacesWhileLostComeBackAsThemselves) {
 TEST(Stitching, ManyPiecesOfTwoPeopleAreTwoPeople) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     Random random(seed, "pieces", "");
-    const Take a = Perform(seed, Body(1.0 + 0.15 * random.Uniform(), 300));
-    const Take b = Perform(seed + 500, Body(0.7 + 0.15 * random.Uniform(), 300));
+    const test::Take a = Perform(seed, Body(1.0 + 0.15 * random.Uniform(), 300));
+    const test::Take b = Perform(seed + 500, Body(0.7 + 0.15 * random.Uniform(), 300));
     std::vector<PersonTrack> pieces;
     for (const bool second : {false, true}) {
       int begin = 0;
@@ -120,7 +119,7 @@ TEST(Stitching, ManyPiecesOfTwoPeopleAreTwoPeople) {
 }
 
 TEST(Stitching, WhoeverIsGoneTooLongOrHasOtherBonesIsSomebodyElse) {
-  const Take a = Perform(1, Body(1.1, 200)), b = Perform(2, Body(0.8, 200));
+  const test::Take a = Perform(1, Body(1.1, 200)), b = Perform(2, Body(0.8, 200));
   EXPECT_EQ(Stitched({Piece(a, 1, 0, 40), Piece(a, 2, 130, 200)}, a).size(), 2u) << "3 s";
   EXPECT_EQ(Stitched({Piece(a, 1, 0, 40), Piece(b, 2, 45, 200)}, a).size(), 2u) << "a child for a man";
   EXPECT_EQ(Stitched({Piece(a, 1, 0, 40), Piece(a, 2, 45, 200, {5, 0, 0})}, a).size(), 2u) << "5 m in 0.2 s";
@@ -128,7 +127,7 @@ TEST(Stitching, WhoeverIsGoneTooLongOrHasOtherBonesIsSomebodyElse) {
 }
 
 TEST(Stitching, IdsThatTakeTurnsAreOnePersonAndTwoPeopleSideBySideAreNot) {
-  const Take a = Perform(1, Body(1.0)), b = Perform(2, Body(1.0));
+  const test::Take a = Perform(1, Body(1.0)), b = Perform(2, Body(1.0));
   const auto one = Stitched({Piece(a, 1, 0, 90, {0, 0, 0}, 2), Piece(a, 2, 1, 90, {0, 0, 0}, 2)}, a);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].frames.size(), 90u);
@@ -169,13 +168,13 @@ TEST(Stitching, TheAssignmentIsTheCheapestOfAll) {
 
 TEST(Ghosts, EachIsSetAsideWithItsReason) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const Take person = Perform(seed, Body(1.0));
+    const test::Take person = Perform(seed, Body(1.0));
     const PersonTrack real = Piece(person, 1, 0, 90);
     EXPECT_EQ(OnlyGhost(Chosen({real}, 1, person)), "") << "seed " << seed;
 
     TakeOptions still = Body(1.0);
     still.noise = 0.0;
-    Take chair = Perform(seed + 50, still);
+    test::Take chair = Perform(seed + 50, still);
     Random random(seed, "chair", "");
     for (int f = 1; f < 90; ++f) {
       for (int k = 0; k < 20; ++k) chair.positions.at(f, k) = chair.positions.at(0, k).eval();
@@ -188,11 +187,11 @@ TEST(Ghosts, EachIsSetAsideWithItsReason) {
     EXPECT_THAT(OnlyGhost(Chosen({Piece(person, 2, 3, 8, {2, 0, 0}), real}, 1, person)),
                 HasSubstr("short: in 5 of 90"));
 
-    const Take again = Perform(seed, Body(1.0));
+    const test::Take again = Perform(seed, Body(1.0));
     EXPECT_THAT(OnlyGhost(Chosen({real, Piece(again, 2, 10, 60, {0.05, 0, 0.05})}, 1, person)),
                 HasSubstr("double: in the place of 1"));
 
-    Take table = Perform(seed + 70, Body(1.0));
+    test::Take table = Perform(seed + 70, Body(1.0));
     for (int f = 0; f < 90; ++f) {
       for (int k = 0; k < 20; ++k) table.positions.at(f, k).y() *= 0.2, table.positions.at(f, k).x() *= 4.0;
     }
@@ -201,7 +200,7 @@ TEST(Ghosts, EachIsSetAsideWithItsReason) {
 }
 
 TEST(Ghosts, WhereThereIsNobodyElseAGhostIsTakenAndTold) {
-  const Take person = Perform(1, Body(1.0));
+  const test::Take person = Perform(1, Body(1.0));
   const People people = Chosen({Piece(person, 7, 0, 5)}, 1, person);
   ASSERT_EQ(people.chosen.size(), 1u);
   EXPECT_EQ(people.findings[0].action, "taken, for want of a better one");
@@ -213,7 +212,7 @@ TEST(Rules, EachTakesWhomItSays) {
   brisk.walk = 3.0;
   calm.walk = 0.05;
   near.walk = 0.6;
-  const Take one = Perform(1, brisk), two = Perform(2, calm), three = Perform(3, near);
+  const test::Take one = Perform(1, brisk), two = Perform(2, calm), three = Perform(3, near);
   const std::vector<PersonTrack> tracks = {Piece(one, 1, 0, 40, {2, 0, 3}), Piece(two, 2, 0, 90, {-2, 0, 3}),
                                            Piece(three, 3, 0, 80, {0, 0, 1})};
   EXPECT_THAT(Chosen(tracks, 1, one, TrackRule::kOfficial).chosen[0].ids, ElementsAre(1));
@@ -227,7 +226,7 @@ TEST(Rules, EachTakesWhomItSays) {
 }
 
 TEST(Rules, SomebodyElseWhoMovesAsMuchContradictsTheName) {
-  const Take a = Perform(1, Body(1.0)), b = Perform(2, Body(0.9));
+  const test::Take a = Perform(1, Body(1.0)), b = Perform(2, Body(0.9));
   const People people = Chosen({Piece(a, 1, 0, 90), Piece(b, 2, 0, 90, {1, 0, 0})}, 1, a);
   std::vector<std::string> codes;
   for (const Finding& finding : people.findings) codes.push_back(finding.code);

@@ -5,6 +5,7 @@
 
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
+#include "core/formats/ntu_skeleton.h"
 #include "core/formats/phspd_text.h"
 #include "ingest/synthetic/studio_layouts.h"
 #include "tests/ingest/inspections.h"
@@ -269,6 +270,51 @@ TEST_F(CutTables, NamesOfNtuThatSpeakOfMoreOrFewerPeopleThanThereAreAreToldByIns
     EXPECT_EQ(find("S001C001P001R001A011.skeleton", one, code), "");
     EXPECT_EQ(find("S001C003P008R002A058.skeleton", two, code), "");
   }
+}
+
+/// Findings of that code, of any severity.
+int Tellings(const std::vector<ItemResult>& clips, const std::string& code) {
+  int count = 0;
+  for (const ItemResult& clip : clips) {
+    for (const Finding& finding : clip.outcome.findings) count += finding.code == code ? 1 : 0;
+  }
+  return count;
+}
+
+TEST_F(CutTables, AJointOfNtuThatIsTrackedAtNoughtIsToldAndMissingInBoth) {
+  IngestOptions options = Declared("ntu");
+  NtuSkeleton skeleton = *ParseNtuSkeleton(*ReadFile(options.path / "S001C001P001R001A011.skeleton"), "a");
+  for (std::size_t f = 20; f < 25; ++f) {
+    NtuJoint& hand = skeleton.frames[f].at(0).joints[7];
+    hand.x_m = hand.y_m = hand.z_m = 0.0;
+    hand.tracking = 2;
+  }
+  options.path = FreshFolder("ntu_nought");
+  Put(options.path / "S001C001P001R001A011.skeleton", WriteNtuSkeleton(skeleton));
+  EXPECT_THAT(Codes(InspectPath(options.path, options.source), "warning"), Contains("zero_joint"));
+  const auto clips = RunAll(options);
+  ASSERT_EQ(clips.size(), 1u);
+  EXPECT_EQ(Tellings(clips, "zero_joint"), 1);
+  for (const Finding& finding : clips[0].outcome.findings) {
+    if (finding.code != "zero_joint") continue;
+    EXPECT_EQ(finding.joint, "left_hand");
+    EXPECT_EQ(finding.frame_begin, 20);
+    EXPECT_EQ(finding.frame_end, 25);
+    EXPECT_EQ(finding.action, "taken as missing");
+  }
+}
+
+TEST_F(CutTables, AJointThatIsMissingInEveryFrameIsToldOnceByBoth) {
+  IngestOptions options = Declared("msr_action3d");
+  const std::string name = "a01_s03_e01_skeleton3D.txt";
+  std::istringstream rows(*ReadFile(options.path / name));
+  std::string row, altered;
+  for (int i = 0; std::getline(rows, row); ++i) altered += (i % 20 == 7 ? "0 0 0 0" : row) + "\n";
+  options.path = FreshFolder("msr_unseen");
+  Put(options.path / name, altered);
+  EXPECT_EQ(Tellings(RunAll(options), "joint_never_seen"), 1);
+  const auto told = Codes(InspectPath(options.path, options.source), "info");
+  EXPECT_EQ(std::count(told.begin(), told.end(), "joint_never_seen"), 1);
 }
 
 TEST_F(CutTables, ABodyOfAmassThatIsAKilometreFromItsMarkersIsATeleport) {

@@ -12,6 +12,7 @@
 #include "core/formats/uestc_info.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
+#include "tests/ingest/inspections.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
@@ -123,6 +124,48 @@ TEST(HumanAct12Pickle, BonesThatRestElsewhereAreToldAndRotationsKept) {
   ASSERT_EQ(ingested.outcome->findings.size(), 1u);
   EXPECT_EQ(ingested.outcome->findings[0].code, "joints_displaced");
   EXPECT_LT(WorstAngle(*ingested.clip.motion, truth), 1e-6);
+}
+
+/// What a run and an inspection tell of a file of these clips, by code; the run's findings first.
+std::pair<std::string, std::string> Told(const std::vector<HumanAct12Clip>& clips) {
+  const std::filesystem::path folder = FreshFolder("humanact12_told");
+  Put(folder / "humanact12poses.pkl", *EncodeHumanAct12Pickle(clips, "x"));
+  const IngestOptions options = Recipe("humanact12_poses", folder);
+  std::string run, inspection;
+  const Ingested ingested = RunIngest(Discover(options)->items.at(0), "humanact12_told");
+  for (const Finding& finding : ingested.outcome->findings) run += finding.code + " ";
+  const nlohmann::json told = InspectPath(folder, options.source);
+  for (const auto& finding : told.at("findings")) inspection += finding.at("code").get<std::string>() + " ";
+  return {run, inspection};
+}
+
+TEST(HumanAct12Pickle, PosesInDegreesAndPosesThatAreHeldAreToldByBothAsWhatTheyAre) {
+  const Motion truth = Somebody(9, 1);
+  const HumanAct12Clip sound{9, Vectors(truth, kHalfTurn), Places(truth, kHalfTurn), 0};
+  HumanAct12Clip degrees = sound, held = sound;
+  for (double& angle : degrees.poses) angle *= 57.29577951308232;
+  for (std::size_t i = 72; i < held.poses.size(); ++i) held.poses[i] = held.poses[i % 72];
+  EXPECT_THAT(Told({degrees}).first, HasSubstr("angle_unit_contradiction"));
+  EXPECT_THAT(Told({degrees}).second, HasSubstr("angle_unit_contradiction"));
+  EXPECT_THAT(Told({held}).first, ::testing::AllOf(HasSubstr("frozen_pose"), ::testing::Not(HasSubstr("displaced"))));
+  EXPECT_THAT(Told({held}).second, HasSubstr("frozen_pose"));
+  EXPECT_THAT(Told({sound}).second, ::testing::Not(HasSubstr("frozen_pose")));
+}
+
+TEST(HumanAct12Pickle, AnEntryThatIsBrokenCostsAnInspectionOneClipAsItDoesARun) {
+  const Motion truth = Somebody(9, 1);
+  const HumanAct12Clip sound{9, Vectors(truth, kHalfTurn), Places(truth, kHalfTurn), 0};
+  HumanAct12Clip broken = sound;
+  broken.joints[100] = std::nan("");
+  const std::filesystem::path folder = FreshFolder("humanact12_broken");
+  Put(folder / "humanact12poses.pkl", *EncodeHumanAct12Pickle({sound, broken, sound}, "x"));
+  const nlohmann::json told = InspectPath(folder, Recipe("humanact12_poses", folder).source);
+  EXPECT_EQ(told.at("clips").size(), 2u);
+  std::string errors;
+  for (const auto& finding : told.at("findings")) {
+    if (finding.at("severity") == "error") errors += finding.at("message").get<std::string>();
+  }
+  EXPECT_THAT(errors, HasSubstr("joints3D/1"));
 }
 
 /// A track of 49 points of which those named by SPIN as SMPL's hips and more are placed by the joint's number.
@@ -255,6 +298,27 @@ TEST(Ntu13Vibe, OnSmplsTreeItsRotationsAreRead) {
   const Ingested ingested = RunIngest(discovery->items.at(0), "ntu13_rotations");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
   EXPECT_LT(WorstAngle(*ingested.clip.motion, truth), 1e-6);
+}
+
+TEST(Ntu13Vibe, FramesWithoutARowAreFilledSoThatThoseAfterKeepTheirTime) {
+  const std::filesystem::path folder = FreshFolder("ntu13_gap");
+  VibeTrack track = Track(Somebody(12, 2), kHalfTurn);
+  for (std::size_t f = 5; f < track.frames; ++f) track.frame_ids[f] += 3;
+  Put(folder / "S001C001P001R001A006.pkl", *EncodeVibeTracks({track}, "x"));
+  const auto discovery = Discover(Declared(
+      "ntu13_vibe", {"ingest.path=" + folder.string(), "ingest.source.skeleton=smpl24", "ingest.source.joints=[]"}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "ntu13_gap");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_EQ(ingested.clip.motion->frame_count(), 15);
+  int told = 0;
+  for (const Finding& finding : ingested.outcome->findings) {
+    if (finding.code != "frames_filled") continue;
+    ++told;
+    EXPECT_EQ(finding.frame_begin, 5);
+    EXPECT_EQ(finding.frame_end, 8);
+  }
+  EXPECT_EQ(told, 1);
 }
 
 TEST(Phspd, FramesThatNobodyAnnotatedAreMissingInTheirPlace) {

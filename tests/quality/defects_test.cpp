@@ -122,6 +122,28 @@ TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
   }
 }
 
+TEST(Defects, AJointHeldFromTheFirstFrameToTheLastIsFoundAndARootThatStaysIsNone) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const TakeOptions who = Somebody(seed);
+    Take take = Perform(seed, who);
+    const int joint = 1 + static_cast<int>(seed % 18);
+    for (int f = 1; f < who.frames; ++f) take.positions.at(f, joint) = take.positions.at(0, joint).eval();
+    const std::vector<Finding> found = FindRepeats(take.view());
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].code, "held_joint");
+    EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
+    EXPECT_EQ(found[0].frame_begin, 0);
+    EXPECT_EQ(found[0].frame_end, who.frames);
+    // As the root of a tree, with a joint beside it that is bound to it.
+    const int bound = joint + 1;
+    for (int f = 1; f < who.frames; ++f) take.positions.at(f, bound) = take.positions.at(0, bound).eval();
+    std::vector<int> parents(20, joint);
+    parents[static_cast<std::size_t>(joint)] = -1;
+    const TrackedPoints tree{take.positions, take.confidence, take.time_s, take.names, parents};
+    EXPECT_TRUE(FindRepeats(tree).empty()) << "seed " << seed;
+  }
+}
+
 /// Samples as a file of whole numbers keeps them.
 Take Rounded(Take take, double step) {
   for (double& value : take.positions.xyz) value = step * std::round(value / step);
