@@ -106,7 +106,7 @@ bool MayBeRadians(const Angles& angles) {
 
 /// Of SMPL's poses (frames, columns).
 std::optional<Finding> DoubtRotationVectors(const std::vector<double>& poses, std::size_t frames, std::size_t columns) {
-  const std::size_t joints = std::min(kBodyJoints, columns / 3);
+  const std::size_t joints = std::min(kLivelyJoints, columns / 3);
   Angles angles;
   for (std::size_t f = 0; f < frames; ++f) {
     for (std::size_t j = 0; j < joints; ++j) {

@@ -302,7 +302,7 @@ TEST(Ntu13Vibe, OnSmplsTreeItsRotationsAreRead) {
 
 TEST(Ntu13Vibe, FramesWithoutARowAreFilledSoThatThoseAfterKeepTheirTime) {
   const std::filesystem::path folder = FreshFolder("ntu13_gap");
-  VibeTrack track = Track(Somebody(12, 2), kHalfTurn);
+  VibeTrack track = SmplTrack(Somebody(12, 2), kHalfTurn);
   for (std::size_t f = 5; f < track.frames; ++f) track.frame_ids[f] += 3;
   Put(folder / "S001C001P001R001A006.pkl", *EncodeVibeTracks({track}, "x"));
   const auto discovery = Discover(Declared(

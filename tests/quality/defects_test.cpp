@@ -124,7 +124,7 @@ TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
 
 TEST(Defects, AJointHeldFromTheFirstFrameToTheLastIsFoundAndARootThatStaysIsNone) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = Somebody(seed);
+    const TakeOptions who = SomebodyRecorded(seed);
     Take take = Perform(seed, who);
     const int joint = 1 + static_cast<int>(seed % 18);
     for (int f = 1; f < who.frames; ++f) take.positions.at(f, joint) = take.positions.at(0, joint).eval();
