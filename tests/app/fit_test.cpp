@@ -159,6 +159,26 @@ TEST_F(FitVerbs, PointsOfATrackerThatAreNoJointsOfTheSkeletonAreNotLeftOut) {
   EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), Not(HasSubstr("joints_left_out")));
 }
 
+/// MSR-Action3D's tracker measures people anew in each recording, which its recipe knows.
+TEST_F(FitVerbs, ABodyIsOfAPersonOrOfARecording) {
+  for (const char* name : {"a01_s02_e01_skeleton3D.txt", "a04_s02_e01_skeleton3D.txt"}) {
+    fs::create_directories(folder_ / "clips");
+    fs::copy_file(data_ / "kinect/msr_action3d" / name, folder_ / "clips" / name);
+  }
+  const std::vector<std::string> declared = {"--source", "msr_action3d", "--skeleton", "kinect20", "--force"};
+  ASSERT_EQ(Fit(folder_ / "clips", declared).exit_code, 0);
+  const Dataset own = Fitted();
+  ASSERT_EQ(own.clips.size(), 2u);
+  const int spine = *own.skeleton->FindJoint("spine");
+  EXPECT_GT(std::abs(own.clips[0].motion->bone_length[spine] - own.clips[1].motion->bone_length[spine]), 0.05);
+  std::vector<std::string> of_person = declared;
+  of_person.insert(of_person.end(), {"--set", "proportions.body_of=person"});
+  ASSERT_EQ(Fit(folder_ / "clips", of_person).exit_code, 0);
+  const Dataset shared = Fitted();
+  ASSERT_EQ(shared.clips.size(), 2u);
+  EXPECT_EQ(shared.clips[0].motion->bone_length, shared.clips[1].motion->bone_length);
+}
+
 TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {
   const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "ntu14", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
