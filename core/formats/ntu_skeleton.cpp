@@ -325,6 +325,8 @@ std::string NtuName::Text() const {
          ThreeDigits('R', replication) + ThreeDigits('A', action);
 }
 
+int FirstSetupOf(int action) { return action > kLastNtu60Action ? kLastNtu60Setup + 1 : 1; }
+
 bool operator==(const NtuName& a, const NtuName& b) {
   return std::tie(a.setup, a.camera, a.performer, a.replication, a.action) ==
          std::tie(b.setup, b.camera, b.performer, b.replication, b.action);

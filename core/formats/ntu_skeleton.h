@@ -81,6 +81,12 @@ struct NtuName {
 
 bool operator==(const NtuName& a, const NtuName& b);
 
+/// The last ones of NTU RGB+D 60; setups and actions above are those that NTU RGB+D 120 added.
+inline constexpr int kLastNtu60Setup = 17, kLastNtu60Action = 60;
+
+/// The first setup in which an action was recorded.
+int FirstSetupOf(int action);
+
 /// The name at the begin of a file name without its folder ("S001C002P003R001A058.skeleton", "..._rgb.avi"); letters of
 /// either case; nothing where the text does not begin so, or a number is 0.
 std::optional<NtuName> ParseNtuName(std::string_view file_name);

@@ -26,7 +26,7 @@ std::string OtherSide(const std::string& name) {
   return name;
 }
 
-int Find(const std::vector<std::string>& names, const std::string& name) {
+int IndexOfName(const std::vector<std::string>& names, const std::string& name) {
   const auto found = std::find(names.begin(), names.end(), name);
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
@@ -69,7 +69,7 @@ std::vector<BonePair> BonesAt(const ObservedClip& clip, const std::vector<Observ
     const auto ends = [&](int point) { return bone.from == point || bone.to == point; };
     if (!ends(first) && !ends(second)) continue;
     const auto other = [&](int point) {
-      return Find(clip.names, OtherSide(clip.names[static_cast<std::size_t>(point)]));
+      return IndexOfName(clip.names, OtherSide(clip.names[static_cast<std::size_t>(point)]));
     };
     const int from = other(bone.from), to = other(bone.to);
     if (from >= 0 && to >= 0) pairs.push_back({bone, {from, to, bone.rest_length}});

@@ -4,6 +4,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/formats/ntu_skeleton.h"
 
 namespace mocurate {
 namespace {
@@ -18,7 +19,6 @@ struct NtuField {
 };
 constexpr NtuField kNtuFields[] = {
     {'S', "setup", 32}, {'C', "camera", 3}, {'P', "performer", 106}, {'R', "repetition", 2}, {'A', "action", 120}};
-constexpr long long kLastSetup = 17, kLastAction = 60;  // of NTU RGB+D 60
 
 /// What a word of a name and a line of a list, counted from 0, have to do with each other.
 std::optional<std::string> DoubtWord(const char* what, const std::string& word, int line, const fs::path& list) {
@@ -53,7 +53,7 @@ std::optional<std::string> DoubtNtuName(const fs::path& path) {
            "'): those of NTU RGB+D are 1 to " + std::to_string(most);
   }
   const long long setup = numbers[0], action = numbers[4];
-  if ((setup > kLastSetup) == (action > kLastAction)) return std::nullopt;
+  if ((setup > kLastNtu60Setup) == (action > kLastNtu60Action)) return std::nullopt;
   return "the name says action " + std::to_string(action) + " in setup " + std::to_string(setup) +
          ": in NTU RGB+D setups 1 to 17 have actions 1 to 60, setups 18 to 32 have 61 to 120";
 }

@@ -174,7 +174,8 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
   std::vector<View> views;
   for (const PlannedTake& take : *takes) {
     for (int camera = 1; camera <= 3; ++camera) {
-      views.push_back({&take, camera, {1, camera, take.subject, take.repetition, take.kind->id}});
+      views.push_back(
+          {&take, camera, {FirstSetupOf(take.kind->id), camera, take.subject, take.repetition, take.kind->id}});
     }
   }
   return folder.ForEach(views.size(), [&](std::size_t i) -> Status {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/formats/ntu_skeleton.h"
 #include "core/formats/uestc_info.h"
 #include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/layout.h"
@@ -177,7 +178,7 @@ Status WriteNtuVibeLayout(const StudioOptions& options, const std::vector<Actor>
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
     const std::string person = "P" + Digits(take.subject, 3);
     const std::string recording =
-        "S001C001" + person + "R" + Digits(take.repetition, 3) + "A" + Digits(take.kind->id, 3);
+        NtuName{FirstSetupOf(take.kind->id), 1, take.subject, take.repetition, take.kind->id}.Text();
     const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVibeRateHz, 1});
     const Motion seen = Seen(motion, CameraFromWorld(1.2, 3.4, 0.0));
     const VibeTrack track = VibeTrackOf(seen, options.tracker, options.seed, recording);
