@@ -5,7 +5,6 @@
 #include "core/base/text.h"
 
 namespace mocurate {
-namespace {}  // namespace
 
 RigFault ClockOff(const std::string& camera, double later_s, std::optional<double> sigma_s, double worse) {
   RigFault fault;

@@ -7,7 +7,6 @@
 #include "fitting/costs/huber.h"
 
 namespace mocurate {
-namespace {}  // namespace
 
 TrackEquations::TrackEquations(const TrackWindow& window)
     : window_(window),
