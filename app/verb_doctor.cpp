@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/blas_kernels.h"
 #include "app/verbs.h"
 #include "app/worker_check.h"
 #include "core/base/file.h"
@@ -65,6 +66,8 @@ Check CheckBlas() {
   char speed[64];
   std::snprintf(speed, sizeof(speed), ", %.0f GF/s on one thread", gigaflops);
   check.found = DisplayPath(file) + speed;
+  const auto kernels = reinterpret_cast<const char* (*)()>(dlsym(library, "openblas_get_corename"));
+  if (kernels != nullptr) check.found += std::string(", kernels ") + kernels();
   check.advice.clear();
   if (check.ok) return check;
   const bool reference = file.parent_path().filename() == "blas";  // where Debian's libblas3 puts it
@@ -139,6 +142,7 @@ Check CheckCache() {
 }  // namespace
 
 Status DoctorVerb(CommonArguments& common) {
+  ChooseBlasKernels();
   const Check threads = CheckThreads();  // before the check of the BLAS sets its threads
   std::vector<Check> checks = {{"version", true, std::string(CreatedBy()), ""}};
   for (const auto& [name, does] : {std::pair<const char*, const char*>{"mocurate-annotate", "ingesting and fitting"},

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/blas_kernels.h"
 #include "app/config_loading.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
@@ -307,6 +308,7 @@ std::string DoubtsOf(int clips) {
 }  // namespace
 
 Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
+  ChooseBlasKernels();
   std::error_code unknown;
   if (!fs::exists(arguments.path, unknown)) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/blas_kernels.h"
 #include "app/config_loading.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
@@ -168,6 +169,7 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
 }  // namespace
 
 Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
+  ChooseBlasKernels();
   auto job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);

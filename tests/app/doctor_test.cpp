@@ -17,6 +17,7 @@ using program::RunProgram;
 using program::Surroundings;
 using program::WriteText;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 nlohmann::json CheckOf(const Result& result, const std::string& name) {
   const nlohmann::json document = result.Json();
@@ -37,6 +38,22 @@ TEST(Doctor, TellsProgramsBlasThreadsAndCache) {
   EXPECT_THAT(CheckOf(result, "threads")["found"].get<std::string>(), HasSubstr("OMP_NUM_THREADS=7"));
   EXPECT_THAT(CheckOf(result, "cache")["found"].get<std::string>(), HasSubstr((folder / "cache").native()));
   EXPECT_EQ(result.exit_code, result.Json()["ok"].get<bool>() ? 0 : 4);
+}
+
+TEST(Doctor, BlasHasTheKernelsThatTheCpuCanRunUnlessTheUserNamesOthers) {
+#if defined(__x86_64__)
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return;  // the oldest kernels are right here
+#endif
+  const Folder folder;
+  Surroundings surroundings;
+  surroundings.before_start = [] { unsetenv("OPENBLAS_CORETYPE"); };
+  const std::string chosen =
+      CheckOf(RunProgram(folder, {"doctor", "--json"}, surroundings), "BLAS")["found"].get<std::string>();
+  if (chosen.find("kernels") == std::string::npos) return;  // a BLAS that does not say which
+  EXPECT_THAT(chosen, Not(HasSubstr("Prescott")));
+  surroundings.before_start = [] { setenv("OPENBLAS_CORETYPE", "Nehalem", 1); };
+  EXPECT_THAT(CheckOf(RunProgram(folder, {"doctor", "--json"}, surroundings), "BLAS")["found"].get<std::string>(),
+              HasSubstr("kernels Nehalem"));
 }
 
 TEST(Doctor, TheReferenceBlasIsNamedWithItsFix) {
