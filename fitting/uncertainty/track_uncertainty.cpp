@@ -5,6 +5,7 @@
 
 #include "fitting/uncertainty/body_spread.h"
 #include "fitting/uncertainty/carried_twists.h"
+#include "fitting/uncertainty/far_turns.h"
 #include "fitting/uncertainty/frame_covariances.h"
 #include "fitting/uncertainty/lasting_noise.h"
 #include "fitting/uncertainty/lasting_residuals.h"
@@ -151,6 +152,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double l
   }
   const std::vector<float> of_body = CovarianceOfBody(whole);
   for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];
+  AddFarTurns(whole, uncertainty.position_cov);
   return uncertainty;
 }
 

@@ -1,7 +1,8 @@
 // bench_studio_fits [SEED [SUBJECTS [all|one [HZ [OPTION=NUMBER ...]]]]]: fits studio clips of all 12 classes (one clip
 // per class and person, or all 34 variants), whose bodies the fitter does not know, and compares with the truth. Noise
 // of 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames unless options say otherwise. gap=SECONDS: in the middle
-// of each clip nobody is seen for so long, and how far off and how well covered joints are there. unseen=1: the
+// of each clip nobody is seen for so long (negative: throughout), and how far off and how well covered joints are
+// there; limb=1: not everybody, but the right arm below the shoulder; limb=2: the left leg below the hip. unseen=1: the
 // trackers know no spine above the pelvis, neck, collars, hands and feet; the same of these. kard=1: they are OpenNI's,
 // as KARD writes them; the same of neck, head and wrists, of which it lists other points. kard=2: by their names alone.
 #include <algorithm>
@@ -49,15 +50,32 @@ void Set(const std::string& name, double value, JointTrackOptions& options, Repa
   if (name == "swap_mean") errors.swap_mean_frames = value;
 }
 
-/// Nobody is seen in the middle of the clip, unless that is most of it. Frames [begin, end).
-std::pair<int, int> HideMiddle(double seconds, StudioClip& clip) {
+/// Joints of the right arm below the shoulder, or of the left leg below the hip.
+std::vector<bool> OfLimb(const Skeleton& skeleton, bool arm) {
+  std::vector<bool> of_limb;
+  for (const Joint& joint : skeleton.joints) {
+    bool found = false;
+    for (const char* name : {"elbow", "wrist", "hand"})
+      found = found || (arm && joint.name == "right_" + std::string(name));
+    for (const char* name : {"knee", "ankle", "foot"})
+      found = found || (!arm && joint.name == "left_" + std::string(name));
+    of_limb.push_back(found);
+  }
+  return of_limb;
+}
+
+/// These joints (empty: all) are not seen in the middle of the clip, unless that is most of it; negative seconds:
+/// never. Frames [begin, end).
+std::pair<int, int> HideMiddle(double seconds, const std::vector<bool>& joints, StudioClip& clip) {
   const int frames = clip.truth.frame_count();
-  const int hidden = static_cast<int>(std::lround(seconds * clip.truth.rate.hz()));
-  if (2 * hidden > frames) return {0, 0};
+  const int hidden = seconds < 0.0 ? frames : static_cast<int>(std::lround(seconds * clip.truth.rate.hz()));
+  if (seconds > 0.0 && 2 * hidden > frames) return {0, 0};
   const int begin = (frames - hidden) / 2;
   for (int f = begin; f < begin + hidden; ++f) {
-    for (int j = 0; j < clip.tracks.joints(); ++j)
-      clip.tracks.confidence[static_cast<std::size_t>(f) * clip.tracks.joints() + j] = 0.0;
+    for (int j = 0; j < clip.tracks.joints(); ++j) {
+      if (joints.empty() || joints[static_cast<std::size_t>(j)])
+        clip.tracks.confidence[static_cast<std::size_t>(f) * clip.tracks.joints() + j] = 0.0;
+    }
   }
   return {begin, begin + hidden};
 }
@@ -124,11 +142,13 @@ int main(int argc, char** argv) {
   StudioClipErrors errors = StudioClipErrors::Stated();
   bool true_bones = false;
   double gap_s = 0.0;
+  int limb = 0;
   bool few_joints = false;
   int kard = 0;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
     if (name == "true_bones") true_bones = true;
     if (name == "gap") gap_s = value;
+    if (name == "limb") limb = static_cast<int>(value);
     if (name == "kard") kard = static_cast<int>(value);
     if (name == "unseen") few_joints = value != 0.0;
     Set(name, value, options, repair, errors);
@@ -138,9 +158,10 @@ int main(int argc, char** argv) {
     if (kard > 0) TrackAsKard(errors, seed, kard == 1, clip);
   }
   std::map<const StudioClip*, std::pair<int, int>> gaps;
-  for (StudioClip& clip : clips) gaps[&clip] = HideMiddle(gap_s, clip);
   FitScore all;
   FitScore hidden;
+  if (limb > 0) hidden.only = OfLimb(**LoadSkeleton("smpl24"), limb == 1);
+  for (StudioClip& clip : clips) gaps[&clip] = HideMiddle(gap_s, hidden.only, clip);
   FitScore unseen;
   unseen.only = kard > 0 ? Displaced(**LoadSkeleton("smpl24")) : Unknown(**LoadSkeleton("smpl24"));
   if (few_joints) {
@@ -171,7 +192,7 @@ int main(int argc, char** argv) {
       }
       all.Add(*fit, clip);
       if (few_joints || kard > 0) unseen.Add(*fit, clip);
-      if (gap_s > 0.0) hidden.Add(*fit, clip, gaps[&clip].first, gaps[&clip].second);
+      if (gap_s != 0.0) hidden.Add(*fit, clip, gaps[&clip].first, gaps[&clip].second);
       of_class[clip.action].Add(*fit, clip);
       swaps.Add(*fit, clip);
       sigma += fit->noise_sigma / static_cast<double>(clips.size());

@@ -1,0 +1,50 @@
+#include "fitting/uncertainty/far_turns.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr double kShortest_m = 1e-3;  ///< bones between joints that lie in one place by definition
+constexpr double kEveryDirection = 4.0 / 3.0;
+
+Matrix3d CovarianceAt(const std::vector<float>& covariance, std::size_t at) {
+  const float* c = covariance.data() + 6 * at;
+  Matrix3d full;
+  full << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return full;
+}
+
+/// Of a bone whose end is `more` less sure than its start (m^2).
+Matrix3d AlongBone(const Vector3d& bone, const Matrix3d& more) {
+  const double square = bone.squaredNorm();
+  if (square < kShortest_m * kShortest_m) return Matrix3d::Zero();
+  const Vector3d along = bone / std::sqrt(square);
+  const double across = std::max(more.trace() - along.dot(more * along), 0.0) / square;  // rad^2
+  const double nearer = kEveryDirection * (1.0 - std::exp(-0.5 * across * across / kEveryDirection));
+  return nearer * square * along * along.transpose();
+}
+
+}  // namespace
+
+void AddFarTurns(const TrackWindow& whole, std::vector<float>& position_cov) {
+  const PoseState& state = whole.state;
+  std::vector<Matrix3d> own(static_cast<std::size_t>(state.joints()));
+  std::vector<Matrix3d> added(own.size());
+  for (int f = 0; f < whole.end; ++f) {
+    for (int j = 0; j < state.joints(); ++j) {
+      const std::size_t at = whole.Index(f, j);
+      own[j] = CovarianceAt(position_cov, at);
+      added[j].setZero();
+      if (j == 0 || whole.tracks.seen(f, j)) continue;
+      const int start = state.parent(j);
+      added[j] = added[start] + AlongBone(state.position(f, j) - state.position(f, start), own[j] - own[start]);
+      const Matrix3d& a = added[j];
+      const double values[6] = {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
+      for (std::size_t i = 0; i < 6; ++i) position_cov[6 * at + i] += static_cast<float>(values[i]);
+    }
+  }
+}
+
+}  // namespace mocurate

@@ -1,0 +1,102 @@
+#include "fitting/uncertainty/far_turns.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/fitting/takes.h"
+
+namespace mocurate {
+namespace {
+
+/// A take whose joint `end` is not seen and lies across its bone with `sigma` radians; and the covariance of all
+/// joints.
+struct OneUnsureBone {
+  PlayedTake take = SmoothTake(1);
+  int end;
+  std::vector<float> covariance;
+  Vector3d bone;
+
+  OneUnsureBone(int joint, double sigma) : end(joint), covariance(6 * take.tracks.confidence.size(), 0.0F) {
+    const Vector3d from = take.truth.joints.at(0, take.tracks.skeleton->joints[end].parent);
+    bone = take.truth.joints.at(0, end) - from;
+    const Vector3d along = bone.normalized();
+    const Matrix3d across = sigma * sigma * bone.squaredNorm() * (Matrix3d::Identity() - along * along.transpose());
+    Set(end, across);
+    take.tracks.confidence[static_cast<std::size_t>(end)] = 0.0;
+  }
+
+  void Set(int joint, const Matrix3d& c) {
+    const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+    for (std::size_t i = 0; i < 6; ++i)
+      covariance[6 * static_cast<std::size_t>(joint) + i] = static_cast<float>(values[i]);
+  }
+
+  /// Variance of a joint along the unsure bone, in units of the bone's length.
+  double AlongInLengths(int joint) const {
+    const float* c = covariance.data() + 6 * static_cast<std::size_t>(joint);
+    Matrix3d full;
+    full << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    return bone.dot(full * bone) / (bone.squaredNorm() * bone.squaredNorm());
+  }
+
+  void AddTurns() {
+    const std::vector<double> sigma(static_cast<std::size_t>(take.tracks.joints()), 0.01);
+    const JointTrackOptions options;
+    PoseState state(*take.tracks.skeleton, 1, take.truth.bone_length,
+                    std::vector<bool>(static_cast<std::size_t>(take.tracks.joints()), true));
+    Eigen::Map<Vector3d>(state.translation(0)) = take.truth.joints.at(0, 0);
+    for (int j = 0; j < take.tracks.joints(); ++j)
+      Eigen::Map<Vector3d>(state.rotation(0, j)) = LogQuaternion(take.truth.rotation_at(0, j));
+    state.Update(0, 1, true);
+    AddFarTurns({take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 1}, covariance);
+  }
+};
+
+int FirstJointWithAChild(const Skeleton& skeleton) {
+  for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
+    if (skeleton.joints[j].parent > 0 && !skeleton.Children()[j].empty()) return static_cast<int>(j);
+  }
+  return -1;
+}
+
+/// Mean square of 1 - cos of an angle whose rotation vector is normal in the two axes across a bone.
+double MeanSquareNearer(double sigma) {
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal(0.0, sigma);
+  double sum = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const double nearer = 1.0 - std::cos(std::hypot(normal(engine), normal(engine)));
+    sum += nearer * nearer / 20000.0;
+  }
+  return sum;
+}
+
+TEST(FarTurns, AnUnsureDirectionIsUnsureAlongItsBoneAsFarAsTheEndComesNearer) {
+  const int joint = FirstJointWithAChild(*SmoothTake(1).tracks.skeleton);
+  for (const double sigma : {0.1, 0.3, 0.6}) {
+    OneUnsureBone body(joint, sigma);
+    body.AddTurns();
+    EXPECT_NEAR(body.AlongInLengths(joint) / MeanSquareNearer(sigma), 1.0, 0.35) << sigma << " rad";
+  }
+  OneUnsureBone anywhere(joint, 3.0);
+  anywhere.AddTurns();
+  EXPECT_NEAR(anywhere.AlongInLengths(joint), 4.0 / 3.0, 1e-3) << "as of a direction that is uniform on the sphere";
+}
+
+TEST(FarTurns, ReachWhatHangsThereUnlessItIsSeen) {
+  const SkeletonPtr skeleton = SmoothTake(1).tracks.skeleton;
+  const int joint = FirstJointWithAChild(*skeleton);
+  const int child = skeleton->Children()[static_cast<std::size_t>(joint)].front();
+  OneUnsureBone seen(joint, 0.5);
+  seen.AddTurns();
+  EXPECT_EQ(seen.AlongInLengths(child), 0.0);
+  OneUnsureBone hidden(joint, 0.5);
+  hidden.take.tracks.confidence[static_cast<std::size_t>(child)] = 0.0;
+  hidden.AddTurns();
+  EXPECT_NEAR(hidden.AlongInLengths(child), hidden.AlongInLengths(joint), 1e-6);
+}
+
+}  // namespace
+}  // namespace mocurate
