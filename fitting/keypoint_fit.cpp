@@ -1,9 +1,11 @@
 #include "fitting/keypoint_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/geometry/symmetric.h"
 #include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_readings.h"
@@ -114,9 +116,9 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
 
 /// Everything may be off by this, all along.
 void AddToCovariances(const Matrix3d& c, Motion& motion) {
-  const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-  for (std::size_t i = 0; i < motion.position_cov.size(); ++i)
-    motion.position_cov[i] += static_cast<float>(values[i % 6]);
+  std::array<float, 6> added{};
+  ToSixNumbers(c, added.data());
+  for (std::size_t i = 0; i < motion.position_cov.size(); ++i) motion.position_cov[i] += added[i % 6];
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -181,15 +182,7 @@ Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
 void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances) {
   for (std::size_t i = 0; i + 5 < covariances.size(); i += 6) {
     float* c = covariances.data() + i;
-    Matrix3d m;
-    m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    m = map * m * map.transpose();
-    c[0] = static_cast<float>(m(0, 0));
-    c[1] = static_cast<float>(m(0, 1));
-    c[2] = static_cast<float>(m(0, 2));
-    c[3] = static_cast<float>(m(1, 1));
-    c[4] = static_cast<float>(m(1, 2));
-    c[5] = static_cast<float>(m(2, 2));
+    ToSixNumbers(map * FromSixNumbers(c) * map.transpose(), c);
   }
 }
 

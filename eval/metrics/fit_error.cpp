@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -96,10 +97,8 @@ void AddEvidenceError(const JointTracks& tracks, const Motion& truth, FitError& 
 }
 
 Matrix3d PositionCovariance(const Motion& motion, int frame, int joint) {
-  const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint);
-  Matrix3d covariance;
-  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return covariance;
+  return FromSixNumbers(motion.position_cov.data() +
+                        6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint));
 }
 
 void AddCoverage(const Motion& fitted, const Motion& truth, const std::vector<std::pair<int, int>>& shared,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/geometry/symmetric.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/flesh_calibration.h"
 #include "fitting/clouds/uncertain_motion.h"
@@ -30,10 +31,7 @@ constexpr double kMostBlame = 2.0;             ///< times the template's usual v
 constexpr double kClear = 4.0;                 ///< factor on a joint's variance from which on both kinds disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
-  const float* c = values.data() + 6 * at;
-  Matrix3d covariance;
-  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return covariance;
+  return FromSixNumbers(values.data() + 6 * at);
 }
 
 /// Joints at or below which something was ever seen: where the others lie the tracks' fit does not know, whatever it

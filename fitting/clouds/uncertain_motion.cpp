@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "fitting/clouds/cloud_match.h"
 
 namespace mocurate {
@@ -29,10 +30,7 @@ UncertainMotion::UncertainMotion(const Motion& motion)
       rotation_sigma_(motion.rotation_sigma),
       rotation_observed_(motion.rotation_observed) {}
 
-void UncertainMotion::SetPosition(std::size_t at, const Matrix3d& c) {
-  const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-  for (std::size_t i = 0; i < 6; ++i) position_cov_[6 * at + i] = static_cast<float>(values[i]);
-}
+void UncertainMotion::SetPosition(std::size_t at, const Matrix3d& c) { ToSixNumbers(c, position_cov_.data() + 6 * at); }
 
 void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& observed) {
   for (int i = 0; i < 3; ++i) {

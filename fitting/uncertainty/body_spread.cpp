@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/geometry/rotation.h"
+#include "core/geometry/symmetric.h"
 
 namespace mocurate {
 namespace {
@@ -173,10 +174,8 @@ std::vector<float> CovarianceOfBody(const TrackWindow& whole) {
     for (int g = begin; g <= f; ++g) {
       const double share = f > begin ? (time_s[g] - time_s[begin]) / (time_s[f] - time_s[begin]) : 0.0;
       for (std::size_t j = 0; j < joints; ++j) {
-        const Matrix3d c = (1.0 - share) * before[j] + share * after[j];
-        const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-        for (std::size_t i = 0; i < 6; ++i)
-          covariance[6 * (static_cast<std::size_t>(g) * joints + j) + i] = static_cast<float>(values[i]);
+        ToSixNumbers((1.0 - share) * before[j] + share * after[j],
+                     covariance.data() + 6 * (static_cast<std::size_t>(g) * joints + j));
       }
     }
     before = after;

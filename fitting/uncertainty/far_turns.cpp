@@ -1,4 +1,5 @@
 #include "fitting/uncertainty/far_turns.h"
+#include "core/geometry/symmetric.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +9,6 @@ namespace {
 
 constexpr double kShortest_m = 1e-3;  ///< bones between joints that lie in one place by definition
 constexpr double kEveryDirection = 4.0 / 3.0;
-
-Matrix3d CovarianceAt(const std::vector<float>& covariance, std::size_t at) {
-  const float* c = covariance.data() + 6 * at;
-  Matrix3d full;
-  full << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return full;
-}
 
 /// Of a bone whose end is `more` less sure than its start (m^2).
 Matrix3d AlongBone(const Vector3d& bone, const Matrix3d& more) {
@@ -34,15 +28,13 @@ void AddFarTurns(const TrackWindow& whole, std::vector<float>& position_cov) {
   std::vector<Matrix3d> added(own.size());
   for (int f = 0; f < whole.end; ++f) {
     for (int j = 0; j < state.joints(); ++j) {
-      const std::size_t at = whole.Index(f, j);
-      own[j] = CovarianceAt(position_cov, at);
+      float* stated = position_cov.data() + 6 * whole.Index(f, j);
+      own[j] = FromSixNumbers(stated);
       added[j].setZero();
       if (j == 0 || whole.tracks.seen(f, j)) continue;
       const int start = state.parent(j);
       added[j] = added[start] + AlongBone(state.position(f, j) - state.position(f, start), own[j] - own[start]);
-      const Matrix3d& a = added[j];
-      const double values[6] = {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
-      for (std::size_t i = 0; i < 6; ++i) position_cov[6 * at + i] += static_cast<float>(values[i]);
+      ToSixNumbers(own[j] + added[j], stated);
     }
   }
 }

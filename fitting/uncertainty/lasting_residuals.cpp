@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "fitting/costs/huber.h"
 
 namespace mocurate {
@@ -57,9 +58,7 @@ std::vector<float> CovarianceOfLasting(const TrackWindow& whole, double factor) 
       const Vector3d mean = information.solve(pull);
       const double square = pull.dot(mean);
       if (square < kByNoise) continue;
-      const Matrix3d c = (1.0 - 3.0 / square) * mean * mean.transpose();
-      const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-      for (int i = 0; i < 6; ++i) lasting[6 * whole.Index(f, j) + i] = static_cast<float>(values[i]);
+      ToSixNumbers((1.0 - 3.0 / square) * mean * mean.transpose(), lasting.data() + 6 * whole.Index(f, j));
     }
   }
   return lasting;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "fitting/uncertainty/body_spread.h"
 #include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/far_turns.h"
@@ -62,7 +63,7 @@ class Reader {
       const std::size_t at = static_cast<std::size_t>(frame) * state.joints() + j;
       const auto derivative = twists.PositionDerivative(j);
       const Matrix3d position = derivative * carrier[j] * derivative.transpose();
-      WritePosition(at, position);
+      ToSixNumbers(position, out_.position_cov.data() + 6 * at);
       WriteRotation(track, at, frame, j, covariance);
       if (!window_.tracks.seen(frame, j)) continue;
       const Matrix3d information = track.DataInformation(frame, j);
@@ -76,11 +77,6 @@ class Reader {
   }
 
  private:
-  void WritePosition(std::size_t at, const Matrix3d& c) {
-    const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-    for (int i = 0; i < 6; ++i) out_.position_cov[6 * at + i] = static_cast<float>(values[i]);
-  }
-
   void WriteRotation(const TrackEquations& track, std::size_t at, int frame, int joint,
                      const Eigen::MatrixXd& covariance) {
     const double prior = joint == 0 ? kUnknownAngle : prior_[at];

@@ -17,6 +17,7 @@
 #include <Eigen/LU>
 
 #include "core/base/random.h"
+#include "core/geometry/symmetric.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/given_numbers.h"
@@ -198,10 +199,8 @@ void Add(const RealClip& clip, const std::vector<double>& bones, const JointTrac
     score.expected.push_back((error + departure.mean).norm());
     score.linear.push_back((Linear(tracks, at) - truth).norm());
     score.spline.push_back((Spline(tracks, at) - truth).norm());
-    const float* c =
-        fit->motion.position_cov.data() + 6 * (static_cast<std::size_t>(at.frame) * tracks.joints() + at.joint);
-    Matrix3d covariance;
-    covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    const Matrix3d covariance = FromSixNumbers(fit->motion.position_cov.data() +
+                                               6 * (static_cast<std::size_t>(at.frame) * tracks.joints() + at.joint));
     const double sigma = fit->noise_sigma / whole.confidence_at(at.frame, at.joint);
     score.cover_body.Add(covariance + fit->variance_factor * sigma * sigma * Matrix3d::Identity(), error);
     score.cover_expected.Add(covariance + departure.variance * Matrix3d::Identity(), error + departure.mean);

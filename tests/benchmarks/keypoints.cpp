@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/symmetric.h"
 #include "core/store/body_file.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/keypoint_fit.h"
@@ -106,9 +107,8 @@ void AddCoverage(const Motion& truth, const Motion& fit, Errors& errors) {
   if (fit.position_cov.empty()) return;
   for (int f = 0; f < truth.frame_count(); ++f) {
     for (int j = 0; j < truth.joint_count(); ++j) {
-      const float* c = fit.position_cov.data() + 6 * (static_cast<std::size_t>(f) * truth.joint_count() + j);
-      Matrix3d covariance;
-      covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+      const Matrix3d covariance =
+          FromSixNumbers(fit.position_cov.data() + 6 * (static_cast<std::size_t>(f) * truth.joint_count() + j));
       const Vector3d error = fit.joints.at(f, j) - truth.joints.at(f, j);
       const Vector3d white = Eigen::LLT<Matrix3d>(covariance).matrixL().solve(error);
       errors.all.Add(white, error.norm(), std::sqrt(covariance.trace()));

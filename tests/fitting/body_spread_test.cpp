@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "core/geometry/symmetric.h"
 #include "core/store/body_file.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "tests/fitting/takes.h"
@@ -18,10 +19,7 @@ namespace {
 constexpr int kChest = 1, kElbowOfArm = 4, kWristOfArm = 5;
 
 Matrix3d SpreadOfJoint(const std::vector<float>& covariances, int frame, int joint, int joints) {
-  const float* c = covariances.data() + 6 * (static_cast<std::size_t>(frame) * joints + joint);
-  Matrix3d covariance;
-  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return covariance;
+  return FromSixNumbers(covariances.data() + 6 * (static_cast<std::size_t>(frame) * joints + joint));
 }
 
 /// A take of ten frames of which some joints are never seen, at its true pose.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/geometry/symmetric.h"
 #include "tests/fitting/takes.h"
 
 namespace mocurate {
@@ -23,22 +24,14 @@ struct OneUnsureBone {
     bone = take.truth.joints.at(0, end) - from;
     const Vector3d along = bone.normalized();
     const Matrix3d across = sigma * sigma * bone.squaredNorm() * (Matrix3d::Identity() - along * along.transpose());
-    Set(end, across);
+    ToSixNumbers(across, covariance.data() + 6 * static_cast<std::size_t>(end));
     take.tracks.confidence[static_cast<std::size_t>(end)] = 0.0;
-  }
-
-  void Set(int joint, const Matrix3d& c) {
-    const double values[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-    for (std::size_t i = 0; i < 6; ++i)
-      covariance[6 * static_cast<std::size_t>(joint) + i] = static_cast<float>(values[i]);
   }
 
   /// Variance of a joint along the unsure bone, in units of the bone's length.
   double AlongInLengths(int joint) const {
-    const float* c = covariance.data() + 6 * static_cast<std::size_t>(joint);
-    Matrix3d full;
-    full << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    return bone.dot(full * bone) / (bone.squaredNorm() * bone.squaredNorm());
+    return bone.dot(FromSixNumbers(covariance.data() + 6 * static_cast<std::size_t>(joint)) * bone) /
+           (bone.squaredNorm() * bone.squaredNorm());
   }
 
   void AddTurns() {

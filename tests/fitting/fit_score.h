@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/geometry/symmetric.h"
 #include "core/motion/kinematics.h"
 #include "fitting/fit_result.h"
 #include "tests/fitting/studio_clips.h"
@@ -64,10 +65,7 @@ struct FitScore {
     (good ? seen_sum : hidden_sum) += error.norm();
     ++(good ? seen_count : hidden_count);
     if (motion.position_cov.empty()) return;
-    const float* c = motion.position_cov.data() + 6 * at;
-    Matrix3d covariance;
-    covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    const Eigen::LLT<Matrix3d> root(covariance);
+    const Eigen::LLT<Matrix3d> root(FromSixNumbers(motion.position_cov.data() + 6 * at));
     const Vector3d white = root.matrixL().solve(error);
     one += (white.array().abs() < 1.0).count();
     two += (white.array().abs() < 2.0).count();

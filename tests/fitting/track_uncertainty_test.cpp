@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_problem.h"
@@ -17,10 +18,8 @@ namespace mocurate {
 namespace {
 
 Matrix3d CovarianceAt(const Motion& motion, int frame, int joint) {
-  const float* c = motion.position_cov.data() + 6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint);
-  Matrix3d covariance;
-  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return covariance;
+  return FromSixNumbers(motion.position_cov.data() +
+                        6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint));
 }
 
 /// Shares of whitened error components within one and two standard deviations.

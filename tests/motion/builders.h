@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/random.h"
+#include "core/geometry/symmetric.h"
 #include "core/motion/clip.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/skeleton.h"
@@ -47,10 +48,8 @@ inline Motion SwingingPerson(const SkeletonPtr& skeleton, int frames, FrameRate 
   for (int cell = 0; cell < frames * joints; ++cell) {
     motion.state.push_back(static_cast<JointState>(cell % 4));
     const Matrix3d a = Matrix3d::NullaryExpr([&] { return 0.01 * random.Normal(); });
-    const Matrix3d c = a * a.transpose();
-    for (const double v : {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)}) {
-      motion.position_cov.push_back(static_cast<float>(v));
-    }
+    motion.position_cov.resize(motion.position_cov.size() + 6);
+    ToSixNumbers(a * a.transpose(), motion.position_cov.data() + motion.position_cov.size() - 6);
     for (int k = 0; k < 3; ++k) motion.rotation_sigma.push_back(static_cast<float>(0.1 * random.Uniform()));
     for (int k = 0; k < 3; ++k) motion.rotation_observed.push_back(static_cast<float>(random.Uniform()));
   }
