@@ -19,9 +19,12 @@ constexpr double kJumpReach_s = 0.5;   ///< how far the jump may be from what is
 constexpr double kJump = 0.15;         ///< metres
 constexpr double kJumpOfExcess = 0.5;  ///< of what the bone is too long by
 constexpr double kFastestHand = 12.0;  ///< m/s: nobody's hand is faster
-constexpr double kFarAway = 0.3;       ///< metres
-constexpr double kFarSigmas = 10.0;
-constexpr double kBack = 0.5;  ///< of the step: how far from its place before a joint may be when it is back
+constexpr double kSudden = 4.0;        ///< times as fast as the steps before and after
+constexpr double kCutOff_s = 0.35;
+constexpr double kFarAway = 0.3;  ///< metres
+constexpr double kFarSigmas = 6.0;
+constexpr double kMostlyWrong = 0.7;  ///< share of frames by which bones are wrong oftener between jumps than around
+constexpr double kBack = 0.5;         ///< of the step: how far from its place before a joint may be when it is back
 
 class TearSearch {
  public:
@@ -194,22 +197,102 @@ class TearSearch {
     return runs;
   }
 
+  /// Speed of a joint's step into frame f, m/s; 0: there is none.
+  double Speed(int joint, int f) const {
+    const auto step = Step(joint, f);
+    return step && step->second > 0.0 ? step->first / step->second : 0.0;
+  }
+
+  /// Whether a joint is suddenly elsewhere in frame f: faster than any hand, or much faster than right before and
+  /// after.
+  bool JumpsInto(int joint, int f) const {
+    const auto step = Step(joint, f);
+    if (!step || step->first < std::max(kFarAway, kFarSigmas * noise_)) return false;
+    return step->first >= kFastestHand * step->second || Sudden(joint, f);
+  }
+
+  bool Sudden(int joint, int f) const {
+    const double around = std::max(Speed(joint, SeenBefore(joint, f)), Speed(joint, SeenAfter(joint, f)));
+    return Speed(joint, f) >= kSudden * around;
+  }
+
+  int SeenAfter(int joint, int f) const {
+    do {
+      ++f;
+    } while (f < tracks_.frames() && !tracks_.seen(f, joint));
+    return f;
+  }
+
+  /// Share of frames [begin, end) in which one of the joint's bones is too long or too short; none seen: empty.
+  std::optional<double> WrongBones(int joint, int begin, int end) const {
+    int wrong = 0;
+    int all = 0;
+    for (int f = std::max(begin, 0); f < std::min(end, tracks_.frames()); ++f) {
+      if (!tracks_.seen(f, joint)) continue;
+      bool any = false;
+      int bones = 0;
+      const auto seen = [&](int other) { return tracks_.seen(f, other); };
+      Walk(joint, -1, 0.0, seen, [&](int other, double length) {
+        const double away = (tracks_.positions.at(f, other) - tracks_.positions.at(f, joint)).norm() - length;
+        const bool next =
+            tracks_.skeleton->joints[joint].parent == other || tracks_.skeleton->joints[other].parent == joint;
+        // Over joints that are not seen the way may be bent.
+        if (!next && away < 0.0) return;
+        any = any || std::abs(away) > std::max(kWrongBone, kWrongSigmas * noise_);
+        ++bones;
+      });
+      if (bones == 0) continue;
+      wrong += any ? 1 : 0;
+      ++all;
+    }
+    if (all == 0) return {};
+    return static_cast<double>(wrong) / all;
+  }
+
+  /// How many more of the frames [begin, end) have wrong bones than of as many before and after them, -1 to 1.
+  double MoreWrongBetween(int joint, int begin, int end) const {
+    const int length = end - begin;
+    const auto inside = WrongBones(joint, begin, end);
+    const auto before = WrongBones(joint, begin - length, begin);
+    const auto after = WrongBones(joint, end, end + length);
+    if (!inside || (!before && !after)) return 0.0;
+    return *inside - std::max(before.value_or(0.0), after.value_or(0.0));
+  }
+
+  /// A little at an end of the clip that nobody could have come from or gone to. Bones may be right by chance.
+  bool CutOff(int joint, int begin, int end) const {
+    const int jump = begin == 0 ? end : begin;
+    if (begin > 0 && end < tracks_.frames()) return false;
+    const double length_s = tracks_.time_s[end - 1] - tracks_.time_s[begin];
+    return length_s <= kCutOff_s && Speed(joint, jump) >= kFastestHand && Sudden(joint, jump);
+  }
+
   std::vector<TornJoint> Jumps(int joint) const {
+    std::vector<int> into = {0};
+    for (int f = 1; f < tracks_.frames(); ++f) {
+      if (JumpsInto(joint, f)) into.push_back(f);
+    }
+    into.push_back(tracks_.frames());
     std::vector<TornJoint> jumps;
-    const double far = std::max(kFarAway, kFarSigmas * noise_);
-    const auto jumps_into = [&](int f) {
-      const auto step = Step(joint, f);
-      return step && step->first >= far && step->first >= kFastestHand * step->second;
-    };
-    for (int begin = 1; begin < tracks_.frames(); ++begin) {
-      if (!jumps_into(begin)) continue;
-      const double step = Step(joint, begin)->first;
-      const Vector3d place = tracks_.positions.at(SeenBefore(joint, begin), joint);
-      for (int end = begin + 1; end < tracks_.frames(); ++end) {
-        if (tracks_.time_s[end] - tracks_.time_s[begin] > longest_s_) break;
-        if (!jumps_into(end) || (tracks_.positions.at(end, joint) - place).norm() > kBack * step) continue;
-        if (end - begin >= kFewestTornFrames) jumps.push_back({joint, begin, end, step, true});
-        begin = end;
+    for (std::size_t b = 0; b + 1 < into.size(); ++b) {
+      const int begin = into[b];
+      for (std::size_t e = b + 1; e < into.size(); ++e) {
+        const int end = into[e];
+        const bool whole = begin == 0 && end == tracks_.frames();
+        if (whole || tracks_.time_s[end - 1] - tracks_.time_s[begin] > longest_s_) break;
+        const auto there = Step(joint, begin);
+        const auto back = Step(joint, end);
+        const double step = std::max(there ? there->first : 0.0, back ? back->first : 0.0);
+        const bool returns =
+            there && back &&
+            (tracks_.positions.at(end, joint) - tracks_.positions.at(SeenBefore(joint, begin), joint)).norm() <=
+                kBack * there->first;
+        if (end - begin < kFewestTornFrames) continue;
+        const double more = MoreWrongBetween(joint, begin, end);
+        const bool torn = more >= kMostlyWrong || (more > -kMostlyWrong && (returns || CutOff(joint, begin, end)));
+        if (!torn) continue;
+        jumps.push_back({joint, begin, end, step, true});
+        b = e;
         break;
       }
     }

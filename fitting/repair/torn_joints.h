@@ -19,8 +19,10 @@ struct TornJoint {
 /// - bones: with the bones cut that are longer than `bone_length` (J, metres) by 15 cm, half their length and six times
 ///   their noise, the largest part is the body; off is what even over joints left out cannot reach it. From there to
 ///   the jumps by which it came and went (at most half a second), since a place may happen to be at a bone's length;
-/// - steps: it comes and goes by steps of 12 m/s and 0.3 m that bring it back to where it was, within
-///   `longest_s`.
+/// - steps: it comes and goes, within `longest_s`, by jumps: steps of 0.3 m, of 12 m/s or four times as fast as those
+///   right before and after. They bring it back to where it was and its bones are not better between them than around,
+///   or its bones are wrong between them and right around. The clip's ends stand for a jump in the latter, and in 0.35
+///   s next to a jump that no hand makes.
 /// `noise_sigma` metres per axis. Sorted by joint, then by frame.
 std::vector<TornJoint> FindTornJoints(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                       double noise_sigma, double longest_s);

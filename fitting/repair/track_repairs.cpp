@@ -102,7 +102,7 @@ class Repairs {
     repair.joints = {torn.joint};
     repair.value = torn.distance;
     repair.message = names_[torn.joint] + " is elsewhere in " + Counted(torn.frame_end - torn.frame_begin, "frame") +
-                     (torn.jumped ? ": it jumps there and back by " + RoundedText(torn.distance, 3) + " m"
+                     (torn.jumped ? ": it jumps there or back by " + RoundedText(torn.distance, 3) + " m"
                                   : ": bones would have to be longer by " + RoundedText(torn.distance, 3) + " m");
     result_.repairs.push_back(std::move(repair));
   }

@@ -192,6 +192,22 @@ TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
   EXPECT_TRUE(OfCode(FitRepaired(TurningTake(90)), "joint_torn_off").empty());
 }
 
+/// At an end of the clip there is no coming back, or no going.
+TEST(Repair, TakesAHandThatIsElsewhereAtAnEndOfTheClipForMissing) {
+  const int wrist = *TestSkeleton()->FindJoint("left_wrist");
+  for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(0, -1, 0), Vector3d(0, 0, 1)}) {
+    for (const int begin : {0, 82}) {
+      PlayedTake take = TurningTake(90);
+      for (int f = begin; f < begin + 8; ++f) take.tracks.positions.at(f, wrist) += 0.45 * way;
+      const std::vector<Finding> findings = OfCode(FitRepaired(take), "joint_torn_off");
+      ASSERT_EQ(findings.size(), 1u) << way.transpose() << " from " << begin;
+      EXPECT_EQ(findings[0].joint, "left_wrist");
+      EXPECT_EQ(findings[0].frame_begin, begin);
+      EXPECT_EQ(findings[0].frame_end, begin + 8);
+    }
+  }
+}
+
 /// A wrist beside the forearm is hardly farther from the elbow than it may be, but far from its hand.
 TEST(Repair, BlamesTheJointThatIsOffAndNotWhatHangsFromIt) {
   auto body = std::make_shared<Skeleton>(*TestSkeleton());
