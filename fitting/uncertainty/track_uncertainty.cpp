@@ -18,6 +18,8 @@ namespace {
 constexpr double kSmallestFactor = 0.25;  ///< tracks without noise are not taken for better than half their floor
 constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as left over, at least
 
+constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
+
 /// Variance of a joint's angle per axis without evidence (F*J): a random walk tied to the rest pose, cut at gaps.
 std::vector<double> PriorVariance(const TrackWindow& whole) {
   std::vector<double> information(whole.tracks.confidence.size());
@@ -97,18 +99,53 @@ class Reader {
   Freedom& freedom_;
 };
 
+/// Factors on the covariances of positions, (F*J): `factor` where a joint is seen; where not, that of its gap, but no
+/// surer than on the surer side of it.
+std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::vector<double>& growth, double factor,
+                                       const std::vector<float>& position_cov) {
+  std::vector<double> factors(growth.size());
+  const auto variance = [&](std::size_t at) {
+    return static_cast<double>(position_cov[6 * at]) + position_cov[6 * at + 3] + position_cov[6 * at + 5];
+  };
+  const auto joints = static_cast<std::size_t>(tracks.joints());
+  for (std::size_t j = 0; j < joints; ++j) {
+    double before = 0.0;  // variance where it was last seen; 0: it was not
+    for (int f = 0; f < tracks.frames(); ++f) {
+      const std::size_t at = static_cast<std::size_t>(f) * joints + j;
+      if (tracks.seen(f, static_cast<int>(j))) {
+        factors[at] = factor;
+        before = factor * variance(at);
+        continue;
+      }
+      int next = f;
+      while (next < tracks.frames() && !tracks.seen(next, static_cast<int>(j))) ++next;
+      const double after =
+          next < tracks.frames() ? factor * variance(static_cast<std::size_t>(next) * joints + j) : 0.0;
+      const double least = before > 0.0 && after > 0.0 ? std::min(before, after) : std::max(before, after);
+      for (; f < next; ++f) {
+        const std::size_t unseen = static_cast<std::size_t>(f) * joints + j;
+        factors[unseen] = std::max(growth[unseen], least / std::max(variance(unseen), kSmallestVariance));
+      }
+      --f;
+    }
+  }
+  return factors;
+}
+
 /// Residuals decide how far the noise was right: what the evidence says counts `factor` less. A position that is not
 /// seen in its frame, and the prior's part of a rotation, stay.
 void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, double factor,
            PoseUncertainty& uncertainty) {
   factor *= kUncertaintyCalibration;
   const UnseenGrowth growth = GrowthOfUnseen(tracks);
+  const std::vector<double> of_positions =
+      FactorsOfPositions(tracks, growth.position, factor, uncertainty.position_cov);
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;
-      const double of_position = tracks.seen(f, j) ? factor : growth.position[at];
       for (int i = 0; i < 6; ++i) {
-        uncertainty.position_cov[6 * at + i] = static_cast<float>(of_position * uncertainty.position_cov[6 * at + i]);
+        float& value = uncertainty.position_cov[6 * at + i];
+        value = static_cast<float>(of_positions[at] * value);
       }
       const double of_rotation = growth.rotation[at] > 1.0 ? growth.rotation[at] : factor;
       for (int i = 0; i < 3; ++i) {

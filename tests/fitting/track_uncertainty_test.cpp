@@ -250,6 +250,29 @@ TEST(TrackUncertainty, KnowsATrackersErrorThatLasts) {
   EXPECT_LT(coverage.one(), 0.80);
 }
 
+/// Where errors last, what a sample says is stated as less; a frame without one is not stated as more.
+TEST(TrackUncertainty, AFrameWithoutASampleIsNoSurerThanThoseBesideIt) {
+  PlayedTake take = SmoothTake(150);
+  Random random(1, "lasting noise");
+  const auto normal = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()); };
+  for (int j = 0; j < take.tracks.joints(); ++j) {
+    Vector3d lasting = 0.02 * normal();
+    for (int f = 0; f < take.tracks.frames(); ++f) {
+      take.tracks.positions.at(f, j) += lasting;
+      lasting = 0.9 * lasting + 0.02 * std::sqrt(1.0 - 0.81) * normal();
+    }
+  }
+  const int ankle = *take.truth.skeleton->FindJoint("left_ankle");
+  for (const int frame : {30, 31, 60, 90, 91, 120}) Hide(take.tracks, frame, ankle);
+  const FitResult fit = FitWithUncertainty(take);
+  const auto stated = [&](int frame) { return std::sqrt(CovarianceAt(fit.motion, frame, ankle).trace()); };
+  for (const auto& [before, after] : {std::pair(29, 32), std::pair(59, 61), std::pair(89, 92), std::pair(119, 121)}) {
+    for (int f = before + 1; f < after; ++f) {
+      EXPECT_GT(stated(f), 0.98 * std::min(stated(before), stated(after))) << "frame " << f;
+    }
+  }
+}
+
 TEST(TrackUncertainty, GrowsWithTheGapOfEachJointAndOfWhatHangsOnIt) {
   PlayedTake take = SmoothTake(120);
   const Skeleton& body = *take.truth.skeleton;
