@@ -1,10 +1,10 @@
 #include "fitting/association/rig_view.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "fitting/evidence/noise.h"
+#include "fitting/triangulation/normal_equations3.h"
 
 namespace mocurate {
 namespace {
@@ -21,14 +21,13 @@ struct Ray {
 };
 
 Vector3d NearestToSights(const std::vector<Ray>& rays, const std::vector<double>& weight) {
-  Matrix3d sum = Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
+  NormalEquations3 equations;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const Matrix3d across = weight[i] * (Matrix3d::Identity() - rays[i].direction * rays[i].direction.transpose());
-    sum += across;
-    right += across * rays[i].view->camera.centre;
+    equations.AddAcross(weight[i], rays[i].direction, rays[i].view->camera.centre);
   }
-  return sum.inverse() * right;
+  Vector3d point = Vector3d::Constant(std::nan(""));
+  equations.Solve(point);
+  return point;
 }
 
 bool AllSightsParallel(const std::vector<Ray>& rays) {

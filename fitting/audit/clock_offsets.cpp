@@ -39,11 +39,11 @@ struct ClockEquations {
 };
 
 /// Pixels per second of each detection, from what the view sees two of its frames earlier and later. (M*K)
-std::vector<Vector2d> Velocities(const RigSamples& samples, const RigModel& model, std::size_t view, std::size_t part) {
+std::vector<Vector2d> Velocities(const RigSamples& samples, const RigModel& model, std::size_t view, std::size_t part,
+                                 const ViewKeypoints& now) {
   const double reach = 2.0 * samples.Step(view);
   const ViewKeypoints before = samples.View(model, view, part, -reach);
   const ViewKeypoints after = samples.View(model, view, part, reach);
-  const ViewKeypoints now = samples.View(model, view, part);
   std::vector<Vector2d> velocity(before.confidence.size(), Vector2d::Zero());
   for (std::size_t i = 0; i < velocity.size() && reach > 0.0; ++i) {
     if (before.confidence[i] <= 0.0 || after.confidence[i] <= 0.0) continue;
@@ -66,7 +66,7 @@ ClockEquations Linearise(const RigSamples& samples, const RigModel& model, const
   std::vector<Matrix3d> rotation;
   for (std::size_t i = 0, part = 0; i < views.size(); ++i) {
     part = i > 0 && view_of[i] == view_of[i - 1] ? part + 1 : 0;
-    velocity.push_back(Velocities(samples, model, view_of[i], part));
+    velocity.push_back(Velocities(samples, model, view_of[i], part, views[i]));
     rotation.push_back(views[i].camera.camera_from_world.rotation.toRotationMatrix());
   }
   const auto n = static_cast<Eigen::Index>(samples.views());

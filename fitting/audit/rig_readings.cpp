@@ -110,6 +110,19 @@ struct Judged {
   double share = 0.0;
 };
 
+/// Files exchanged, or all images mirrored: nothing but how the rig stands in the world.
+bool IsOfRig(const RigReading& reading, std::size_t views) {
+  return reading.ExchangesFiles() || (reading.mirrored && reading.views.size() == views);
+}
+
+bool IsMuchBetter(const Judged& judged, const Judged& given) {
+  const RigReading& reading = judged.reading;
+  const auto views = static_cast<double>(reading.source.size());
+  const bool turned = reading.mirrored && reading.views.size() == 1;
+  if (turned && views * (given.mean - judged.mean) > kBroughtHome) return true;
+  return judged.mean < (IsOfRig(reading, reading.source.size()) ? kBetterReading : kMuchBetterReading) * given.mean;
+}
+
 /// Reads a rig in one way after the other. Views that several readings share are made once.
 class ReadingJudge {
  public:
@@ -117,7 +130,19 @@ class ReadingJudge {
                const std::vector<KnownLength>& lengths, double min_confidence)
       : some_(some), other_side_(OtherSides(names)), lengths_(lengths), min_confidence_(min_confidence) {}
 
-  Judged operator()(const RigReading& reading) {
+  Judged operator()(const RigReading& reading) { return Judge(reading, nullptr); }
+
+  /// What IsMuchBetter says of the whole judgement. Costs only grow from moment to moment: most readings are given up
+  /// after one or two.
+  bool MuchBetter(const RigReading& reading, const Judged& given) {
+    return IsMuchBetter(Judge(reading, &given), given);
+  }
+
+ private:
+  using Key = std::tuple<std::size_t, std::size_t, bool, bool, double>;
+
+  /// At all moments, or until it is not much better than `unless_better`, if given.
+  Judged Judge(const RigReading& reading, const Judged* unless_better) {
     Judged judged{reading, {}, 0.0, 0.0};
     std::vector<RigView> rig;
     for (std::size_t v = 0; v < some_.size(); ++v) rig.push_back(At(v, reading));
@@ -125,13 +150,11 @@ class ReadingJudge {
     for (std::size_t m = 0; m < moments; ++m) {
       judged.costs.push_back(CostOfAgreement(rig, static_cast<int>(m), lengths_, judged.share));
       judged.mean += judged.costs.back() / static_cast<double>(moments);
+      if (unless_better != nullptr && !IsMuchBetter(judged, *unless_better)) return judged;
     }
     judged.share /= static_cast<double>(moments);
     return judged;
   }
-
- private:
-  using Key = std::tuple<std::size_t, std::size_t, bool, bool, double>;
 
   const RigView& At(std::size_t v, const RigReading& reading) {
     const bool changed = std::find(reading.views.begin(), reading.views.end(), v) != reading.views.end();
@@ -150,19 +173,6 @@ class ReadingJudge {
   double min_confidence_;
   std::map<Key, RigView> made_;
 };
-
-/// Files exchanged, or all images mirrored: nothing but how the rig stands in the world.
-bool IsOfRig(const RigReading& reading, std::size_t views) {
-  return reading.ExchangesFiles() || (reading.mirrored && reading.views.size() == views);
-}
-
-bool IsMuchBetter(const Judged& judged, const Judged& given) {
-  const RigReading& reading = judged.reading;
-  const auto views = static_cast<double>(reading.source.size());
-  const bool turned = reading.mirrored && reading.views.size() == 1;
-  if (turned && views * (given.mean - judged.mean) > kBroughtHome) return true;
-  return judged.mean < (IsOfRig(reading, reading.source.size()) ? kBetterReading : kMuchBetterReading) * given.mean;
-}
 
 /// Views that mean something else, or files that lie elsewhere: all images mirrored is as much as two files exchanged.
 std::size_t Changes(const RigReading& reading) {
@@ -232,10 +242,15 @@ RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::v
   as_given.source = AsGiven(views.size());
   const Judged given = judge(as_given);
   if (given.mean <= kAgreeing) return {};
+  std::vector<RigReading> asked = Readings(views.size());
+  const auto unasked = [&](const RigReading& reading) {
+    return given.mean <= kViewsDisagree && !IsOfRig(reading, views.size());
+  };
+  asked.erase(std::remove_if(asked.begin(), asked.end(), unasked), asked.end());
+  const auto better = [&](const RigReading& reading) { return judge.MuchBetter(reading, given); };
+  if (std::none_of(asked.begin(), asked.end(), better)) return {};
   std::vector<Judged> all;
-  for (const RigReading& reading : Readings(views.size())) {
-    if (given.mean > kViewsDisagree || IsOfRig(reading, views.size())) all.push_back(judge(reading));
-  }
+  for (const RigReading& reading : asked) all.push_back(judge(reading));
   double least = given.mean;
   for (const Judged& judged : all) least = std::min(least, judged.mean);
   const Judged* best = BestOf(all, given, least);
@@ -248,9 +263,9 @@ RigReadings FindRigReadings(const std::vector<KeypointView>& views, const std::v
     const bool alike = judged.mean <= kAlikeCosts * least + kAlikeCost;
     // What moves more files and agrees as well is the same rig seen from another side.
     if (alike && changes > 1 && Changes(judged.reading) > changes) continue;
-    const double better = Confidence(judged.costs, best->costs);
-    if (!alike || better >= sure) {
-      found.confidence = std::min(found.confidence, better);
+    const double surely = Confidence(judged.costs, best->costs);
+    if (!alike || surely >= sure) {
+      found.confidence = std::min(found.confidence, surely);
       continue;
     }
     const auto told = [&](const RigReading& reading) { return AreSame(reading, judged.reading); };

@@ -12,6 +12,8 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
             const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c,
             const int* ldc);
+void dgemv_(const char* trans, const int* m, const int* n, const double* alpha, const double* a, const int* lda,
+            const double* x, const int* incx, const double* beta, double* y, const int* incy);
 void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda,
             double* x, const int* incx);
 void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
@@ -31,6 +33,14 @@ bool CholeskyInPlace(double* a, int n) {
   return info == 0;
 }
 
+/// U := (U'U)^-1, both triangles.
+void InverseOfFactored(Eigen::MatrixXd& u) {
+  const auto size = static_cast<int>(u.rows());
+  int info = 0;
+  dpotri_("U", &size, u.data(), &size, &info);
+  u.triangularView<Eigen::StrictlyLower>() = u.transpose();
+}
+
 /// B := U^-T B, B of n x columns.
 void SolveTransposedInPlace(const double* u, int n, double* b, int columns) {
   dtrsm_("L", "U", "T", "N", &n, &columns, &kOne, u, &n, b, &n);
@@ -38,7 +48,11 @@ void SolveTransposedInPlace(const double* u, int n, double* b, int columns) {
 
 /// C -= A'B with A of k x m and B of k x n; C has `ldc` rows in memory.
 void SubtractProduct(const double* a, int m, const double* b, int n, int k, double* c, int ldc) {
-  if (m > 0 && n > 0) dgemm_("T", "N", &m, &n, &k, &kMinusOne, a, &k, b, &k, &kOne, c, &ldc);
+  if (m > 0 && n == 1) {  // no packing of A
+    dgemv_("T", &k, &m, &kMinusOne, a, &k, b, &kStep, &kOne, c, &kStep);
+  } else if (m > 0 && n > 0) {
+    dgemm_("T", "N", &m, &n, &k, &kMinusOne, a, &k, b, &k, &kOne, c, &ldc);
+  }
 }
 
 /// Upper triangle of C -= A'A with A of k x n.
@@ -60,9 +74,13 @@ void BlockTridiagonal::Resize(int blocks, int size, int border) {
   reduced_corner_.resize(border, border + 1);
 }
 
+void BlockTridiagonal::SetZero(int f) {
+  std::fill_n(diagonal_.begin() + static_cast<std::ptrdiff_t>(Square(f)), Square(1), 0.0);
+  std::fill_n(panel_.begin() + static_cast<std::ptrdiff_t>(Panel(f)), Panel(1), 0.0);
+}
+
 void BlockTridiagonal::SetZero() {
-  std::fill(diagonal_.begin(), diagonal_.end(), 0.0);
-  std::fill(panel_.begin(), panel_.end(), 0.0);
+  for (int f = 0; f < blocks_; ++f) SetZero(f);
   corner_.setZero();
 }
 
@@ -140,9 +158,7 @@ void BlockTridiagonal::VisitInverse(const VisitBlocks& visit) const {
   for (int f = blocks_ - 1; f >= 0; --f) {
     const double* factor = factor_.data() + Square(f);
     here = Eigen::Map<const Eigen::MatrixXd>(factor, size_, size_);
-    int info = 0;
-    dpotri_("U", &size_, here.data(), &size_, &info);  // (U'U)^-1, upper triangle
-    here.triangularView<Eigen::StrictlyLower>() = here.transpose();
+    InverseOfFactored(here);
     if (f + 1 < blocks_) {
       // With K = U^-1 (U^-T O): next = -K after, here += K after K'.
       next.resize(size_, size_);
@@ -156,6 +172,13 @@ void BlockTridiagonal::VisitInverse(const VisitBlocks& visit) const {
     visit(f, here, next);
     std::swap(here, after);
   }
+}
+
+bool InvertInPlace(Eigen::MatrixXd& matrix) {
+  const auto size = static_cast<int>(matrix.rows());
+  if (!CholeskyInPlace(matrix.data(), size)) return false;
+  InverseOfFactored(matrix);
+  return true;
 }
 
 }  // namespace mocurate

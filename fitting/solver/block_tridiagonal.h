@@ -29,6 +29,8 @@ class BlockTridiagonal {
   int border() const { return border_; }
 
   void SetZero();
+  /// D_f, O_f, E_f and g_f: what is set to zero shortly before it is summed up is still at hand.
+  void SetZero(int f);
   /// D_f: only its upper triangle is read.
   Block Diagonal(int f) { return {diagonal_.data() + Square(f), size_, size_}; }
   Block Next(int f) { return {panel_.data() + Panel(f), size_, size_}; }                      ///< O_f
@@ -69,5 +71,9 @@ class BlockTridiagonal {
   std::vector<double> reduced_;   ///< U_f^-T [O_f E_f g_f]
   Eigen::MatrixXd reduced_corner_;
 };
+
+/// A^-1 of a symmetric positive definite matrix, of which the upper triangle is read, in its place; false where it is
+/// not.
+bool InvertInPlace(Eigen::MatrixXd& matrix);
 
 }  // namespace mocurate

@@ -269,11 +269,14 @@ void TrackEquations::AddBonePriors(BlockTridiagonal& equations) const {
 }
 
 void TrackEquations::Linearise(BlockTridiagonal& equations) {
-  equations.SetZero();
+  equations.SetZero(0);
+  equations.Corner().setZero();
+  equations.CornerGradient().setZero();
   if (window_.first() < window_.begin && joined(window_.first())) AddRotationStep(window_.first(), equations);
   UpdateTwists(window_.begin, twist_);
   for (int f = window_.begin; f < window_.end; ++f) {
     const bool after = f + 1 < window_.end && joined(f);
+    if (f + 1 < window_.end) equations.SetZero(f + 1 - window_.begin);
     SumFrame(f);
     AddFrame(f, equations);
     AddPriors(f, equations);

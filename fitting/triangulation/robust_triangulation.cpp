@@ -1,12 +1,14 @@
 #include "fitting/triangulation/robust_triangulation.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
 
 #include "fitting/evidence/noise.h"
+#include "fitting/triangulation/normal_equations3.h"
 
 namespace mocurate {
 namespace {
@@ -26,41 +28,39 @@ struct Seen {
   Vector3d in_camera;
   Vector2d error;  ///< px; no number behind the camera
 
-  Seen(const ViewRay& ray, const Vector3d& point) : in_camera(ray.view->rotation * (point - ray.view->centre)) {
-    const Camera& camera = ray.view->camera;
-    error.x() = camera.fx * (in_camera.x() / in_camera.z() - ray.normalised.x());
-    error.y() = camera.fy * (in_camera.y() / in_camera.z() - ray.normalised.y());
-  }
-  double length() const { return in_camera.z() > 0.0 ? error.norm() : kBehind; }
-  /// d error / d point.
-  Eigen::Matrix<double, 2, 3> Slope(const ViewRay& ray) const {
+  [[gnu::always_inline]] Seen(const ViewRay& ray, const Vector3d& point)
+      : in_camera(ray.view->rotation * (point - ray.view->centre)) {
     const Camera& camera = ray.view->camera;
     const double inverse = 1.0 / in_camera.z();
-    Eigen::Matrix<double, 2, 3> slope;
-    slope.row(0) =
-        camera.fx * inverse * (ray.view->rotation.row(0) - in_camera.x() * inverse * ray.view->rotation.row(2));
-    slope.row(1) =
-        camera.fy * inverse * (ray.view->rotation.row(1) - in_camera.y() * inverse * ray.view->rotation.row(2));
-    return slope;
+    error.x() = camera.fx * (in_camera.x() * inverse - ray.normalised.x());
+    error.y() = camera.fy * (in_camera.y() * inverse - ray.normalised.y());
+  }
+  bool behind() const { return !(in_camera.z() > 0.0); }
+  double square() const { return behind() ? kBehind * kBehind : error.squaredNorm(); }
+  /// Adds weight * |error|^2 / 2 as it changes with the point.
+  [[gnu::always_inline]] void AddTo(NormalEquations3& equations, double weight, const ViewRay& ray) const {
+    const Camera& camera = ray.view->camera;
+    const Matrix3d& rotation = ray.view->rotation;
+    const double inverse = 1.0 / in_camera.z();
+    const Vector3d along = inverse * rotation.row(2).transpose();
+    equations.Add(weight, camera.fx * (inverse * rotation.row(0).transpose() - in_camera.x() * inverse * along),
+                  error.x());
+    equations.Add(weight, camera.fy * (inverse * rotation.row(1).transpose() - in_camera.y() * inverse * along),
+                  error.y());
   }
 };
 
-double ErrorLength(const ViewRay& ray, const Vector3d& point) { return Seen(ray, point).length(); }
+double SquaredError(const ViewRay& ray, const Vector3d& point) { return Seen(ray, point).square(); }
 
-/// Nearest point to some rays: minimises the weighted squares of the distances from them.
-class NearestPoint {
- public:
-  void Add(const ViewRay& ray) {
-    const Matrix3d across = ray.weight * (Matrix3d::Identity() - ray.direction * ray.direction.transpose());
-    sum_ += across;
-    right_ += across * ray.view->centre;
-  }
-  Vector3d Solve() const { return sum_.ldlt().solve(right_); }
-
- private:
-  Matrix3d sum_ = Matrix3d::Zero();
-  Vector3d right_ = Vector3d::Zero();
-};
+/// Minimises the weighted squares of the distances from some rays.
+template <typename RaysToMeet>
+Vector3d NearestPoint(const RaysToMeet& rays) {
+  NormalEquations3 equations;
+  for (const ViewRay& ray : rays) equations.AddAcross(ray.weight, ray.direction, ray.view->centre);
+  Vector3d point = Vector3d::Constant(std::nan(""));
+  equations.Solve(point);
+  return point;
+}
 
 bool Parallel(const ViewRay& a, const ViewRay& b) { return a.direction.cross(b.direction).norm() < kParallelRays; }
 
@@ -81,21 +81,16 @@ Refined RefinePoint(const Rays& rays, const Vector3d& start, double scale, doubl
   Refined refined;
   refined.point = start;
   for (int i = 0; i < kRefinements; ++i) {
-    Matrix3d information = Matrix3d::Zero();
-    Vector3d pull = Vector3d::Zero();
+    NormalEquations3 equations;
     for (const ViewRay& ray : rays) {
       const Seen seen(ray, refined.point);
-      const double length = seen.length();
-      if (length == kBehind) continue;
-      const Eigen::Matrix<double, 2, 3> slope = seen.Slope(ray);
-      const double trust = 1.0 / (1.0 + length * length / (scale * scale));
-      const double weight = ray.weight * ray.weight / (noise * noise) * trust * trust;
-      information.noalias() += weight * slope.transpose() * slope;
-      pull.noalias() += weight * slope.transpose() * seen.error;
+      if (seen.behind()) continue;
+      const double trust = 1.0 / (1.0 + seen.square() / (scale * scale));
+      const double weight = ray.weight * trust / noise;
+      seen.AddTo(equations, weight * weight, ray);
     }
-    const Eigen::LLT<Matrix3d> factor(information);
-    if (factor.info() != Eigen::Success) return refined;
-    const Vector3d step = factor.solve(pull);
+    Vector3d step;
+    if (!equations.Solve(step)) return refined;
     refined.point -= step;
     refined.solved = refined.point.allFinite();
     if (!refined.solved || step.squaredNorm() < 1e-12) return refined;
@@ -107,8 +102,8 @@ Refined RefinePoint(const Rays& rays, const Vector3d& start, double scale, doubl
 double Score(const Rays& rays, const Vector3d& point, double scale) {
   double score = 0.0;
   for (const ViewRay& ray : rays) {
-    const double error = ErrorLength(ray, point) / scale;
-    score += ray.weight * error * error / (1.0 + error * error);
+    const double square = SquaredError(ray, point) / (scale * scale);
+    score += ray.weight * square / (1.0 + square);
   }
   return score;
 }
@@ -119,10 +114,7 @@ Vector3d BestPoint(const Rays& rays, const Vector3d& first, double scale) {
   double best_score = Score(rays, first, scale);
   const auto try_pair = [&](std::size_t a, std::size_t b) {
     if (Parallel(rays[a], rays[b])) return;
-    NearestPoint nearest;
-    nearest.Add(rays[a]);
-    nearest.Add(rays[b]);
-    const Vector3d point = nearest.Solve();
+    const Vector3d point = NearestPoint(std::array<std::reference_wrapper<const ViewRay>, 2>{rays[a], rays[b]});
     const double score = Score(rays, point, scale);
     if (score >= best_score) return;
     best = point;
@@ -145,7 +137,8 @@ Vector3d BestPoint(const Rays& rays, const Vector3d& first, double scale) {
 }
 
 bool AllWithin(const Rays& rays, const Vector3d& point, double limit) {
-  return std::all_of(rays.begin(), rays.end(), [&](const ViewRay& ray) { return ErrorLength(ray, point) <= limit; });
+  return std::all_of(rays.begin(), rays.end(),
+                     [&](const ViewRay& ray) { return SquaredError(ray, point) <= limit * limit; });
 }
 
 /// Point, and which rays agree with it; empty when too few do.
@@ -154,22 +147,24 @@ std::optional<TriangulatedPoint> JudgePoint(const Rays& rays, const Refined& ref
   if (!refined.solved) return {};
   TriangulatedPoint point;
   point.position = refined.point;
-  Rays agreeing;
-  Matrix3d information = Matrix3d::Zero();
+  NormalEquations3 equations;
+  const ViewRay* first = nullptr;
+  bool parallel = true;
   for (const ViewRay& ray : rays) {
     const Seen seen(ray, point.position);
-    const double error = seen.length();
-    if (error > options.outlier) continue;
-    agreeing.push_back(ray);
-    const Eigen::Matrix<double, 2, 3> slope = ray.weight / options.noise * seen.Slope(ray);
-    information.noalias() += slope.transpose() * slope;
-    point.error_px += error;
+    const double square = seen.square();
+    if (square > options.outlier * options.outlier) continue;
+    if (first == nullptr) first = &ray;
+    parallel = parallel && Parallel(*first, ray);
+    ++point.view_count;
+    seen.AddTo(equations, ray.weight * ray.weight / (options.noise * options.noise), ray);
+    point.error_px += std::sqrt(square);
     if (ray.index < 64) point.views |= std::uint64_t{1} << static_cast<unsigned>(ray.index);
   }
-  point.view_count = static_cast<int>(agreeing.size());
-  if (point.view_count < options.min_views || 2 * agreeing.size() <= rays.size() || AllParallel(agreeing)) return {};
+  const bool most = 2 * static_cast<std::size_t>(point.view_count) > rays.size();
+  if (point.view_count < options.min_views || !most || parallel) return {};
   point.error_px /= point.view_count;
-  point.covariance = information.inverse();
+  point.covariance = equations.Matrix().inverse();
   return point;
 }
 
@@ -238,12 +233,11 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
                                                    const TriangulationOptions& options) {
   if (static_cast<std::int64_t>(rays.size()) < std::max<std::int64_t>(options.min_views, 2) || AllParallel(rays))
     return {};
-  NearestPoint nearest;
-  for (const ViewRay& ray : rays) nearest.Add(ray);
+  const Vector3d nearest = NearestPoint(rays);
   const double scale = kTrust * options.outlier;
-  const Refined all = RefinePoint(rays, nearest.Solve(), scale, options.noise);
+  const Refined all = RefinePoint(rays, nearest, scale, options.noise);
   if (all.solved && AllWithin(rays, all.point, scale)) return JudgePoint(rays, all, options);
-  const Vector3d start = BestPoint(rays, all.solved ? all.point : nearest.Solve(), scale);
+  const Vector3d start = BestPoint(rays, all.solved ? all.point : nearest, scale);
   const Refined best = RefinePoint(rays, start, scale, options.noise);
   const auto point = JudgePoint(rays, best, options);
   if (point || !best.solved) return point;
@@ -286,7 +280,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
     tracks.error_px[i] = point->error_px;
     covariance[i] = point->covariance;
     for (const ViewRay& ray : rays) {
-      const double error = ErrorLength(ray, point->position);
+      const double error = std::sqrt(SquaredError(ray, point->position));
       errors[ray.index].push_back(error);
       ++tracks.cameras[ray.index].detections;
       tracks.cameras[ray.index].left_out += error > options.outlier ? 1 : 0;

@@ -1,9 +1,10 @@
 #include "fitting/uncertainty/walk_factors.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "fitting/solver/block_tridiagonal.h"
 #include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
@@ -42,10 +43,8 @@ class StepReader {
     // Groups of frames that do not depend on where windows begin.
     if (prior_.size() > 0 && group_ == covariance.frame / kPriorSteps) return;
     group_ = covariance.frame / kPriorSteps;
-    const Eigen::MatrixXd information = -0.5 * (covariance.tie + covariance.tie.transpose());
-    const Eigen::LLT<Eigen::MatrixXd> factor(information);
-    if (factor.info() != Eigen::Success) return;
-    prior_ = factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+    Eigen::MatrixXd inverse = -0.5 * (covariance.tie + covariance.tie.transpose());
+    if (InvertInPlace(inverse)) prior_ = std::move(inverse);
   }
 
   static void Add(double square, double unit, double prior, double posterior, double walk, std::size_t at,

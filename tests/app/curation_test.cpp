@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "core/base/sha256.h"
@@ -26,8 +27,16 @@ constexpr int kRowsPerFrame = 20;
 /// A folder of captures with one clip of three frames, one empty file and one file that is no capture.
 class Curated : public ::testing::Test {
  protected:
+  /// One for all cases: what they share is made once where one process runs them.
+  static std::string Cache() {
+    static const Folder cache;
+    return cache.path().native();
+  }
+
   void SetUp() override {
-    ASSERT_EQ(RunProgram(folder_, SmallJob(folder_, "first")).exit_code, 0);
+    std::vector<std::string> first = SmallJob(folder_, "first");
+    std::replace(first.begin(), first.end(), std::string("assemble"), std::string("ingest"));
+    ASSERT_EQ(RunProgram(folder_, first, Cache()).exit_code, 0);
     capture_ = folder_ / "capture";
     fs::copy(folder_ / "first/capture", capture_);
     std::vector<fs::path> files;
@@ -53,7 +62,7 @@ class Curated : public ::testing::Test {
     const auto to = std::find(arguments.begin(), arguments.end(), "--to");
     if (std::find(more.begin(), more.end(), "--to") != more.end()) arguments.erase(to, to + 2);
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunProgram(folder_, arguments);
+    return RunProgram(folder_, arguments, Cache());
   }
 
   /// The line of the curation log whose clip holds `name`.

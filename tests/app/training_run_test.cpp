@@ -40,10 +40,17 @@ std::vector<std::string> TrainingJob(const Folder& folder, const std::vector<std
       "evaluate.repetitions=1",
       "evaluate.motions=10",
       "evaluate.diversity_pairs=2",
-      "evaluate.multimodality_quota=1"};
+      "evaluate.multimodality_quota=1",
+      "report.videos=false"};
   sets.insert(sets.end(), assignments.begin(), assignments.end());
   for (const std::string& assignment : sets) arguments.insert(arguments.end(), {"--set", assignment});
   return arguments;
+}
+
+/// One cache for all runs here: what they share is made once where one process runs them.
+Result TrainingProgram(const Folder& folder, const std::vector<std::string>& arguments) {
+  static const Folder cache;
+  return RunProgram(folder, arguments, cache.path().native());
 }
 
 int StagesNamed(const nlohmann::json& document, const std::string& name) {
@@ -57,7 +64,7 @@ TEST(TrainingRun, OnePersonAloneIsLearntFromAndNothingIsScored) {
   std::vector<std::string> arguments = TrainingJob(
       folder, {"ingest.synthetic.subjects=1", "assemble.splits=[{name: s, by: person, test: [p09], validation: []}]"});
   arguments.erase(std::find(arguments.begin(), arguments.end(), "--json"));
-  const Result result = RunProgram(folder, arguments);
+  const Result result = TrainingProgram(folder, arguments);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("not scored: no clip tests"));
   EXPECT_THAT(result.err, HasSubstr("it trains and nothing tests"));
@@ -70,14 +77,14 @@ TEST(TrainingRun, OnePersonAloneIsLearntFromAndNothingIsScored) {
 
 TEST(TrainingRun, AFolderThatIsGivenTakesThePlaceOfTheCapture) {
   const Folder folder;
-  const Result result = RunProgram(folder, TrainingJob(folder, {"ingest.path=" + (folder / "nowhere").string()}));
+  const Result result = TrainingProgram(folder, TrainingJob(folder, {"ingest.path=" + (folder / "nowhere").string()}));
   EXPECT_EQ(result.exit_code, 3) << result.out;
   EXPECT_THAT(result.err, HasSubstr("nowhere: the folder does not exist"));
 }
 
-TEST(TrainingRun, AllNetworksAreItemsOfOneStage) {
+TEST(TrainingRun, AllNetworksAreItemsOfOneStageAndPagesHaveVideos) {
   const Folder folder;
-  const Result result = RunProgram(folder, TrainingJob(folder, {}));
+  const Result result = TrainingProgram(folder, TrainingJob(folder, {"report.videos=true", "report.pages=1"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json document = result.Json();
   EXPECT_EQ(StagesNamed(document, "train"), 1);
@@ -88,11 +95,12 @@ TEST(TrainingRun, AllNetworksAreItemsOfOneStage) {
   for (const char* name : {"recogniser_1", "recogniser_2", "Action2Motion"}) {
     EXPECT_TRUE(fs::exists(folder / ("r/checkpoints/" + std::string(name) + ".h5"))) << name;
   }
+  EXPECT_TRUE(fs::exists(folder / "r/report/clip_001.mp4"));
 }
 
 TEST(TrainingRun, AGeneratorThatFailsLeavesTheRecognisersAndTheReportSaysSo) {
   const Folder folder;
-  const Result result = RunProgram(folder, TrainingJob(folder, {"train.generator.split=all_test"}));
+  const Result result = TrainingProgram(folder, TrainingJob(folder, {"train.generator.split=all_test"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("1 of 3 networks was not trained; Action2Motion"));
   EXPECT_THAT(result.err, HasSubstr("all_test"));
@@ -108,7 +116,7 @@ TEST(TrainingRun, AGeneratorThatFailsLeavesTheRecognisersAndTheReportSaysSo) {
 
 TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersStay) {
   const Folder folder;
-  ASSERT_EQ(RunProgram(folder, TrainingJob(folder, {})).exit_code, 0);
+  ASSERT_EQ(TrainingProgram(folder, TrainingJob(folder, {})).exit_code, 0);
   for (const char* name : {"metrics.json", "tables/table.md", "checkpoints/recogniser_2.h5", "report/index.html"}) {
     ASSERT_TRUE(fs::exists(folder / ("r/" + std::string(name)))) << name;
   }
@@ -117,23 +125,25 @@ TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersS
 
   std::vector<std::string> dry = TrainingJob(folder, {});
   dry.insert(dry.end(), {"--dry-run", "--to", "canon"});
-  ASSERT_EQ(RunProgram(folder, dry).exit_code, 0);
+  ASSERT_EQ(TrainingProgram(folder, dry).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder / "r/metrics.json")) << "a dry run changes nothing";
 
-  const Result failed = RunProgram(folder, TrainingJob(folder, {"ingest.synthetic.enabled=false", "ingest.path=/nix"}));
+  const Result failed =
+      TrainingProgram(folder, TrainingJob(folder, {"ingest.synthetic.enabled=false", "ingest.path=/nix"}));
   EXPECT_NE(failed.exit_code, 0);
   EXPECT_THAT(failed.err, HasSubstr("an earlier run's"));
   EXPECT_THAT(failed.err, HasSubstr("metrics.json"));
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5")) << "a mistyped path costs nothing";
 
-  ASSERT_EQ(RunProgram(folder, TrainingJob(folder, {"train.seeds=[1]", "train.generator_enabled=false"})).exit_code, 0);
+  ASSERT_EQ(
+      TrainingProgram(folder, TrainingJob(folder, {"train.seeds=[1]", "train.generator_enabled=false"})).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder / "r/checkpoints/recogniser_1.h5"));
   EXPECT_FALSE(fs::exists(folder / "r/checkpoints/recogniser_2.h5"));
   EXPECT_FALSE(fs::exists(folder / "r/checkpoints/Action2Motion.h5"));
 
   std::vector<std::string> shorter = TrainingJob(folder, {});
   shorter.insert(shorter.end(), {"--to", "assemble"});
-  ASSERT_EQ(RunProgram(folder, shorter).exit_code, 0);
+  ASSERT_EQ(TrainingProgram(folder, shorter).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
   EXPECT_TRUE(fs::exists(folder / "r/curation_log.jsonl"));
   for (const char* name : {"metrics.json", "tables/table.md", "tables/table.json", "checkpoints/recogniser_1.h5",
@@ -145,7 +155,7 @@ TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersS
 
 TEST(TrainingRun, AnEvaluationThatFailsLeavesTheReportWhichSaysWhyThereIsNoTable) {
   const Folder folder;
-  ASSERT_EQ(RunProgram(folder, TrainingJob(folder, {})).exit_code, 0);
+  ASSERT_EQ(TrainingProgram(folder, TrainingJob(folder, {})).exit_code, 0);
   // Fifteen draws of ten motions of five classes: some class is missing in one of them.
   const Result result = RunProgram(
       folder,
@@ -165,7 +175,7 @@ TEST(TrainingRun, AnEvaluationThatFailsLeavesTheReportWhichSaysWhyThereIsNoTable
 TEST(TrainingRun, RecognisersThatFailLeaveTheGenerator) {
   const Folder folder;
   const Result result =
-      RunProgram(folder, TrainingJob(folder, {"train.recogniser.split=all_test", "evaluate.split=s"}));
+      TrainingProgram(folder, TrainingJob(folder, {"train.recogniser.split=all_test", "evaluate.split=s"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("2 of 3 networks were not trained; recogniser/1"));
   EXPECT_TRUE(fs::exists(folder / "r/checkpoints/Action2Motion.h5"));
@@ -174,8 +184,8 @@ TEST(TrainingRun, RecognisersThatFailLeaveTheGenerator) {
 
 TEST(TrainingRun, WithoutAnyNetworkTheExitCodeIsStill1) {
   const Folder folder;
-  const Result result =
-      RunProgram(folder, TrainingJob(folder, {"train.recogniser.split=all_test", "train.generator.split=all_test"}));
+  const Result result = TrainingProgram(
+      folder, TrainingJob(folder, {"train.recogniser.split=all_test", "train.generator.split=all_test"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("3 of 3 networks were not trained"));
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
@@ -186,7 +196,7 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
   std::vector<std::string> arguments = TrainingJob(folder, {"train.baseline=true"});
   arguments.erase(std::find(arguments.begin(), arguments.end(), "--json"));
   arguments.insert(arguments.end(), {"--to", "assemble"});
-  const Result result = RunProgram(folder, arguments);
+  const Result result = TrainingProgram(folder, arguments);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   for (const char* title :
        {"canon (fitted motion)", "canon (raw tracks)", "assemble (fitted motion)", "assemble (raw tracks)"}) {
@@ -198,9 +208,9 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
 TEST(TrainingRun, HowLongTheJobTakesIsSaidOfTheWholeJob) {
   const Folder folder;
   std::vector<std::string> arguments = TrainingJob(folder, {"takes=an hour"});
-  EXPECT_THAT(RunProgram(folder, arguments).err, HasSubstr("demo takes an hour\n"));
+  EXPECT_THAT(TrainingProgram(folder, arguments).err, HasSubstr("demo takes an hour\n"));
   arguments.insert(arguments.end(), {"--to", "ingest"});
-  EXPECT_THAT(RunProgram(folder, arguments).err,
+  EXPECT_THAT(TrainingProgram(folder, arguments).err,
               HasSubstr("demo as a whole takes an hour; this run ends after the stage ingest"));
 }
 

@@ -91,5 +91,17 @@ TEST(BlockTridiagonal, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_FALSE(equations.banded.Factor(Eigen::VectorXd::Zero(22)));
 }
 
+TEST(BlockTridiagonal, InvertsOneBlockFromItsUpperTriangle) {
+  Random random(12, "block");
+  const Eigen::MatrixXd root = Draw(random, 9, 6);
+  const Eigen::MatrixXd whole = root.transpose() * root;
+  Eigen::MatrixXd matrix = whole;
+  matrix.triangularView<Eigen::StrictlyLower>().setConstant(7.0);
+  ASSERT_TRUE(InvertInPlace(matrix));
+  EXPECT_LT((matrix * whole - Eigen::MatrixXd::Identity(6, 6)).norm(), 1e-9);
+  matrix = -whole;
+  EXPECT_FALSE(InvertInPlace(matrix));
+}
+
 }  // namespace
 }  // namespace mocurate

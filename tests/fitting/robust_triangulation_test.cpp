@@ -10,6 +10,7 @@
 #include "core/base/random.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/openpose.h"
+#include "fitting/triangulation/normal_equations3.h"
 
 namespace mocurate {
 namespace {
@@ -183,6 +184,29 @@ TEST(TriangulateViews, FindsThePersonOfARecordedTrialAndTheCameraThatDisagrees) 
   EXPECT_GE(found, 0.79 * 25 * frames);
   EXPECT_GE(limbs, 0.97 * 12 * frames);
   for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(tracks.cameras[c].disagrees, c == 2) << "camera " << c + 1;
+}
+
+TEST(NormalEquations3, GiveWhatADenseFactorGives) {
+  Random random(5, "equations");
+  const auto draw = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()); };
+  NormalEquations3 equations;
+  Matrix3d matrix = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  Vector3d solution;
+  EXPECT_FALSE(equations.Solve(solution)) << "nothing is known";
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d slope = draw(), direction = draw().normalized(), origin = draw();
+    equations.Add(0.3 + i, slope, 0.7 * i);
+    matrix += (0.3 + i) * slope * slope.transpose();
+    right += (0.3 + i) * 0.7 * i * slope;
+    const Matrix3d across = (1.0 + i) * (Matrix3d::Identity() - direction * direction.transpose());
+    equations.AddAcross(1.0 + i, direction, origin);
+    matrix += across;
+    right += across * origin;
+  }
+  ASSERT_TRUE(equations.Solve(solution));
+  EXPECT_LT((matrix * solution - right).norm(), 1e-12);
+  EXPECT_LT((equations.Matrix() - matrix).norm(), 1e-12);
 }
 
 }  // namespace

@@ -149,7 +149,8 @@ Expected<StageOutcome> Folder(const StageRequest& request) {
 
 Expected<StageOutcome> Environment(const StageRequest& request) {
   std::string text;
-  for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GLOG_minloglevel", "LC_ALL"}) {
+  for (const char* name :
+       {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GLOG_minloglevel", "LC_ALL", "OPENBLAS_CORETYPE"}) {
     const char* value = std::getenv(name);
     text += std::string(name) + "=" + (value != nullptr ? value : "") + "\n";
   }
