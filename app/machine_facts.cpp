@@ -11,7 +11,6 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/pipeline/worker_process.h"
 
 namespace mocurate {
 namespace {
@@ -47,10 +46,7 @@ nlohmann::json SimdSets() {
 /// The library behind libblas.so.3, as workers find it; null when there is none.
 nlohmann::json Blas() {
   setenv("OPENBLAS_NUM_THREADS", "1", 0);  // read while it loads: no pool of threads in this process
-  const std::string kernels = BlasKernelsOfWorkers();
-  if (!kernels.empty()) setenv("OPENBLAS_CORETYPE", kernels.c_str(), 0);
   void* library = dlopen("libblas.so.3", RTLD_LAZY | RTLD_LOCAL);
-  if (!kernels.empty()) unsetenv("OPENBLAS_CORETYPE");
   if (library == nullptr) return nullptr;
   nlohmann::json blas = nlohmann::json::object();
   Dl_info info{};

@@ -7,7 +7,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <fstream>
@@ -46,7 +45,6 @@ std::vector<std::string> WorkerEnvironment() {
     if (equals != std::string::npos) values[text.substr(0, equals)] = text.substr(equals + 1);
   }
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"}) values[name] = "1";
-  if (const std::string kernels = BlasKernelsOfWorkers(); !kernels.empty()) values["OPENBLAS_CORETYPE"] = kernels;
   values["GLOG_minloglevel"] = "2";
   values["LC_ALL"] = "C";
   values["MOCURATE_RUNNER_PID"] = std::to_string(getpid());
@@ -82,14 +80,6 @@ std::string SignalText(int signal) {
 }
 
 }  // namespace
-
-std::string BlasKernelsOfWorkers() {
-  if (std::getenv("OPENBLAS_CORETYPE") != nullptr) return {};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "Haswell";
-#endif
-  return {};
-}
 
 Expected<std::unique_ptr<WorkerProcess>> WorkerProcess::Start(const std::filesystem::path& program) {
   std::vector<std::string> environment = WorkerEnvironment();

@@ -15,12 +15,6 @@
 
 namespace mocurate {
 
-/// Kernels that OpenBLAS is to use in workers (OPENBLAS_CORETYPE), those for AVX2 where the processor has it; empty:
-/// those that the environment names, or OpenBLAS's own choice. Debian's 0.3.21 takes a processor that is newer than
-/// itself for the first of its kind, with kernels for SSE3: a fit of tracks then takes a fifth longer. Those for
-/// AVX-512 are no faster on a frame's sixty unknowns, and so bytes are the same with and without it.
-std::string BlasKernelsOfWorkers();
-
 /// One worker program and the pipes to it. Never blocks, except that the destructor gives it two seconds to end.
 class WorkerProcess {
  public:

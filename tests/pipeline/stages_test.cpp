@@ -1,7 +1,5 @@
 // The cases of the design, "Stages and the cache".
 
-#include <gmock/gmock.h>
-
 #include "tests/pipeline/runs.h"
 
 namespace mocurate {
@@ -196,20 +194,8 @@ TEST_F(TwoStages, AFolderCanBeInputAndArtifact) {
 TEST_F(TwoStages, WorkersGetOneThreadAndANeutralLocale) {
   const auto report = Run(Stage("environment"), {Item("x")});
   ASSERT_TRUE(report);
-  EXPECT_THAT(Bytes(report->items[0]),
-              ::testing::StartsWith("OPENBLAS_NUM_THREADS=1\nOMP_NUM_THREADS=1\nGLOG_minloglevel=2\nLC_ALL=C\n"));
+  EXPECT_EQ(Bytes(report->items[0]), "OPENBLAS_NUM_THREADS=1\nOMP_NUM_THREADS=1\nGLOG_minloglevel=2\nLC_ALL=C\n");
 }
-
-#if defined(__x86_64__)
-TEST_F(TwoStages, WorkersOfProcessorsWithAvx2GetItsKernelsUnlessOthersAreNamed) {
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) GTEST_SKIP() << "no AVX2 here";
-  unsetenv("OPENBLAS_CORETYPE");
-  EXPECT_THAT(Bytes(Run(Stage("environment"), {Item("x")})->items[0]), ::testing::EndsWith("OPENBLAS_CORETYPE=Haswell\n"));
-  setenv("OPENBLAS_CORETYPE", "Nehalem", 1);
-  EXPECT_THAT(Bytes(Run(Stage("environment"), {Item("y")})->items[0]), ::testing::EndsWith("OPENBLAS_CORETYPE=Nehalem\n"));
-  unsetenv("OPENBLAS_CORETYPE");
-}
-#endif
 
 TEST_F(TwoStages, AStageWithoutItemsIsDoneAtOnce) {
   const auto report = Run(Stage("upper"), {});

@@ -149,8 +149,7 @@ Expected<StageOutcome> Folder(const StageRequest& request) {
 
 Expected<StageOutcome> Environment(const StageRequest& request) {
   std::string text;
-  for (const char* name :
-       {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GLOG_minloglevel", "LC_ALL", "OPENBLAS_CORETYPE"}) {
+  for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GLOG_minloglevel", "LC_ALL"}) {
     const char* value = std::getenv(name);
     text += std::string(name) + "=" + (value != nullptr ? value : "") + "\n";
   }
