@@ -17,7 +17,7 @@ namespace mocurate {
 
 /// Kernels that OpenBLAS is to use in workers (OPENBLAS_CORETYPE), those for AVX2 where the processor has it; empty:
 /// those that the environment names, or OpenBLAS's own choice. Debian's 0.3.21 takes a processor that is newer than
-/// itself for the first of its kind, with kernels for SSE3: a fit of tracks then takes a fifth longer. Those for
+/// itself for the first of its kind, with kernels for SSE3: fits then take a tenth longer. Those for
 /// AVX-512 are no faster on a frame's sixty unknowns, and so bytes are the same with and without it.
 std::string BlasKernelsOfWorkers();
 
