@@ -3,7 +3,8 @@
 // errors), bodies unknown to the fitter; fitted on one core. Errors as in bench_studio_fits; frames/s from decoded
 // images to a motion, and of decoding alone. Images stay in FOLDER for the next time. Options: those of point_clouds by
 // name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
-// 30 mm RMS of noise, alone and together with the clouds).
+// 30 mm RMS of noise, alone and together with the clouds), hidden (a joint's number: no view shows what lies within
+// 0.2 m of it; what is stated of it is told).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -61,6 +62,39 @@ Expected<std::vector<FusedCloud>> Fuse(const std::vector<DepthView>& views, cons
     spent.person += CpuSeconds() - begin;
   }
   return clouds;
+}
+
+/// No view shows what lies within 0.2 m of the joint's true place.
+void Hide(int joint, const Motion& truth, std::vector<FusedCloud>& clouds) {
+  for (std::size_t f = 0; f < clouds.size(); ++f) {
+    FusedCloud left = clouds[f];
+    int kept = 0;
+    for (int i = 0; i < clouds[f].size(); ++i) {
+      if ((clouds[f].points.col(i) - truth.joints.at(static_cast<int>(f), joint)).norm() < 0.2) continue;
+      left.points.col(kept) = clouds[f].points.col(i);
+      left.normals.col(kept++) = clouds[f].normals.col(i);
+    }
+    left.points.conservativeResize(3, kept);
+    left.normals.conservativeResize(3, kept);
+    clouds[f] = std::move(left);
+  }
+}
+
+/// Errors, stated deviations per axis, and in how many frames it is called observed.
+void TellOfJoint(int joint, const FitResult& fit, const Motion& truth) {
+  double error = 0.0, variance = 0.0;
+  int observed = 0;
+  const Motion& motion = fit.motion;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(joint);
+    error += (motion.joints.at(f, joint) - truth.joints.at(f, joint)).squaredNorm() / 3.0;
+    for (const int i : {0, 3, 5}) variance += motion.position_cov[6 * at + static_cast<std::size_t>(i)] / 3.0;
+    observed += motion.state[at] == JointState::kObserved ? 1 : 0;
+  }
+  const double n = motion.frame_count();
+  std::fprintf(stderr, "    %s: %.1f mm off per axis, %.1f stated, observed in %d of %.0f frames\n",
+               motion.skeleton->joints[static_cast<std::size_t>(joint)].name.c_str(), 1e3 * std::sqrt(error / n),
+               1e3 * std::sqrt(variance / n), observed, n);
 }
 
 /// Errors of joint tracks alone and of tracks and clouds together.
@@ -134,6 +168,7 @@ int main(int argc, char** argv) {
       for (const FusedCloud& cloud : *clouds) points += cloud.size();
       if (given.count("start") == 0 || given["start"] != 0.0) options.start.facing = take.told_heading;
       const std::vector<FusedCloud> copies = given["mix"] != 0.0 ? *clouds : std::vector<FusedCloud>{};
+      if (given.count("hidden") != 0) Hide(static_cast<int>(given["hidden"]), take.clip.truth, *clouds);
       const double begin = CpuSeconds();
       const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s}, skeleton,
                                       *bones, options);
@@ -150,6 +185,11 @@ int main(int argc, char** argv) {
       if (!copies.empty()) {
         const Status mixed = AddMix(take, copies, *proportions, options, mix);
         if (!mixed) return std::fprintf(stderr, "%s\n", mixed.error().Message().c_str()), 1;
+      }
+      if (given.count("hidden") != 0) {
+        const int hidden = static_cast<int>(given["hidden"]);
+        TellOfJoint(std::max(0, skeleton->joints[static_cast<std::size_t>(hidden)].parent), *fit, take.clip.truth);
+        TellOfJoint(hidden, *fit, take.clip.truth);
       }
       for (const Finding& finding : fit->findings) {
         std::fprintf(stderr, "    %s %.3g: %s\n", finding.code.c_str(), finding.value, finding.message.c_str());

@@ -154,6 +154,39 @@ TEST(CloudFit, FramesWithoutPointsKeepTheirNeighboursPoseAndSaySo) {
   EXPECT_EQ(fit->motion.state.back(), JointState::kInferred);
 }
 
+TEST(CloudFit, AnAnkleThatNoViewShowsIsInferredAndLessSure) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  const Motion truth = Standing(skeleton, 1);
+  const auto clip = RenderClip(truth, CloudsFolder("ankle"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  PointCloudOptions options;
+  auto clouds = FuseClip(*clip, options);
+  ASSERT_TRUE(clouds) << clouds.error().Message();
+  const int ankle = *skeleton->FindJoint("plain_left_ankle");
+  const int other = *skeleton->FindJoint("plain_right_ankle");
+  const FusedCloud whole = (*clouds)[0];
+  FusedCloud& cloud = (*clouds)[0];
+  int kept = 0;
+  for (int i = 0; i < whole.size(); ++i) {
+    if ((whole.points.col(i) - truth.joints.at(0, ankle)).norm() < 0.2) continue;
+    cloud.points.col(kept) = whole.points.col(i);
+    cloud.normals.col(kept++) = whole.normals.col(i);
+  }
+  cloud.points.conservativeResize(3, kept);
+  cloud.normals.conservativeResize(3, kept);
+  const auto fit = FitFusedClouds(*clouds, {truth.rate, {0.0}}, skeleton, {}, options);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  EXPECT_EQ(fit->motion.state[ankle], JointState::kInferred) << "the knee's end of the shin is no ankle";
+  EXPECT_EQ(fit->motion.state[other], JointState::kObserved);
+  EXPECT_EQ(fit->motion.state[*skeleton->FindJoint("plain_left_knee")], JointState::kObserved);
+  const auto variance = [&](int joint) {
+    const float* c = fit->motion.position_cov.data() + 6 * joint;
+    return c[0] + c[3] + c[5];
+  };
+  EXPECT_GT(variance(ankle), 1.6 * variance(other));
+}
+
 TEST(CloudFit, PointsFarBehindThePersonChangeNothing) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
