@@ -107,7 +107,7 @@ std::optional<Matrix3d> ChangeIn(const StepOfBody& step, double usual, const std
   return changes[*best];
 }
 
-std::string Words(const Matrix3d& change) {
+std::string ChangeWords(const Matrix3d& change) {
   std::string words;
   for (int row = 0; row < 3; ++row) {
     int column = 0;
@@ -158,7 +158,7 @@ std::vector<Finding> FindAxesChanges(const TrackedPoints& points) {
     const double value = change.determinant() < 0.0 ? -1.0 : 1.0;
     findings.push_back(FrameFinding("axes_change", f, f + 1, "", value, ""));
     findings.back().message = std::string("the body is ") + (value < 0.0 ? "mirrored" : "turned") +
-                              " in these frames: against the other frames " + Words(change) +
+                              " in these frames: against the other frames " + ChangeWords(change) +
                               "; change the axes of these frames back";
     findings.back().severity = Severity::kError;
   }

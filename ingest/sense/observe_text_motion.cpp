@@ -6,7 +6,9 @@
 #include "core/formats/babel.h"
 #include "core/formats/expmap_table.h"
 #include "core/formats/opensim_table.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
+#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -77,6 +79,7 @@ Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const
   clip.missing_share = 0.0;
   clip.facts.emplace_back("coordinates", std::to_string(table->labels.size()));
   if (table->in_degrees) clip.facts.emplace_back("angles", *table->in_degrees ? "degrees" : "radians");
+  if (const auto doubt = DoubtAngles(*table)) clip.remarks.push_back(RemarkOf(*doubt));
   clip.units = table->components == 1 ? "m" : "";
   return std::vector<ObservedClip>{std::move(clip)};
 }
