@@ -33,8 +33,11 @@ long long FrameNames::Sequence::last() const {
   return broken.empty() ? files.rbegin()->first : std::max(files.rbegin()->first, broken.rbegin()->first);
 }
 
-void FrameNames::Add(const std::string& name) {
-  if (const auto numbered = Numbered(name)) sequences_[numbered->first].files.emplace(numbered->second, name);
+std::optional<long long> FrameNames::Add(const std::string& name) {
+  const auto numbered = Numbered(name);
+  if (!numbered) return std::nullopt;
+  sequences_[numbered->first].files.emplace(numbered->second, name);
+  return numbered->second;
 }
 
 bool FrameNames::AddBroken(const std::string& name, const Error& error) {
