@@ -18,6 +18,7 @@
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
 #include "ingest/sense/inspect_groups.h"
+#include "ingest/sense/reader_check.h"
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/pattern.h"
 #include "ingest/sources/source_file.h"
@@ -118,8 +119,14 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
   const bool declared = IsDeclared(file);
   const Expected<ObservedFile> observed = ObserveFile(content, declared ? source_ : none_);
   if (!observed) return Forward(observed);
+  const std::size_t before = findings().size();
   AddClips(file, declared, observed->clips);
   AddRest(*observed, file.name);
+  const auto refused = RefusedByReader(declared ? source_ : none_, declared ? DeclaredName(file) : "", content);
+  const auto is_error = [](const Json& finding) { return finding.at("severity") == "error"; };
+  const auto told = findings().begin() + static_cast<std::ptrdiff_t>(before);
+  if (refused && std::none_of(told, findings().end(), is_error))
+    AddError(*refused, file.name, CodeOf(*refused, kind), findings());
   return {};
 }
 
