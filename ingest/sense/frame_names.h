@@ -28,12 +28,13 @@ class FrameNames {
   bool AddBroken(const std::string& name, const Error& error);
   const std::map<std::string, Sequence>& sequences() const { return sequences_; }
 
-  /// "frames_missing" and "unreadable_frames", as a run tells them. Frames that are missing at the ends are those that
-  /// at least two of `beside`, views of the same recording, both begin and end with.
+  /// "frames_missing" and "unreadable_frames", as a run tells them; "malformed" of files of one frame. Frames that are
+  /// missing at the ends are those that at least two of `beside`, views of the same recording, both begin and end with.
   std::vector<Finding> Lacking(const std::vector<const FrameNames*>& beside) const;
 
  private:
-  std::map<std::string, Sequence> sequences_;  ///< by the name with '#' for the number
+  std::vector<std::pair<std::string, std::string>> twice_;  ///< and the file that has the frame already
+  std::map<std::string, Sequence> sequences_;               ///< by the name with '#' for the number
 };
 
 }  // namespace mocurate

@@ -22,6 +22,10 @@ ClipReader ReaderOf(const SourceOptions& source) {
       return ReadExpmapClip;
     case SourceFormat::kPhspd:
       return ReadPhspdClip;
+    case SourceFormat::kVibeTracks:
+      return ReadVibeTrackClip;
+    case SourceFormat::kUestc:
+      return ReadUestcClip;
     case SourceFormat::kNtuSkeleton:
       return source.views.together ? nullptr : ReadNtuSkeletonClip;
     default:
