@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/header_count.h"
+#include "core/formats/pickle.h"
 #include "core/formats/png.h"
 #include "ingest/format_facts.h"
 #include "ingest/sense/clip_report.h"
@@ -306,7 +307,7 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
     const bool babel = bytes && kind == FileKind::kJson && JsonKindOf(*bytes) == JsonKind::kBabel;
     common = !bytes || (!babel && !SpeaksOfCameras(*bytes));
   }
-  if (folder_ && (code == ErrorCode::kUnsupported || common)) {
+  if (folder_ && (code == ErrorCode::kUnsupported || common) && !NamesForeignClass(error)) {
     others_.push_back(file.name);
     if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;
