@@ -27,6 +27,8 @@ const std::map<std::string, std::string>& CheckCodes() {
       {"repeated_frames", "each frame several times"},
       {"held_joint", "a joint that stands still to the last digit while others move"},
       {"units_change", "frames in another unit than the others"},
+      {"frozen_view", "a camera that repeats itself while others see somebody move"},
+      {"axes_change", "frames with other axes than the others"},
       {"teleport", "frames in which the person is elsewhere"},
       {"joint_far", "a joint far from its body"},
       {"swapped_sides", "left and right exchanged"},

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "core/quality/axes_changes.h"
 #include "core/quality/checks.h"
 #include "core/quality/unit_changes.h"
 #include "ingest/sense/tree_points.h"
@@ -76,17 +77,26 @@ std::optional<long long> FramesSaid(const SourceOptions& source, const NamedFile
 
 }  // namespace
 
+std::vector<Finding> FindFramesUnlikeOthers(const TrackedPoints& points) {
+  std::vector<Finding> found = FindUnitChanges(points);
+  const std::vector<double> confidence = Without(found, points);
+  const TrackedPoints alike{points.positions, confidence,          points.time_s, points.names,
+                            points.parents,   points.rest_lengths, points.body};
+  for (Finding& axes : FindAxesChanges(alike)) found.push_back(std::move(axes));
+  return found;
+}
+
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
                                  std::optional<double> rate_hz, bool metres, int lost_frames) {
   CheckLimits limits = LimitsOf(options);
   limits.teleports.lost_frames = lost_frames;
   limits.metres = metres;
-  std::vector<Finding> units = FindUnitChanges(points);
-  const std::vector<double> confidence = Without(units, points);
+  std::vector<Finding> others = FindFramesUnlikeOthers(points);
+  const std::vector<double> confidence = Without(others, points);
   const TrackedPoints alike{points.positions, confidence,          points.time_s, points.names,
                             points.parents,   points.rest_lengths, points.body};
   std::vector<Finding> findings = CheckPoints(alike, rate_hz.value_or(0.0), limits);
-  findings.insert(findings.end(), std::make_move_iterator(units.begin()), std::make_move_iterator(units.end()));
+  findings.insert(findings.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
   JudgeLife(options, points.frames(), findings);
   if (points.frames() == 1) {
     Finding finding = FrameFinding("single_frame", 0, 0, "", 1.0, "the clip holds 1 frame: a pose, no motion");

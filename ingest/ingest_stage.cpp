@@ -7,6 +7,7 @@
 #include "core/formats/header_count.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
+#include "ingest/frozen_views.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/source_file.h"
@@ -179,14 +180,10 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
 }
 
 nlohmann::json Summary(const Clip& clip, const std::string& style) {
-  nlohmann::json summary = {{"clip", clip.id()},
-                            {"person", clip.identity.person},
-                            {"recording", clip.identity.recording},
-                            {"label", clip.label},
-                            {"frames", FrameCount(clip)},
-                            {"joints", JointCount(clip)},
-                            {"rate_hz", clip.rate.hz()},
-                            {"missing_share", UnseenShare(clip)}};
+  nlohmann::json summary = {
+      {"clip", clip.id()},         {"person", clip.identity.person},    {"recording", clip.identity.recording},
+      {"label", clip.label},       {"frames", FrameCount(clip)},        {"joints", JointCount(clip)},
+      {"rate_hz", clip.rate.hz()}, {"missing_share", UnseenShare(clip)}};
   if (!style.empty()) summary["style"] = style;
   const std::size_t views = clip.evidence.depth_views.size() + clip.evidence.keypoint_views.size();
   if (views > 0) summary["views"] = views;
@@ -299,6 +296,12 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   if (!ingested) return Unusable(*source, ingested.error(), request.item);
   if (!SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
+  if (source->checks.ActionFor("frozen_view") != FindingAction::kIgnore) {
+    std::map<std::string, std::filesystem::path> images;
+    for (const StageInput& image : file.depth_files) images.emplace(image.name, image.path);
+    for (Finding& frozen : FindFrozenViews(ingested->clip.evidence, images))
+      ingested->findings.push_back(std::move(frozen));
+  }
   const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested, facts.name_doubt);
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));

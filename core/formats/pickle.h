@@ -132,4 +132,7 @@ struct PickleLimits {
 /// arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors kMalformed, kUnsupported.
 Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits = {});
 
+/// Whether a pickle was refused because it names something beside plain data, such as `os system`.
+bool NamesForeignClass(const Error& error);
+
 }  // namespace mocurate

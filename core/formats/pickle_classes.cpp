@@ -8,6 +8,8 @@
 namespace mocurate {
 namespace {
 
+constexpr const char* kNoPlainData = "', which is no plain data";
+
 constexpr PickleClassName kClasses[] = {
     {"collections OrderedDict", PickleClass::kOrderedDict, nullptr},
     {"numpy.core.multiarray _reconstruct", PickleClass::kReconstruct, nullptr},
@@ -71,11 +73,15 @@ const PickleClassName* FindPickleClass(const std::string& name) {
   return nullptr;
 }
 
+bool NamesForeignClass(const Error& error) {
+  return error.code == ErrorCode::kUnsupported && error.what.find(kNoPlainData) != std::string::npos;
+}
+
 Status PickleMachine::PushClass(const std::string& name) {
   const PickleClassName* known = FindPickleClass(name);
   if (known == nullptr) {
     return Fail(
-        ErrorCode::kUnsupported, "the file names '" + DisplayPath(name) + "', which is no plain data",
+        ErrorCode::kUnsupported, "the file names '" + DisplayPath(name) + kNoPlainData,
         pickle_.name + ": byte " + std::to_string(position_),
         "save arrays, lists and dictionaries alone; nothing else is read, and nothing of a file is ever executed");
   }

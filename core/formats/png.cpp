@@ -61,28 +61,39 @@ std::uint64_t RowBytes(std::string_view header) {
   return BigAt(header, 4) * (1 + (bits + 7) / 8);
 }
 
+struct Unpacked {
+  std::uint64_t bytes = 0, nonzero = 0;
+};
+
 /// How many bytes packed data hold; nothing where they are damaged or cut off. Nothing is kept.
-std::optional<std::uint64_t> UnpackedBytes(std::string_view packed) {
+std::optional<Unpacked> UnpackedBytes(std::string_view packed) {
   z_stream stream = {};
   if (inflateInit(&stream) != Z_OK) return std::nullopt;
   std::array<Bytef, 1 << 15> buffer;
   stream.next_in = const_cast<Bytef*>(Data(packed));
   stream.avail_in = static_cast<uInt>(packed.size());
   int state = Z_OK;
+  Unpacked unpacked;
   while (state == Z_OK) {
     stream.next_out = buffer.data();
     stream.avail_out = static_cast<uInt>(buffer.size());
     state = inflate(&stream, Z_NO_FLUSH);
+    unpacked.nonzero +=
+        static_cast<std::uint64_t>(std::count_if(buffer.data(), stream.next_out, [](Bytef byte) { return byte != 0; }));
   }
-  const std::uint64_t bytes = stream.total_out;
+  unpacked.bytes = stream.total_out;
   inflateEnd(&stream);
   if (state != Z_STREAM_END) return std::nullopt;
-  return bytes;
+  return unpacked;
 }
 
-}  // namespace
+/// Of a whole image. `rows`: of its height.
+struct Contents {
+  Unpacked unpacked;
+  std::uint64_t rows = 0;
+};
 
-Status CheckPng(std::string_view bytes, const std::string& name) {
+Expected<Contents> ReadContents(std::string_view bytes, const std::string& name) {
   constexpr std::size_t kSignature = 8, kAround = 12, kHeader = 13;
   const char* whole = "the image is damaged or cut off: copy it again";
   if (bytes.substr(0, kSignature) != std::string_view("\x89PNG\r\n\x1a\n", kSignature))
@@ -106,14 +117,26 @@ Status CheckPng(std::string_view bytes, const std::string& name) {
     if (type == "IEND") break;
   }
   if (header.size() != kHeader) return Fail(ErrorCode::kMalformed, "the header is missing", name + ":IHDR", whole);
-  const std::optional<std::uint64_t> unpacked = UnpackedBytes(packed);
+  const std::optional<Unpacked> unpacked = UnpackedBytes(packed);
   if (!unpacked) return Fail(ErrorCode::kMalformed, "the pixels do not unpack", name + ":IDAT", whole);
   const std::uint64_t rows = RowBytes(header);
-  if (rows == 0 || rows == *unpacked) return {};
+  if (rows == 0 || rows == unpacked->bytes) return Contents{*unpacked, BigAt(header, 4)};
   return Fail(
       ErrorCode::kMalformed,
-      "the header asks for " + std::to_string(rows) + " bytes of pixels, there are " + std::to_string(*unpacked),
+      "the header asks for " + std::to_string(rows) + " bytes of pixels, there are " + std::to_string(unpacked->bytes),
       name + ":IDAT", whole);
+}
+
+}  // namespace
+
+Status CheckPng(std::string_view bytes, const std::string& name) {
+  const Expected<Contents> contents = ReadContents(bytes, name);
+  return contents ? Status() : Status(Forward(contents));
+}
+
+bool IsBlankPng(std::string_view bytes) {
+  const Expected<Contents> contents = ReadContents(bytes, "");
+  return contents && contents->unpacked.nonzero <= contents->rows;  // each row begins with the number of its filter
 }
 
 Expected<std::string> EncodePng(const DepthImage& image) {

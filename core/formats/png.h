@@ -16,4 +16,7 @@ Expected<std::string> EncodePng(const DepthImage& image);
 /// many bytes as the header says. Error kMalformed with the chunk that is not, "depth.png:IDAT".
 Status CheckPng(std::string_view bytes, const std::string& name);
 
+/// Whether every sample of a whole PNG is 0. False for what is no whole PNG.
+bool IsBlankPng(std::string_view bytes);
+
 }  // namespace mocurate

@@ -11,9 +11,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kManyOver = 0.05;     // share of angles over a whole turn that is no root alone
-constexpr double kMostRadians = 1.1;   // of pi, that a joint is turned by
-constexpr double kLeastRadians = 0.5;  // of the joint that is turned most
+constexpr double kManyOver = 0.05;             // share of angles over a whole turn that is no root alone
+constexpr double kMostRadians = 1.1;           // of pi, that a joint is turned by
+constexpr double kLeastRadians = 0.5;          // of the joint that is turned most
+constexpr std::size_t kFewestOverColumns = 3;  // a pelvis may turn and turn
 constexpr std::size_t kFewestTurningBones = 10;
 constexpr std::size_t kLivelyJoints = 22;  // hands and face of SMPL-H and SMPL-X are often still
 
@@ -104,6 +105,13 @@ bool MayBeRadians(const Angles& angles) {
   return angles.largest >= kLeastRadians && angles.largest <= kMostRadians * kPi;
 }
 
+/// "pelvis_tx", "Abs_t1": the last part of the name of a coordinate.
+bool IsTranslation(const std::string& label) {
+  const std::size_t at = label.rfind('_');
+  if (at == std::string::npos || label.size() != at + 3) return false;
+  return label[at + 1] == 't' && std::string_view("xyz123").find(label[at + 2]) != std::string_view::npos;
+}
+
 /// Of SMPL's poses (frames, columns).
 std::optional<Finding> DoubtRotationVectors(const std::vector<double>& poses, std::size_t frames, std::size_t columns) {
   const std::size_t joints = std::min(kLivelyJoints, columns / 3);
@@ -143,6 +151,35 @@ std::optional<Finding> DoubtAngles(const Bvh& bvh) {
   return AngleContradiction(angles.largest, "a BVH is in degrees, but no joint is turned by more than " +
                                                 Digits(angles.largest) + " in any of " + Counted(bvh.frames, "frame") +
                                                 ": they are radians; multiply them by 180 / pi = 57.2958");
+}
+
+std::optional<Finding> DoubtAngles(const OpenSimTable& table) {
+  if (!table.in_degrees || table.components != 1 || table.title != "Coordinates") return std::nullopt;
+  Angles angles;
+  std::size_t turning = 0, over = 0;
+  for (int c = 0; c < static_cast<int>(table.labels.size()); ++c) {
+    if (IsTranslation(table.labels[static_cast<std::size_t>(c)])) continue;
+    Angles own;
+    for (int row = 0; row < table.rows(); ++row) own.Add(std::abs(table.value(row, c)));
+    if (own.largest == 0.0) continue;  // a locked coordinate
+    ++turning;
+    over += own.over > 0 ? 1 : 0;
+    angles.largest = std::max(angles.largest, own.largest);
+    angles.over += own.over;
+    angles.all += own.all;
+  }
+  if (turning < kFewestTurningBones) return std::nullopt;
+  if (!*table.in_degrees && over >= kFewestOverColumns && angles.share() >= kManyOver) {
+    return AngleContradiction(angles.largest, "the header says inDegrees=no, but angles are " + OverWords(angles) +
+                                                  ": they are degrees; write inDegrees=yes");
+  }
+  if (*table.in_degrees && MayBeRadians(angles)) {
+    return AngleContradiction(angles.largest,
+                              "the header says inDegrees=yes, but no coordinate is turned by more than " +
+                                  Digits(angles.largest) + " in any of " + Counted(table.rows(), "row") +
+                                  ": they are radians; write inDegrees=no");
+  }
+  return std::nullopt;
 }
 
 std::optional<Finding> DoubtAngles(const Amass& amass) {

@@ -7,6 +7,7 @@
 #include "core/formats/amc.h"
 #include "core/formats/bvh.h"
 #include "core/formats/humanact12_pickle.h"
+#include "core/formats/opensim_table.h"
 
 namespace mocurate {
 
@@ -21,6 +22,11 @@ std::optional<Finding> DoubtAngles(const HumanAct12Clip& clip);
 /// The same of a BVH, which is in degrees: at least 10 joints that turn, and none of them but the root by more than
 /// what pi is in radians.
 std::optional<Finding> DoubtAngles(const Bvh& bvh);
+
+/// The same of OpenSim's "Coordinates" whose header says `inDegrees`, of columns that are no translation ("_tx",
+/// "_t1"), at least 10 of them: said to be radians, and at least one in twenty numbers, of 3 columns or more, over a
+/// whole turn; said to be degrees, and none over what pi is in radians.
+std::optional<Finding> DoubtAngles(const OpenSimTable& table);
 
 /// Why nothing is measured of poses whose angles are of another unit than their file says.
 inline constexpr const char* kSpoiledPoses = "the angles are of another unit than the file says";

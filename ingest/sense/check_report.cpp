@@ -166,7 +166,8 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   if (declared) BlameDeclaration(found);
   for (const Finding& finding : found) {
     if (options.ActionFor(finding.code) == FindingAction::kIgnore || Remarked(clip, finding.code)) continue;
-    if (finding.code == "zero_joint" && !clip.parents.empty()) continue;  // a tree's joint may lie at its origin
+    // A tree's joint may lie at its origin, and a root whose path is not there does.
+    if (finding.code == "zero_joint" && (!clip.parents.empty() || Remarked(clip, "path_missing"))) continue;
     findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),
                                          std::round(finding.value * 1e4) / 1e4, finding.message));
   }

@@ -1,6 +1,7 @@
 #include "ingest/sense/fault_codes.h"
 
 #include "core/formats/header_count.h"
+#include "core/formats/pickle.h"
 
 namespace mocurate {
 
@@ -8,6 +9,7 @@ std::string FaultCode(const Error& error, std::string_view format) {
   const auto says = [&](std::string_view words) { return error.what.find(words) != std::string::npos; };
   if (AnnouncedCount(error)) return "count_contradiction";
   if (error.code == ErrorCode::kNotFound || error.code == ErrorCode::kUnreadable) return "unreadable";
+  if (NamesForeignClass(error)) return "unsafe_pickle";
   if (error.code == ErrorCode::kUnsupported) return "no_motion";
   if (error.code != ErrorCode::kMalformed && error.code != ErrorCode::kInconsistent) {
     return std::string(Name(error.code));

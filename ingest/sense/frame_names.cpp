@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/base/text.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
@@ -33,8 +34,12 @@ long long FrameNames::Sequence::last() const {
   return broken.empty() ? files.rbegin()->first : std::max(files.rbegin()->first, broken.rbegin()->first);
 }
 
-void FrameNames::Add(const std::string& name) {
-  if (const auto numbered = Numbered(name)) sequences_[numbered->first].files.emplace(numbered->second, name);
+std::optional<long long> FrameNames::Add(const std::string& name) {
+  const auto numbered = Numbered(name);
+  if (!numbered) return std::nullopt;
+  const auto [first, fresh] = sequences_[numbered->first].files.emplace(numbered->second, name);
+  if (!fresh) twice_.emplace_back(name, first->second);
+  return numbered->second;
 }
 
 bool FrameNames::AddBroken(const std::string& name, const Error& error) {
@@ -51,6 +56,12 @@ std::vector<Finding> FrameNames::Lacking(const std::vector<const FrameNames*>& b
     for (const auto& [key, sequence] : names->sequences()) ++spans[{sequence.first(), sequence.last()}];
   }
   std::vector<Finding> findings;
+  for (const auto& [name, other] : twice_) {
+    findings.push_back(FrameFinding(
+        "malformed", 0, 0, "", 0.0,
+        name + ": the same frame as " + other + " (one file per camera and frame is expected: leave one of them out)"));
+    findings.back().severity = Severity::kError;
+  }
   for (const auto& [key, sequence] : sequences_) {
     long long first = sequence.first(), last = sequence.last();
     const auto common = std::find_if(spans.begin(), spans.end(), [&](const auto& span) {

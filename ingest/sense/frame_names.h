@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,17 +22,19 @@ class FrameNames {
     long long last() const;
   };
 
-  void Add(const std::string& name);
+  /// The frame's number; nothing for a name without one.
+  std::optional<long long> Add(const std::string& name);
   /// False where no sequence has such names.
   bool AddBroken(const std::string& name, const Error& error);
   const std::map<std::string, Sequence>& sequences() const { return sequences_; }
 
-  /// "frames_missing" and "unreadable_frames", as a run tells them. Frames that are missing at the ends are those that
-  /// at least two of `beside`, views of the same recording, both begin and end with.
+  /// "frames_missing" and "unreadable_frames", as a run tells them; "malformed" of files of one frame. Frames that are
+  /// missing at the ends are those that at least two of `beside`, views of the same recording, both begin and end with.
   std::vector<Finding> Lacking(const std::vector<const FrameNames*>& beside) const;
 
  private:
-  std::map<std::string, Sequence> sequences_;  ///< by the name with '#' for the number
+  std::vector<std::pair<std::string, std::string>> twice_;  ///< and the file that has the frame already
+  std::map<std::string, Sequence> sequences_;               ///< by the name with '#' for the number
 };
 
 }  // namespace mocurate

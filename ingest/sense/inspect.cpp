@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/header_count.h"
+#include "core/formats/pickle.h"
 #include "core/formats/png.h"
 #include "ingest/format_facts.h"
 #include "ingest/sense/clip_report.h"
@@ -18,6 +19,7 @@
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
 #include "ingest/sense/inspect_groups.h"
+#include "ingest/sense/reader_check.h"
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/pattern.h"
 #include "ingest/sources/source_file.h"
@@ -118,8 +120,14 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
   const bool declared = IsDeclared(file);
   const Expected<ObservedFile> observed = ObserveFile(content, declared ? source_ : none_);
   if (!observed) return Forward(observed);
+  const std::size_t before = findings().size();
   AddClips(file, declared, observed->clips);
   AddRest(*observed, file.name);
+  const auto refused = RefusedByReader(declared ? source_ : none_, declared ? DeclaredName(file) : "", content);
+  const auto is_error = [](const Json& finding) { return finding.at("severity") == "error"; };
+  const auto told = findings().begin() + static_cast<std::ptrdiff_t>(before);
+  if (refused && std::none_of(told, findings().end(), is_error))
+    AddError(*refused, file.name, CodeOf(*refused, kind), findings());
   return {};
 }
 
@@ -299,7 +307,7 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
     const bool babel = bytes && kind == FileKind::kJson && JsonKindOf(*bytes) == JsonKind::kBabel;
     common = !bytes || (!babel && !SpeaksOfCameras(*bytes));
   }
-  if (folder_ && (code == ErrorCode::kUnsupported || common)) {
+  if (folder_ && (code == ErrorCode::kUnsupported || common) && !NamesForeignClass(error)) {
     others_.push_back(file.name);
     if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kFewestKeypoints = 10;
 constexpr double kInTheCorner_px = 2.0;  // nobody is seen as small as that
+constexpr double kTimesFarther = 20.0;   // a point of a person at the edge is up to 4 times as far as nine in ten
 constexpr double kMostConfidence = 1.5;  // peaks of heat maps reach a little beyond 1
 
 Finding Doubt(const char* code, double value, std::string message) {
@@ -51,6 +52,47 @@ std::vector<Finding> DoubtKeypointNumbers(const std::vector<OpenPosePerson>& peo
                                  ": they are to be 0 to 1; divide them, per cent by 100"));
   }
   return findings;
+}
+
+std::optional<Finding> LeaveOutFarKeypoints(const std::vector<std::string>& names, std::vector<ImagePoses>& frames) {
+  const auto far = [](const DetectedKeypoint& point) { return std::max(std::abs(point.u_px), std::abs(point.v_px)); };
+  std::vector<double> distances;
+  for (const ImagePoses& people : frames) {
+    for (const auto& pose : people) {
+      for (const DetectedKeypoint& point : pose) {
+        if (point.detected()) distances.push_back(far(point));
+      }
+    }
+  }
+  if (distances.size() < kFewestKeypoints) return std::nullopt;
+  const auto nine_in_ten = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 9 / 10);
+  std::nth_element(distances.begin(), nine_in_ten, distances.end());
+  const double most = kTimesFarther * std::max(*nine_in_ten, kInTheCorner_px);
+  Finding finding = FrameFinding("keypoint_far", 0, 0, "", 0.0, "");
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (std::size_t p = 0; p < frames[f].size(); ++p) {
+      for (std::size_t k = 0; k < frames[f][p].size(); ++k) {
+        DetectedKeypoint& point = frames[f][p][k];
+        if (!point.detected() || !(far(point) > most)) continue;
+        if (count++ == 0) {
+          finding.frame_begin = static_cast<int>(f);
+          finding.message = names[f] + ":/people/" + std::to_string(p) + "/pose_keypoints_2d: point " +
+                            std::to_string(k) + " is at " + FormatDouble(point.u_px) + " " + FormatDouble(point.v_px) +
+                            " px, nine in ten of the camera's points within " + Digits(most / kTimesFarther) +
+                            ": it is in no image";
+        }
+        finding.frame_end = static_cast<int>(f) + 1;
+        finding.value = std::max(finding.value, far(point));
+        point.confidence = 0.0;
+      }
+    }
+  }
+  if (count == 0) return std::nullopt;
+  if (count > 1) finding.message += "; " + Counted(static_cast<long long>(count - 1), "more point");
+  finding.message += "; taken as not seen";
+  finding.action = "taken as not seen";
+  return finding;
 }
 
 }  // namespace mocurate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/finding.h"
@@ -11,5 +13,14 @@ namespace mocurate {
 /// point is 2 px away from the corner of the image (OpenPose's --keypoint_scale 3 and 4), "confidence_range" where most
 /// confidences are more than 1.5 (per cent). The value is the largest of them. Nothing of fewer than 10 points.
 std::vector<Finding> DoubtKeypointNumbers(const std::vector<OpenPosePerson>& people);
+
+/// People of an image, by their points.
+using ImagePoses = std::vector<std::vector<DetectedKeypoint>>;
+
+/// "keypoint_far" (warning) of points of a camera that are 20 times as far from the corner of the image as nine in ten
+/// are, or more: outside of any image. Value: how far, in px; its frames span all of them, the message names the first
+/// by its file, `names` (F), person and point. Those points are not detected from then on. Nothing of fewer than 10
+/// points.
+std::optional<Finding> LeaveOutFarKeypoints(const std::vector<std::string>& names, std::vector<ImagePoses>& frames);
 
 }  // namespace mocurate

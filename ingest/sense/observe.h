@@ -80,14 +80,18 @@ class ObservedSequences {
  private:
   struct Folder {
     std::vector<OpenPoseFrame> keypoints;
-    long long unsure_points = 0;  ///< of the keypoints
-    std::string unsure_file;      ///< the first that has such
+    std::vector<std::string> keypoint_files;  ///< (keypoints)
+    long long unsure_points = 0;              ///< of the keypoints
+    std::string unsure_file;                  ///< the first that has such
     std::vector<PanopticBodies> scenes;
     FrameNames frames;
+    std::map<long long, std::string> traces;                    ///< of keypoints, by number of the frame
     std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
     std::vector<std::pair<std::string, std::string>> beside;
     std::map<std::string, ObservedCompanion> images;  ///< by what is equal in them
   };
+  /// "frozen_view" by folder, of cameras side by side.
+  std::map<std::string, std::vector<Finding>> FrozenFolders() const;
   std::vector<const FrameNames*> FramesBeside(const std::string& name) const;
 
   std::map<std::string, Folder> folders_;

@@ -109,6 +109,7 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   const std::optional<Finding> angles = DoubtAngles(amass);
   if (angles) clip.remarks.push_back(RemarkOf(*angles));
   for (const Finding& finding : DoubtPoses(amass)) clip.remarks.push_back(RemarkOf(finding));
+  if (const auto places = DoubtPlaces(amass)) clip.remarks.push_back(RemarkOf(*places));
   // Poses of another unit show nothing; markers beside them do.
   const Expected<Motion> posed = angles ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
   if (posed) MeasurePath(*posed, clip);

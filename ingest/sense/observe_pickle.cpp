@@ -131,6 +131,12 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
     clip.skeleton_evidence = "49 joints of VIBE and SPIN";
     clip.points = PointsOfSpin();
   }
+  if (track.joints != 49 && track.joints != 0) {
+    clip.remarks.push_back({"layout_unknown", Severity::kWarning, static_cast<double>(track.joints),
+                            "joints3d has " + Counted(static_cast<long long>(track.joints), "joint") +
+                                " a frame, VIBE and SPIN write 49: name them in their order under "
+                                "ingest.source.joints, or write the file anew"});
+  }
   if (track.joints == 0) {
     clip.joints = static_cast<int>(track.pose.size() / std::max<std::size_t>(1, track.frames) / 3);
     clip.silence = "rotations of a body model that is not in the file";

@@ -1,7 +1,9 @@
 #include <string>
 
+#include "ingest/frozen_views.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/keypoint_layout_sense.h"
+#include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/remark.h"
 
@@ -15,6 +17,22 @@ double PngNumber(std::string_view bytes, std::size_t at) {
   return value;
 }
 
+constexpr long long kMostNumbers = 1'000'000;  // from the first frame's to the last's
+
+/// The numbers of the people as bytes; empty where nobody is seen.
+std::string TraceOf(const std::vector<OpenPosePerson>& people) {
+  std::string text;
+  bool seen = false;
+  for (const OpenPosePerson& person : people) {
+    for (const DetectedKeypoint& point : person.pose) {
+      seen = seen || point.detected();
+      const double numbers[] = {point.u_px, point.v_px, point.confidence};
+      text.append(reinterpret_cast<const char*>(numbers), sizeof(numbers));
+    }
+  }
+  return seen ? text : "";
+}
+
 }  // namespace
 
 Status ObservedSequences::AddOpenPose(const FileBytes& file) {
@@ -23,8 +41,10 @@ Status ObservedSequences::AddOpenPose(const FileBytes& file) {
   Folder& folder = folders_[FolderOf(file.name)];
   if (frame->unsure_points > 0 && folder.unsure_points == 0) folder.unsure_file = file.name;
   folder.unsure_points += frame->unsure_points;
+  const std::optional<long long> number = folder.frames.Add(file.name);
+  if (number) folder.traces.emplace(*number, TraceOf(frame->people));
   folder.keypoints.push_back(std::move(*frame));
-  folder.frames.Add(file.name);
+  folder.keypoint_files.push_back(file.name);
   return {};
 }
 
@@ -50,6 +70,26 @@ std::vector<const FrameNames*> ObservedSequences::FramesBeside(const std::string
       beside.push_back(&folder.frames);
   }
   return beside;
+}
+
+std::map<std::string, std::vector<Finding>> ObservedSequences::FrozenFolders() const {
+  std::map<std::string, std::vector<ViewTrace>> recordings;
+  for (const auto& [name, folder] : folders_) {
+    if (folder.traces.empty() || folder.frames.sequences().size() != 1) continue;
+    ViewTrace view{name, {}};
+    const long long first = folder.traces.begin()->first;
+    for (const auto& [number, text] : folder.traces) {
+      if (number - first >= kMostNumbers) break;  // numbers that count no frames
+      view.frames.resize(static_cast<std::size_t>(number - first) + 1);
+      view.frames.back() = text;
+    }
+    recordings[FolderOf(name) + ' ' + std::to_string(first)].push_back(std::move(view));
+  }
+  std::map<std::string, std::vector<Finding>> frozen;
+  for (const auto& [recording, views] : recordings) {
+    for (const FrozenView& view : FindFrozenViews(views)) frozen[view.camera].push_back(view.Told());
+  }
+  return frozen;
 }
 
 Status ObservedSequences::AddOpenCv(const FileBytes& file) {
@@ -86,9 +126,19 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
     }
   }
   std::map<std::string, ObservedFile> files;
+  std::map<std::string, std::vector<Finding>> frozen = FrozenFolders();
   for (const auto& [name, folder] : folders_) {
     ObservedFile file;
-    if (!folder.keypoints.empty()) file.clips.push_back(ObserveKeypoints(folder.keypoints, everybody[FolderOf(name)]));
+    for (const Finding& finding : frozen[name]) file.remarks.push_back(RemarkOf(finding));
+    if (!folder.keypoints.empty()) {
+      file.clips.push_back(ObserveKeypoints(folder.keypoints, everybody[FolderOf(name)]));
+      std::vector<ImagePoses> poses;
+      for (const OpenPoseFrame& frame : folder.keypoints) {
+        poses.emplace_back();
+        for (const OpenPosePerson& person : frame.people) poses.back().push_back(person.pose);
+      }
+      if (const auto far = LeaveOutFarKeypoints(folder.keypoint_files, poses)) file.remarks.push_back(RemarkOf(*far));
+    }
     for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
     const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);
     for (const Finding& finding : folder.frames.Lacking(beside)) file.remarks.push_back(RemarkOf(finding));

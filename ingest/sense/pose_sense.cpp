@@ -44,13 +44,13 @@ class HeldPoses {
   const Amass& amass_;
 };
 
-Finding FrozenPose(const HeldPoses& poses, std::size_t begin, std::size_t end, std::size_t frames) {
-  const bool zero = poses.AllZero(begin);
+/// `carried`: while the root goes on.
+Finding FrozenPose(bool zero, bool carried, std::size_t begin, std::size_t end, std::size_t frames) {
   Finding finding =
       FrameFinding("frozen_pose", static_cast<int>(begin), static_cast<int>(end), "", static_cast<double>(end - begin),
                    (zero ? "all rotations of the body are 0 in " : "no joint of the body turns in ") +
                        Counted(static_cast<long long>(end - begin), "frame") + " on end (" + std::to_string(begin) +
-                       "-" + std::to_string(end) + "), while `trans` carries it on: " +
+                       "-" + std::to_string(end) + (carried ? "), while `trans` carries it on: " : "): ") +
                        (zero ? "the poses are not there" : "the poses are held or not the file's own") +
                        "; copy the file again, or leave these frames out");
   if (2 * (end - begin) >= frames) finding.severity = Severity::kError;
@@ -63,17 +63,33 @@ std::vector<Finding> DoubtPoses(const Amass& amass) {
   std::vector<Finding> findings;
   const HeldPoses poses(amass);
   if (amass.pose_columns <= kFirstColumn) return findings;
-  for (std::size_t f = 1; f < amass.frames;) {
-    const std::size_t begin = f - 1;
+  for (std::size_t begin = 0, f = 1; begin < amass.frames; begin = f, ++f) {
     std::size_t moved = 0;
     for (; f < amass.frames && poses.SamePose(f) && !poses.Damaged(f) && !poses.Damaged(f - 1); ++f)
       moved += poses.SamePlace(f) ? 0 : 1;
     const std::size_t held = f - begin;
-    if (held >= kFewestFrames && 2 * moved >= held - 1 && findings.size() < kMostSpans)
-      findings.push_back(FrozenPose(poses, begin, f, amass.frames));
-    if (f == begin + 1) ++f;
+    const bool zero = poses.AllZero(begin) && !poses.Damaged(begin), carried = held > 1 && 2 * moved >= held - 1;
+    const bool blank = zero && held < amass.frames;
+    if ((blank || (held >= kFewestFrames && carried)) && findings.size() < kMostSpans)
+      findings.push_back(FrozenPose(zero, carried, begin, f, amass.frames));
   }
   return findings;
+}
+
+std::optional<Finding> DoubtPlaces(const Amass& amass) {
+  const HeldPoses poses(amass);
+  bool turns = false;
+  for (std::size_t f = 1; f < amass.frames && !turns; ++f)
+    turns = amass.pose_columns > kFirstColumn && !poses.SamePose(f);
+  const auto zero = [](double value) { return value == 0.0; };
+  if (!turns || amass.frames < kFewestFrames || !amass.damaged.empty() ||
+      !std::all_of(amass.translation_m.begin(), amass.translation_m.end(), zero))
+    return std::nullopt;
+  const int frames = static_cast<int>(amass.frames);
+  return FrameFinding("path_missing", 0, frames, "", frames,
+                      "`trans` is 0 0 0 in every one of " + Counted(frames, "frame") +
+                          ", while the body turns: the file does not say where the body goes; copy the file again, or "
+                          "use its rotations alone");
 }
 
 std::optional<Finding> DoubtPoses(const HumanAct12Clip& clip) {

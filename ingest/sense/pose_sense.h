@@ -13,8 +13,12 @@ namespace mocurate {
 /// "frozen_pose": frames on end in which every rotation of the body's joints (the root's and the hands' aside) is what
 /// it was to the last digit, while the root is carried on: `trans` changes in at least half of the steps. 5 frames or
 /// more are told, at most 20 spans; value: frames; an error from half of the clip on. Fitted poses of who stands still
-/// differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h).
+/// differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h). Of rotations that are
+/// all 0, which no fit gives, 1 frame among others that are not is told, wherever the root is.
 std::vector<Finding> DoubtPoses(const Amass& amass);
+
+/// "path_missing": `trans` is 0 0 0 in every frame, 5 or more, while joints turn. Value: frames.
+std::optional<Finding> DoubtPlaces(const Amass& amass);
 
 /// "frozen_pose" of a clip of `humanact12poses.pkl` of 5 frames or more: every rotation is what it was to the last
 /// digit in every frame, while the recorded joints move against each other; an error. Value: frames.

@@ -88,6 +88,7 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (auto angles = DoubtAngles(*amass)) ingested.findings.push_back(*std::move(angles));
   for (Finding& frozen : DoubtPoses(*amass)) ingested.findings.push_back(std::move(frozen));
+  if (auto places = DoubtPlaces(*amass)) ingested.findings.push_back(*std::move(places));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;
   if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;
   if (Status added = AddSegments(file, clip, amass->frames, ingested.findings); !added) return Forward(added);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::ptrdiff_t kMostPeople = 100;  // of an image
 constexpr std::size_t kMostSensed = 10000;   // people who are asked for the layout, evenly over views and frames
 
-using Poses = std::vector<std::vector<DetectedKeypoint>>;  ///< of the people of an image who have a point
+using Poses = ImagePoses;  ///< of the people of an image who have a point
 
 /// What one camera's files say.
 struct ViewFrames {
@@ -56,6 +56,9 @@ ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const
     return {};
   };
   ReadFrameFiles(camera, files, span, take, ingested);
+  std::vector<std::string> names(view.frames.size());
+  for (const auto& [number, image] : files) names[static_cast<std::size_t>(number - span.first)] = image->name;
+  if (auto far = LeaveOutFarKeypoints(names, view.frames)) ingested.findings.push_back(*std::move(far));
   return view;
 }
 

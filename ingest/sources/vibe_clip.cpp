@@ -80,6 +80,8 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
         "ingest.source.joints", "joints-only motion needs every joint of its skeleton");
   }
   ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(joints));
+  // The source may leave out joints that tell more.
+  CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
   return ingested;
 }
 

@@ -84,6 +84,30 @@ TEST_F(AmassFindings, PosesThatAreHeldOrZeroWhileTheRootGoesOnAreTold) {
   EXPECT_THAT(told[0].at("message"), HasSubstr("the poses are not there"));
 }
 
+TEST_F(AmassFindings, PosesOfZerosAmongOthersAreToldThoughTheRootIsZeroToo) {
+  Change([](Amass& amass) {
+    const auto wide = static_cast<std::ptrdiff_t>(amass.pose_columns);
+    std::fill_n(amass.poses.begin() + 100 * wide, 5 * wide, 0.0);
+    std::fill_n(amass.poses.begin() + 140 * wide, wide, 0.0);
+    std::fill_n(amass.translation_m.begin() + 300, 15, 0.0);
+  });
+  const std::vector<Json> told = Inspected("frozen_pose");
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_THAT(told[0].at("message"), HasSubstr("all rotations of the body are 0 in 5 frames on end (100-105)"));
+  EXPECT_THAT(told[1].at("message"), HasSubstr("in 1 frame on end (140-141)"));
+  EXPECT_EQ(InRun("frozen_pose"), 2u);
+}
+
+TEST_F(AmassFindings, ABodyWithoutAPathIsTold) {
+  EXPECT_THAT(Inspected("path_missing"), IsEmpty());
+  Change([](Amass& amass) { std::fill(amass.translation_m.begin(), amass.translation_m.end(), 0.0); });
+  const std::vector<Json> told = Inspected("path_missing");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].at("severity"), "warning");
+  EXPECT_THAT(Inspected("zero_joint"), IsEmpty()) << "it is the same";
+  EXPECT_EQ(InRun("path_missing"), 1u);
+}
+
 TEST_F(AmassFindings, WhoRepeatsAsAWholeIsFrozenAndNoPoseCarriedOn) {
   Change([](Amass& amass) {
     const auto wide = static_cast<std::ptrdiff_t>(amass.pose_columns);

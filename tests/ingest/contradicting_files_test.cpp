@@ -210,6 +210,20 @@ TEST_F(ChangedKard, PartOfAClipInAnotherUnitIsOneFinding) {
   EXPECT_EQ(CountCode(clips, "teleport"), 0u);
 }
 
+TEST_F(ChangedKard, HalfOfAClipUpsideDownIsOneFindingAndItsUpIsNotGuessed) {
+  std::vector<Vector3d> rows = Rows(kName);
+  const std::size_t half = rows.size() / 30;
+  for (std::size_t r = 15 * half; r < rows.size(); ++r) rows[r][1] *= -1.0;
+  Write(kName, rows);
+  const Json inspection = Look();
+  const Json& told = Told(inspection, "axes_change");
+  EXPECT_THAT(told.at("where"), HasSubstr("frames " + std::to_string(half) + "-"));
+  EXPECT_EQ(Value(inspection.at("clips")[0], "up"), Json());
+  EXPECT_THAT(inspection.at("clips")[0].at("up").at("evidence"), HasSubstr("at frame " + std::to_string(half)));
+  const auto clips = Run(Declared("kard"));
+  EXPECT_EQ(CountCode(clips, "axes_change"), 1u);
+}
+
 TEST_F(ChangedKard, OneClipOfAFolderWithTwoAxesExchangedIsTold) {
   for (int action = 1; action <= 8; ++action) {
     const std::string name = "a0" + std::to_string(action) + "_s01_e01_realworld.txt";

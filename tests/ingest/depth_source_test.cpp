@@ -113,6 +113,29 @@ TEST_F(RenderedSequence, AViewThatStartsLaterThanTheOthersIsIncompleteAndNotShif
   EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("view 'd2' has no depth image for frame 0 of 48"));
 }
 
+TEST_F(RenderedSequence, AViewThatHangsIsToldWithItsFrames) {
+  auto discovery = Discover(Declared("rendered_seq"));
+  ASSERT_TRUE(discovery);
+  std::vector<StageInput>& inputs = discovery->items[0].inputs;
+  const auto image = [&](const std::string& name) -> StageInput& {
+    return *std::find_if(inputs.begin(), inputs.end(), [&](const StageInput& input) { return input.name == name; });
+  };
+  for (const char* later : {"depth/d2_0008.png", "depth/d2_0009.png", "depth/d2_0010.png"}) {
+    image(later).path = image("depth/d2_0007.png").path;
+    image(later).sha256 = image("depth/d2_0007.png").sha256;
+  }
+  const Ingested ingested = RunIngest(discovery->items[0], "rendered_frozen");
+  ASSERT_TRUE(ingested.outcome);
+  std::vector<Finding> told;
+  for (const Finding& finding : ingested.outcome->findings) {
+    if (finding.code == "frozen_view") told.push_back(finding);
+  }
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].frame_begin, 7);
+  EXPECT_EQ(told[0].frame_end, 11);
+  EXPECT_THAT(told[0].message, HasSubstr("camera 'd2'"));
+}
+
 TEST_F(RenderedSequence, AnotherDepthImageIsOtherEvidence) {
   auto discovery = Discover(Declared("rendered_seq"));
   ASSERT_TRUE(discovery);

@@ -9,6 +9,7 @@
 #include "core/formats/amass.h"
 #include "core/formats/amc.h"
 #include "core/formats/bvh.h"
+#include "core/formats/opensim_table.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/runs.h"
 
@@ -221,6 +222,28 @@ TEST_F(WrongUnits, ASkeletonThatSaysRadiansAndIsWrittenInDegreesIsNamedWithTheNu
   }
   Written("01.asf", WriteAsf(radians));
   EXPECT_EQ(FindCode(Look(), "angle_unit_contradiction"), nullptr) << "true radians";
+}
+
+TEST_F(WrongUnits, CoordinatesOfOpenSimThatAreNotOfTheUnitInTheirHeaderAreNamed) {
+  const auto found = [&](const std::string& in_degrees, double factor) {
+    const std::string name = "pose2sim/opensim_ik_body25b.mot";
+    const OpenSimTable table = *ParseOpenSimTable(*ReadFile(fs::path(TestData()) / name), name);
+    std::ostringstream out;
+    out << "Coordinates\ninDegrees=" << in_degrees << "\nendheader\ntime";
+    for (const std::string& label : table.labels) out << '\t' << label;
+    for (int row = 0; row < table.rows(); ++row) {
+      out << '\n' << table.time_s[static_cast<std::size_t>(row)];
+      for (int c = 0; c < static_cast<int>(table.labels.size()); ++c) out << '\t' << factor * table.value(row, c);
+    }
+    Written("walk.mot", out.str() + "\n");
+    const Json inspection = Look();
+    const Json* finding = FindCode(inspection, "angle_unit_contradiction");
+    return finding == nullptr ? std::string() : finding->at("message").get<std::string>();
+  };
+  EXPECT_THAT(found("no", 1.0), HasSubstr("write inDegrees=yes"));
+  EXPECT_THAT(found("yes", M_PI / 180.0), HasSubstr("write inDegrees=no"));
+  EXPECT_EQ(found("yes", 1.0), "");
+  EXPECT_EQ(found("no", M_PI / 180.0), "");
 }
 
 TEST_F(WrongUnits, ALengthThatMakesAPersonOfAChildsSizeOrIsNotTheUnitOfTheSourceIsNamed) {

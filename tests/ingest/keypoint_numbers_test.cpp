@@ -1,0 +1,81 @@
+// Keypoints that are in no image are told with their place, and taken as not seen.
+
+#include "ingest/sense/keypoint_numbers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ingest/sense/inspect.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<ImagePoses> SomebodyInImages() {
+  std::vector<ImagePoses> frames(4, ImagePoses(2));
+  for (ImagePoses& people : frames) {
+    for (auto& pose : people) {
+      for (int k = 0; k < 17; ++k) pose.push_back({100.0 + 50.0 * k, 900.0 - 40.0 * k, 0.8});
+    }
+  }
+  return frames;
+}
+
+const std::vector<std::string> kFiles = {"c/0.json", "c/1.json", "c/2.json", "c/3.json"};
+
+TEST(KeypointNumbers, APointInNoImageIsNamedAndNotSeen) {
+  for (const double px : {1e9, -1e9, 4e4}) {
+    std::vector<ImagePoses> frames = SomebodyInImages();
+    frames[2][1][5].u_px = px;
+    const auto told = LeaveOutFarKeypoints(kFiles, frames);
+    ASSERT_TRUE(told) << px;
+    EXPECT_EQ(told->code, "keypoint_far");
+    EXPECT_EQ(told->value, std::abs(px));
+    EXPECT_EQ(told->frame_begin, 2);
+    EXPECT_EQ(told->frame_end, 3);
+    EXPECT_THAT(told->message, HasSubstr("c/2.json:/people/1/pose_keypoints_2d: point 5"));
+    EXPECT_FALSE(frames[2][1][5].detected());
+    EXPECT_FALSE(LeaveOutFarKeypoints(kFiles, frames)) << "once";
+  }
+}
+
+TEST(KeypointNumbers, PointsAtTheEdgeOrALittleBesideItAreInTheImage) {
+  std::vector<ImagePoses> frames = SomebodyInImages();
+  EXPECT_FALSE(LeaveOutFarKeypoints(kFiles, frames));
+  frames[0][0][0].u_px = 1920.0;
+  frames[1][0][0].v_px = -300.0;
+  EXPECT_FALSE(LeaveOutFarKeypoints(kFiles, frames));
+}
+
+TEST(KeypointNumbers, ARunAndAnInspectionNameTheFile) {
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  IngestOptions options = Declared("pose2sim_single");
+  const std::filesystem::path from = options.path, folder = FreshFolder("keypoint_far");
+  std::filesystem::copy(from / "single", folder / "single", std::filesystem::copy_options::recursive);
+  std::filesystem::copy_file(from / "Calib.qca.txt", folder / "Calib.qca.txt");
+  const std::filesystem::path name = "single/cam02_json/cam02.0003.json";
+  auto document = nlohmann::json::parse(*ReadFile(folder / name));
+  document["people"][0]["pose_keypoints_2d"][3] = 1e9;
+  document["people"][0]["pose_keypoints_2d"][5] = 0.5;
+  Put(folder / name, document.dump());
+  options.path = folder;
+  const auto discovery = Discover(options);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const Ingested ingested = RunIngest(discovery->items.at(0), "keypoint_far");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
+  EXPECT_EQ(ingested.outcome->findings[0].code, "keypoint_far");
+  std::vector<std::string> messages = {ingested.outcome->findings[0].message};
+  const nlohmann::json inspection = InspectPath(folder, std::nullopt);
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("code") == "keypoint_far") messages.push_back(finding.at("message"));
+  }
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_EQ(messages[0], messages[1]);
+  EXPECT_THAT(messages[0], HasSubstr("cam02.0003.json:/people/0/pose_keypoints_2d: point 1 "));
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,96 @@
+// What a run says of a file an inspection says too, and the other way round.
+
+#include <gmock/gmock.h>
+
+#include "core/base/text.h"
+#include "core/formats/openpose.h"
+#include "ingest/sense/inspect.h"
+#include "tests/ingest/studio_folders.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+std::vector<std::string> ToldBy(const std::filesystem::path& path, const std::optional<SourceOptions>& source) {
+  std::vector<std::string> told;
+  const Json inspection = InspectPath(path, source);
+  for (const Json& finding : inspection.at("findings"))
+    told.push_back(finding.at("code").get<std::string>() + ": " + finding.at("message").get<std::string>());
+  return told;
+}
+
+TEST(ToldByBoth, FilesOfOneFrameOfACameraAreNamed) {
+  const std::filesystem::path folder = FreshFolder("frame_twice");
+  OpenPoseFrame frame;
+  frame.people.emplace_back();
+  for (int k = 0; k < 25; ++k) frame.people[0].pose.push_back({100.0 + 20.0 * k, 50.0 + 30.0 * k, 0.9});
+  for (const char* name : {"cam1.0000.json", "cam1.0001.json", "cam1.0002.json"})
+    ASSERT_TRUE(WriteFile(folder / name, WriteOpenPose(frame)));
+  EXPECT_THAT(ToldBy(folder, std::nullopt), Not(Contains(HasSubstr("the same frame as"))));
+  ASSERT_TRUE(WriteFile(folder / "cam1.2.json", WriteOpenPose(frame)));
+  EXPECT_THAT(ToldBy(folder, std::nullopt), Contains(HasSubstr("malformed: cam1.2.json: the same frame as cam1.0002")));
+}
+
+TEST(ToldByBoth, AConfidenceOfMsrThatIsNoneIsAnErrorOfItsFile) {
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* const name = "a01_s01_e01_skeleton3D.txt";
+  const std::filesystem::path folder = FreshFolder("msr_confidence");
+  std::string text = *ReadFile(std::filesystem::path(TestData()) / "kinect/msr_action3d" / name);
+  ASSERT_TRUE(WriteFile(folder / name, text));
+  const IngestOptions msr = Declared("msr_action3d", {"ingest.path=" + folder.string()});
+  EXPECT_THAT(ToldBy(folder, msr.source), Not(Contains(HasSubstr("confidence"))));
+  const std::size_t end = text.find_last_not_of(" \r\n");
+  const std::size_t begin = text.find_last_of(" \t", end) + 1;
+  text.replace(begin, end + 1 - begin, "7.5");
+  ASSERT_TRUE(WriteFile(folder / name, text));
+  EXPECT_THAT(ToldBy(folder, msr.source), Contains(HasSubstr("confidence 7.5")));
+}
+
+TEST(ToldByBoth, APickleThatWouldRunSomethingIsAnErrorOfAFolderThatNamesFileAndClass) {
+  const std::filesystem::path folder = FreshFolder("hostile_pickle");
+  ASSERT_TRUE(WriteFile(folder / "notes.txt", "of no format"));
+  ASSERT_TRUE(WriteFile(folder / "tracks.pkl", "cos\nsystem\n(S'true'\ntR."));
+  const Json inspection = InspectPath(folder, std::nullopt);
+  std::vector<std::string> told;
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("code") != "unsafe_pickle") continue;
+    EXPECT_EQ(finding.at("severity"), "error");
+    told.push_back(finding.at("where").get<std::string>() + " " + finding.at("message").get<std::string>());
+  }
+  ASSERT_EQ(told.size(), 1u) << inspection.at("findings").dump(1);
+  EXPECT_THAT(told[0], HasSubstr("tracks.pkl"));
+  EXPECT_THAT(told[0], HasSubstr("'os system'"));
+}
+
+TEST(ToldByBoth, ADamagedTableOfExponentialMapsIsNamedAsSuchWithItsRow) {
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  std::filesystem::path sound;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(TestData() + "/cmu/expmap")) {
+    if (entry.is_regular_file() && (sound.empty() || entry.path() < sound)) sound = entry.path();
+  }
+  const std::filesystem::path folder = FreshFolder("damaged_expmap");
+  const std::string text = *ReadFile(sound);
+  const std::vector<std::string_view> lines = SplitText(text, '\n');
+  for (const std::string damage : {"a word", "cut", "large"}) {
+    std::string damaged;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      std::string line(lines[i]);
+      const std::size_t last = line.rfind(',');
+      if (i == 7 && last != std::string::npos)
+        line = line.substr(0, last) + (damage == "a word" ? ",abc" : damage == "large" ? ",5e5" : "");
+      damaged += line + "\n";
+    }
+    ASSERT_TRUE(WriteFile(folder / "walking_1.txt", damaged));
+    const Json inspection = InspectPath(folder, std::nullopt);
+    ASSERT_EQ(inspection.at("clips").size(), 1u) << damage << inspection.at("findings").dump(1);
+    EXPECT_EQ(inspection.at("clips")[0].at("format"), "expmap_table") << damage;
+    EXPECT_FALSE(inspection.at("findings").empty()) << damage;
+  }
+}
+
+}  // namespace
+}  // namespace mocurate
