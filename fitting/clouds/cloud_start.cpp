@@ -136,18 +136,12 @@ struct Candidate {
   std::vector<double> parameters;
 };
 
-/// Where the pose in the state faces about y.
-double HeadingOfState(const PoseState& state, int frame) {
-  const Vector3d front = state.global(frame, 0).col(2);
-  return std::atan2(front.x(), front.z());
-}
-
 Status RefineCandidate(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
                        const PointCloudOptions& options, PoseState& state, Candidate& candidate) {
   const auto fitted = FitCloudFrame(body, cloud, fit, state, options);
   if (!fitted) return Forward(fitted);
   candidate.cost = PoseCost(body, cloud, state, fit.frame, options);
-  candidate.heading = HeadingOfState(state, fit.frame);
+  candidate.heading = HeadingOf(state, fit.frame);
   candidate.parameters = state.FrameParameters(fit.frame);
   return {};
 }
@@ -214,6 +208,11 @@ std::vector<Candidate> Starts(const FleshBody& body, const FusedCloud& cloud, in
 }
 
 }  // namespace
+
+double HeadingOf(const PoseState& state, int frame) {
+  const Vector3d front = state.global(frame, 0).col(2);
+  return std::atan2(front.x(), front.z());
+}
 
 HeightSpan HeightOf(const Eigen::Matrix3Xd& points) {
   std::vector<double> y(points.cols());

@@ -28,6 +28,9 @@ struct CloudStart {
   std::optional<double> off_facing;
 };
 
+/// Where the pose in the state faces, rad about y, 0 faces +z. Needs Update.
+double HeadingOf(const PoseState& state, int frame);
+
 /// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances
 /// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the facing that is
 /// told. Starts are fitted to few points first; the best go on, the best few are fitted to all points, and the cheapest

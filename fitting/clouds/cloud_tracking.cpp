@@ -21,6 +21,7 @@ constexpr double kSmallestAgainstRest = 0.4;  ///< of a person against the rest 
 constexpr double kLargestAgainstRest = 1.5;
 constexpr double kPoor = 1.15;        ///< cost per point against the median of the clip: worth a second look
 constexpr double kBetterPose = 0.98;  ///< of the cost before; else the pose stays
+constexpr double kAnyPose_s = 0.4;    ///< without points, in which an arm comes from anywhere to anywhere
 
 /// Radii and pose of a frame in turn.
 Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& track) {
@@ -65,6 +66,24 @@ void Predict(int before, int last, int f, const std::vector<double>& time_s, dou
   state.SetFrameParameters(f, still);
 }
 
+/// After a gap in which a person may have come to any pose: starts as in a clip's first frame, facing about as in frame
+/// `last`, and keeps the cheaper pose.
+Status StartAgain(int last, int f, const PointCloudOptions& options, CloudTrack& track) {
+  PoseState& state = track.state;
+  state.Update(last, last + 1, false);
+  state.Update(f, f + 1, false);
+  const std::vector<double> followed = state.FrameParameters(f);
+  const double cost = PoseCost(track.body, track.clouds[f], state, f, options);
+  PointCloudOptions about_as_before = options;
+  about_as_before.start = {HeadingOf(state, last), StartPosture::kUnknown};
+  const auto again = FindStart(track.body, track.clouds[f], f, about_as_before, state);
+  if (!again) return Forward(again);
+  if (!again->off_facing && again->cost < kBetterPose * cost) return {};
+  state.SetFrameParameters(f, followed);
+  state.Update(f, f + 1, false);
+  return {};
+}
+
 /// Follows the frames after `first`; those before it had no points.
 Status Follow(int first, const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   int before = -1;
@@ -79,6 +98,10 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;
+    if (time_s[f] - time_s[last] > kAnyPose_s) {
+      if (Status again = StartAgain(last, f, options, track); !again) return again;
+      last = -1;
+    }
     before = last;
     last = f;
   }

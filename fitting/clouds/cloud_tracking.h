@@ -27,7 +27,8 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
 /// to one point per voxel takes about half a voxel at either end, which is given back. 1 without points.
 double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size);
 
-/// Finds the first pose by trying several, measures the radii there, then follows frame after frame; frames that are
+/// Finds the first pose by trying several, measures the radii there, then follows frame after frame and looks for the
+/// pose anew after 0.4 s without points; frames that are
 /// explained worse than most are fitted once more from the frames after and before them. Bones (J, metres)
 /// are held; `time_s` (F) increases. Error kInconsistent when no frame has points.
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,

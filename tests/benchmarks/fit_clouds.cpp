@@ -3,7 +3,8 @@
 // errors), bodies unknown to the fitter; fitted on one core. Errors as in bench_studio_fits; frames/s from decoded
 // images to a motion, and of decoding alone. Images stay in FOLDER for the next time. Options: those of point_clouds by
 // name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
-// 30 mm RMS of noise, alone and together with the clouds), hidden (a joint's number: no view shows what lies within
+// 30 mm RMS of noise, alone and together with the clouds), gap (frames in the middle in which nobody is
+// seen, and errors after them), hidden (a joint's number: no view shows what lies within
 // 0.2 m of it; what is stated of it is told).
 #include <algorithm>
 #include <cstdio>
@@ -80,6 +81,15 @@ void Hide(int joint, const Motion& truth, std::vector<FusedCloud>& clouds) {
   }
 }
 
+/// Nobody is seen in so many frames in the middle. The frame after them; 0 without a gap.
+int HideMiddleFrames(int hidden, std::vector<FusedCloud>& clouds) {
+  const auto frames = static_cast<int>(clouds.size());
+  if (hidden <= 0 || 2 * hidden > frames) return 0;
+  const int begin = (frames - hidden) / 2;
+  std::fill(clouds.begin() + begin, clouds.begin() + begin + hidden, FusedCloud{});
+  return begin + hidden;
+}
+
 /// Errors, stated deviations per axis, and in how many frames it is called observed.
 void TellOfJoint(int joint, const FitResult& fit, const Motion& truth) {
   double error = 0.0, variance = 0.0;
@@ -143,6 +153,7 @@ int main(int argc, char** argv) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   Spent spent;
   FitScore all;
+  FitScore after_gap;
   MixScore mix;
   double points = 0.0, iterations = 0.0;
   for (int person = 1; person <= wanted.subjects; ++person) {
@@ -169,6 +180,7 @@ int main(int argc, char** argv) {
       if (given.count("start") == 0 || given["start"] != 0.0) options.start.facing = take.told_heading;
       const std::vector<FusedCloud> copies = given["mix"] != 0.0 ? *clouds : std::vector<FusedCloud>{};
       if (given.count("hidden") != 0) Hide(static_cast<int>(given["hidden"]), take.clip.truth, *clouds);
+      const int seen_again = HideMiddleFrames(static_cast<int>(given["gap"]), *clouds);
       const double begin = CpuSeconds();
       const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s}, skeleton,
                                       *bones, options);
@@ -177,6 +189,7 @@ int main(int argc, char** argv) {
       FitScore one;
       one.Add(*fit, take.clip);
       all.Add(*fit, take.clip);
+      if (seen_again > 0) after_gap.Add(*fit, take.clip, seen_again, fit->motion.frame_count());
       iterations += fit->iterations;
       const double size = (*bones)[4] / take.clip.truth.bone_length[4];
       std::fprintf(stderr, "%-24s %s %3d frames %6.1f mm %5.1f deg, residual %4.1f mm, thigh %4.2f of the truth\n",
@@ -201,6 +214,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, " %s %.1f", skeleton->joints[j].name.c_str(), all.by_joint[j] / all.frames * 1e3);
   }
   std::fprintf(stderr, "\n");
+  if (after_gap.frames > 0) {
+    std::printf("{\"name\": \"after_gap\", \"joint_mm\": %.2f, \"within_sigma\": %.3f, \"within_two\": %.3f}\n",
+                after_gap.joint_mm(), after_gap.within_one(), after_gap.within_two());
+  }
   const double n = all.frames;
   if (mix.clips > 0) {
     std::printf(

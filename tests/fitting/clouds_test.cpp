@@ -93,6 +93,27 @@ TEST(CloudFit, TheLongerAgoTheFrameBeforeTheLessItHolds) {
   EXPECT_GT(at_once, 2.0 * later);
 }
 
+/// Arms that hung and are seen overhead a second later are nearer to nothing of where they were.
+TEST(CloudFit, AfterAGapArmsAreFoundWhereverTheyCameTo) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  ASSERT_NE(skeleton, nullptr);
+  Motion truth = Standing(skeleton, 2);
+  truth.rotation_at(0, *skeleton->FindJoint("plain_left_shoulder")) = ExpQuaternion({0.0, 0.0, -1.4});
+  truth.rotation_at(0, *skeleton->FindJoint("plain_right_shoulder")) = ExpQuaternion({0.0, 0.0, 1.4});
+  truth.rotation_at(1, *skeleton->FindJoint("plain_left_shoulder")) = ExpQuaternion({0.0, 0.0, 1.3});
+  truth.rotation_at(1, *skeleton->FindJoint("plain_right_shoulder")) = ExpQuaternion({0.0, 0.0, -1.3});
+  truth = MakeMotion(skeleton, truth.rate, truth.root_translation, truth.rotation, truth.bone_length);
+  auto clip = RenderClip(truth, CloudsFolder("overhead"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  for (DepthView& view : clip->evidence.depth_views) view.time_s = {0.0, 1.0};
+  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  ASSERT_TRUE(fit) << fit.error().Message();
+  for (const char* hand : {"plain_left_hand", "plain_right_hand"}) {
+    const int joint = *skeleton->FindJoint(hand);
+    EXPECT_LT((fit->motion.joints.at(1, joint) - truth.joints.at(1, joint)).norm(), 0.06) << hand;
+  }
+}
+
 /// Points every `step` metres of an upright box or a level square, normals up.
 FusedCloud CloudOf(const std::vector<Vector3d>& points) {
   FusedCloud cloud{Eigen::Matrix3Xd(3, points.size()), Eigen::Matrix3Xd(3, points.size()), 0};
