@@ -23,17 +23,17 @@ double ExtentOfEntry(const KeypointView& view, int frame, int person) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-struct Shared {
+struct SeenByBoth {
   double seen = 0.0;
   double alike = 0.0;
 };
 
 /// What an entry has in common with the one of another view that is most like it.
-Shared MostAlike(const KeypointView& a, int frame, int person, const KeypointView& b, int other_frame) {
+SeenByBoth MostAlike(const KeypointView& a, int frame, int person, const KeypointView& b, int other_frame) {
   const double near = kOneDirection * ExtentOfEntry(a, frame, person);
-  Shared best;
+  SeenByBoth best;
   for (int other = 0; other < b.people; ++other) {
-    Shared shared;
+    SeenByBoth shared;
     for (int k = 0; k < std::min(a.points(), b.points()); ++k) {
       const double* one = a.at(frame, person, k);
       const double* two = b.at(other_frame, other, k);
@@ -51,12 +51,12 @@ Shared MostAlike(const KeypointView& a, int frame, int person, const KeypointVie
 }  // namespace
 
 double LikenessOfKeypoints(const KeypointView& a, const KeypointView& b) {
-  Shared all;
+  SeenByBoth all;
   for (int f = 0; f < a.frames() && b.frames() > 0; ++f) {
     const auto later = std::lower_bound(b.time_s.begin(), b.time_s.end(), a.time_s[static_cast<std::size_t>(f)]);
     const int other = std::min(static_cast<int>(later - b.time_s.begin()), b.frames() - 1);
     for (int p = 0; p < a.people; ++p) {
-      const Shared shared = MostAlike(a, f, p, b, other);
+      const SeenByBoth shared = MostAlike(a, f, p, b, other);
       all.seen += shared.seen;
       all.alike += shared.alike;
     }
