@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "fitting/audit/cameras_in_one_place.h"
+#include "fitting/audit/keypoint_likeness.h"
 #include "fitting/audit/rig_readings.h"
 
 namespace mocurate {
@@ -88,6 +90,16 @@ Expected<bool> MendOnce(Evidence& evidence, const std::vector<KnownLength>& leng
 Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
                  std::vector<RigFault>& faults) {
   if (options.audit.exchanged == AuditAction::kOff) return {};
+  const std::vector<KeypointView>& views = evidence.keypoint_views;
+  std::vector<Camera> cameras;
+  for (const KeypointView& view : views) cameras.push_back(view.camera);
+  const auto alike = [&](std::size_t a, std::size_t b) -> Expected<double> {
+    return LikenessOfKeypoints(views[a], views[b]);
+  };
+  auto in_one_place =
+      FaultsOfSharedPlaces(cameras, alike, options.audit.exchanged, {"keypoints", "fitting.keypoints.audit.exchanged"});
+  if (!in_one_place) return Forward(in_one_place);
+  faults.insert(faults.end(), in_one_place->begin(), in_one_place->end());
   for (int i = 0; i < kMostReadings; ++i) {
     const Expected<bool> mended = MendOnce(evidence, lengths, options, faults);
     if (!mended) return Forward(mended);

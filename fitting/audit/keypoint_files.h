@@ -13,7 +13,8 @@ namespace mocurate {
 /// Keypoint views as they should have been given, by what FindRigReadings finds: ones that lie in each other's files,
 /// mirrored ones, ones of images of another size, one that calls left right. Put right where `options.audit.exchanged`
 /// (of sides: `options.audit.sides`) says so and it is sure; each is a fault. kInconsistent where it is sure that files
-/// are not as given, they are to be corrected, and more than one reading explains as much.
+/// are not as given, they are to be corrected, and more than one reading explains as much,
+/// and where cameras in one place see different things (FaultsOfSharedPlaces).
 Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
                  std::vector<RigFault>& faults);
 

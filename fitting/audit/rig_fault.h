@@ -12,7 +12,8 @@ constexpr double kDegrees = 57.29577951308232;  ///< of a radian
 /// Something wrong with a rig, its calibration or its files.
 struct RigFault {
   std::string code;  ///< "camera_clock_off", "camera_moved", "cameras_exchanged", "calibration_unit", "keypoint_order",
-                     ///< "view_swaps_sides", "views_swap_sides", "views_disagree", "view_mirrored", "keypoint_scale"
+                     ///< "view_swaps_sides", "views_swap_sides", "views_disagree", "view_mirrored", "keypoint_scale",
+                     ///< "cameras_in_one_place"
   std::string camera;   ///< which; empty: the rig
   std::string limb;     ///< that is meant; empty: none
   int frame_begin = 0;  ///< [begin, end) of the take; both 0: all of it

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "core/base/text.h"
+#include "fitting/audit/cameras_in_one_place.h"
 #include "fitting/audit/confidence.h"
 #include "fitting/clouds/rig_clocks.h"
 #include "fitting/clouds/rig_common_faults.h"
@@ -17,6 +17,7 @@
 #include "fitting/clouds/rig_strangers.h"
 #include "fitting/clouds/rig_units.h"
 #include "fitting/clouds/seen_rig.h"
+#include "fitting/clouds/view_likeness.h"
 #include "fitting/clouds/view_registration.h"
 #include "fitting/evidence/noise.h"
 
@@ -40,18 +41,17 @@ class DepthAuditor {
   }
 
   Expected<AuditedDepthRig> Audit() {
+    if (Status apart = TellOfSharedPlaces(); !apart) return Forward(apart);
     if (Status seen = See(); !seen) return Forward(seen);
     if (Status person = CheckSomebodyIsSeen(rig_, witness_.flat()); !person) return Forward(person);
     if (Status mended = MendLengths(); !mended) return Forward(mended);
     if (Status seen = See(); !seen) return Forward(seen);
     report_.without_person = WithoutPerson(rig_);
     report_.frames = witness_.frames();
-    report_.loss = LossOfViews();
+    report_.loss = LossOfViews(rig_, losses_);
     report_.residual_mm = ResidualsOfViews(rig_, cameras_);
     const bool judged = CanJudge();
-    if (judged) {
-      if (Status mended = MendCommon(); !mended) return Forward(mended);
-    }
+    if (Status mended = judged && !files_wrong_ ? MendCommon() : Status(); !mended) return Forward(mended);
     if (judged && MendFiles()) {
       if (Status seen = See(); !seen) return Forward(seen);
     }
@@ -64,13 +64,25 @@ class DepthAuditor {
         if (!*improved) break;
       }
     }
-    report_.loss_after = LossOfViews();
+    report_.loss_after = LossOfViews(rig_, losses_);
     for (std::size_t v = 0; v < late_.size(); ++v) TellOfClock(v), TellOfMove(v);
     for (RigFault& fault : Strangers()) report_.faults.push_back(std::move(fault));
     return AuditedDepthRig{Corrected(), std::move(report_)};
   }
 
  private:
+  Status TellOfSharedPlaces() {
+    const auto alike = [&](std::size_t a, std::size_t b) {
+      return LikenessOfDepths(witness_.views()[a], witness_.views()[b]);
+    };
+    auto faults = FaultsOfSharedPlaces(cameras_, alike, options_.exchanged,
+                                       {"depth views", "fitting.point_clouds.audit.exchanged"});
+    if (!faults) return Forward(faults);
+    files_wrong_ = PlacesAreCopied(*faults);
+    report_.faults = std::move(*faults);
+    return {};
+  }
+
   std::vector<RigFault> Strangers() const {
     if (!report_.not_audited.empty()) return ContradictionOf(report_.cameras, report_.loss_after);
     return files_wrong_ ? std::vector<RigFault>() : StrangersOf(rig_, losses_, options_.longest_s);
@@ -184,12 +196,6 @@ class DepthAuditor {
     return !files_wrong_;
   }
 
-  std::vector<double> LossOfViews() const {
-    std::vector<double> of_views;
-    for (std::size_t v = 0; v < late_.size(); ++v) of_views.push_back(MeanLoss(Of(v, losses_, losses_).first));
-    return of_views;
-  }
-
   std::pair<std::vector<double>, std::vector<double>> Of(std::size_t view, const std::vector<double>& losses,
                                                          const std::vector<double>& others) const {
     return OfView(rig_, view, losses, others);
@@ -235,7 +241,7 @@ class DepthAuditor {
 
   /// Cameras of views that surely stand elsewhere than `cameras_` has them, registered; others put back one by one.
   Expected<std::optional<std::vector<Camera>>> FindMoves() {
-    std::vector<bool> free = MayHaveMoved(LossOfViews());
+    std::vector<bool> free = MayHaveMoved(LossOfViews(rig_, losses_));
     std::vector<double> by_clock(free.size(), -1.0);
     while (std::find(free.begin(), free.end(), true) != free.end()) {
       Expected<std::vector<Camera>> found = Register(rig_, free, cameras_);
@@ -386,12 +392,7 @@ class DepthAuditor {
 Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, const RigAuditOptions& options) {
   const bool off = options.clocks == AuditAction::kOff && options.moved == AuditAction::kOff &&
                    options.exchanged == AuditAction::kOff && options.unit == AuditAction::kOff;
-  const bool usable = !views.empty() && std::all_of(views.begin(), views.end(), [&](const DepthView& view) {
-    const bool increases =
-        std::adjacent_find(view.time_s.begin(), view.time_s.end(), std::greater_equal<double>()) == view.time_s.end();
-    return view.files.size() == views[0].files.size() && !view.files.empty() && increases;
-  });
-  if (off || !usable) return AuditedDepthRig{views, {}};
+  if (off || !CanWitness(views)) return AuditedDepthRig{views, {}};
   return DepthAuditor(views, options).Audit();
 }
 

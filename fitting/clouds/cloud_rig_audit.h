@@ -36,7 +36,8 @@ struct AuditedDepthRig {
 
 /// Places, clocks, files and units of depth cameras, from what views of the person say of each other at up to six
 /// moments of a clip. Same input, same result. Errors of ReadFrame; kInconsistent for units that are told and not to be
-/// corrected. Views of unequal length, without files, or with stamps that do not increase are taken as they are.
+/// corrected, and for cameras in one place that see different things. Views of unequal length, without files, or with
+/// stamps that do not increase are taken as they are.
 Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, const RigAuditOptions& options);
 
 /// The clip with its depth views as AuditDepthRig leaves them; the report goes to `report`.

@@ -20,6 +20,14 @@ constexpr double kVoxel = 0.025;
 
 }  // namespace
 
+bool CanWitness(const std::vector<DepthView>& views) {
+  return !views.empty() && std::all_of(views.begin(), views.end(), [&](const DepthView& view) {
+    const bool increases =
+        std::adjacent_find(view.time_s.begin(), view.time_s.end(), std::greater_equal<double>()) == view.time_s.end();
+    return view.files.size() == views[0].files.size() && !view.files.empty() && increases;
+  });
+}
+
 RigWitness::RigWitness(std::vector<DepthView> views) : views_(std::move(views)) {
   for (const DepthView& view : views_) {
     single_.push_back({view});
@@ -160,6 +168,12 @@ std::pair<std::vector<double>, std::vector<double>> OfView(const SeenRig& rig, s
     of_view.second.push_back(others[i]);
   }
   return of_view;
+}
+
+std::vector<double> LossOfViews(const SeenRig& rig, const std::vector<double>& losses) {
+  std::vector<double> of_views;
+  for (std::size_t v = 0; v < rig.views.size(); ++v) of_views.push_back(MeanLoss(OfView(rig, v, losses, losses).first));
+  return of_views;
 }
 
 Status CheckSomebodyIsSeen(const SeenRig& rig, int flat) {

@@ -11,11 +11,14 @@
 
 namespace mocurate {
 
+/// Whether views have files, all as many, and stamps that increase.
+bool CanWitness(const std::vector<DepthView>& views);
+
 /// Depth views of a clip at the moments that a rig is judged by: groups of two consecutive frames (one, where the clip
 /// has no more), evenly spread. Images are read when they are asked for, each once. V views.
 class RigWitness {
  public:
-  /// `views` must have files, all as many.
+  /// Views of which CanWitness holds.
   explicit RigWitness(std::vector<DepthView> views);
 
   /// The moments with each view `late[v]` frames later than the others; a frame that a view does not have is one in
@@ -54,6 +57,9 @@ std::vector<std::vector<double>> ResidualsOfViews(const SeenRig& rig, const std:
 
 /// kInconsistent where nobody is seen, and what is seen is flat (RigWitness::flat).
 Status CheckSomebodyIsSeen(const SeenRig& rig, int flat);
+
+/// (views) mean of those losses of LossOfSamples that are of pairs with a view.
+std::vector<double> LossOfViews(const SeenRig& rig, const std::vector<double>& losses);
 
 /// (views) share of the moments that show somebody in which a view shows nobody.
 std::vector<double> WithoutPerson(const SeenRig& rig);

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/text.h"
 #include "fitting/association/associate.h"
@@ -14,6 +15,7 @@
 #include "fitting/audit/view_sides.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/triangulation/odd_cameras.h"
 
 namespace mocurate {
 namespace {
@@ -21,7 +23,6 @@ namespace {
 constexpr double kFewPoints = 0.02;    ///< share of the frames times keypoints: less is nothing to fit
 constexpr double kPoorPoints = 0.4;    ///< worth a warning
 constexpr double kUnevenDepth = 6.0;   ///< of the standard deviations along the worst and the best direction
-constexpr double kSeldomShown = 0.5;   ///< of a camera's frames without the person: worth a warning
 constexpr double kSeldomFound = 0.05;  ///< of the frames; a keypoint found less often counts as never found
 
 Error Inconsistent(const std::string& what, const std::string& where, const std::string& hint) {
@@ -75,27 +76,6 @@ void TellOfPeople(const std::vector<RigView>& rig, const Association& take, std:
   if (left_out == 0) return;
   findings.push_back(Tell("bystanders_left_out", Severity::kInfo, left_out,
                           "people or false finds that no second view confirms: " + where, "left out"));
-}
-
-void TellOfCameras(const KeypointReport& report, const std::vector<double>& unseen, double outlier,
-                   std::vector<Finding>& findings) {
-  for (std::size_t v = 0; v < report.cameras.size(); ++v) {
-    const CameraAgreement& camera = report.cameras[v];
-    if (unseen[v] >= kSeldomShown) {
-      findings.push_back(Tell("camera_without_person", Severity::kWarning, unseen[v],
-                              "camera " + report.camera_names[v] + " shows nothing of the person in " +
-                                  std::to_string(Percent(unseen[v])) + " % of its frames",
-                              "fitted without it there"));
-    }
-    if (!camera.disagrees) continue;
-    const double share = static_cast<double>(camera.left_out) / camera.detections;
-    findings.push_back(
-        Tell("camera_disagrees", Severity::kWarning, camera.median_px,
-             "camera " + report.camera_names[v] + " disagrees with the others: " + std::to_string(Percent(share)) +
-                 " % of its keypoints lie more than " + RoundedText(outlier, 3) + " px off, " +
-                 RoundedText(camera.median_px, 3) + " px in the median; was it moved, or is its clock off?",
-             "left out where it disagrees"));
-  }
 }
 
 /// Whether most views that show somebody show somebody else.
@@ -337,6 +317,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   std::vector<RigFault> sides;
   if (MendSidesOfViews(rig, points, evidence.keypoint_names, options, views, sides))
     points = TriangulateViews(views, frames, keypoints, options.triangulation);
+  points = WithoutOddCameras(std::move(points), views, frames, keypoints, options.triangulation);
   found.report = ReportOf(evidence, rig, take, person, points);
   if (found.report.triangulated < kFewPoints) {
     return tl::unexpected<Error>(Inconsistent(

@@ -63,5 +63,43 @@ TEST_F(CommonFaults, ImagesThatAreAllMirroredAreRefused) {
   }
 }
 
+TEST_F(CommonFaults, DifferentImagesDoNotComeFromOnePlace) {
+  const std::vector<DepthView>& good = takes()[0].evidence.depth_views;
+  std::vector<DepthView> two = {good[0], good[1]}, one_of_three = good, all = good;
+  two[1].camera.camera_from_world = good[0].camera.camera_from_world;
+  one_of_three[1].camera.camera_from_world = good[0].camera.camera_from_world;
+  for (DepthView& view : all) view.camera.camera_from_world = good[0].camera.camera_from_world;
+  for (const auto* views : {&two, &one_of_three, &all}) {
+    const auto refused = AuditDepthRig(*views, {});
+    ASSERT_FALSE(refused) << Told(refused->report);
+    EXPECT_THAT(refused.error().Message(), HasSubstr(views == &all ? "d1, d2, d3" : "d1, d2 "));
+    EXPECT_THAT(refused.error().Message(), HasSubstr("is one file copied"));
+    RigAuditOptions tell;
+    tell.exchanged = AuditAction::kTell;
+    const auto told = AuditDepthRig(*views, tell);
+    ASSERT_TRUE(told) << told.error().Message();
+    ASSERT_GE(told->report.faults.size(), 1u);
+    EXPECT_EQ(told->report.faults[0].code, "cameras_in_one_place");
+    EXPECT_LT(told->report.faults[0].value, 0.3);
+    EXPECT_TRUE(told->report.IsDoubtful());
+    for (std::size_t v = 0; v < views->size(); ++v) EXPECT_EQ(told->views[v].files, (*views)[v].files);
+  }
+}
+
+TEST_F(CommonFaults, FilesThatAreGivenTwiceAreToldAsOneView) {
+  std::vector<DepthView> views = takes()[0].evidence.depth_views;
+  views[2] = views[0];
+  views[2].camera.name = "d3";
+  for (const int late : {0, 1}) {
+    const auto told = AuditDepthRig(WithLateView(views, 2, late), {});
+    ASSERT_TRUE(told) << told.error().Message();
+    ASSERT_GE(told->report.faults.size(), 1u);
+    EXPECT_EQ(told->report.faults[0].code, "cameras_in_one_place");
+    EXPECT_EQ(told->report.faults[0].camera, "d1, d3");
+    EXPECT_GT(told->report.faults[0].value, late == 0 ? 0.99 : 0.75);
+    EXPECT_TRUE(told->report.IsDoubtful());
+  }
+}
+
 }  // namespace
 }  // namespace mocurate

@@ -117,6 +117,58 @@ TEST(KeypointTracks, NameACameraThatWasMovedAndPutItWhereItStands) {
   EXPECT_LT(MeanError(found->tracks, person), 0.02);
 }
 
+/// Wrists that only the turned camera and one other see would lie decimetres off.
+TEST(KeypointTracks, AreNotFoundFromACameraThatDisagreesAndOneOther) {
+  const Motion person = Swinging(30);
+  Evidence evidence = Detections(Ring(4), {person}, 2.0);
+  RigidTransform& pose = evidence.keypoint_views[1].camera.camera_from_world;
+  pose = RigidTransform{ExpQuaternion(Vector3d(0, 0.06, 0)), Vector3d::Zero()} * pose;
+  const auto keypoints = evidence.keypoint_names.size();
+  const auto wrist = static_cast<std::size_t>(*person.skeleton->FindJoint("left_wrist"));
+  for (const std::size_t c : {0u, 2u}) {
+    auto& values = evidence.keypoint_views[c].values;
+    for (std::size_t i = wrist; 3 * i < values.size(); i += keypoints) values[3 * i + 2] = 0.0;
+  }
+  KeypointFitOptions options;
+  options.audit.moved = options.audit.clocks = AuditAction::kTell;
+  const auto found = TriangulateKeypoints(evidence, SmplBody(), options);
+  ASSERT_TRUE(found) << found.error().Message();
+  const Finding* told = FindingWithCode(*found, "camera_disagrees");
+  ASSERT_NE(told, nullptr);
+  EXPECT_THAT(told->message, HasSubstr("cam2"));
+  EXPECT_EQ(told->action, "left out of this clip");
+  double worst = 0.0;
+  for (int f = 0; f < found->tracks.positions.frames; ++f) {
+    const auto at = static_cast<std::size_t>(f) * keypoints + wrist;
+    if (found->tracks.confidence[at] <= 0.0) continue;
+    const auto k = static_cast<int>(wrist);
+    worst = std::max(worst, (found->tracks.positions.at(f, k) - person.joints.at(f, k)).norm());
+  }
+  EXPECT_LT(worst, 0.05);
+  EXPECT_LT(MeanError(found->tracks, person), 0.02);
+}
+
+TEST(KeypointTracks, OfDifferentImagesDoNotComeFromOnePlace) {
+  const Evidence sound = Detections(Ring(4), {Swinging(20)}, 2.0);
+  for (const std::size_t copies : {2u, 4u}) {
+    Evidence copied = sound;
+    for (std::size_t c = 0; c < copies; ++c) {
+      copied.keypoint_views[c].camera.camera_from_world = sound.keypoint_views[0].camera.camera_from_world;
+    }
+    EXPECT_THAT(WhyRefused(copied), AllOf(HasSubstr(copies == 2 ? "cam1, cam2 stand" : "cam1, cam2, cam3, cam4 stand"),
+                                          HasSubstr("is one file copied")));
+  }
+  Evidence twice = sound;
+  twice.keypoint_views[3] = twice.keypoint_views[0];
+  twice.keypoint_views[3].camera.name = "cam4";
+  const auto found = TriangulatedSubject(twice);
+  ASSERT_TRUE(found) << found.error().Message();
+  const Finding* told = FindingWithCode(*found, "cameras_in_one_place");
+  ASSERT_NE(told, nullptr);
+  EXPECT_THAT(told->message, AllOf(HasSubstr("cam1, cam4"), HasSubstr("given twice")));
+  EXPECT_TRUE(found->report.doubtful);
+}
+
 TEST(KeypointTracks, AreReadBetweenTheFramesOfCamerasWhoseClocksDiffer) {
   // Fast arms; two cameras take their images half a frame later, and say so.
   const Motion person = Swinging(60);
