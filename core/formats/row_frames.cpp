@@ -13,6 +13,7 @@ constexpr double kMuchNearer = 0.5;  // what another order of joints must come d
 constexpr double kContinues = 0.4;   // mean of a frame's rows, up to which they stand by the joints they should be
 constexpr int kFewestRows = 4;       // that tell one order of joints from another
 constexpr long long kFewUnexplained = 30;  // frames without continuity, after which nothing is told
+constexpr double kScattered = 0.5;         // of the rows far from where they were a frame before: no such frames
 constexpr long long kLookedAt = 2000;
 
 /// Walks down the table, with the last place of each joint.
@@ -20,6 +21,18 @@ class Follower {
  public:
   Follower(const JointPerRow& table, int joints)
       : table_(table), joints_(joints), last_(static_cast<std::size_t>(joints), -1), apart_(Apart()) {}
+
+  /// A break shows in its own frame alone.
+  bool MostRowsGoOn() const {
+    double seen = 0.0, far = 0.0;
+    const long long step = std::max(1LL, table_.rows / kLookedAt);
+    for (long long row = joints_; row < table_.rows; row += step) {
+      if (!Seen(row) || !Seen(row - joints_)) continue;
+      seen += 1.0;
+      far += std::sqrt(Squared(row, row - joints_)) > kFar * apart_ ? 1.0 : 0.0;
+    }
+    return far <= kScattered * seen;
+  }
 
   std::vector<RowBreak> Run() {
     std::vector<RowBreak> breaks;
@@ -157,6 +170,10 @@ class Follower {
 };
 
 }  // namespace
+
+bool MostRowsGoOn(const JointPerRow& table, int joints_per_frame) {
+  return Follower(table, joints_per_frame).MostRowsGoOn();
+}
 
 std::vector<RowBreak> FindRowBreaks(const JointPerRow& table, int joints_per_frame) {
   if (joints_per_frame <= kFewestRows || table.rows <= joints_per_frame) return {};

@@ -25,6 +25,10 @@ struct FrameOfRows {
   int rows = 0;
 };
 
+/// Whether most rows are near to where the row as many joints before them is, as they are in frames of that many joints
+/// however many of the frames lack a row.
+bool MostRowsGoOn(const JointPerRow& table, int joints_per_frame);
+
 /// Breaks in the order of joints, by continuity: a joint stays near where it was in the frame before, and is far from
 /// where the others were. Nothing where every row continues its joint, where all points move as far as joints are
 /// apart, and within the first frame, which nothing goes before.

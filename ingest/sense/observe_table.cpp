@@ -197,12 +197,11 @@ std::optional<ObservedClip> MendedReading(const JointTable& rows, std::string_vi
   if (rows.columns != 3 && rows.columns != 4) return std::nullopt;
   std::optional<ObservedClip> best;
   for (const int joints : {15, 20, 24, 25}) {
-    if (rows.frames < 2 * joints) continue;
+    const JointPerRow in_rows{rows.values.data(), rows.frames, rows.columns};
+    if (rows.frames < 2 * joints || !MostRowsGoOn(in_rows, joints)) continue;
     for (const OddFrame odd : {OddFrame::kLast, OddFrame::kFirst}) {
       JointTable mended = InFrames(rows, joints);
       const int left_over = rows.frames % joints;
-      JointPerRow in_rows;
-      in_rows.columns = rows.columns;
       JointTableLayout said;
       said.damaged_rows = DamagedRows::kReport;
       if (!MendFrames(in_rows, odd, bytes, said, name, mended)) continue;

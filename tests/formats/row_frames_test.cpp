@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "core/base/text.h"
 #include "core/formats/joint_layout.h"
@@ -146,6 +147,27 @@ TEST(RowFrames, ATableOfAnotherCountOfJointsIsRefusedWithTheCount) {
   ASSERT_FALSE(rows);
   EXPECT_THAT(rows.error().Message(), HasSubstr("have another count of rows than 12, the first 11"));
   EXPECT_THAT(rows.error().hint, HasSubstr("rows_per_frame"));
+}
+
+TEST(RowFrames, MostRowsGoOnInFramesOfTheTablesCountAlone) {
+  std::vector<double> values;
+  for (const std::string& line : Lines(20)) {
+    double row[3];
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf %lf %lf", &row[0], &row[1], &row[2]), 3);
+    values.insert(values.end(), row, row + 3);
+  }
+  for (const int torn : {0, 1, 8}) {  // a row of so many frames is missing
+    std::vector<double> rows = values;
+    for (int f = 2 * torn; f > 0; f -= 2) {
+      const auto at = rows.begin() + static_cast<std::ptrdiff_t>(3 * (f * kJoints + 5));
+      rows.erase(at, at + 3);
+    }
+    const JointPerRow table{rows.data(), static_cast<long long>(rows.size()) / 3, 3};
+    EXPECT_TRUE(MostRowsGoOn(table, kJoints)) << torn;
+    for (const int others : {kJoints - 2, kJoints - 1, kJoints + 1, kJoints + 3}) {
+      EXPECT_FALSE(MostRowsGoOn(table, others)) << torn << ", " << others;
+    }
+  }
 }
 
 }  // namespace
