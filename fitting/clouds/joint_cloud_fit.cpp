@@ -13,7 +13,6 @@
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
-#include "fitting/frames_without_evidence.h"
 
 namespace mocurate {
 namespace {
@@ -196,9 +195,17 @@ void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
 }
 
 void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result) {
-  std::vector<bool> without;
-  for (const FusedCloud& cloud : clouds) without.push_back(cloud.size() < kFewestCloudPoints);
-  ReportFramesWithout(without, "too few depth points", "the tracks' pose kept", result.findings);
+  const auto without = std::count_if(clouds.begin(), clouds.end(),
+                                     [](const FusedCloud& cloud) { return cloud.size() < kFewestCloudPoints; });
+  if (without == 0) return;
+  Finding finding;
+  finding.code = "frames_without_depth";
+  finding.severity = Severity::kInfo;
+  finding.value = static_cast<double>(without);
+  finding.message = "too few depth points in " + std::to_string(without) + " of " +
+                    Counted(static_cast<long long>(clouds.size()), "frame");
+  finding.action = "fitted to the other evidence alone there";
+  result.findings.push_back(std::move(finding));
 }
 
 }  // namespace

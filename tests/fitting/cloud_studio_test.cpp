@@ -184,11 +184,11 @@ TEST_F(TracksAndClouds, FramesWithoutPointsStayWithTheTracks) {
   EXPECT_LT((both->motion.joints.at(3, 20) - tracks->motion.joints.at(3, 20)).norm(), 1e-6);
   EXPECT_GT((both->motion.joints.at(4, 20) - tracks->motion.joints.at(4, 20)).norm(), 1e-6);
   const auto told = std::find_if(both->findings.begin(), both->findings.end(),
-                                 [](const Finding& finding) { return finding.code == "frames_without_evidence"; });
+                                 [](const Finding& finding) { return finding.code == "frames_without_depth"; });
   ASSERT_NE(told, both->findings.end());
-  EXPECT_EQ(told->frame_begin, 3);
-  EXPECT_EQ(told->frame_end, 4);
-  EXPECT_EQ(told->action, "the tracks' pose kept");
+  EXPECT_EQ(told->value, 1.0);
+  EXPECT_EQ(told->severity, Severity::kInfo) << "the tracks are evidence there";
+  EXPECT_EQ(told->action, "fitted to the other evidence alone there");
 }
 
 TEST_F(TracksAndClouds, CloudsWithoutAnyPointsAreRefused) {
