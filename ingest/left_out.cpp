@@ -127,7 +127,9 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
   const std::string where = DisplayPath(options.path);
   const std::string none = "no file matches the pattern '" + options.source.files + "'";
   const auto failed = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), [](const ItemResult& file) {
-    return file.outcome.kind == OutcomeKind::kRefused && file.outcome.error.code != ErrorCode::kInconsistent;
+    const std::vector<Finding>& told = file.outcome.findings;
+    return file.outcome.kind == OutcomeKind::kRefused && (file.outcome.error.code != ErrorCode::kInconsistent ||
+                                                          (!told.empty() && told.front().code == "label_unknown"));
   });
   if (failed != discovery.left_out.end()) {
     return {ErrorCode::kNotFound, "no file can be read; the first: " + failed->outcome.error.Message(), where, ""};

@@ -116,8 +116,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("view", view, "camera or view, from the fields of the name");
   v.Text("style", style, "style of the performance, from the fields of the name");
   v.TextMap("labels", labels, "names of the labels");
-  v.Choice("other_labels", other_labels, {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}},
-           "what becomes of a file whose label is not listed under `labels`");
+  v.Choice("other_labels", other_labels,
+           {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}, {"keep", OtherLabels::kKeep}},
+           "what becomes of a file whose label is not listed under `labels`; keep: its label is as the text says");
   v.TextMap("roles", roles, "person -> train, validation or test, where the source prescribes it");
   v.TextMap("exclude", exclude,
             "recordings that are left out, each with the reason; with views.together files, without ending");

@@ -43,7 +43,7 @@ enum class OtherFiles { kIgnore, kFinding, kError };
 /// How a joint table says that a joint was not seen.
 enum class MissingValue { kNone, kZero, kNan };
 /// What becomes of a file whose label is not listed under `labels`.
-enum class OtherLabels { kError, kLeaveOut };
+enum class OtherLabels { kError, kLeaveOut, kKeep };
 /// By what the people of a file are told from the others that the tracker followed.
 enum class TrackRule {
   kMotion,    ///< those there in half as many frames as the longest, by how much they move; then the others by length

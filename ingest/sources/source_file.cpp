@@ -31,6 +31,7 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
   if (source.labels.empty()) return text;
   const auto found = source.labels.find(text);
   if (found != source.labels.end()) return found->second;
+  if (source.other_labels == OtherLabels::kKeep) return text;
   std::vector<std::string> known;
   for (const auto& [key, label] : source.labels) known.push_back(key);
   const std::optional<std::string> near = Nearest(text, known);
