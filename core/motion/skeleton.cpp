@@ -7,14 +7,28 @@
 namespace mocurate {
 namespace {
 
+bool SaysNothing(char c) { return c == ' ' || c == '_' || c == '-'; }
+
+char LowerCase(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
 /// Lower case without blanks, '_' and '-': "Left_Knee", "left knee" and "leftKnee" are one name.
 std::string Normalised(std::string_view name) {
   std::string text;
   for (const char c : name) {
-    if (c == ' ' || c == '_' || c == '-') continue;
-    text.push_back(c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c);
+    if (!SaysNothing(c)) text.push_back(LowerCase(c));
   }
   return text;
+}
+
+/// Whether Normalised(name) is `key`. Names are looked up in every fit of a frame: nothing is copied.
+bool IsNamed(std::string_view name, std::string_view key) {
+  std::size_t at = 0;
+  for (const char c : name) {
+    if (SaysNothing(c)) continue;
+    if (at == key.size() || LowerCase(c) != key[at]) return false;
+    ++at;
+  }
+  return at == key.size();
 }
 
 std::string Label(const Skeleton& skeleton, int joint) {
@@ -150,11 +164,11 @@ std::optional<int> Skeleton::FindJoint(std::string_view searched) const {
   const std::string key = Normalised(searched);
   if (key.empty()) return std::nullopt;
   for (int j = 0; j < joint_count(); ++j) {
-    if (Normalised(joints[j].name) == key) return j;
+    if (IsNamed(joints[j].name, key)) return j;
   }
   for (int j = 0; j < joint_count(); ++j) {
     for (const std::string& synonym : joints[j].synonyms) {
-      if (Normalised(synonym) == key) return j;
+      if (IsNamed(synonym, key)) return j;
     }
   }
   return std::nullopt;

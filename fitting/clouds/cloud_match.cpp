@@ -40,9 +40,10 @@ std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& stat
       const double reach = balls[c].radius + std::min(least, max_distance);
       if ((cloud.points.col(i) - balls[c].centre).squaredNorm() > reach * reach) continue;
       const double radius = body.capsules[c].radius;
-      const CapsulePoint on = ClosestOnCapsule(ends[c].begin, ends[c].end, radius, cloud.points.col(i));
-      const double distance = std::abs(on.distance);
-      if (distance > max_distance || distance >= least) continue;
+      const Vector3d point = cloud.points.col(i);
+      const double distance = std::abs(SignedDistance(ends[c].begin, ends[c].end, radius, point));
+      if (distance > max_distance || distance >= least) continue;  // most: their normals are not asked for
+      const CapsulePoint on = ClosestOnCapsule(ends[c].begin, ends[c].end, radius, point);
       const double score = distance + kTurnPenalty * (1.0 - on.normal.dot(cloud.normals.col(i)));
       if (score >= least) continue;
       least = score;

@@ -16,12 +16,13 @@ namespace {
 constexpr int kFramesOfClip = 9;       ///< of each clip, evenly spread
 constexpr std::size_t kFewClouds = 3;  ///< people may squat or raise an arm in so many
 constexpr std::array<double, 7> kHeightFactors = {0.85, 0.92, 1.0, 1.08,
-                                                  1.16, 1.28, 1.45};      ///< on the scale from the height
+                                                  1.16, 1.28, 1.45};  ///< on the scale from the height
+constexpr std::size_t kLimbsOfScales = 4;  ///< the cheapest, whose limbs are looked for before one is taken
 constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
 
 /// What the best poses of a body of some scale cost in all clouds.
 Expected<double> CostOfScale(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double scale,
-                             const PointCloudOptions& options) {
+                             const PointCloudOptions& options, StartSearch search) {
   const FleshBody body = FleshBody::Make(skeleton, scale, options.capsule_radius_scale);
   std::vector<double> lengths = skeleton->RestBoneLengths();
   for (double& length : lengths) length *= scale;
@@ -29,7 +30,7 @@ Expected<double> CostOfScale(const SkeletonPtr& skeleton, const std::vector<Fuse
   for (const FusedCloud& cloud : clouds) {
     if (cloud.size() == 0) continue;
     PoseState state(*skeleton, 1, lengths, body.MovingJoints());
-    const auto start = FindStart(body, cloud, 0, options, state);
+    const auto start = FindStart(body, cloud, 0, options, state, search);
     if (!start) return Forward(start);
     cost += start->cost;
   }
@@ -45,16 +46,20 @@ Expected<double> BestScale(const SkeletonPtr& skeleton, const std::vector<FusedC
   for (const double usual : kUsualScales) {
     if (usual > scales.back()) scales.push_back(usual);
   }
-  double best = from_height;
-  double least = std::numeric_limits<double>::max();
+  std::vector<std::pair<double, double>> by_cost;
   for (const double scale : scales) {
-    const Expected<double> cost = CostOfScale(skeleton, clouds, scale, options);
+    const Expected<double> cost = CostOfScale(skeleton, clouds, scale, options, StartSearch::kStances);
     if (!cost) return Forward(cost);
-    if (*cost >= least) continue;
-    least = *cost;
-    best = scale;
+    by_cost.emplace_back(*cost, scale);
   }
-  return best;
+  std::sort(by_cost.begin(), by_cost.end());
+  by_cost.resize(std::min(by_cost.size(), kLimbsOfScales));
+  for (auto& [cost_of, scale] : by_cost) {
+    const Expected<double> cost = CostOfScale(skeleton, clouds, scale, options, StartSearch::kStancesAndLimbs);
+    if (!cost) return Forward(cost);
+    cost_of = *cost;
+  }
+  return std::min_element(by_cost.begin(), by_cost.end())->second;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/pi.h"
+#include "fitting/clouds/limb_search.h"
 
 namespace mocurate {
 namespace {
@@ -49,18 +50,6 @@ constexpr std::array<Stance, 12> kStances = {{{Legs::kStanding, Arms::kDown},
                                               {Legs::kSeated, Arms::kForward},
                                               {Legs::kSeated, Arms::kOut},
                                               {Legs::kSeated, Arms::kUp}}};
-
-/// Every n-th point, so that about `count` are left.
-FusedCloud Coarse(const FusedCloud& cloud, int count) {
-  const int step = std::max(1, cloud.size() / count);
-  const int size = (cloud.size() + step - 1) / step;
-  FusedCloud coarse{Eigen::Matrix3Xd(3, size), Eigen::Matrix3Xd(3, size), 0};
-  for (int i = 0; i < size; ++i) {
-    coarse.points.col(i) = cloud.points.col(static_cast<Eigen::Index>(i) * step);
-    coarse.normals.col(i) = cloud.normals.col(static_cast<Eigen::Index>(i) * step);
-  }
-  return coarse;
-}
 
 /// The joint below one that has a single child; -1 for others.
 int Below(const std::vector<std::vector<int>>& children, int joint) {
@@ -233,7 +222,7 @@ HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame) {
 }
 
 Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
-                               const PointCloudOptions& options, PoseState& state) {
+                               const PointCloudOptions& options, PoseState& state, StartSearch search) {
   std::vector<Candidate> candidates = Starts(body, cloud, frame, options.start, state);
   const auto refine = [&](const FusedCloud& points, const FrameFit& fit) -> Status {
     for (Candidate& candidate : candidates) {
@@ -247,7 +236,7 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
   };
   for (const Round& round : kStartRounds) {
     const FrameFit fit{frame, {}, kWidening, round.matchings};
-    if (Status refined = refine(Coarse(cloud, round.points), fit); !refined) return Forward(refined);
+    if (Status refined = refine(CoarseCloud(cloud, round.points), fit); !refined) return Forward(refined);
     const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size())));
     std::vector<Candidate> best(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(kept));
     KeepAnotherWay(candidates, best);
@@ -256,6 +245,18 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
   candidates = Finalists(candidates);
   const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
   if (Status refined = refine(cloud, fit); !refined) return Forward(refined);
+  if (search == StartSearch::kStancesAndLimbs) {
+    const std::size_t count = options.start.facing ? 1 : candidates.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      state.SetFrameParameters(frame, candidates[i].parameters);
+      const Expected<double> cost = SearchLimbs(body, cloud, frame, options, state);
+      if (!cost) return Forward(cost);
+      candidates[i].cost = *cost;
+      candidates[i].heading = HeadingOf(state, frame);
+      candidates[i].parameters = state.FrameParameters(frame);
+    }
+    SortByCost(candidates);
+  }
   CloudStart start{candidates.size(), candidates[0].cost, std::nullopt, std::nullopt};
   if (candidates[0].contradicts) start.off_facing = HeadingsApart(candidates[0].heading, *options.start.facing);
   if (const Candidate* other = FacingAnotherWay(candidates, 1)) {

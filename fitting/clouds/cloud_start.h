@@ -31,11 +31,17 @@ struct CloudStart {
 /// Where the pose in the state faces, rad about y, 0 faces +z. Needs Update.
 double HeadingOf(const PoseState& state, int frame);
 
+/// How far a search for a first pose goes.
+enum class StartSearch {
+  kStances,         ///< as the best stance leads to it
+  kStancesAndLimbs  ///< then arms and legs are looked for one by one (SearchLimbs)
+};
+
 /// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances
 /// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the facing that is
 /// told. Starts are fitted to few points first; the best go on, the best few are fitted to all points, and the cheapest
-/// stays. Errors of FitCloudFrame.
+/// stays. Limbs are looked for in all of those, where the facing is told in the cheapest. Errors of FitCloudFrame.
 Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
-                               const PointCloudOptions& options, PoseState& state);
+                               const PointCloudOptions& options, PoseState& state, StartSearch search);
 
 }  // namespace mocurate

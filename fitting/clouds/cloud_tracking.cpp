@@ -76,7 +76,7 @@ Status StartAgain(int last, int f, const PointCloudOptions& options, CloudTrack&
   const double cost = PoseCost(track.body, track.clouds[f], state, f, options);
   PointCloudOptions about_as_before = options;
   about_as_before.start = {HeadingOf(state, last), StartPosture::kUnknown};
-  const auto again = FindStart(track.body, track.clouds[f], f, about_as_before, state);
+  const auto again = FindStart(track.body, track.clouds[f], f, about_as_before, state, StartSearch::kStancesAndLimbs);
   if (!again) return Forward(again);
   if (!again->off_facing && again->cost < kBetterPose * cost) return {};
   state.SetFrameParameters(f, followed);
@@ -212,7 +212,8 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   FleshBody body = FleshBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
   CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames), {}};
-  const auto start = FindStart(track.body, track.clouds[first], first, options, track.state);
+  const auto start =
+      FindStart(track.body, track.clouds[first], first, options, track.state, StartSearch::kStancesAndLimbs);
   if (!start) return Forward(start);
   track.start = *start;
   if (Status measured = MeasureRadii(first, options, track); !measured) return Forward(measured);

@@ -180,6 +180,17 @@ Expected<DepthImage> ReadDepthFrame(const DepthView& view, int frame) {
 
 }  // namespace
 
+FusedCloud CoarseCloud(const FusedCloud& cloud, int count) {
+  const int step = std::max(1, cloud.size() / count);
+  const int size = (cloud.size() + step - 1) / step;
+  FusedCloud coarse{Eigen::Matrix3Xd(3, size), Eigen::Matrix3Xd(3, size), 0};
+  for (int i = 0; i < size; ++i) {
+    coarse.points.col(i) = cloud.points.col(static_cast<Eigen::Index>(i) * step);
+    coarse.normals.col(i) = cloud.normals.col(static_cast<Eigen::Index>(i) * step);
+  }
+  return coarse;
+}
+
 std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& image, int x, int y) {
   const std::optional<LocalPlane> plane = PlaneAt(image, view.metres_per_unit, x, y);
   if (!plane || plane->at <= 0.0) return std::nullopt;

@@ -20,6 +20,9 @@ struct FusedCloud {
   int size() const { return static_cast<int>(points.cols()); }
 };
 
+/// Every n-th point, so that about `count` are left.
+FusedCloud CoarseCloud(const FusedCloud& cloud, int count);
+
 /// Thinning and cleaning of a fused cloud.
 struct FusionOptions {
   double voxel_size = 0.03;  ///< m

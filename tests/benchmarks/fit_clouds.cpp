@@ -4,7 +4,8 @@
 // images to a motion, and of decoding alone. Images stay in FOLDER for the next time. Options: those of point_clouds by
 // name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
 // 30 mm RMS of noise, alone and together with the clouds), gap (frames in the middle in which nobody is
-// seen, and errors after them), hidden (a joint's number: no view shows what lies within
+// seen, and errors after them), stills (1: the frame in the middle of each clip is all that is known of its person),
+// hidden (a joint's number: no view shows what lies within
 // 0.2 m of it; what is stated of it is told).
 #include <algorithm>
 #include <cstdio>
@@ -26,6 +27,8 @@
 namespace mocurate {
 namespace {
 
+constexpr int kFewPointsOfStill = 1000;
+
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Spent {
@@ -43,6 +46,7 @@ void Set(const std::string& name, double value, PointCloudOptions& options, Clou
   if (name == "huber_sigmas") options.huber_sigmas = value;
   if (name == "outliers") options.outliers.enabled = value != 0.0;
   if (name == "room") takes.room = value != 0.0;
+  if (name == "stills") takes.stills = value != 0.0;
   if (name == "subjects") takes.subjects = static_cast<int>(value);
 }
 
@@ -134,6 +138,17 @@ Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, cons
   return {};
 }
 
+/// Takes of one person each, or of one still each.
+std::vector<std::vector<CloudTake>> ByPerson(const std::vector<CloudTake>& takes, bool stills) {
+  std::map<std::string, std::vector<CloudTake>> people;
+  for (const CloudTake& take : takes) {
+    people[std::to_string(take.clip.subject) + (stills ? take.clip.name : "")].push_back(take);
+  }
+  std::vector<std::vector<CloudTake>> by_person;
+  for (auto& [name, of_person] : people) by_person.push_back(std::move(of_person));
+  return by_person;
+}
+
 }  // namespace
 }  // namespace mocurate
 
@@ -156,28 +171,29 @@ int main(int argc, char** argv) {
   FitScore after_gap;
   MixScore mix;
   double points = 0.0, iterations = 0.0;
-  for (int person = 1; person <= wanted.subjects; ++person) {
+  for (const std::vector<CloudTake>& of_person : ByPerson(takes, wanted.stills)) {
     std::vector<Clip> clips;
-    for (const CloudTake& take : takes) {
-      if (take.clip.subject != person) continue;
+    for (const CloudTake& take : of_person) {
       clips.emplace_back();
       clips.back().evidence = take.evidence;
     }
-    if (clips.empty()) continue;
     const auto bones = BoneLengthsFromClouds(clips, skeleton, options);
     if (!bones) return std::fprintf(stderr, "%s\n", bones.error().Message().c_str()), 1;
     std::vector<SkeletonTracks> tracks;
-    for (const CloudTake& take : takes) {
-      if (take.clip.subject == person) tracks.push_back(take.clip.tracks);
+    for (const CloudTake& take : of_person) tracks.push_back(take.clip.tracks);
+    Proportions person;
+    if (given["mix"] != 0.0) {
+      const auto estimated = EstimateProportions(tracks, skeleton, ProportionsOptions{});
+      if (!estimated) return std::fprintf(stderr, "%s\n", estimated.error().Message().c_str()), 1;
+      person = *estimated;
     }
-    const auto proportions = EstimateProportions(tracks, skeleton, ProportionsOptions{});
-    if (!proportions) return std::fprintf(stderr, "%s\n", proportions.error().Message().c_str()), 1;
-    for (const CloudTake& take : takes) {
-      if (take.clip.subject != person) continue;
+    for (const CloudTake& take : of_person) {
       auto clouds = Fuse(take.evidence.depth_views, options, spent);
       if (!clouds) return std::fprintf(stderr, "%s\n", clouds.error().Message().c_str()), 1;
       for (const FusedCloud& cloud : *clouds) points += cloud.size();
-      if (given.count("start") == 0 || given["start"] != 0.0) options.start.facing = take.told_heading;
+      if (wanted.stills && (*clouds)[0].size() < kFewPointsOfStill) continue;  // walked out of the cameras' sight
+      const bool told = given.count("start") == 0 ? !wanted.stills : given["start"] != 0.0;
+      if (told) options.start.facing = take.told_heading;
       const std::vector<FusedCloud> copies = given["mix"] != 0.0 ? *clouds : std::vector<FusedCloud>{};
       if (given.count("hidden") != 0) Hide(static_cast<int>(given["hidden"]), take.clip.truth, *clouds);
       const int seen_again = HideMiddleFrames(static_cast<int>(given["gap"]), *clouds);
@@ -196,7 +212,7 @@ int main(int argc, char** argv) {
                    take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(),
                    one.rotation_deg(), 1e3 * fit->residual_rms, size);
       if (!copies.empty()) {
-        const Status mixed = AddMix(take, copies, *proportions, options, mix);
+        const Status mixed = AddMix(take, copies, person, options, mix);
         if (!mixed) return std::fprintf(stderr, "%s\n", mixed.error().Message().c_str()), 1;
       }
       if (given.count("hidden") != 0) {

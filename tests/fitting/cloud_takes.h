@@ -27,7 +27,8 @@ struct CloudTakeOptions {
   std::uint64_t seed = 101;
   int subjects = 5;
   int clips = 60;
-  int frames = 60;  ///< of a clip, at most
+  int frames = 60;      ///< of a clip, at most
+  bool stills = false;  ///< the frame in the middle of each clip alone
   double rate_hz = 30.0;
   bool room = false;  ///< floor and wall behind the person
   StudioClipErrors errors = StudioClipErrors::Stated();
@@ -39,15 +40,20 @@ inline double HeadingOf(const Motion& motion, int frame) {
 }
 
 /// The joints' tracks of the same frames.
-inline SkeletonTracks FirstFrames(const SkeletonTracks& tracks, int frames) {
-  SkeletonTracks first = tracks;
-  first.positions = JointPositions(frames, tracks.joints());
-  for (int f = 0; f < frames; ++f) {
-    for (int j = 0; j < tracks.joints(); ++j) first.positions.at(f, j) = Vector3d(tracks.positions.at(f, j));
+inline SkeletonTracks AtFrames(const SkeletonTracks& tracks, const std::vector<int>& frames) {
+  SkeletonTracks at = tracks;
+  at.positions = JointPositions(static_cast<int>(frames.size()), tracks.joints());
+  at.confidence.clear();
+  at.time_s.clear();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int f = frames[i];
+    for (int j = 0; j < tracks.joints(); ++j) {
+      at.positions.at(static_cast<int>(i), j) = Vector3d(tracks.positions.at(f, j));
+      at.confidence.push_back(tracks.confidence[static_cast<std::size_t>(f) * tracks.joints() + j]);
+    }
+    at.time_s.push_back(tracks.time_s[static_cast<std::size_t>(f)]);
   }
-  first.confidence.resize(static_cast<std::size_t>(frames) * tracks.joints());
-  first.time_s.resize(static_cast<std::size_t>(frames));
-  return first;
+  return at;
 }
 
 /// The body's depth, with the sensor's errors, as PNG files in `folder`. Empty without MOCURATE_TEST_DATA's body.
@@ -73,8 +79,10 @@ inline std::vector<CloudTake> CloudTakes(const CloudTakeOptions& options, const 
     if (static_cast<int>(takes.size()) == options.clips) break;
     std::vector<int> frames;
     for (int f = 0; f < std::min(options.frames, clip.truth.frame_count()); ++f) frames.push_back(f);
-    clip.truth = Seen(clip.truth, frames, RigidTransform{});
-    clip.tracks = FirstFrames(clip.tracks, static_cast<int>(frames.size()));
+    if (options.stills) frames = {clip.truth.frame_count() / 2};
+    const Motion whole = clip.truth;
+    clip.truth = Seen(whole, frames, RigidTransform{});
+    clip.tracks = AtFrames(clip.tracks, frames);
     CloudTake take;
     const Actor& actor = (*actors)[static_cast<std::size_t>(clip.subject - 1)];
     const BodyView view(actor);
@@ -86,8 +94,8 @@ inline std::vector<CloudTake> CloudTakes(const CloudTakeOptions& options, const 
         seen.files.push_back(folder / (item + ".png"));
         seen.time_s.push_back(clip.truth.rate.FrameTime(f));
         if (std::filesystem::exists(seen.files.back())) continue;
-        const DepthImage image = Sensed(view.Depth(clip.truth, f, rig[c], rays[c]), rooms[c], rig[c], rays[c],
-                                        studio.depth, studio.seed, item);
+        const DepthImage image =
+            Sensed(view.Depth(whole, f, rig[c], rays[c]), rooms[c], rig[c], rays[c], studio.depth, studio.seed, item);
         if (!WriteDepthImage(image, seen.files.back())) return {};
       }
       take.evidence.depth_views.push_back(std::move(seen));

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "fitting/clouds/capsule_fit.h"
+
+namespace mocurate {
+
+/// Looks for arms and legs anew where a fit from a stance may have left them: one limb at a time is put to some dozens
+/// of poses, of which those that leave the least to explain are fitted with the whole body; what costs less stays,
+/// until no limb finds a better place. The cheapest pose is left in the state. Returns what it costs (PoseCost). Errors
+/// of FitCloudFrame.
+Expected<double> SearchLimbs(const FleshBody& body, const FusedCloud& cloud, int frame,
+                             const PointCloudOptions& options, PoseState& state);
+
+}  // namespace mocurate
