@@ -1,0 +1,109 @@
+#include "fitting/clouds/limb_search.h"
+
+#include <gtest/gtest.h>
+
+#include "fitting/clouds/cloud_tracking.h"
+#include "tests/fitting/cloud_scene.h"
+
+namespace mocurate {
+namespace {
+
+/// smpl24 but for the name of its root: a body of bone capsules that is known by its shoulders and hips.
+SkeletonPtr BoneBody() {
+  const Expected<SkeletonPtr> smpl = LoadSkeleton("smpl24");
+  if (!smpl) return nullptr;
+  auto bones = std::make_shared<Skeleton>(**smpl);
+  bones->name = "bones";
+  bones->joints[0].name = "root";
+  bones->joints[0].synonyms.clear();
+  return bones;
+}
+
+/// Turns of joints by their names, rad.
+using Turns = std::vector<std::pair<std::string, Vector3d>>;
+
+/// One frame.
+Motion Posed(const SkeletonPtr& skeleton, const Turns& turns) {
+  std::vector<Quaterniond> rotation(static_cast<std::size_t>(skeleton->joint_count()), Quaterniond::Identity());
+  for (const auto& [name, turn] : turns) {
+    rotation[static_cast<std::size_t>(*skeleton->FindJoint(name))] = ExpQuaternion(turn);
+  }
+  return MakeMotion(skeleton, FrameRate{30, 1}, {Vector3d::Zero()}, rotation, skeleton->RestBoneLengths());
+}
+
+double FarthestWrist(const PoseState& state, const Motion& truth) {
+  double farthest = 0.0;
+  for (const char* wrist : {"left_wrist", "right_wrist"}) {
+    const int j = *truth.skeleton->FindJoint(wrist);
+    farthest = std::max(farthest, (state.position(0, j) - truth.joints.at(0, j)).norm());
+  }
+  return farthest;
+}
+
+class FoldedArms : public testing::TestWithParam<int> {};
+
+const std::vector<Turns> kArmsBeforeTheTrunk = {
+    {{"left_shoulder", {0.0, -0.9, -0.9}}, {"left_elbow", {0.0, -1.9, 0.0}}, {"right_shoulder", {0.0, 0.0, 1.2}}},
+    {{"left_shoulder", {0.0, -1.0, -0.5}},
+     {"left_elbow", {0.0, -1.6, 0.0}},
+     {"right_shoulder", {0.0, 1.0, 0.5}},
+     {"right_elbow", {0.0, 1.6, 0.0}}},
+    {{"left_shoulder", {0.0, 0.0, 1.0}},
+     {"left_elbow", {0.0, -1.9, 0.0}},
+     {"right_shoulder", {0.0, 0.5, 1.0}},
+     {"right_elbow", {0.0, 1.9, 0.0}}}};
+
+/// Arms that hang beside the trunk do not find those before it by themselves.
+TEST_P(FoldedArms, AreFoundByALookAtEachLimb) {
+  const SkeletonPtr skeleton = BoneBody();
+  ASSERT_NE(skeleton, nullptr);
+  const Motion truth = Posed(skeleton, kArmsBeforeTheTrunk[static_cast<std::size_t>(GetParam())]);
+  const auto clip =
+      RenderClip(truth, std::filesystem::temp_directory_path() / ("mocurate_arms_" + std::to_string(GetParam())));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  const auto clouds = FuseClip(*clip, options);
+  ASSERT_TRUE(clouds) << clouds.error().Message();
+  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
+  PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
+  const auto hang = [&] {
+    for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(0, j)).setZero();
+    Eigen::Map<Vector3d>(state.translation(0)).setZero();
+    state.rotation(0, *skeleton->FindJoint("left_shoulder"))[2] = -1.3;
+    state.rotation(0, *skeleton->FindJoint("right_shoulder"))[2] = 1.3;
+  };
+  hang();
+  ASSERT_TRUE(FitCloudFrame(body, (*clouds)[0], FrameFit{}, state, options));
+  EXPECT_GT(FarthestWrist(state, truth), 0.1);
+  hang();
+  const auto cost = SearchLimbs(body, (*clouds)[0], 0, options, state);
+  ASSERT_TRUE(cost) << cost.error().Message();
+  EXPECT_LT(FarthestWrist(state, truth), 0.03);
+}
+
+INSTANTIATE_TEST_SUITE_P(LimbSearch, FoldedArms, testing::Range(0, 3));
+
+TEST(LimbSearch, LeavesAPoseThatExplainsThePoints) {
+  const SkeletonPtr skeleton = BoneBody();
+  ASSERT_NE(skeleton, nullptr);
+  const Motion truth = Posed(skeleton, {{"left_shoulder", {0.0, 0.0, -1.2}}, {"right_shoulder", {0.0, 0.0, 1.2}}});
+  const auto clip = RenderClip(truth, std::filesystem::temp_directory_path() / "mocurate_arms_down");
+  ASSERT_TRUE(clip) << clip.error().Message();
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  const auto clouds = FuseClip(*clip, options);
+  ASSERT_TRUE(clouds) << clouds.error().Message();
+  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
+  PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
+  for (int j = 0; j < state.joints(); ++j) {
+    if (!state.active(j)) continue;
+    Eigen::Map<Vector3d>(state.rotation(0, j)) = LogQuaternion(truth.rotation_at(0, j));
+  }
+  const auto cost = SearchLimbs(body, (*clouds)[0], 0, options, state);
+  ASSERT_TRUE(cost) << cost.error().Message();
+  EXPECT_LT(FarthestWrist(state, truth), 0.02);
+}
+
+}  // namespace
+}  // namespace mocurate
