@@ -268,6 +268,9 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
     outcome.kind = OutcomeKind::kLeftOut;
     const std::string reason = outcome.findings.empty() ? "nothing left" : outcome.findings.back().message;
     outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "canon.trim holds the rule"};
+    const auto limit =
+        outcome.findings.empty() ? std::nullopt : LimitOfTrim(options->trim, outcome.findings.back().code);
+    if (limit) outcome.summary["threshold"] = *limit;
     return outcome;
   }
   dataset.clips = std::move(*kept);

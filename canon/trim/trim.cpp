@@ -136,4 +136,10 @@ std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, st
   return kept;
 }
 
+std::optional<double> LimitOfTrim(const TrimOptions& options, const std::string& rule) {
+  if (rule == "too_short") return options.min_length_s;
+  if (rule == "never_moves") return options.still_speed;
+  return std::nullopt;
+}
+
 }  // namespace mocurate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "canon/options.h"
@@ -23,5 +25,8 @@ std::vector<double> FrameSpeeds(const Motion& motion, double window_s);
 /// Spans to keep, in order. Every span that is dropped, and every cut of more than a frame, is a finding with its rule
 /// and value. May be empty.
 std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings);
+
+/// What the value of a dropped span is held against: "too_short" in seconds, "never_moves" in m/s; of other rules none.
+std::optional<double> LimitOfTrim(const TrimOptions& options, const std::string& rule);
 
 }  // namespace mocurate

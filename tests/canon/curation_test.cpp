@@ -76,10 +76,13 @@ TEST_F(Curation, AClipThatNeverMovesOrIsTooShortIsLeftOutByRuleWithTheRulesName)
   ASSERT_TRUE(still) << still.error().Message();
   EXPECT_EQ(still->kind, OutcomeKind::kLeftOut);
   EXPECT_EQ(still->findings.back().code, "never_moves");
+  EXPECT_EQ(still->summary.at("threshold"), canon_.trim.still_speed);
   const auto brief = Canon(Evidence("brief", 1.0, 4), "motion");
   ASSERT_TRUE(brief) << brief.error().Message();
   EXPECT_EQ(brief->kind, OutcomeKind::kLeftOut);
   EXPECT_EQ(brief->findings.back().code, "too_short");
+  EXPECT_EQ(brief->summary.at("threshold"), canon_.trim.min_length_s);
+  EXPECT_LT(brief->findings.back().value, canon_.trim.min_length_s);
 }
 
 TEST_F(Curation, AClipThatCannotBeUsedIsRefusedNotLeftOut) {
