@@ -11,7 +11,8 @@ if [ -d ../shared/data ]; then
   bash ../shared/data/unpack.sh "$MOCURATE_TEST_DATA" >/dev/null
   export MOCURATE_GOLDENS="$(cd ../shared/goldens && pwd)"
 fi
-export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1
+# A crash of a library is a signal there too: readers that are tried with damaged files tell it from an answer.
+export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1 UBSAN_OPTIONS=print_stacktrace=1
 export LSAN_OPTIONS=suppressions=$PWD/cmake/leaks.supp
 cmake --preset "$preset"
 cmake --build --preset "$preset"

@@ -113,7 +113,9 @@ bool IsTranslation(const std::string& label) {
 }
 
 /// Of SMPL's poses (frames, columns).
-std::optional<Finding> DoubtRotationVectors(const std::vector<double>& poses, std::size_t frames, std::size_t columns) {
+std::optional<Finding> DoubtRotationVectors(const std::string& array, const std::vector<double>& poses,
+                                            std::size_t frames) {
+  const std::size_t columns = frames == 0 ? 0 : poses.size() / frames;
   const std::size_t joints = std::min(kLivelyJoints, columns / 3);
   Angles angles;
   for (std::size_t f = 0; f < frames; ++f) {
@@ -124,7 +126,7 @@ std::optional<Finding> DoubtRotationVectors(const std::vector<double>& poses, st
   }
   if (angles.share() < kManyOver) return std::nullopt;
   return AngleContradiction(angles.largest,
-                            "the rotation vectors in 'poses' are " + OverWords(angles) +
+                            "the rotation vectors in '" + array + "' are " + OverWords(angles) +
                                 ": radians of a body are not, degrees are; multiply them by pi / 180 = 0.0174533");
 }
 
@@ -183,11 +185,15 @@ std::optional<Finding> DoubtAngles(const OpenSimTable& table) {
 }
 
 std::optional<Finding> DoubtAngles(const Amass& amass) {
-  return DoubtRotationVectors(amass.poses, amass.frames, amass.pose_columns);
+  return DoubtRotationVectors("poses", amass.poses, amass.frames);
 }
 
 std::optional<Finding> DoubtAngles(const HumanAct12Clip& clip) {
-  return DoubtRotationVectors(clip.poses, clip.frames, clip.frames == 0 ? 0 : clip.poses.size() / clip.frames);
+  return DoubtRotationVectors("poses", clip.poses, clip.frames);
+}
+
+std::optional<Finding> DoubtAngles(const VibeTrack& track) {
+  return DoubtRotationVectors("pose", track.pose, track.frames);
 }
 
 std::optional<Finding> DoubtAngles(const Amc& amc, const Asf* skeleton) {

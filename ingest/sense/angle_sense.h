@@ -8,6 +8,7 @@
 #include "core/formats/bvh.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/opensim_table.h"
+#include "core/formats/vibe_pickle.h"
 
 namespace mocurate {
 
@@ -18,6 +19,9 @@ std::optional<Finding> DoubtAngles(const Amass& amass);
 
 /// The same of a clip of `humanact12poses.pkl`.
 std::optional<Finding> DoubtAngles(const HumanAct12Clip& clip);
+
+/// The same of a person whom VIBE or SPIN followed.
+std::optional<Finding> DoubtAngles(const VibeTrack& track);
 
 /// The same of a BVH, which is in degrees: at least 10 joints that turn, and none of them but the root by more than
 /// what pi is in radians.

@@ -124,6 +124,9 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
   clip.layout_evidence = "arrays of the file";
   clip.units = "m";
   clip.facts.emplace_back("track", std::to_string(track.id));
+  if (const std::optional<Finding> spoiled = DoubtAngles(track)) {
+    clip.remarks.push_back({spoiled->code, spoiled->severity, spoiled->value, spoiled->message});
+  }
   if (track.joints == 49) {
     clip.skeleton = "spin49";
     clip.skeleton_from = "declared";

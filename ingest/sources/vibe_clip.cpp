@@ -5,6 +5,7 @@
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "ingest/people/vibe_people.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/container.h"
@@ -57,6 +58,7 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
     if (!local) return Forward(local);
     ingested.clip.motion =
         MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(local), {});
+    if (std::optional<Finding> spoiled = DoubtAngles(track)) ingested.findings.push_back(*std::move(spoiled));
     // Its joints are not kept, but are as much of the file as the rotations: an inspection reads them.
     CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
     return ingested;
