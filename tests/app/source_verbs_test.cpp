@@ -247,6 +247,12 @@ TEST_F(Declarations, FoldersOfDepthImagesAreDeclaredWithTheirCamerasAndMasks) {
   run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;
   EXPECT_EQ(Kept(), 1);
+  declare("clouds/rendered_body");
+  EXPECT_THAT(text_, HasSubstr("depth_files: \"{clip}_{view:2}.png\"")) << "a clip's name has '_' in it too";
+  fs::remove_all(folder_ / "r");
+  run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 6);
 }
 
 TEST_F(Declarations, AWrongUnitIsToldAsThatWithTheRightOne) {
