@@ -324,6 +324,14 @@ TEST(DoctorOfASource, SaysWhereFilesLieThatLieOneFolderTooHighOrTooDeep) {
   EXPECT_THAT(higher.out, HasSubstr("such file below " + (folder / "phspd").string()));
 }
 
+TEST(DoctorOfASource, OfACaptureThatTheProgramMakesNothingIsMissing) {
+  const Folder folder;
+  const Result result = RunProgram(folder, {"doctor", "--source", "studio"});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("folder   none: the program makes the files itself"));
+  EXPECT_THAT(result.out, Not(HasSubstr("MISSING")));
+}
+
 TEST(DoctorOfASource, TellsOfFilesWithTheEndingAndAnotherName) {
   const Folder folder;
   WriteText(folder / "ntu/S001C001P001R001A001.skeleton", "0\n");
