@@ -59,7 +59,8 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
   if (Status sound = CheckSource(ingest->source); !sound) return sound;
   std::error_code unknown;
   const bool there = placed && std::filesystem::is_directory(ingest->path, unknown);
-  const Expected<std::vector<WantedFile>> wanted = WantedFiles(*ingest, there);
+  const bool made = ingest->synthetic.enabled && !placed;
+  const Expected<std::vector<WantedFile>> wanted = made ? std::vector<WantedFile>() : WantedFiles(*ingest, there);
   if (!wanted) return Forward(wanted);
   const std::string folder = placed ? DisplayPath(ingest->path) : "";
   nlohmann::json document = {{"source", ingest->source.name}, {"licence", ingest->source.licence},
@@ -79,8 +80,9 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
     std::printf("source   %s\nlicence  %s\n", ingest->source.name.c_str(),
                 ingest->source.licence.empty() ? "not stated" : ingest->source.licence.c_str());
     if (!ingest->obtain.empty()) std::printf("obtain   %s\n", ingest->obtain.c_str());
-    std::printf("folder   %s\n", !placed ? "not said: set ingest.path, or --path here"
-                                         : (folder + (there ? "" : " (is not there)")).c_str());
+    std::printf("folder   %s\n", made      ? "none: the program makes the files itself"
+                                 : !placed ? "not said: set ingest.path, or --path here"
+                                           : (folder + (there ? "" : " (is not there)")).c_str());
     for (const WantedFile& file : *wanted) {
       std::printf("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
       std::printf(file.found > 0 ? " (%zu files)" : "", file.found);

@@ -78,7 +78,7 @@ Status Announce(const CommonArguments& common, const StudioEstimate& estimate, c
   return {};
 }
 
-/// Tells now and then how many files are written.
+/// Tells now and then how many files are written, and how long the images will take, which take the time.
 class WrittenProgress {
  public:
   WrittenProgress(std::size_t images, bool quiet) : images_(images), quiet_(quiet) {}
@@ -87,9 +87,9 @@ class WrittenProgress {
     if (quiet_ || std::chrono::duration<double>(now - told_).count() < kEverySeconds) return;
     told_ = now;
     std::string line = Counted(static_cast<long long>(counts.files), "file");
-    if (images_ > 0) line += " of about " + std::to_string(images_);
+    if (images_ > 0) line += ", " + std::to_string(counts.images) + " of about " + std::to_string(images_) + " images";
     const double seconds = std::chrono::duration<double>(now - begin_).count();
-    const double share = images_ > 0 ? static_cast<double>(counts.files) / static_cast<double>(images_) : 0.0;
+    const double share = images_ > 0 ? static_cast<double>(counts.images) / static_cast<double>(images_) : 0.0;
     if (share > 0.0 && share < 1.0) line += ", " + Minutes(seconds * (1.0 - share) / share) + " to go";
     LogInfo(line + ", " + Megabytes(static_cast<double>(counts.bytes)));
   }

@@ -27,4 +27,32 @@ std::vector<std::string> DepthFiles::Key(const NameFields& fields) const {
   return key;
 }
 
+namespace {
+
+std::string RecordingOf(const ItemSpec& item) { return item.item.substr(item.item.rfind('/') + 1); }
+
+}  // namespace
+
+Status CheckOwnImages(const SourceOptions& source, const std::vector<ItemSpec>& items) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
+  if (!pattern || source.depth_files.empty()) return {};
+  std::map<std::string, const ItemSpec*> taken;
+  for (const ItemSpec& item : items) {
+    for (const StageInput& input : item.inputs) {
+      if (input.role != "depth" || !pattern->Match(input.name)) continue;
+      const ItemSpec& first = *taken.emplace(input.name, &item).first->second;
+      if (first.inputs[0].name == item.inputs[0].name) continue;
+      if (source.format == SourceFormat::kOpenPose && RecordingOf(first) == RecordingOf(item)) continue;
+      return Fail(
+          ErrorCode::kConfig,
+          "the depth image '" + input.name + "' would be one of '" + first.inputs[0].name + "' and of '" +
+              item.inputs[0].name + "'",
+          "ingest.source.depth_files",
+          "images are of the clip whose name has the same fields: write those fields of ingest.source.files ('" +
+              source.files + "') that tell clips apart into '" + source.depth_files + "'");
+    }
+  }
+  return {};
+}
+
 }  // namespace mocurate

@@ -6,6 +6,7 @@
 
 #include "core/pipeline/runner.h"
 #include "ingest/folder_listing.h"
+#include "ingest/options.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -26,5 +27,9 @@ class DepthFiles {
   std::vector<std::string> common_;
   std::map<std::vector<std::string>, std::vector<const FolderFile*>> of_;
 };
+
+/// Error kConfig, with two clips of different files that have one depth image in common. People of one recording whose
+/// keypoints lie apart may have: a camera beside the detector sees them all.
+Status CheckOwnImages(const SourceOptions& source, const std::vector<ItemSpec>& items);
 
 }  // namespace mocurate

@@ -319,6 +319,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);
   }
   if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
+  if (Status own = CheckOwnImages(source, discovery.items); !own) return Forward(own);
   if (Status format = CheckFormat(source, discovery.items); !format) return Forward(format);
   return discovery;
 }

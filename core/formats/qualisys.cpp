@@ -66,6 +66,14 @@ Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string
                   video->Where("right, bottom"));
     }
   }
+  for (const int last : {2, 3}) {
+    if ((*fov)[last] <= (*fov)[last - 2]) {
+      return Fail(
+          ErrorCode::kInconsistent,
+          "the image ends at " + FormatDouble((*fov)[last]) + " and begins at " + FormatDouble((*fov)[last - 2]),
+          video->Where(last == 2 ? "left, right" : "top, bottom"));
+    }
+  }
   view.width = static_cast<int>((*fov)[2]) + 1;
   view.height = static_cast<int>((*fov)[3]) + 1;
 

@@ -127,8 +127,12 @@ int AddNameFields(const ObservedClip& clip, const SourceOptions& source, const s
 }
 
 Json ReportedMissingShare(const ObservedClip& clip, const ClipMeasures& m) {
-  if (clip.missing_share)
-    return ReportValue(FourDecimals(*clip.missing_share), "measured", 1.0, "of the numbers of the file");
+  if (clip.missing_share) {
+    const bool told = !clip.missing_evidence.empty();
+    return ReportValue(FourDecimals(*clip.missing_share), "measured", 1.0,
+                       told ? clip.missing_evidence : "of the numbers of the file");
+  }
+  if (!clip.missing_evidence.empty()) return ReportValue(Json(), "unknown", 0.0, clip.missing_evidence);
   if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
   return ReportValue(FourDecimals(m.missing_share), "measured", 1.0,
                      clip.zeros.empty() ? "joints that are no numbers, or have confidence 0"

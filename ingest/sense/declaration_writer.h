@@ -100,8 +100,19 @@ std::string GuessImages(const std::vector<std::string>& names, const std::vector
 /// folder of each {recording} where the keypoints are. Empty where there are none.
 std::string GuessDepthBeside(const nlohmann::json& inspection, const std::filesystem::path& path, bool by_recording);
 
-/// Pattern of the depth images of a sequence whose JSON is `file` below `path`; empty where there are none.
-std::string GuessDepthFiles(const std::filesystem::path& path, const std::string& file);
+/// `from` in `text` becomes `to` where it stands as whole words and numbers: "p" in "p_01" and "p01", not in "depth".
+void ReplaceParts(std::string& text, const std::string& from, const std::string& to);
+
+/// Names of images below a folder, of depth (16 bits) or not, sorted, the first few thousand. `part`: of those alone in
+/// whose name it stands as whole words and numbers; empty: of all.
+std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth, const std::string& part = "");
+
+/// Pattern of the depth images of the sequences whose JSON are the files `names` below `path`: one that, with the
+/// fields of `files` (the pattern of these), gives no image to two of them, and most of them images of all their views.
+/// Error kNotFound where no name of an image is like a view's, kInconsistent where no pattern keeps the sequences'
+/// images apart.
+Expected<std::string> GuessDepthFiles(const std::filesystem::path& path, const std::vector<std::string>& names,
+                                      const std::string& files);
 
 /// Whether the inspection is of depth images with cameras and nothing else.
 bool IsDepthViews(const nlohmann::json& inspection);

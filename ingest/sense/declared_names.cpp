@@ -66,17 +66,6 @@ std::string OtherTaken(const GuessedNames& guessed, const std::vector<std::strin
   return "";
 }
 
-/// The images of a depth sequence, with the field that names it where its own name is part of theirs.
-std::string DepthFilesOf(const GuessedNames& guessed, const std::vector<std::string>& names,
-                         const std::filesystem::path& folder, const std::string& prefix) {
-  std::string pattern = GuessDepthFiles(folder, names.front());
-  const std::string stem = DisplayPath(std::filesystem::path(names.front()).stem());
-  if (const std::size_t at = pattern.find(stem); at != std::string::npos && guessed.pattern == "{clip}.json") {
-    pattern.replace(at, stem.size(), "{clip}");
-  }
-  return pattern.empty() ? pattern : prefix + pattern;
-}
-
 }  // namespace
 
 void WriteNames(const ClipVotes& source, const std::string& format, const std::filesystem::path& asked,
@@ -107,8 +96,6 @@ void WriteNames(const ClipVotes& source, const std::string& format, const std::f
     skeletons = GuessSkeletonFiles(source, root, guessed);
     if (skeletons) NamePerson(guessed, *skeletons);
   }
-  const std::string depth_files =
-      format == "depth_sequence" ? DepthFilesOf(guessed, names, below, root.prefix) : std::string();
   if (narrow && skeletons) {
     const Expected<NamePattern> pattern = NamePattern::Parse(guessed.pattern, "files");
     const std::optional<NameFields> fields = pattern ? pattern->Match(names.front()) : std::nullopt;
@@ -135,10 +122,11 @@ void WriteNames(const ClipVotes& source, const std::string& format, const std::f
   writer.Value("label", Quoted(action ? "{action}" : ""),
                action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not say it");
   if (format != "depth_sequence") return;
-  if (depth_files.empty())
-    writer.Unknown("depth_files", "no 16-bit PNG below the folder is named like a view");
+  const Expected<std::string> depth_files = GuessDepthFiles(below, names, guessed.pattern);
+  if (!depth_files)
+    writer.Unknown("depth_files", depth_files.error().what);
   else
-    writer.Value("depth_files", Quoted(depth_files), "guessed from the names of the images");
+    writer.Value("depth_files", Quoted(root.prefix + *depth_files), "guessed from the names of the images");
 }
 
 }  // namespace mocurate

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
-#include "core/formats/depth_sequence.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
@@ -40,12 +39,6 @@ std::size_t FindPart(const std::string& text, const std::string& part, std::size
   return std::string::npos;
 }
 
-void ReplaceParts(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = FindPart(text, from, 0); at != std::string::npos; at = FindPart(text, from, at + to.size())) {
-    text.replace(at, from.size(), to);
-  }
-}
-
 /// One name as a pattern; empty where no camera is in it.
 std::string CameraPattern(const std::string& name, const std::vector<std::string>& cameras, const std::string& field) {
   std::string longest;
@@ -58,31 +51,12 @@ std::string CameraPattern(const std::string& name, const std::vector<std::string
   const std::size_t dot = pattern.rfind('.');
   std::size_t end = std::min(dot, pattern.size());
   const std::size_t begin_of_base = pattern.rfind('/') == std::string::npos ? 0 : pattern.rfind('/') + 1;
-  while (end > begin_of_base && !IsDigit(pattern[end - 1])) --end;
+  while (end > begin_of_base && !IsDigit(pattern[end - 1]))
+    end = pattern[end - 1] == '}' ? pattern.rfind('{', end) : end - 1;
   std::size_t begin = end;
   while (begin > begin_of_base && IsDigit(pattern[begin - 1])) --begin;
   if (begin == end) return pattern;
   return pattern.substr(0, begin) + "{frame:" + std::to_string(end - begin) + "}" + pattern.substr(end);
-}
-
-/// Images below a folder, of depth or not: the first by name.
-std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth) {
-  std::vector<std::string> all;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    const std::string ending = at->path().extension().string();
-    const bool image = ending == ".png" || (!depth && (ending == ".jpg" || ending == ".jpeg"));
-    std::error_code unknown;
-    if (image && at->is_regular_file(unknown)) all.push_back(at->path().lexically_relative(folder).native());
-  }
-  std::sort(all.begin(), all.end());
-  std::vector<std::string> names;
-  for (const std::string& name : all) {
-    if (IsDepthPng(folder / name) != depth) continue;
-    names.push_back(DisplayPath(name));
-    if (names.size() == kMostImages) break;
-  }
-  return names;
 }
 
 std::vector<std::string> CamerasOf(const Json& inspection) {
@@ -96,6 +70,35 @@ std::vector<std::string> CamerasOf(const Json& inspection) {
 
 }  // namespace
 
+void ReplaceParts(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = FindPart(text, from, 0); at != std::string::npos; at = FindPart(text, from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth, const std::string& part) {
+  std::vector<std::string> all;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const std::string ending = at->path().extension().string();
+    const bool image = ending == ".png" || (!depth && (ending == ".jpg" || ending == ".jpeg"));
+    std::error_code unknown;
+    if (image && at->is_regular_file(unknown)) all.push_back(at->path().lexically_relative(folder).native());
+  }
+  const auto other = [&](const std::string& name) {
+    return !part.empty() && FindPart(name, part, 0) == std::string::npos;
+  };
+  all.erase(std::remove_if(all.begin(), all.end(), other), all.end());
+  std::sort(all.begin(), all.end());
+  std::vector<std::string> names;
+  for (const std::string& name : all) {
+    if (IsDepthPng(folder / name) != depth) continue;
+    names.push_back(DisplayPath(name));
+    if (names.size() == kMostImages) break;
+  }
+  return names;
+}
+
 std::string GuessImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,
                         const std::string& field) {
   std::map<std::string, std::size_t> counts;
@@ -107,18 +110,6 @@ std::string GuessImages(const std::vector<std::string>& names, const std::vector
   return std::max_element(counts.begin(), counts.end(),
                           [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
-}
-
-std::string GuessDepthFiles(const std::filesystem::path& path, const std::string& file) {
-  const Expected<std::string> bytes = ReadFile(path / file);
-  if (!bytes) return "";
-  const Expected<DepthSequence> sequence = ParseDepthSequence(*bytes, file);
-  if (!sequence) return "";
-  std::vector<std::string> views;
-  for (const DepthSequenceView& view : sequence->views) views.push_back(view.name);
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  const std::string pattern = GuessImages(ImagesBelow(path / folder, true), views, "view");
-  return pattern.empty() || folder.empty() ? pattern : DisplayPath(folder) + "/" + pattern;
 }
 
 bool IsDepthViews(const Json& inspection) {

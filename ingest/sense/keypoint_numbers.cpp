@@ -21,6 +21,49 @@ Finding Doubt(const char* code, double value, std::string message) {
   return finding;
 }
 
+/// A number of each detected point.
+template <class Number>
+std::vector<double> OfDetected(const std::vector<ImagePoses>& frames, const Number& number) {
+  std::vector<double> numbers;
+  for (const ImagePoses& people : frames) {
+    for (const auto& pose : people) {
+      for (const DetectedKeypoint& point : pose) {
+        if (point.detected()) numbers.push_back(number(point));
+      }
+    }
+  }
+  return numbers;
+}
+
+/// Points whose number is more than `most` are not detected from then on; `finding` tells the first with what it
+/// `says`.
+template <class Number, class Says>
+std::optional<Finding> LeaveOut(Finding finding, const std::vector<std::string>& names, std::vector<ImagePoses>& frames,
+                                double most, const Number& number, const Says& says) {
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (std::size_t p = 0; p < frames[f].size(); ++p) {
+      for (std::size_t k = 0; k < frames[f][p].size(); ++k) {
+        DetectedKeypoint& point = frames[f][p][k];
+        if (!point.detected() || !(number(point) > most)) continue;
+        if (count++ == 0) {
+          finding.frame_begin = static_cast<int>(f);
+          finding.message = names[f] + ":/people/" + std::to_string(p) + "/pose_keypoints_2d: point " +
+                            std::to_string(k) + " " + says(point);
+        }
+        finding.frame_end = static_cast<int>(f) + 1;
+        finding.value = std::max(finding.value, number(point));
+        point.confidence = 0.0;
+      }
+    }
+  }
+  if (count == 0) return std::nullopt;
+  if (count > 1) finding.message += "; " + Counted(static_cast<long long>(count - 1), "more point");
+  finding.message += "; taken as not seen";
+  finding.action = "taken as not seen";
+  return finding;
+}
+
 }  // namespace
 
 std::vector<Finding> DoubtKeypointNumbers(const std::vector<OpenPosePerson>& people) {
@@ -56,43 +99,30 @@ std::vector<Finding> DoubtKeypointNumbers(const std::vector<OpenPosePerson>& peo
 
 std::optional<Finding> LeaveOutFarKeypoints(const std::vector<std::string>& names, std::vector<ImagePoses>& frames) {
   const auto far = [](const DetectedKeypoint& point) { return std::max(std::abs(point.u_px), std::abs(point.v_px)); };
-  std::vector<double> distances;
-  for (const ImagePoses& people : frames) {
-    for (const auto& pose : people) {
-      for (const DetectedKeypoint& point : pose) {
-        if (point.detected()) distances.push_back(far(point));
-      }
-    }
-  }
+  std::vector<double> distances = OfDetected(frames, far);
   if (distances.size() < kFewestKeypoints) return std::nullopt;
   const auto nine_in_ten = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 9 / 10);
   std::nth_element(distances.begin(), nine_in_ten, distances.end());
   const double most = kTimesFarther * std::max(*nine_in_ten, kInTheCorner_px);
-  Finding finding = FrameFinding("keypoint_far", 0, 0, "", 0.0, "");
-  std::size_t count = 0;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    for (std::size_t p = 0; p < frames[f].size(); ++p) {
-      for (std::size_t k = 0; k < frames[f][p].size(); ++k) {
-        DetectedKeypoint& point = frames[f][p][k];
-        if (!point.detected() || !(far(point) > most)) continue;
-        if (count++ == 0) {
-          finding.frame_begin = static_cast<int>(f);
-          finding.message = names[f] + ":/people/" + std::to_string(p) + "/pose_keypoints_2d: point " +
-                            std::to_string(k) + " is at " + FormatDouble(point.u_px) + " " + FormatDouble(point.v_px) +
-                            " px, nine in ten of the camera's points within " + Digits(most / kTimesFarther) +
-                            ": it is in no image";
-        }
-        finding.frame_end = static_cast<int>(f) + 1;
-        finding.value = std::max(finding.value, far(point));
-        point.confidence = 0.0;
-      }
-    }
-  }
-  if (count == 0) return std::nullopt;
-  if (count > 1) finding.message += "; " + Counted(static_cast<long long>(count - 1), "more point");
-  finding.message += "; taken as not seen";
-  finding.action = "taken as not seen";
-  return finding;
+  const auto says = [&](const DetectedKeypoint& point) {
+    return "is at " + FormatDouble(point.u_px) + " " + FormatDouble(point.v_px) +
+           " px, nine in ten of the camera's points within " + Digits(most / kTimesFarther) + ": it is in no image";
+  };
+  return LeaveOut(FrameFinding("keypoint_far", 0, 0, "", 0.0, ""), names, frames, most, far, says);
+}
+
+std::optional<Finding> LeaveOutUnlikelyConfidences(const std::vector<std::string>& names,
+                                                   std::vector<ImagePoses>& frames) {
+  const auto sure = [](const DetectedKeypoint& point) { return point.confidence; };
+  std::vector<double> confidences = OfDetected(frames, sure);
+  if (confidences.size() < kFewestKeypoints) return std::nullopt;
+  const auto middle = confidences.begin() + static_cast<std::ptrdiff_t>(confidences.size() / 2);
+  std::nth_element(confidences.begin(), middle, confidences.end());
+  if (*middle > kMostConfidence) return std::nullopt;  // all are of another range
+  const auto says = [](const DetectedKeypoint& point) {
+    return "has the confidence " + FormatDouble(point.confidence) + ", which is to be 0 to 1";
+  };
+  return LeaveOut(Doubt("confidence_range", 0.0, ""), names, frames, kMostConfidence, sure, says);
 }
 
 }  // namespace mocurate

@@ -14,6 +14,12 @@ namespace {
 constexpr double kFarOff = 0.35;
 constexpr double kNearly = 0.15;
 
+// Mean log ratio of the lengths of upper arms, forearms, thighs and shanks of both sides, where proportions are off by
+// more than the other. Of the 1,217 recorded tables in a known order none has both (proportions off by 0.26 at 0.17, by
+// 0.19 at 0.33); of 600 shuffled ones 97 pass for a known order by proportions and spread, 3 of them with less.
+constexpr double kUnlikeSides = 0.2;
+constexpr double kOffProportion = 0.24;
+
 /// A bone of one side beside that of the other.
 struct BonePair {
   ObservedBone own, other;
@@ -117,6 +123,26 @@ std::optional<std::string> DoubtLimbs(const ObservedClip& clip, const std::vecto
            ", as they are named they differ by " + Percent(named.worst);
   }
   return told;
+}
+
+std::optional<std::string> DoubtSides(const ObservedClip& clip, const BodyScore& score) {
+  if (score.proportion <= kOffProportion) return std::nullopt;
+  constexpr std::pair<const char*, const char*> kLimbs[] = {
+      {"shoulder", "elbow"}, {"elbow", "wrist"}, {"hip", "knee"}, {"knee", "ankle"}};
+  double sum = 0.0;
+  int limbs = 0;
+  for (const auto& [upper, lower] : kLimbs) {
+    const auto length = [&](const std::string& side) {
+      const int from = IndexOfName(clip.names, side + upper), to = IndexOfName(clip.names, side + lower);
+      return from < 0 || to < 0 ? 0.0 : DistanceBetween(clip.positions, clip.confidence, from, to).median;
+    };
+    const double left = length("left_"), right = length("right_");
+    if (!(left > 0.0) || !(right > 0.0)) continue;
+    sum += std::min(1.0, std::abs(std::log(left / right)));
+    ++limbs;
+  }
+  if (limbs == 0 || sum <= kUnlikeSides * limbs) return std::nullopt;
+  return "arms and legs would be longer on one side than on the other, by " + Percent(sum / limbs) + " on average";
 }
 
 }  // namespace mocurate

@@ -14,4 +14,8 @@ namespace mocurate {
 /// sides.
 std::optional<std::string> DoubtLimbs(const ObservedClip& clip, const std::vector<ObservedBone>& bones);
 
+/// Limbs that are not as long on both sides, of points whose proportions are off besides (`score` of their bones in the
+/// order of their names): another order's points. By how much; nothing of names without sides.
+std::optional<std::string> DoubtSides(const ObservedClip& clip, const BodyScore& score);
+
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
+#include "ingest/sense/limb_doubt.h"
 #include "ingest/sense/observed_clip.h"
 #include "ingest/sense/order_doubt.h"
 
@@ -35,7 +36,8 @@ std::optional<std::string> NameInOrder(const OrderScore& order, ObservedClip& cl
   const Skeleton& skeleton = **KnownSkeleton(order.order->skeleton);
   clip.names = order.order->joints;
   clip.points = PointsByName(clip.names, skeleton);
-  return DoubtOrder(clip, order.score, BonesOf(clip.names, skeleton));
+  if (auto doubt = DoubtOrder(clip, order.score, BonesOf(clip.names, skeleton))) return doubt;
+  return DoubtSides(clip, order.score);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kStoredRotationTolerance = 1e-3;
+constexpr double kStoredRotationAgreement = 1e-4;  // radians between R_n and Rot_n, as a run asks
 
 /// Matrices and names of a storage. Where OpenCV itself may be linked, ingest/sources/opencv_calibration.h reads them.
 struct StorageText {
@@ -46,7 +47,9 @@ std::vector<std::string> WordsIn(std::string_view text) {
   return words;
 }
 
-Status SetNumbers(std::string_view text, const std::string& key, StorageText& storage) {
+/// `rows` and `columns` as the storage says them; 0: it does not.
+Status SetNumbers(std::string_view text, const std::string& key, std::size_t rows, std::size_t columns,
+                  StorageText& storage) {
   std::vector<double>& values = storage.numbers[key];
   for (const std::string& word : WordsIn(text)) {
     const auto value = ParseDouble(word);
@@ -54,6 +57,13 @@ Status SetNumbers(std::string_view text, const std::string& key, StorageText& st
       return Fail(ErrorCode::kMalformed, "'" + word + "' is no finite number", storage.file + ":" + key);
     }
     values.push_back(*value);
+  }
+  // Elements of several channels have more numbers.
+  if (rows * columns > 0 && values.size() % (rows * columns) != 0) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(rows) + " rows of " + std::to_string(columns) + ", " + std::to_string(rows * columns) +
+                    " numbers, are announced; " + std::to_string(values.size()) + " stand there",
+                storage.file + ":" + key);
   }
   return {};
 }
@@ -74,7 +84,11 @@ Expected<StorageText> ParseStorageXml(const std::string& bytes, const std::strin
     const std::string key = bytes.substr(open + 1, at - open - 1);
     const auto data = inside(at, "data");
     if (!data) return Fail(ErrorCode::kMalformed, "the matrix has no data", name + ":" + key, "is the file cut off?");
-    if (Status set = SetNumbers(*data, key, storage); !set) return Forward(set);
+    const auto count = [&](const char* tag) -> std::size_t {
+      const auto number = ParseInteger(Trim(inside(at, tag).value_or("")));
+      return number && *number > 0 ? static_cast<std::size_t>(*number) : 0;
+    };
+    if (Status set = SetNumbers(*data, key, count("rows"), count("cols"), storage); !set) return Forward(set);
   }
   if (const auto names = inside(0, "names")) storage.names = WordsIn(*names);
   return storage;
@@ -84,13 +98,14 @@ Expected<StorageText> ParseStorageXml(const std::string& bytes, const std::strin
 Expected<StorageText> ParseStorageYaml(const std::string& bytes, const std::string& name) {
   StorageText storage{name, {}, {}};
   std::string key, list;
+  std::size_t rows = 0, columns = 0;
   enum class In { kNothing, kNames, kData } in = In::kNothing;
   const auto finish = [&]() -> Status {
     if (in == In::kNames) storage.names = WordsIn(list);
     if (in == In::kData) {
       if (list.find(']') == std::string::npos)
         return Fail(ErrorCode::kMalformed, "the list of numbers has no end", name + ":" + key, "is the file cut off?");
-      if (Status set = SetNumbers(list, key, storage); !set) return set;
+      if (Status set = SetNumbers(list, key, rows, columns, storage); !set) return set;
     }
     in = In::kNothing;
     list.clear();
@@ -107,12 +122,16 @@ Expected<StorageText> ParseStorageYaml(const std::string& bytes, const std::stri
     if (top) {
       key = std::string(text.substr(0, colon));
       in = key == "names" ? In::kNames : In::kNothing;
+      rows = columns = 0;
       const std::string value(Trim(text.substr(colon + 1)));
       if (in == In::kNames) list = value;
       if (const auto number = ParseDouble(value)) storage.numbers[key] = {*number};
     } else if (data) {
       in = In::kData;
       list = std::string(text.substr(5));
+    } else if (in == In::kNothing && (text.substr(0, 5) == "rows:" || text.substr(0, 5) == "cols:")) {
+      const auto number = ParseInteger(Trim(text.substr(5)));
+      (text[0] == 'r' ? rows : columns) = number && *number > 0 ? static_cast<std::size_t>(*number) : 0;
     } else if (in == In::kNames && text.substr(0, 1) == "-") {
       list += " " + std::string(text.substr(1));
     } else if (in == In::kData) {
@@ -147,6 +166,16 @@ Status SetPose(const StorageText& storage, const std::string& matrix_key, const 
     view.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data());
     const std::string fault = RotationFault(view.rotation, kStoredRotationTolerance);
     if (!fault.empty()) return Fail(ErrorCode::kInconsistent, fault, storage.file + ":" + matrix_key);
+    if (vector_key != matrix_key && storage.numbers.count(vector_key) > 0) {
+      const auto vector = storage.Get(vector_key, 3, 3);
+      if (!vector) return Forward(vector);
+      const Matrix3d other = ExpMatrix(Vector3d((*vector)[0], (*vector)[1], (*vector)[2]));
+      const double angle = LogMatrix(NearestRotation(view.rotation).transpose() * other).norm();
+      if (angle > kStoredRotationAgreement) {
+        return Fail(ErrorCode::kInconsistent,
+                    vector_key + " and " + matrix_key + " are " + FormatDouble(angle) + " rad apart", storage.file);
+      }
+    }
   } else {
     view.rotation = ExpMatrix(Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]));
   }

@@ -72,6 +72,8 @@ Expected<ObservedClip> DeclaredReading(const JointTable& rows, const SourceOptio
   const int confidence = place("confidence");
   layout.words = "as declared: " + RowWords(rows.frames, layout.rows_per_frame, rows.columns);
   ObservedClip clip = ReadRows(rows, layout);
+  clip.missing_share.reset();  // the declaration says what is missing
+  clip.missing_evidence.clear();
   if (confidence < layout.columns_per_joint) {
     for (int f = 0; f < clip.frames; ++f) {
       for (int j = 0; j < clip.joints; ++j) {

@@ -46,6 +46,7 @@ struct ObservedClip {
   double set_rate_hz = 0.0;           ///< where only the set that the file is of tells it
   std::string set_says;
   std::optional<double> missing_share;  ///< where positions do not show it
+  std::string missing_evidence;         ///< of what that is the share; without one, why it is unknown; or empty
   bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them
   JointPositions posed;  ///< metres, file axes; of the body, where positions are of markers on it; or empty
   std::optional<RootScale> root_scale;  ///< where the path of the root and the bones come from different places

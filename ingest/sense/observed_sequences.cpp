@@ -138,6 +138,8 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
         for (const OpenPosePerson& person : frame.people) poses.back().push_back(person.pose);
       }
       if (const auto far = LeaveOutFarKeypoints(folder.keypoint_files, poses)) file.remarks.push_back(RemarkOf(*far));
+      const auto odd = LeaveOutUnlikelyConfidences(folder.keypoint_files, poses);
+      if (odd) file.remarks.push_back(RemarkOf(*odd));
     }
     for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
     const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);

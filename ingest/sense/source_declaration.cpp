@@ -174,9 +174,8 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
   }
   if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
   double missing = 0.0;
-  for (const Json* clip : source.clips()) {
-    const Json& share = clip->at("missing_share").at("value");
-    if (share.is_number()) missing = std::max(missing, share.get<double>());
+  for (const std::string& share : source.Facts("at_origin")) {
+    missing = std::max(missing, ParseDouble(share).value_or(0.0));
   }
   if (missing > 0.0) {
     writer.Value("missing", "zero",

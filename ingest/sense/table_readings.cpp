@@ -14,23 +14,39 @@ constexpr int kMostTableJoints = 60;
 
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
-/// How a source would declare the layout; a fourth number that lies in 0..1 throughout is a confidence.
-void AddLayoutFacts(const JointTable& rows, const RowLayout& layout, ObservedClip& clip) {
+/// Of a joint in a frame: its row, and the column of its first number.
+struct JointPlace {
+  int row = 0;
+  int column = 0;
+};
+
+JointPlace PlaceOf(const RowLayout& layout, int frame, int joint) {
+  const int per_row = layout.joints / layout.rows_per_frame;
+  return {frame * layout.rows_per_frame + joint / per_row,
+          layout.x_columns.empty() ? layout.first_column + (joint % per_row) * layout.columns_per_joint
+                                   : layout.x_columns[static_cast<std::size_t>(joint)]};
+}
+
+/// Whether the numbers behind x, y, z lie in 0..1 throughout: confidences. CAD-60's are.
+bool HasConfidences(const JointTable& rows, const RowLayout& layout) {
+  if (!layout.x_columns.empty()) return true;
+  if (layout.columns_per_joint != 4) return false;
+  for (int row = 0; row < rows.frames; ++row) {
+    for (int c = layout.first_column + 3; c < rows.columns; c += 4) {
+      const double value = rows.at(row, 0, c);
+      if (!(value >= 0.0 && value <= 1.0)) return false;
+    }
+  }
+  return true;
+}
+
+/// How a source would declare the layout.
+void AddLayoutFacts(const RowLayout& layout, bool confidences, ObservedClip& clip) {
   if (!layout.x_columns.empty()) {
     clip.facts.emplace_back("layout", kCad60);
     return;
   }
-  std::string fourth;
-  if (layout.columns_per_joint == 4) {
-    bool confidence = true;
-    for (int row = 0; row < rows.frames && confidence; ++row) {
-      for (int c = layout.first_column + 3; c < rows.columns && confidence; c += 4) {
-        const double value = rows.at(row, 0, c);
-        confidence = value >= 0.0 && value <= 1.0;
-      }
-    }
-    fourth = confidence ? "confidence" : "skip";
-  }
+  const std::string fourth = layout.columns_per_joint != 4 ? "" : confidences ? "confidence" : "skip";
   if (layout.rows_per_frame > 1) {
     std::string columns;
     for (int c = 0; c < layout.first_column; ++c) columns += "skip, ";
@@ -40,6 +56,35 @@ void AddLayoutFacts(const JointTable& rows, const RowLayout& layout, ObservedCli
   clip.facts.emplace_back("layout", std::string(layout.first_column > 0 ? "frame " : "") +
                                         std::to_string(layout.joints) + "*(x y z" +
                                         (fourth.empty() ? "" : " " + fourth) + ")");
+}
+
+/// Joints whose confidence is 0 are missing in CAD-60's layout; of other tables nothing says that the fourth number is
+/// a confidence, or that 0 is nobody seen (MSR-Action3D has 0 for trunks that it follows): how many are missing is then
+/// not known.
+void CountUnseen(const JointTable& rows, const RowLayout& layout, bool confidences, ObservedClip& clip) {
+  const auto samples = static_cast<double>(clip.confidence.size());
+  const auto at_origin = std::count(clip.zeros.begin(), clip.zeros.end(), 1);
+  if (at_origin > 0) clip.facts.emplace_back("at_origin", RoundedText(static_cast<double>(at_origin) / samples));
+  if (!confidences) return;
+  std::size_t unsure = 0, missing = 0, at = 0;
+  for (int f = 0; f < clip.frames; ++f) {
+    for (int j = 0; j < clip.joints; ++j, ++at) {
+      const JointPlace place = PlaceOf(layout, f, j);
+      const bool none = !(rows.at(place.row, 0, place.column + 3) > 0.0);
+      unsure += none ? 1 : 0;
+      missing += none || clip.confidence[at] == 0.0 ? 1 : 0;
+    }
+  }
+  if (unsure == 0) return;
+  if (!layout.x_columns.empty()) {
+    clip.missing_share = static_cast<double>(missing) / samples;
+    clip.missing_evidence = "joints that are zero, no numbers, or have confidence 0";
+    return;
+  }
+  clip.missing_evidence = "the number behind x, y, z lies in 0 to 1 and is 0 for " +
+                          RoundedText(100.0 * static_cast<double>(unsure) / samples, 3) +
+                          " % of the joints: whether it is a confidence, and these were not seen, the file does not "
+                          "say; a source does (`columns`, `least_confidence`)";
 }
 
 /// The leading numbers, where they count the frames: whole, rising, mostly by one (by more, they are times).
@@ -130,13 +175,10 @@ ObservedClip ReadRows(const JointTable& rows, const RowLayout& layout) {
   clip.positions = JointPositions(clip.frames, clip.joints);
   clip.confidence.assign(static_cast<std::size_t>(clip.frames) * clip.joints, 0.0);
   clip.zeros.assign(clip.confidence.size(), 0);
-  const int per_row = layout.joints / layout.rows_per_frame;
   for (int f = 0; f < clip.frames; ++f) {
     for (int j = 0; j < clip.joints; ++j) {
-      const int row = f * layout.rows_per_frame + j / per_row;
-      const int column = layout.x_columns.empty() ? layout.first_column + (j % per_row) * layout.columns_per_joint
-                                                  : layout.x_columns[j];
-      const auto number = [&](int axis) { return rows.at(row, 0, column + layout.axis[axis]); };
+      const JointPlace place = PlaceOf(layout, f, j);
+      const auto number = [&](int axis) { return rows.at(place.row, 0, place.column + layout.axis[axis]); };
       const Vector3d value(number(0), number(1), number(2));
       const std::size_t at =
           static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);
@@ -149,7 +191,9 @@ ObservedClip ReadRows(const JointTable& rows, const RowLayout& layout) {
   clip.frame_numbers = FrameNumbers(rows, layout);
   TellGaps(clip);
   clip.layout_evidence = layout.words;
-  AddLayoutFacts(rows, layout, clip);
+  const bool confidences = HasConfidences(rows, layout);
+  AddLayoutFacts(layout, confidences, clip);
+  CountUnseen(rows, layout, confidences, clip);
   return clip;
 }
 

@@ -59,6 +59,7 @@ ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const
   std::vector<std::string> names(view.frames.size());
   for (const auto& [number, image] : files) names[static_cast<std::size_t>(number - span.first)] = image->name;
   if (auto far = LeaveOutFarKeypoints(names, view.frames)) ingested.findings.push_back(*std::move(far));
+  if (auto odd = LeaveOutUnlikelyConfidences(names, view.frames)) ingested.findings.push_back(*std::move(odd));
   return view;
 }
 

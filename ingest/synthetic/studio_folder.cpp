@@ -20,6 +20,7 @@ Status StudioFolder::Write(const std::string& name, std::string_view bytes) {
   if (!file) return Fail(ErrorCode::kCannotWrite, "the file could not be written", DisplayPath(path));
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counts_.files;
+  if (path.extension() == ".png") ++counts_.images;
   counts_.bytes += bytes.size();
   if (progress_) progress_(counts_);
   return {};

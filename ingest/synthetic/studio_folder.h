@@ -18,6 +18,7 @@ class StudioFolder {
  public:
   struct Counts {
     std::size_t files = 0;
+    std::size_t images = 0;  ///< of the files
     std::size_t bytes = 0;
     std::size_t clips = 0;
     std::size_t frames = 0;

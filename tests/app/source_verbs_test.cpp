@@ -247,6 +247,12 @@ TEST_F(Declarations, FoldersOfDepthImagesAreDeclaredWithTheirCamerasAndMasks) {
   run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;
   EXPECT_EQ(Kept(), 1);
+  declare("clouds/rendered_body");
+  EXPECT_THAT(text_, HasSubstr("depth_files: \"{clip}_{view:2}.png\"")) << "a clip's name has '_' in it too";
+  fs::remove_all(folder_ / "r");
+  run = Ingest();
+  EXPECT_EQ(run.exit_code, 0) << run.err << text_;
+  EXPECT_EQ(Kept(), 6);
 }
 
 TEST_F(Declarations, AWrongUnitIsToldAsThatWithTheRightOne) {
@@ -316,6 +322,14 @@ TEST(DoctorOfASource, SaysWhereFilesLieThatLieOneFolderTooHighOrTooDeep) {
   WriteText(folder / "phspd/pose/subject03_group2_time4/pose.txt", "1\n");
   const Result higher = RunProgram(folder, {"doctor", "--source", "phspd", "--path", (folder / "phspd/pose").string()});
   EXPECT_THAT(higher.out, HasSubstr("such file below " + (folder / "phspd").string()));
+}
+
+TEST(DoctorOfASource, OfACaptureThatTheProgramMakesNothingIsMissing) {
+  const Folder folder;
+  const Result result = RunProgram(folder, {"doctor", "--source", "studio"});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("folder   none: the program makes the files itself"));
+  EXPECT_THAT(result.out, Not(HasSubstr("MISSING")));
 }
 
 TEST(DoctorOfASource, TellsOfFilesWithTheEndingAndAnotherName) {

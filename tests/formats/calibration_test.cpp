@@ -87,6 +87,11 @@ radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDi
     EXPECT_THAT(ParseQualisys(damaged, "q.txt").error().Message(), HasSubstr(name));
   }
   EXPECT_EQ(attributes, 26);
+  std::string narrow = text;
+  narrow.replace(narrow.find("right=\"99\""), 10, "right=\"0\"");
+  const auto none = ParseQualisys(narrow, "q.txt");
+  ASSERT_FALSE(none) << none->views[0].width << " px wide";
+  EXPECT_THAT(none.error().Message(), HasSubstr("fov_video/left, right: the image ends at 0 and begins at 0"));
   std::string mirrored = text;
   mirrored.replace(mirrored.find("r11=\"1\""), 7, "r11=\"-1\"");
   EXPECT_THAT(ParseQualisys(mirrored, "q.txt").error().Message(),

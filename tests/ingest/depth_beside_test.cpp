@@ -77,6 +77,19 @@ TEST_F(DepthBeside, IsOneClipOfBothKindsInOneWorld) {
   EXPECT_EQ(ingested.outcome->findings.size(), 3u);
 }
 
+TEST_F(DepthBeside, AsManyImagesAreWrittenAsWereEstimatedBesideTheKeypoints) {
+  StudioOptions options = Perfect(StudioLayout::kOpenPoseDepth);
+  options.subjects = 1;
+  options.actions = {"throw"};
+  options.rig.kind = RigKind::kPhspd;
+  options.depth = DepthSensorOptions{true, false, 0, 0.001, 0, 0, 0, 0, 8};
+  const auto estimate = EstimateStudioLayout(options, 1);
+  const auto counts = WriteStudioLayout(options, FreshFolder("estimated"), 1);
+  ASSERT_TRUE(estimate && counts);
+  EXPECT_EQ(counts->images, estimate->images);
+  EXPECT_GT(counts->files, 2 * counts->images) << "keypoints are files as well, and no images";
+}
+
 TEST_F(DepthBeside, OfACaptureWithoutImagesKeypointsAreLeftAndThatIsTold) {
   std::filesystem::remove_all(take_ / "depth");
   const mocurate::Ingested ingested = Ingest();

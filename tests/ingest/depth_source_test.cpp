@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/formats/depth_sequence.h"
+#include "ingest/sense/declaration_writer.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
@@ -156,6 +157,47 @@ TEST_F(RenderedSequence, AnotherDepthImageIsOtherEvidence) {
   const Ingested changed = RunIngest(discovery->items[0], "rendered_changed");
   ASSERT_TRUE(changed.outcome) << changed.outcome.error().Message();
   EXPECT_NE(once.clip.evidence_sha256, changed.clip.evidence_sha256);
+}
+
+/// Two takes of the rendered sequence, their JSON at `json` and their images in `images` below a folder.
+std::filesystem::path TwoTakes(const std::string& name, const std::vector<std::string>& json,
+                               const std::vector<std::string>& images) {
+  const std::filesystem::path from = TestData() + "/clouds/rendered_seq", folder = FreshFolder(name);
+  for (const std::string& file : json) Put(folder / file, *ReadFile(from / "seq_male.json"));
+  for (const std::string& below : images) {
+    std::filesystem::create_directories((folder / below).parent_path());
+    std::filesystem::copy(from / "depth", folder / below);
+  }
+  return folder;
+}
+
+TEST_F(RenderedSequence, EachOfTwoTakesIsDeclaredWithItsOwnImages) {
+  const std::vector<std::string> in_folders = {"p01/seq_p01.json", "p02/seq_p02.json"};
+  const auto beside = GuessDepthFiles(TwoTakes("beside", in_folders, {"p01/depth", "p02/depth"}), in_folders,
+                                      "p{person}/seq_p{person2}.json");
+  ASSERT_TRUE(beside) << beside.error().Message();
+  EXPECT_EQ(*beside, "p{person}/depth/{view}_{frame:4}.png");
+  const std::vector<std::string> together = {"json/seq_p01.json", "json/seq_p02.json"};
+  const auto apart =
+      GuessDepthFiles(TwoTakes("apart", together, {"images/p01", "images/p02"}), together, "json/seq_p{person}.json");
+  ASSERT_TRUE(apart) << apart.error().Message();
+  EXPECT_EQ(*apart, "images/p{person}/{view}_{frame:4}.png");
+  const auto shared = GuessDepthFiles(TwoTakes("shared", together, {"images"}), together, "json/seq_p{person}.json");
+  ASSERT_FALSE(shared) << *shared;
+  EXPECT_THAT(shared.error().what, HasSubstr("no pattern gives each of 2 files images of its own"));
+}
+
+TEST_F(RenderedSequence, TwoTakesDeclaredWithTheSameImagesAreRefusedByName) {
+  const std::filesystem::path folder =
+      TwoTakes("claimed", {"p01/seq_p01.json", "p02/seq_p02.json"}, {"p01/depth", "p02/depth"});
+  IngestOptions options = Declared("rendered_seq", {"ingest.path=" + folder.string()});
+  ASSERT_TRUE(Discover(options));
+  options.source.depth_files = "p01/depth/{view}_{frame:4}.png";
+  const auto discovery = Discover(options);
+  ASSERT_FALSE(discovery);
+  EXPECT_EQ(discovery.error().where, "ingest.source.depth_files");
+  EXPECT_THAT(discovery.error().what, HasSubstr("'p01/depth/d1_0000.png' would be one of 'p01/seq_p01.json' and of "
+                                                "'p02/seq_p02.json'"));
 }
 
 TEST_F(RenderedSequence, LeftHandedAxesAreRefused) {

@@ -107,6 +107,21 @@ std::string Without(std::string text, const std::string& key) {
   return text.erase(begin, end + 2 - begin);
 }
 
+TEST_F(DamagedFiles, ARigThatContradictsItselfIsAnErrorThatNamesBoth) {
+  const std::string turned = "0.5403023, 0, 0.8414710, 0, 1, 0, -0.8414710, 0, 0.5403023";  // one radian about y
+  Written("extri.yml", Extri() + Matrix("Rot_b", 3, 3, turned));
+  EXPECT_THAT(Errors(Look("intri.yml", Intri())), IsEmpty()) << "as its vector says";
+  Written("extri.yml", Extri() + Matrix("Rot_a", 3, 3, turned));
+  EXPECT_THAT(Errors(Look("intri.yml", Intri())),
+              ElementsAre(AllOf(HasSubstr("extri.yml"), HasSubstr("R_a and Rot_a are 1.0"), HasSubstr("rad apart"))));
+  Written("extri.yml", Extri());
+  std::string shape = Intri();
+  const std::string rows = "K_b: !!opencv-matrix\n   rows: ";
+  shape.replace(shape.find(rows) + rows.size(), 1, "2");
+  EXPECT_THAT(Errors(Look("intri.yml", shape)),
+              ElementsAre(AllOf(HasSubstr("intri.yml:K_b"), HasSubstr("2 rows of 3, 6 numbers, are announced; 9"))));
+}
+
 TEST_F(DamagedFiles, HalfACameraIsAnErrorThatNamesTheField) {
   EXPECT_THAT(Errors(Look("intri.yml", Intri())), ElementsAre(HasSubstr("intri.yml:R_a")));
   Written("extri.yml", Extri());

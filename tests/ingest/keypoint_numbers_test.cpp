@@ -11,7 +11,10 @@
 namespace mocurate {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+using ::testing::UnorderedElementsAreArray;
 
 std::vector<ImagePoses> SomebodyInImages() {
   std::vector<ImagePoses> frames(4, ImagePoses(2));
@@ -49,6 +52,24 @@ TEST(KeypointNumbers, PointsAtTheEdgeOrALittleBesideItAreInTheImage) {
   EXPECT_FALSE(LeaveOutFarKeypoints(kFiles, frames));
 }
 
+TEST(KeypointNumbers, ASinglePointThatIsSurerThanSureIsNotSeen) {
+  for (const double confidence : {7.5, 90.0}) {
+    std::vector<ImagePoses> frames = SomebodyInImages();
+    frames[2][1][5].confidence = confidence;
+    frames[1][0][3].confidence = 1.2;  // a peak of a heat map
+    const auto told = LeaveOutUnlikelyConfidences(kFiles, frames);
+    ASSERT_TRUE(told) << confidence;
+    EXPECT_EQ(told->code, "confidence_range");
+    EXPECT_EQ(told->severity, Severity::kError);
+    EXPECT_EQ(told->value, confidence);
+    EXPECT_EQ(told->frame_begin, 2);
+    EXPECT_THAT(told->message, HasSubstr("c/2.json:/people/1/pose_keypoints_2d: point 5 has the confidence"));
+    EXPECT_FALSE(frames[2][1][5].detected());
+    EXPECT_TRUE(frames[1][0][3].detected());
+    EXPECT_FALSE(LeaveOutUnlikelyConfidences(kFiles, frames)) << "once";
+  }
+}
+
 TEST(KeypointNumbers, ARunAndAnInspectionNameTheFile) {
   if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
   IngestOptions options = Declared("pose2sim_single");
@@ -59,22 +80,26 @@ TEST(KeypointNumbers, ARunAndAnInspectionNameTheFile) {
   auto document = nlohmann::json::parse(*ReadFile(folder / name));
   document["people"][0]["pose_keypoints_2d"][3] = 1e9;
   document["people"][0]["pose_keypoints_2d"][5] = 0.5;
+  document["people"][0]["pose_keypoints_2d"][17] = 7.5;
   Put(folder / name, document.dump());
   options.path = folder;
   const auto discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   const Ingested ingested = RunIngest(discovery->items.at(0), "keypoint_far");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
-  EXPECT_EQ(ingested.outcome->findings[0].code, "keypoint_far");
-  std::vector<std::string> messages = {ingested.outcome->findings[0].message};
+  std::vector<std::string> in_run, in_inspection;
+  for (const Finding& finding : ingested.outcome->findings) in_run.push_back(finding.code + " " + finding.message);
   const nlohmann::json inspection = InspectPath(folder, std::nullopt);
   for (const nlohmann::json& finding : inspection.at("findings")) {
-    if (finding.at("code") == "keypoint_far") messages.push_back(finding.at("message"));
+    const std::string code = finding.at("code");
+    if (code == "keypoint_far" || code == "confidence_range") {
+      in_inspection.push_back(code + " " + finding.at("message").get<std::string>());
+    }
   }
-  ASSERT_EQ(messages.size(), 2u);
-  EXPECT_EQ(messages[0], messages[1]);
-  EXPECT_THAT(messages[0], HasSubstr("cam02.0003.json:/people/0/pose_keypoints_2d: point 1 "));
+  EXPECT_THAT(in_inspection, UnorderedElementsAreArray(in_run));
+  const std::string place = "cam02.0003.json:/people/0/pose_keypoints_2d: point ";
+  EXPECT_THAT(in_run, UnorderedElementsAre(AllOf(HasSubstr("keypoint_far "), HasSubstr(place + "1 ")),
+                                           AllOf(HasSubstr("confidence_range "), HasSubstr(place + "5 "))));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "ingest/sense/inspect.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
@@ -92,6 +93,22 @@ TEST_F(KinectTables, FramesOfMsrAction3dThatAreAllZeroAreMissingAndFound) {
     return;
   }
   FAIL() << "a13_s02_e02 is not in the folder";
+}
+
+TEST_F(KinectTables, WhatIsMissingIsCountedOrUnknownWhereAConfidenceMayTellIt) {
+  const std::filesystem::path data = TestData() + "/kinect";
+  const auto share = [&](const std::string& file, const std::string& recipe = "") {
+    const auto source = recipe.empty() ? std::nullopt : std::optional<SourceOptions>(Declared(recipe).source);
+    return InspectPath(data / file, source).at("clips").at(0).at("missing_share");
+  };
+  const auto msr = share("msr_action3d/a12_s04_e03_skeleton3D.txt");
+  EXPECT_TRUE(msr.at("value").is_null());
+  EXPECT_EQ(msr.at("from"), "unknown");
+  EXPECT_THAT(msr.at("evidence"), ::testing::HasSubstr("is 0 for 26.1 % of the joints"));
+  EXPECT_EQ(share("msr_action3d/a12_s04_e03_skeleton3D.txt", "msr_action3d").at("value"), 0.0) << "trunks are followed";
+  EXPECT_EQ(share("cad60/0512165327.txt").at("value"), 0.0164);
+  EXPECT_EQ(share("cad60/0512165327.txt", "cad60").at("value"), 0.0164);
+  EXPECT_EQ(share("kard/a12_s04_e03_realworld.txt").at("value"), 0.0);
 }
 
 TEST_F(KinectTables, UtKinectIsOneHundredSixtyClips) {

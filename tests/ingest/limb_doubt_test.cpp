@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <numeric>
+#include <random>
 #include <sstream>
 
 #include "core/formats/npy.h"
@@ -95,6 +97,36 @@ TEST_F(ExchangedKard, AKneeAndItsAnkleAreToldByARunAndAnInspection) {
   IngestOptions options = Declared("kard");
   options.path = folder_;
   EXPECT_EQ(CountCode(RunAll(options), "joint_order_contradiction"), 1u);
+}
+
+TEST(ShuffledJoints, OfRecordedTablesAreInNoKnownOrder) {
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  constexpr std::size_t kJoints = 15;
+  std::mt19937 random(3);
+  const fs::path folder = FreshFolder("shuffled");
+  int tables = 0;
+  for (const char* name : {"a01_s01_e01", "a05_s03_e02", "a12_s04_e03", "a14_s08_e01", "a18_s06_e03"}) {
+    std::istringstream in(*ReadFile(fs::path(TestData()) / "kinect/kard" / (std::string(name) + "_realworld.txt")));
+    std::vector<std::string> rows;
+    for (std::string row; std::getline(in, row);) rows.push_back(row);
+    for (int time = 0; time < 12; ++time, ++tables) {
+      std::vector<std::size_t> order(kJoints);
+      std::iota(order.begin(), order.end(), 0u);
+      for (std::size_t k = kJoints - 1; k > 0; --k) std::swap(order[k], order[random() % (k + 1)]);
+      std::string text;
+      for (std::size_t row = 0; row + kJoints <= rows.size(); row += kJoints) {
+        for (const std::size_t joint : order) text += rows[row + joint] + "\n";
+      }
+      Put(folder / (std::to_string(tables) + ".txt"), text);
+    }
+  }
+  const Json inspection = InspectPath(folder, std::nullopt);
+  ASSERT_EQ(inspection.at("clips").size(), 60u);
+  for (const Json& clip : inspection.at("clips")) {
+    EXPECT_TRUE(Value(clip, "skeleton").is_null()) << clip.at("id") << clip.at("skeleton");
+    EXPECT_TRUE(Value(clip, "up").is_null()) << clip.at("up");
+  }
+  EXPECT_EQ(Codes(inspection, "warning"), std::vector<std::string>(60, "layout_unknown"));
 }
 
 }  // namespace
