@@ -122,7 +122,7 @@ std::optional<Finding> LeaveOutUnlikelyConfidences(const std::vector<std::string
   const auto says = [](const DetectedKeypoint& point) {
     return "has the confidence " + FormatDouble(point.confidence) + ", which is to be 0 to 1";
   };
-  return LeaveOut(Doubt("confidence_range", 0.0, ""), names, frames, kMostConfidence, sure, says);
+  return LeaveOut(FrameFinding("confidence_range", 0, 0, "", 0.0, ""), names, frames, kMostConfidence, sure, says);
 }
 
 }  // namespace mocurate

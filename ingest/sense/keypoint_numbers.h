@@ -23,7 +23,7 @@ using ImagePoses = std::vector<std::vector<DetectedKeypoint>>;
 /// points.
 std::optional<Finding> LeaveOutFarKeypoints(const std::vector<std::string>& names, std::vector<ImagePoses>& frames);
 
-/// "confidence_range" (error) of points of a camera whose confidence is more than 1.5 where most are of the right
+/// "confidence_range" (warning) of points of a camera whose confidence is more than 1.5 where most are of the right
 /// range: their numbers are damaged, or not the detector's. Value: the largest; place and what becomes of them as
 /// above.
 std::optional<Finding> LeaveOutUnlikelyConfidences(const std::vector<std::string>& names,

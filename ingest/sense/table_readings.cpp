@@ -15,12 +15,12 @@ constexpr int kMostTableJoints = 60;
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
 /// Of a joint in a frame: its row, and the column of its first number.
-struct JointPlace {
+struct TableCell {
   int row = 0;
   int column = 0;
 };
 
-JointPlace PlaceOf(const RowLayout& layout, int frame, int joint) {
+TableCell CellOfJoint(const RowLayout& layout, int frame, int joint) {
   const int per_row = layout.joints / layout.rows_per_frame;
   return {frame * layout.rows_per_frame + joint / per_row,
           layout.x_columns.empty() ? layout.first_column + (joint % per_row) * layout.columns_per_joint
@@ -69,7 +69,7 @@ void CountUnseen(const JointTable& rows, const RowLayout& layout, bool confidenc
   std::size_t unsure = 0, missing = 0, at = 0;
   for (int f = 0; f < clip.frames; ++f) {
     for (int j = 0; j < clip.joints; ++j, ++at) {
-      const JointPlace place = PlaceOf(layout, f, j);
+      const TableCell place = CellOfJoint(layout, f, j);
       const bool none = !(rows.at(place.row, 0, place.column + 3) > 0.0);
       unsure += none ? 1 : 0;
       missing += none || clip.confidence[at] == 0.0 ? 1 : 0;
@@ -177,7 +177,7 @@ ObservedClip ReadRows(const JointTable& rows, const RowLayout& layout) {
   clip.zeros.assign(clip.confidence.size(), 0);
   for (int f = 0; f < clip.frames; ++f) {
     for (int j = 0; j < clip.joints; ++j) {
-      const JointPlace place = PlaceOf(layout, f, j);
+      const TableCell place = CellOfJoint(layout, f, j);
       const auto number = [&](int axis) { return rows.at(place.row, 0, place.column + layout.axis[axis]); };
       const Vector3d value(number(0), number(1), number(2));
       const std::size_t at =
