@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/formats/calibration.h"
+#include "core/formats/humanact12_pickle.h"
 #include "core/formats/npy.h"
 #include "core/formats/openpose.h"
 #include "core/formats/panoptic_bodies.h"
@@ -123,6 +124,9 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
 Expected<ObservedFile> ObservePickle(const FileBytes& file);
 /// What the joints of a track say; `format` is "vibe_tracks" or "vibe_cache".
 ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format);
+
+/// The recorded joints of a clip of `humanact12poses.pkl`, without what is doubted of its rotations.
+ObservedClip ObserveHumanAct12Clip(const HumanAct12Clip& source);
 /// Whether the file is one of the lists of info/ beside UESTC's cache: by its name, and names of videos in names.txt.
 bool IsUestcInfo(const std::filesystem::path& path);
 Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file);

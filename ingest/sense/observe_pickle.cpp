@@ -7,10 +7,10 @@
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
-#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/pose_sense.h"
+#include "ingest/sense/posed_joints.h"
+#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -36,21 +36,10 @@ Expected<ObservedFile> HumanAct12In(const FileBytes& file) {
                                   static_cast<double>(i), entry.error().Message()});
       continue;
     }
-    const HumanAct12Clip& source = *entry;
-    ObservedClip clip;
+    observed.clips.push_back(ObserveHumanAct12Clip(*entry));
+    ObservedClip& clip = observed.clips.back();
     clip.id = "[" + std::to_string(i) + "]";
-    clip.format = "humanact12_pickle";
-    SetPositions(source.joints, source.frames, 24, clip);
-    clip.layout_evidence = "list joints3D of the file";
-    clip.facts.emplace_back("label", std::to_string(source.label));
-    clip.units = "m";
-    for (const JointOrder& order : KnownJointOrders()) {
-      if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
-    }
-    std::optional<Finding> spoiled = DoubtAngles(source);
-    if (!spoiled) spoiled = DoubtPoses(source);
-    if (spoiled) clip.remarks.push_back({spoiled->code, spoiled->severity, spoiled->value, spoiled->message});
-    observed.clips.push_back(std::move(clip));
+    if (const auto spoiled = DoubtRotations(*entry)) clip.remarks.push_back(RemarkOf(*spoiled));
   }
   if (!observed.clips.empty() || archive->size() == 0) return observed;
   return Forward(archive->Clip(0));
@@ -116,6 +105,19 @@ Expected<ObservedFile> VibeTracksIn(const FileBytes& file) {
 }
 
 }  // namespace
+
+ObservedClip ObserveHumanAct12Clip(const HumanAct12Clip& source) {
+  ObservedClip clip;
+  clip.format = "humanact12_pickle";
+  SetPositions(source.joints, source.frames, 24, clip);
+  clip.layout_evidence = "list joints3D of the file";
+  clip.facts.emplace_back("label", std::to_string(source.label));
+  clip.units = "m";
+  for (const JointOrder& order : KnownJointOrders()) {
+    if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
+  }
+  return clip;
+}
 
 ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format) {
   ObservedClip clip;

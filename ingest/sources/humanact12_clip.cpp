@@ -3,8 +3,9 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
-#include "ingest/sense/angle_sense.h"
-#include "ingest/sense/pose_sense.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sense/posed_joints.h"
+#include "ingest/sources/body_check.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/source_file.h"
@@ -80,12 +81,13 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
                                     FileBoneLengths(joints, **skeleton));
-  std::optional<Finding> spoiled = DoubtAngles(*clip);
-  if (!spoiled) spoiled = DoubtPoses(*clip);
+  std::optional<Finding> spoiled = DoubtRotations(*clip);
   if (spoiled)
     ingested.findings.push_back(*std::move(spoiled));
   else
     NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
+  // The joints of the file, beside the rotations that the clip keeps: an inspection reads them.
+  CheckPoints(source, ObserveHumanAct12Clip(*clip), ingested);
   ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
   return ingested;
 }

@@ -110,6 +110,22 @@ TEST(HumanAct12Pickle, PosesInDegreesAndPosesThatAreHeldAreToldByBothAsWhatTheyA
   EXPECT_THAT(Told({sound}).second, ::testing::Not(HasSubstr("frozen_pose")));
 }
 
+TEST(HumanAct12Pickle, RotationsThatAreNotThoseOfTheJointsAreToldByBoth) {
+  const Motion truth = Somebody(30, 1);
+  const HumanAct12Clip sound{30, Vectors(truth, kHalfTurn), Places(truth, kHalfTurn), 0};
+  HumanAct12Clip other = sound, rolled = sound, still = sound, mirrored = sound;
+  other.poses = Vectors(Somebody(30, 4), kHalfTurn);
+  std::rotate(rolled.poses.begin(), rolled.poses.begin() + 20 * 72, rolled.poses.end());
+  for (std::size_t f = 0; f < 30; ++f) std::fill_n(still.poses.begin() + static_cast<std::ptrdiff_t>(72 * f), 3, 0.0);
+  for (std::size_t i = 0; i < mirrored.joints.size(); i += 3) mirrored.joints[i] *= -1.0;
+  for (const HumanAct12Clip& clip : {other, rolled, still, mirrored}) {
+    EXPECT_THAT(Told({clip}).first, HasSubstr("pose_contradiction"));
+    EXPECT_THAT(Told({clip}).second, HasSubstr("pose_contradiction"));
+  }
+  EXPECT_THAT(Told({sound}).first, ::testing::Not(HasSubstr("pose_contradiction")));
+  EXPECT_THAT(Told({sound}).second, ::testing::Not(HasSubstr("pose_contradiction")));
+}
+
 TEST(HumanAct12Pickle, AnEntryThatIsBrokenCostsAnInspectionOneClipAsItDoesARun) {
   const Motion truth = Somebody(9, 1);
   const HumanAct12Clip sound{9, Vectors(truth, kHalfTurn), Places(truth, kHalfTurn), 0};
