@@ -48,7 +48,8 @@ struct IngestedClip {
   Clip clip;
   std::vector<Finding> findings;
   std::string content;  ///< what was read of a file that holds other clips too; empty: all of the file
-  std::map<std::string, ShownFact> shown = {};  ///< by the code that a contradiction has; what the clip does not show lacks
+  std::map<std::string, ShownFact> shown =
+      {};  ///< by the code that a contradiction has; what the clip does not show lacks
 };
 
 /// The bytes of numbers, as they lie in memory.
