@@ -94,6 +94,7 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
   for (const int f : amc.damaged)
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
   FollowTree(parents, "hierarchy of the skeleton file", clip);
+  if (const auto path = DoubtPath(clip.positions, clip.points)) AddRemarks({*path}, clip);
   if (const auto path = DoubtPathAxes(clip.positions, clip.points)) AddRemarks({*path}, clip);
 }
 

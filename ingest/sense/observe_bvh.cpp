@@ -10,6 +10,21 @@
 #include "ingest/sources/bvh_skeleton.h"
 
 namespace mocurate {
+namespace {
+
+constexpr double kCarriesFrom =
+    0.01;  // of the sum of all bones; the root's children slide less where they carry nothing
+
+/// Places of all joints, of the root where the joint lies that carries the translation: of Bandai's files the hips.
+JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
+  double bones = 0.0;
+  for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
+  const int carrier = MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
+  for (int f = 0; f < places.frames && carrier > 0; ++f) places.at(f, 0) = Vector3d(places.at(f, carrier));
+  return places;
+}
+
+}  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
   const Expected<Bvh> bvh = ParseBvh(bytes, name, DamagedRows::kReport);
@@ -43,11 +58,10 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
     clip.confidence.clear();
     clip.silence = kSpoiledPoses;
   }
-  if (const auto path = DoubtPath(clip.positions, clip.points)) {
-    clip.remarks.push_back(RemarkOf(*path));
-  }
-  if (const auto path = DoubtPathAxes(clip.positions, clip.points)) {
-    clip.remarks.push_back(RemarkOf(*path));
+  if (clip.positions.frames > 0) {
+    const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
+    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(RemarkOf(*path));
+    if (const auto path = DoubtPathAxes(carried, clip.points)) clip.remarks.push_back(RemarkOf(*path));
   }
   for (const Finding& finding : bvh->findings) {
     clip.remarks.push_back(RemarkOf(finding));

@@ -86,7 +86,7 @@ Finding PoseContradiction(const std::string& joint, const BoneOff& off, std::siz
           (off.of_rest ? "from its rest, limit " + Digits(kMostOffRest) : "limit " + Digits(kMostOffOwn)) +
           "): rotations of another clip, of other frames or of the other side, or joints that are mirrored; copy the "
           "file again, or read its joints alone");
-  finding.severity = Severity::kError;
+  finding.severity = Severity::kWarning;  // a set may publish joints and rotations of two fits
   return finding;
 }
 

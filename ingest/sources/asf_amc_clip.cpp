@@ -6,7 +6,9 @@
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
+#include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
+#include "ingest/sense/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
@@ -143,6 +145,10 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   ingested.clip.motion =
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
+  if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
+    path->action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    ingested.findings.push_back(*std::move(path));
+  }
   ingested.clip.provenance["skeleton_file"] = file.skeleton_name;
   return ingested;
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -168,6 +169,33 @@ TEST_F(WrongUnits, BonesOfABvhInMetresUnderAPathInCentimetresAreOneErrorAndNoTel
       EXPECT_NEAR(FindCode(inspection, "units_contradiction")->at("value"), 0.01, 0.002);
     }
   }
+}
+
+TEST_F(WrongUnits, APathAHundredTimesTooLongBelowTheRootOfABvhIsOneErrorOfTheUnitAndNoneOfTheRate) {
+  const std::string name = "dataset-2_walk-turn-left_active_001.bvh";
+  Bvh bvh = *ParseBvh(*ReadFile(TestData() + "/bvh/bandai2/" + name), name);
+  const auto hips = std::find_if(bvh.joints.begin(), bvh.joints.end(),
+                                 [](const BvhJoint& joint) { return joint.parent == 0 && joint.HasPosition(); });
+  ASSERT_NE(hips, bvh.joints.end());
+  for (int f = 0; f < bvh.frames; ++f) {
+    for (std::size_t c = 0; c < hips->channels.size(); ++c) {
+      if (!IsPosition(hips->channels[c])) continue;
+      bvh.values[static_cast<std::size_t>(f * bvh.channel_count + hips->first_channel) + c] *= 100.0;
+    }
+  }
+  Written(name, mocurate::WriteBvh(bvh));
+  const Json inspection = Look();
+  EXPECT_EQ(Codes(inspection, "error"), std::vector<std::string>{"units_contradiction"});
+  EXPECT_EQ(FindCode(inspection, "teleport"), nullptr);
+}
+
+TEST_F(WrongUnits, APathOfAnAmcAHundredTimesTooLongIsAnErrorOfTheUnitAndNoneOfTheRate) {
+  Amc amc = *ParseAmc(Cmu("01_01.amc"), {}, "01_01.amc");
+  for (int f = 0; f < amc.frames; ++f) {
+    for (int c = 0; c < 3; ++c) amc.values[static_cast<std::size_t>(f) * amc.channel_count + c] *= 100.0;
+  }
+  ExpectAcclaim(Cmu("01.asf"), WriteAmc(amc), "units_contradiction");
+  EXPECT_THAT(Codes(Look(), "error"), ::testing::Not(Contains("rate_doubtful")));
 }
 
 TEST_F(WrongUnits, RotationsOfAmassInDegreesAreNamed) {
