@@ -7,6 +7,7 @@
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
+#include "ingest/sense/angle_sense.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/posed_joints.h"
