@@ -51,11 +51,6 @@ constexpr std::array<Stance, 12> kStances = {{{Legs::kStanding, Arms::kDown},
                                               {Legs::kSeated, Arms::kOut},
                                               {Legs::kSeated, Arms::kUp}}};
 
-/// The joint below one that has a single child; -1 for others.
-int Below(const std::vector<std::vector<int>>& children, int joint) {
-  return children[joint].size() == 1 ? children[joint][0] : -1;
-}
-
 void BendLegs(const Skeleton& skeleton, Legs legs, int frame, PoseState& state) {
   const auto hips = skeleton.Hips();
   if (!hips || legs == Legs::kStanding) return;
@@ -64,7 +59,7 @@ void BendLegs(const Skeleton& skeleton, Legs legs, int frame, PoseState& state) 
     const bool ahead = (legs == Legs::kLeftStep) == (side == 0);
     const double hip = legs == Legs::kSeated ? -1.45 : legs == Legs::kSquatting ? -1.2 : ahead ? -0.4 : 0.3;
     const double knee = legs == Legs::kSeated ? 1.4 : legs == Legs::kSquatting ? 1.6 : 0.3;
-    const int lower = Below(children, (*hips)[side]);
+    const int lower = OnlyChild(children, (*hips)[side]);
     if (lower < 0) continue;
     state.rotation(frame, (*hips)[side])[0] = hip;
     if (state.active(lower)) state.rotation(frame, lower)[0] = knee;
@@ -224,12 +219,14 @@ HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame) {
 Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state, StartSearch search) {
   std::vector<Candidate> candidates = Starts(body, cloud, frame, options.start, state);
+  const auto contradicts = [&](double heading) {
+    return options.start.facing && HeadingsApart(heading, *options.start.facing) > kFacingError;
+  };
   const auto refine = [&](const FusedCloud& points, const FrameFit& fit) -> Status {
     for (Candidate& candidate : candidates) {
       state.SetFrameParameters(frame, candidate.parameters);
       if (Status fitted = RefineCandidate(body, points, fit, options, state, candidate); !fitted) return fitted;
-      candidate.contradicts =
-          options.start.facing && HeadingsApart(candidate.heading, *options.start.facing) > kFacingError;
+      candidate.contradicts = contradicts(candidate.heading);
     }
     SortByCost(candidates);
     return {};
@@ -253,6 +250,7 @@ Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, i
       if (!cost) return Forward(cost);
       candidates[i].cost = *cost;
       candidates[i].heading = HeadingOf(state, frame);
+      candidates[i].contradicts = contradicts(candidates[i].heading);
       candidates[i].parameters = state.FrameParameters(frame);
     }
     SortByCost(candidates);

@@ -1,8 +1,6 @@
 #include "fitting/clouds/limb_search.h"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 #include <vector>
 
 #include "core/base/pi.h"
@@ -33,10 +31,6 @@ struct LimbPose {
   Vector3d upper;
   Vector3d lower;
 };
-
-int OnlyChild(const std::vector<std::vector<int>>& children, int joint) {
-  return joint >= 0 && children[joint].size() == 1 ? children[joint][0] : -1;
-}
 
 std::vector<LimbJoints> LimbsOf(const Skeleton& skeleton, const PoseState& state) {
   const auto children = skeleton.Children();
@@ -182,6 +176,10 @@ class LimbSearcher {
 };
 
 }  // namespace
+
+int OnlyChild(const std::vector<std::vector<int>>& children, int joint) {
+  return joint >= 0 && children[joint].size() == 1 ? children[joint][0] : -1;
+}
 
 Expected<double> SearchLimbs(const FleshBody& body, const FusedCloud& cloud, int frame,
                              const PointCloudOptions& options, PoseState& state) {

@@ -1,8 +1,14 @@
 #pragma once
 
+#include <vector>
+
 #include "fitting/clouds/capsule_fit.h"
 
 namespace mocurate {
+
+/// The joint below one that has a single child; -1 for others, and for no joint (-1). `children` (J) as
+/// Skeleton::Children.
+int OnlyChild(const std::vector<std::vector<int>>& children, int joint);
 
 /// Looks for arms and legs anew where a fit from a stance may have left them: one limb at a time is put to some dozens
 /// of poses, of which those that leave the least to explain are fitted with the whole body; what costs less stays,

@@ -40,6 +40,20 @@ double FarthestWrist(const PoseState& state, const Motion& truth) {
   return farthest;
 }
 
+PointCloudOptions BandedClouds() {
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  return options;
+}
+
+/// What three cameras see of a pose; empty where that fails.
+FusedCloud CloudOfPose(const Motion& truth, const std::string& name) {
+  const auto clip = RenderClip(truth, std::filesystem::temp_directory_path() / ("mocurate_arms_" + name));
+  if (!clip) return {};
+  const auto clouds = FuseClip(*clip, BandedClouds());
+  return clouds ? (*clouds)[0] : FusedCloud{};
+}
+
 class FoldedArms : public testing::TestWithParam<int> {};
 
 const std::vector<Turns> kArmsBeforeTheTrunk = {
@@ -58,13 +72,8 @@ TEST_P(FoldedArms, AreFoundByALookAtEachLimb) {
   const SkeletonPtr skeleton = BoneBody();
   ASSERT_NE(skeleton, nullptr);
   const Motion truth = Posed(skeleton, kArmsBeforeTheTrunk[static_cast<std::size_t>(GetParam())]);
-  const auto clip =
-      RenderClip(truth, std::filesystem::temp_directory_path() / ("mocurate_arms_" + std::to_string(GetParam())));
-  ASSERT_TRUE(clip) << clip.error().Message();
-  PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
-  const auto clouds = FuseClip(*clip, options);
-  ASSERT_TRUE(clouds) << clouds.error().Message();
+  const FusedCloud cloud = CloudOfPose(truth, std::to_string(GetParam()));
+  ASSERT_GT(cloud.size(), 0);
   const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
   PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   const auto hang = [&] {
@@ -74,10 +83,10 @@ TEST_P(FoldedArms, AreFoundByALookAtEachLimb) {
     state.rotation(0, *skeleton->FindJoint("right_shoulder"))[2] = 1.3;
   };
   hang();
-  ASSERT_TRUE(FitCloudFrame(body, (*clouds)[0], FrameFit{}, state, options));
+  ASSERT_TRUE(FitCloudFrame(body, cloud, FrameFit{}, state, BandedClouds()));
   EXPECT_GT(FarthestWrist(state, truth), 0.1);
   hang();
-  const auto cost = SearchLimbs(body, (*clouds)[0], 0, options, state);
+  const auto cost = SearchLimbs(body, cloud, 0, BandedClouds(), state);
   ASSERT_TRUE(cost) << cost.error().Message();
   EXPECT_LT(FarthestWrist(state, truth), 0.03);
 }
@@ -88,19 +97,15 @@ TEST(LimbSearch, LeavesAPoseThatExplainsThePoints) {
   const SkeletonPtr skeleton = BoneBody();
   ASSERT_NE(skeleton, nullptr);
   const Motion truth = Posed(skeleton, {{"left_shoulder", {0.0, 0.0, -1.2}}, {"right_shoulder", {0.0, 0.0, 1.2}}});
-  const auto clip = RenderClip(truth, std::filesystem::temp_directory_path() / "mocurate_arms_down");
-  ASSERT_TRUE(clip) << clip.error().Message();
-  PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
-  const auto clouds = FuseClip(*clip, options);
-  ASSERT_TRUE(clouds) << clouds.error().Message();
+  const FusedCloud cloud = CloudOfPose(truth, "down");
+  ASSERT_GT(cloud.size(), 0);
   const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
   PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   for (int j = 0; j < state.joints(); ++j) {
     if (!state.active(j)) continue;
     Eigen::Map<Vector3d>(state.rotation(0, j)) = LogQuaternion(truth.rotation_at(0, j));
   }
-  const auto cost = SearchLimbs(body, (*clouds)[0], 0, options, state);
+  const auto cost = SearchLimbs(body, cloud, 0, BandedClouds(), state);
   ASSERT_TRUE(cost) << cost.error().Message();
   EXPECT_LT(FarthestWrist(state, truth), 0.02);
 }
