@@ -37,7 +37,7 @@ constexpr InspectedFormat kInspectedFormats[] = {{SourceFormat::kJointTable, "jo
                                                  {SourceFormat::kAmass, "amass"},
                                                  {SourceFormat::kExpmap, "expmap_table"},
                                                  {SourceFormat::kExpmap, "joint_table"},
-                                                 {SourceFormat::kPhspd, "joint_table"},
+                                                 {SourceFormat::kPhspd, "phspd_pose"},
                                                  {SourceFormat::kVibeTracks, "vibe_tracks"},
                                                  {SourceFormat::kUestc, "vibe_cache"},
                                                  {SourceFormat::kUestc, "vibe_tracks"},

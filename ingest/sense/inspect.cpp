@@ -12,7 +12,9 @@
 #include "core/formats/pickle.h"
 #include "core/formats/png.h"
 #include "ingest/format_facts.h"
+#include "ingest/sense/check_report.h"
 #include "ingest/sense/clip_report.h"
+#include "ingest/sense/comparison.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_annotations.h"
@@ -73,6 +75,7 @@ class Inspector {
   Status AddStoragesBeside(const FileToInspect& file);
   bool IsDeclared(const FileToInspect& file) const;
   std::string DeclaredName(const FileToInspect& file) const;
+  void AddSaidByRun(const FileBytes& file, FileKind kind, std::size_t before);
   void AddClips(const FileToInspect& file, bool declared, const std::vector<ObservedClip>& clips);
   void AddRest(const ObservedFile& file, const std::string& name);
   void AddSequence(const ObservedFile& file, const std::string& name);
@@ -123,12 +126,27 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
   const std::size_t before = findings().size();
   AddClips(file, declared, observed->clips);
   AddRest(*observed, file.name);
-  const auto refused = RefusedByReader(declared ? source_ : none_, declared ? DeclaredName(file) : "", content);
-  const auto is_error = [](const Json& finding) { return finding.at("severity") == "error"; };
-  const auto told = findings().begin() + static_cast<std::ptrdiff_t>(before);
-  if (refused && std::none_of(told, findings().end(), is_error))
-    AddError(*refused, file.name, CodeOf(*refused, kind), findings());
+  if (declared) AddSaidByRun(content, kind, before);
   return {};
+}
+
+/// What a run says of the file, as far as no finding from `before` on says it.
+void Inspector::AddSaidByRun(const FileBytes& file, FileKind kind, std::size_t before) {
+  std::set<std::string> codes, severities;
+  for (std::size_t i = before; i < findings().size(); ++i) {
+    codes.insert(findings()[i].at("code").get<std::string>());
+    severities.insert(findings()[i].at("severity").get<std::string>());
+  }
+  const auto said = SaidByRun(source_, DeclaredName({file.name, file.path, true}), file);
+  if (!said) {
+    if (severities.count("error") == 0) AddError(said.error(), file.name, CodeOf(said.error(), kind), findings());
+    return;
+  }
+  for (const Finding& finding : *said) {
+    if (finding.severity == Severity::kInfo || codes.count(finding.code) != 0) continue;
+    findings().push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, file.name),
+                                           FourDecimals(finding.value), finding.message));
+  }
 }
 
 /// A rig is two storages, intri and extri: asked for one of them, the other is looked for where it lies.

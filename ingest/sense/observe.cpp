@@ -84,6 +84,7 @@ std::optional<ObservedFile> PoseLogIn(const FileBytes& file) {
 }
 
 Expected<ObservedFile> TableIn(const FileBytes& file, const std::optional<SourceOptions>& source) {
+  if (IsOfPhspd(file.path) || (source && source->format == SourceFormat::kPhspd)) return ObservePhspd(file);
   if (std::optional<ObservedFile> poses = PoseLogIn(file)) return std::move(*poses);
   return Clips(ObserveTable(file.bytes, file.name, source));
 }

@@ -110,6 +110,10 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
                                                  const std::optional<SourceOptions>& source);
 Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
                                                  const std::optional<SourceOptions>& source);
+/// Whether the file is of a recording of PHSPD by its path, ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
+bool IsOfPhspd(const std::filesystem::path& path);
+/// Poses, of which damaged rows are told and left out; shapes, which are only named.
+Expected<ObservedFile> ObservePhspd(const FileBytes& file);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.
 std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::string& name);
 /// A clip per body. With a source of the format remarks say whom of them a run takes: "bodies_left_out",

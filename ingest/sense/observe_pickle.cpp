@@ -7,6 +7,7 @@
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
+#include "ingest/people/uestc.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/observe.h"
@@ -129,6 +130,9 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
   clip.facts.emplace_back("track", std::to_string(track.id));
   if (const std::optional<Finding> spoiled = DoubtAngles(track)) {
     clip.remarks.push_back({spoiled->code, spoiled->severity, spoiled->value, spoiled->message});
+  }
+  if (const auto places = CameraPlaces(track.original_camera); !places) {
+    clip.remarks.push_back({"malformed", Severity::kError, 0.0, places.error().Message()});
   }
   if (track.joints == 49) {
     clip.skeleton = "spin49";

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "core/formats/obj.h"
 #include "core/formats/pcd.h"
@@ -35,6 +36,19 @@ double RateByClock(const std::vector<PanopticBodies>& scenes) {
   return 1000.0 * moments / span_ms;
 }
 
+/// The usual number of points of people who have any; 0: nobody has.
+std::size_t UsualPoints(const std::vector<OpenPoseFrame>& frames) {
+  std::map<std::size_t, std::size_t> people;
+  for (const OpenPoseFrame& frame : frames) {
+    for (const OpenPosePerson& person : frame.people) {
+      if (!person.pose.empty()) people[person.pose.size()] += 1;
+    }
+  }
+  const auto usual =
+      std::max_element(people.begin(), people.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return usual == people.end() ? 0 : usual->first;
+}
+
 }  // namespace
 
 ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody) {
@@ -42,13 +56,14 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   clip.format = "openpose";
   clip.frames = static_cast<int>(frames.size());
   std::size_t most = 0, fewest = frames.empty() ? 0 : frames[0].people.size();
-  std::size_t points = 0, missing = 0, without = 0, joints = 0;
+  const std::size_t joints = UsualPoints(frames);
+  std::size_t points = 0, missing = 0, without = 0, odd = 0;
   for (const OpenPoseFrame& frame : frames) {
     most = std::max(most, frame.people.size());
     fewest = std::min(fewest, frame.people.size());
     for (const OpenPosePerson& person : frame.people) {
-      joints = std::max(joints, person.pose.size());
       without += person.pose.empty() ? 1 : 0;
+      odd += !person.pose.empty() && person.pose.size() != joints ? 1 : 0;
       for (const DetectedKeypoint& point : person.pose) {
         ++points;
         missing += point.detected() ? 0 : 1;
@@ -72,6 +87,12 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   std::vector<OpenPosePerson> here;
   for (const OpenPoseFrame& frame : frames) here.insert(here.end(), frame.people.begin(), frame.people.end());
   for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(RemarkOf(doubt));
+  if (odd > 0) {
+    clip.remarks.push_back({"keypoint_count", Severity::kWarning, static_cast<double>(odd),
+                            std::to_string(odd) + (odd == 1 ? " person has" : " people have") +
+                                " another number of keypoints than " + std::to_string(joints) +
+                                ": a run takes them as not seen"});
+  }
   if (without > 0) {
     clip.remarks.push_back({"empty_person", Severity::kInfo, static_cast<double>(without),
                             std::to_string(without) + " entries of people hold no keypoints"});

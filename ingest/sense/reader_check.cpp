@@ -1,7 +1,7 @@
 #include "ingest/sense/reader_check.h"
 
 #include "core/base/file.h"
-#include "core/formats/phspd_text.h"
+#include "ingest/clip_checks.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -33,27 +33,20 @@ ClipReader ReaderOf(const SourceOptions& source) {
   }
 }
 
-/// ".../subject03_group2_time4/pose.txt".
-bool IsOfPhspd(const std::filesystem::path& path) {
-  return path.filename() == "pose.txt" && ParsePhspdRecording(DisplayPath(path.parent_path().filename())).has_value();
-}
-
 }  // namespace
 
-std::optional<Error> RefusedByReader(const std::optional<SourceOptions>& source, const std::string& declared_name,
-                                     const FileBytes& file) {
-  if (!source) {
-    if (!IsOfPhspd(file.path)) return std::nullopt;
-    const Expected<PhspdPose> pose = ParsePhspdPose(file.bytes, file.name, DamagedRows::kReport);
-    return pose ? std::nullopt : std::optional<Error>(pose.error());
-  }
-  const ClipReader reader = ReaderOf(*source);
-  if (reader == nullptr || !source->container.empty() || !CheckSource(*source)) return std::nullopt;
+Expected<std::vector<Finding>> SaidByRun(const std::optional<SourceOptions>& source, const std::string& declared_name,
+                                         const FileBytes& file) {
+  const ClipReader reader = source ? ReaderOf(*source) : nullptr;
+  if (reader == nullptr || !source->container.empty() || !CheckSource(*source)) return std::vector<Finding>();
   const Expected<NamedFile> named = ReadName(*source, declared_name);
-  if (!named) return std::nullopt;  // told as that
+  if (!named) return std::vector<Finding>();  // told as that
   const std::string bytes(file.bytes);
-  const Expected<IngestedClip> clip = reader({*source, *named, file.name, bytes, {}});
-  return clip ? std::nullopt : std::optional<Error>(clip.error());
+  Expected<IngestedClip> clip = reader({*source, *named, file.name, bytes, {}});
+  if (!clip) return Forward(clip);
+  if (!SpoilsPoses(clip->findings)) CheckBody(*source, *clip);
+  CheckClip(*source, *named, *clip);
+  return std::move(clip->findings);
 }
 
 }  // namespace mocurate

@@ -2,16 +2,18 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
+#include "core/base/finding.h"
 #include "ingest/sense/observe.h"
 
 namespace mocurate {
 
-/// Why a run would refuse a file that an inspection reads: what the reader of its source's format says of it, for
-/// formats whose clip is one file by itself. `declared_name` is the file's below the source's folder. Without a source
-/// that of PHSPD, whose folders have names of their own. Nothing where the reader takes the file.
-std::optional<Error> RefusedByReader(const std::optional<SourceOptions>& source, const std::string& declared_name,
-                                     const FileBytes& file);
+/// What a run would say of a file that an inspection reads, for formats whose clip is one file by itself: its findings,
+/// or the error for which it refuses it. `declared_name` is the file's below the source's folder, whose name is told
+/// elsewhere. Without a source, and of other formats, nothing.
+Expected<std::vector<Finding>> SaidByRun(const std::optional<SourceOptions>& source, const std::string& declared_name,
+                                         const FileBytes& file);
 
 }  // namespace mocurate

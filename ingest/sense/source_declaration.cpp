@@ -39,6 +39,7 @@ const std::map<std::string, std::string>& Formats() {
                                                              {"amc", "asf_amc"},
                                                              {"amass", "amass"},
                                                              {"expmap_table", "expmap"},
+                                                             {"phspd_pose", "phspd"},
                                                              {"depth_sequence", "depth_sequence"},
                                                              {"vibe_tracks", "vibe_tracks"},
                                                              {"vibe_cache", "uestc"},
@@ -75,7 +76,8 @@ void WriteAxes(const ClipVotes& source, DeclarationWriter& writer) {
 
 void WriteUnits(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const bool by_format = format == "ntu_skeleton" || format == "amass" || format == "vibe_tracks" ||
-                         format == "uestc" || format == "humanact12_pickle" || format == "depth_sequence";
+                         format == "uestc" || format == "humanact12_pickle" || format == "depth_sequence" ||
+                         format == "phspd";
   if (format == "panoptic") return writer.Line("    # units: centimetres, declared by the format");
   if (by_format) return writer.Line("    # units: metres, declared by the format");
   const Vote units = source.Ask("units");

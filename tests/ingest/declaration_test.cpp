@@ -118,7 +118,7 @@ TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) 
 TEST(Declaration, AFormatReadsWhatAnInspectionCallsOtherwise) {
   EXPECT_TRUE(Reads(SourceFormat::kDepthSequence, "depth_still"));
   EXPECT_TRUE(Reads(SourceFormat::kAsfAmc, "amc"));
-  EXPECT_TRUE(Reads(SourceFormat::kPhspd, "joint_table"));
+  EXPECT_TRUE(Reads(SourceFormat::kPhspd, "phspd_pose"));
   EXPECT_TRUE(Reads(SourceFormat::kNone, "bvh"));
   EXPECT_FALSE(Reads(SourceFormat::kJointTable, "bvh"));
 }

@@ -35,6 +35,19 @@ TEST(ToldByBoth, FilesOfOneFrameOfACameraAreNamed) {
   EXPECT_THAT(ToldBy(folder, std::nullopt), Contains(HasSubstr("malformed: cam1.2.json: the same frame as cam1.0002")));
 }
 
+TEST(ToldByBoth, PeopleWithAnotherNumberOfKeypointsAreCounted) {
+  const std::filesystem::path folder = FreshFolder("keypoint_count");
+  for (int f = 0; f < 6; ++f) {
+    OpenPoseFrame frame;
+    frame.people.emplace_back();
+    for (int k = 0; k < (f == 3 ? 26 : 25); ++k)
+      frame.people[0].pose.push_back({100.0 + 20.0 * k + f, 50.0 + 30.0 * k, 0.9});
+    ASSERT_TRUE(WriteFile(folder / ("cam1.000" + std::to_string(f) + ".json"), WriteOpenPose(frame)));
+  }
+  EXPECT_THAT(ToldBy(folder, std::nullopt), Contains(HasSubstr("keypoint_count: 1 person has another number")));
+  EXPECT_EQ(InspectPath(folder, std::nullopt).at("clips")[0].at("joints").at("value"), 25);
+}
+
 TEST(ToldByBoth, AConfidenceOfMsrThatIsNoneIsAnErrorOfItsFile) {
   if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
   const char* const name = "a01_s01_e01_skeleton3D.txt";

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "core/formats/vibe_pickle.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/runs.h"
 #include "tests/ingest/studio_folders.h"
@@ -10,7 +11,9 @@ namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -73,6 +76,24 @@ TEST_F(UestcInfo, FewerFramesThanTheTrackHasAreNoContradiction) {
   const IngestOptions options = Declared("uestc", {"ingest.path=" + (folder / "uestc").string()});
   EXPECT_EQ(CountCode(RunAll(options), "count_contradiction"), 0u);
   EXPECT_THAT(Contradictions(), IsEmpty());
+}
+
+TEST_F(UestcInfo, ACameraWithoutAPositiveScaleIsAnErrorOfItsVideo) {
+  const std::string name = "vibe_cache_refined.pkl";
+  const std::string bytes = Bytes("uestc/" + name);
+  const auto cache = VibeCache::Open(bytes, name);
+  ASSERT_TRUE(cache);
+  std::vector<VibeTrack> videos;
+  for (std::size_t video = 0; video < cache->size(); ++video) videos.push_back(*cache->Track(video));
+  videos[1].original_camera[4 * 7] *= -1.0;
+  Put(name, *EncodeVibeCache(videos, name));
+  const Json inspection = InspectPath(folder / "uestc", std::nullopt);
+  std::vector<std::string> told;
+  for (const Json& finding : inspection.at("findings")) {
+    if (finding.at("severity") == "error")
+      told.push_back(finding.at("where").get<std::string>() + ": " + finding.at("message").get<std::string>());
+  }
+  EXPECT_THAT(told, ElementsAre(AllOf(HasSubstr(name + "[1]"), HasSubstr("scale"), HasSubstr("in frame 7"))));
 }
 
 TEST_F(UestcInfo, AnInspectionKnowsTheListsAndWhoseVideoIsWhose) {
