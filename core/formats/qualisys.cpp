@@ -48,6 +48,19 @@ Expected<Attributes> Child(const XmlElement& camera, const std::string& child, c
               file + ":" + std::to_string(camera.line));
 }
 
+/// What is not read holds numbers as well: a file that is damaged there is not trusted elsewhere.
+Status CheckNumbers(const XmlElement& camera, const std::string& file) {
+  for (const XmlElement& element : camera.children) {
+    const bool numbers =
+        element.name.rfind("fov_", 0) == 0 || element.name == "transform" || element.name == "intrinsic";
+    if (!numbers) continue;
+    for (const auto& [key, text] : element.attributes) {
+      if (const Expected<double> number = Attributes{element, file}.Number(key); !number) return Forward(number);
+    }
+  }
+  return {};
+}
+
 Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string& file) {
   CalibratedView view;
   const auto serial = camera.attributes.find("serial");
@@ -56,6 +69,7 @@ Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string
                 file + ":" + std::to_string(camera.line));
   }
   view.name = serial->second;
+  if (Status numbers = CheckNumbers(camera, file); !numbers) return Forward(numbers);
   const Expected<Attributes> video = Child(camera, "fov_video", file);
   if (!video) return Forward(video);
   const auto fov = video->Numbers({"left", "top", "right", "bottom"});

@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "ingest/sense/file_names.h"
+#include "ingest/sense/name_sense.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -15,22 +16,37 @@ namespace {
 
 using Json = nlohmann::json;
 
+std::string Joined(const std::set<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 /// NTU's names say everything; how many people a file holds is declared per action.
 void WriteNtuNames(const ClipVotes& source, DeclarationWriter& writer) {
   writer.Value("files", "\"S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton\"",
                "declared by the format");
   writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} tells several people of a file apart");
   writer.Value("label", "\"A{action}\"", "declared by the format");
-  std::string bodies;
-  std::set<std::string> told;
+  std::set<std::string> of_two, of_one;
   for (const Json* clip : source.clips()) {
     const std::string file = clip->at("file");
     const std::size_t at = file.rfind('A');
-    const int people = clip->at("people").at("value");
-    if (people < 2 || at == std::string::npos || !told.insert(file.substr(at, 4)).second) continue;
-    bodies += (bodies.empty() ? "" : ", ") + file.substr(at, 4) + ": " + std::to_string(people);
+    if (at == std::string::npos) continue;
+    const std::string action = file.substr(at, 4);
+    if (IsNtuActionOfTwo(ParseInteger(action.substr(1)).value_or(0)))
+      of_two.insert(action);
+    else if (clip->at("people").at("value") > 1)
+      of_one.insert(action);
   }
-  if (!bodies.empty()) writer.Value("bodies", "{" + bodies + "}", "measured: most people in a frame of such files");
+  std::string bodies;
+  for (const std::string& action : of_two) bodies += (bodies.empty() ? "" : ", ") + action + ": 2";
+  if (!bodies.empty()) writer.Value("bodies", "{" + bodies + "}", "known of the set: actions of two people");
+  if (of_one.empty()) return;
+  writer.Comment("Files of " + Joined(of_one) +
+                 " hold several bodies, and the actions are of one person: the others are ghosts or bystanders, which "
+                 "`people` tells apart. `bodies: {" +
+                 *of_one.begin() + ": 2}` would take two.");
 }
 
 void Rename(GuessedNames& guessed, std::string& text, const std::string& from, const std::string& to) {

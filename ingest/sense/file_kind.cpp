@@ -157,6 +157,7 @@ FileKind NumbersKind(std::string_view bytes) {
 class TopKeys : public nlohmann::json_sax<nlohmann::json> {
  public:
   std::set<std::string> top, below;
+  bool keypoints = false;  ///< of OpenPose's people, anywhere
 
   bool null() override { return true; }
   bool boolean(bool) override { return true; }
@@ -171,6 +172,7 @@ class TopKeys : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return --depth_ >= 0; }
   bool key(string_t& name) override {
     if (depth_ == 1) top.insert(name);
+    keypoints = keypoints || name == "pose_keypoints_2d";
     if (depth_ == 2 && top.size() == 1) below.insert(name);
     return top.size() < kMostKeys;
   }
@@ -221,6 +223,8 @@ FileKind KindOf(std::string_view bytes) {
   if (const FileKind acclaim = AcclaimKind(lines); acclaim != FileKind::kUnknown) return acclaim;
   if (IsBareAmc(lines)) return FileKind::kAmc;
   if (bytes[0] == '[' && lines[0].back() == ']' && lines[0].find('"') == std::string_view::npos) return FileKind::kToml;
+  // A storage whose first line is damaged: its reader says so.
+  if (bytes.find("opencv-matrix") != std::string_view::npos) return FileKind::kOpenCvYaml;
   if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
   if (IsObj(lines)) return FileKind::kObj;
   if (IsNtuSkeleton(lines)) return FileKind::kNtuSkeleton;
@@ -232,7 +236,7 @@ JsonKind JsonKindOf(std::string_view bytes) {
   TopKeys keys;
   nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
   const auto has = [&](const char* key) { return keys.top.count(key) > 0; };
-  if (has("people")) return JsonKind::kOpenPose;
+  if (has("people") || keys.keypoints) return JsonKind::kOpenPose;
   if (has("bodies")) return JsonKind::kPanopticBodies;
   if (has("views") && has("frames")) return JsonKind::kDepthSequence;
   if (has("views") && has("depth_unit")) return JsonKind::kDepthStill;

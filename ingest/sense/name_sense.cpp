@@ -37,6 +37,8 @@ std::optional<std::string> DoubtWord(const char* what, const std::string& word, 
 
 }  // namespace
 
+bool IsNtuActionOfTwo(long long action) { return (action >= 50 && action <= 60) || (action >= 106 && action <= 120); }
+
 std::optional<std::string> DoubtNtuName(const fs::path& path) {
   const std::string name = DisplayPath(path.stem());
   if (name.size() != 4 * std::size(kNtuFields)) return std::nullopt;

@@ -13,6 +13,9 @@ namespace mocurate {
 /// and the authors' list of files). Nothing of other names.
 std::optional<std::string> DoubtNtuName(const std::filesystem::path& path);
 
+/// Whether an action of NTU RGB+D 60 and 120 is one of two people: 50 to 60 and 106 to 120 (Liu et al. 2019, table 2).
+bool IsNtuActionOfTwo(long long action);
+
 /// What `label`, read from the file `path`, says else than the name of that file, "dataset-1_bow_old_001.json", by
 /// content_label.txt and style_label.txt beside it; nothing where these are not there, or the name has another form.
 std::optional<std::string> DoubtBandaiLabel(const std::filesystem::path& path, const BandaiLabel& label);

@@ -230,7 +230,13 @@ Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std
   const StorageText* extrinsic = nullptr;
   std::vector<StorageText> parsed;
   for (const auto& [name, bytes] : storages) {
-    auto storage = bytes.substr(0, 5) == "%YAML" ? ParseStorageYaml(bytes, name) : ParseStorageXml(bytes, name);
+    const std::string_view text = Trim(bytes);
+    const bool yaml = text.substr(0, 5) == "%YAML";
+    if (!yaml && text.substr(0, 1) != "<") {
+      return Fail(ErrorCode::kMalformed, "the storage begins with neither %YAML:1.0 nor <?xml, as OpenCV asks",
+                  name + ":1");
+    }
+    auto storage = yaml ? ParseStorageYaml(bytes, name) : ParseStorageXml(bytes, name);
     if (!storage) return Forward(storage);
     parsed.push_back(std::move(*storage));
   }

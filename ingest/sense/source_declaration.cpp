@@ -174,6 +174,13 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
   } else {
     writer.Value("columns", "[" + fact("columns") + "]", "measured: " + how);
   }
+  const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
+                                   [](const Json* clip) { return clip->at("missing_share").at("value").is_null(); });
+  if (unsure != source.clips().end() && fact("columns").find("confidence") != std::string::npos) {
+    writer.Comment(
+        "least_confidence: 0.1 would take joints of confidence 0 as seen, but doubted; without it they are not seen. " +
+        (*unsure)->at("missing_share").at("evidence").get<std::string>());
+  }
   if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
   double missing = 0.0;
   for (const std::string& share : source.Facts("at_origin")) {

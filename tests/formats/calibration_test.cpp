@@ -92,6 +92,11 @@ radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDi
   const auto none = ParseQualisys(narrow, "q.txt");
   ASSERT_FALSE(none) << none->views[0].width << " px wide";
   EXPECT_THAT(none.error().Message(), HasSubstr("fov_video/left, right: the image ends at 0 and begins at 0"));
+  std::string unread = text;
+  unread.replace(unread.find("skew="), 5, "focallength=\"9.3o\" skew=");
+  const auto damaged = ParseQualisys(unread, "q.txt");
+  ASSERT_FALSE(damaged) << "a field that is not needed is damaged as well";
+  EXPECT_THAT(damaged.error().Message(), HasSubstr("intrinsic/focallength: '9.3o' is not a finite number"));
   std::string mirrored = text;
   mirrored.replace(mirrored.find("r11=\"1\""), 7, "r11=\"-1\"");
   EXPECT_THAT(ParseQualisys(mirrored, "q.txt").error().Message(),

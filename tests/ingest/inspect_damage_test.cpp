@@ -14,6 +14,7 @@ namespace mocurate {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -120,6 +121,24 @@ TEST_F(DamagedFiles, ARigThatContradictsItselfIsAnErrorThatNamesBoth) {
   shape.replace(shape.find(rows) + rows.size(), 1, "2");
   EXPECT_THAT(Errors(Look("intri.yml", shape)),
               ElementsAre(AllOf(HasSubstr("intri.yml:K_b"), HasSubstr("2 rows of 3, 6 numbers, are announced; 9"))));
+}
+
+TEST_F(DamagedFiles, AStorageWithADamagedFirstLineIsNamedItself) {
+  Written("intri.yml", Intri());
+  std::string damaged = Extri();
+  damaged.replace(0, 5, "%YMAL");
+  for (const char* asked : {"intri.yml", "extri.yml"}) {
+    Written("extri.yml", damaged);
+    EXPECT_THAT(Errors(InspectPath(folder_ / asked, std::nullopt)),
+                ElementsAre(AllOf(HasSubstr("extri.yml:1"), HasSubstr("begins with neither %YAML:1.0"))));
+  }
+  EXPECT_THAT(Errors(InspectPath(folder_, std::nullopt)), Contains(HasSubstr("extri.yml:1")));
+}
+
+TEST_F(DamagedFiles, PeopleUnderAnotherKeyAreStillADetectors) {
+  EXPECT_THAT(
+      Errors(Look("cam1_000000000000_keypoints.json", R"({"version":1.3,"peopel":[{"pose_keypoints_2d":[1,2,0.5]}]})")),
+      ElementsAre(HasSubstr("cam1_000000000000_keypoints.json: the key 'people' is missing")));
 }
 
 TEST_F(DamagedFiles, HalfACameraIsAnErrorThatNamesTheField) {

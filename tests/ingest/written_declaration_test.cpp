@@ -1,0 +1,44 @@
+// What a written declaration says where the files leave something to choose.
+
+#include <gmock/gmock.h>
+
+#include "ingest/sense/source_declaration.h"
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/studio_folders.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string Declaration(const fs::path& folder) {
+  const auto declared = DeclareSource(InspectPath(folder, std::nullopt), folder, "mine");
+  EXPECT_TRUE(declared) << declared.error().Message();
+  return declared ? declared->yaml : "";
+}
+
+class DeclaredNtu : public Layouts {};
+
+TEST_F(DeclaredNtu, AGhostBesideOnePersonIsNoSecondPerson) {
+  StudioOptions options = Perfect(StudioLayout::kNtu);
+  options.subjects = 1;
+  options.ghost_share = 1.0;
+  Write(options);
+  const std::string yaml = Declaration(folder / "nturgb+d_skeletons");
+  EXPECT_THAT(yaml, Not(HasSubstr("\n    bodies:"))) << yaml;
+  EXPECT_THAT(yaml, HasSubstr("the others are ghosts or bystanders"));
+}
+
+class RecordedDeclarations : public RecordedFormats {};
+
+TEST_F(RecordedDeclarations, ConfidencesOfZeroThatNothingExplainsAreAChoiceThatIsTold) {
+  const std::string name = "a01_s01_e01_skeleton3D.txt";
+  const fs::path folder = FreshFolder("msr_choice");
+  fs::copy_file(TestData() + "/kinect/msr_action3d/" + name, folder / name);
+  EXPECT_THAT(Declaration(folder), HasSubstr("# least_confidence: 0.1 would take joints of confidence 0 as seen"));
+}
+
+}  // namespace
+}  // namespace mocurate
