@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "core/base/text.h"
 #include "ingest/sense/clip_report.h"
@@ -16,22 +17,32 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMostMissing = 20;
+constexpr std::string_view kEnding = ".npz";
 
 /// Motions by every ending of their path.
 struct Motions {
-  std::map<std::string, const Json*> files;
+  std::map<std::string, const Json*> files;  ///< null: cannot be read, which is told of the file
   std::set<std::string> folders;
 
-  explicit Motions(const Json& clips) {
+  Motions(const Json& clips, const Json& findings) {
     for (const Json& clip : clips) {
-      if (clip.at("format") != "amass") continue;
-      const std::string path = clip.at("file").get<std::string>();
-      for (std::size_t at = 0;; ++at) {
-        files.emplace(path.substr(at), &clip);
-        if (const std::string folder = FolderOf(path.substr(at)); !folder.empty()) folders.insert(folder);
-        at = path.find('/', at);
-        if (at == std::string::npos) break;
-      }
+      if (clip.at("format") == "amass") Add(clip.at("file").get<std::string>(), &clip);
+    }
+    if (files.empty()) return;
+    for (const Json& finding : findings) {  // a file that cannot be read is there
+      const std::string where = finding.at("where");
+      const std::size_t end = where.find(kEnding);
+      if (finding.at("severity") == "error" && end != std::string::npos)
+        Add(where.substr(0, end + kEnding.size()), nullptr);
+    }
+  }
+
+  void Add(const std::string& path, const Json* clip) {
+    for (std::size_t at = 0;; ++at) {
+      files.emplace(path.substr(at), clip);
+      if (const std::string folder = FolderOf(path.substr(at)); !folder.empty()) folders.insert(folder);
+      at = path.find('/', at);
+      if (at == std::string::npos) break;
     }
   }
 };
@@ -48,19 +59,22 @@ void TellDuration(const AnnotatedMotion& motion, const Json& clip, Json& finding
 }  // namespace
 
 void TellAnnotations(const std::vector<AnnotatedMotion>& annotated, const Json& clips, Json& findings) {
-  const Motions motions(clips);
+  const Motions motions(clips, findings);
   if (motions.files.empty()) return;
   std::size_t told = 0, elsewhere = 0;
   for (const AnnotatedMotion& motion : annotated) {
     const Json* clip = nullptr;
-    bool folder_is_here = false;
+    bool folder_is_here = false, is_here = false;
     for (const std::string& name : AmassNames(motion.feat_p)) {
       const auto found = motions.files.find(name);
-      if (found != motions.files.end()) clip = found->second;
+      if (found != motions.files.end()) is_here = true;
+      if (found != motions.files.end() && found->second != nullptr) clip = found->second;
       folder_is_here = folder_is_here || motions.folders.count(FolderOf(name)) > 0;
     }
     if (clip != nullptr) {
       TellDuration(motion, *clip, findings);
+    } else if (is_here) {
+      continue;
     } else if (folder_is_here && told < kMostMissing) {
       ++told;
       findings.push_back(InspectionFinding("motion_missing", Severity::kWarning, motion.file + ":" + motion.key, 0.0,

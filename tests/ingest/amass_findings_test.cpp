@@ -145,6 +145,12 @@ TEST_F(AmassFindings, APathThatNamesNoFileOfItsFolderIsToldAndOneOfAPartThatIsNo
   EXPECT_EQ(told[0].at("value"), 1);
 }
 
+TEST_F(AmassFindings, AMotionThatCannotBeReadIsNotMissing) {
+  Put(kMotion, "PK\x03\x04 cut off");
+  EXPECT_THAT(Inspected("motion_missing"), IsEmpty());
+  EXPECT_EQ(Inspected("malformed").size(), 1u);
+}
+
 TEST_F(AmassFindings, ACategoryThatBabelDoesNotKnowIsToldWithItsSequence) {
   EXPECT_THAT(Inspected("category_unknown"), IsEmpty());
   ChangeLabels([](BabelSequence& sequence) {
