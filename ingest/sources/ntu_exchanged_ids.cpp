@@ -52,18 +52,18 @@ BodyPair PairIn(const std::vector<NtuBody>& bodies, const IdPair& ids) {
 }
 
 /// How two bodies go on from where they were last seen together.
-struct Exchange {
+struct IdExchange {
   double jump = 0.0;   ///< metres, the shorter of each to its own last pose
   double apart = 0.0;  ///< the longer of each to the other's
 };
 
-std::optional<Exchange> ExchangeBetween(const BodyPair& before, const BodyPair& now, int frames) {
+std::optional<IdExchange> IdExchangeBetween(const BodyPair& before, const BodyPair& now, int frames) {
   const auto own_a = JointDistance(*before.a, *now.a), own_b = JointDistance(*before.b, *now.b);
   const auto other_a = JointDistance(*before.b, *now.a), other_b = JointDistance(*before.a, *now.b);
   if (!own_a || !own_b || !other_a || !other_b) return std::nullopt;
-  const Exchange exchange{std::min(*own_a, *own_b), std::max(*other_a, *other_b)};
+  const IdExchange exchange{std::min(*own_a, *own_b), std::max(*other_a, *other_b)};
   const bool jumps = exchange.jump >= kNearestBodies + kFramePace * (frames - 1);
-  return jumps && exchange.apart <= kGoesOn * exchange.jump ? std::optional<Exchange>(exchange) : std::nullopt;
+  return jumps && exchange.apart <= kGoesOn * exchange.jump ? std::optional<IdExchange>(exchange) : std::nullopt;
 }
 
 /// Goes through the frames and gives ids back as it finds them exchanged.
@@ -97,13 +97,14 @@ class IdKeeper {
     const auto now = static_cast<int>(f);
     if (last != last_.end() && now - last->second <= kLongestLost && findings_.size() < kMostExchanges) {
       const auto before = static_cast<std::size_t>(last->second);
-      const auto exchange = ExchangeBetween(PairIn(frames_[before], ids), PairIn(frames_[f], ids), now - last->second);
+      const auto exchange =
+          IdExchangeBetween(PairIn(frames_[before], ids), PairIn(frames_[f], ids), now - last->second);
       if (exchange) GiveBack(f, ids, *exchange);
     }
     last_[ids] = now;
   }
 
-  void GiveBack(std::size_t f, const IdPair& ids, const Exchange& exchange) {
+  void GiveBack(std::size_t f, const IdPair& ids, const IdExchange& exchange) {
     for (NtuBody& body : frames_[f]) {
       if (body.id == ids.first || body.id == ids.second) body.id = body.id == ids.first ? ids.second : ids.first;
     }
