@@ -25,6 +25,7 @@ const std::map<std::string, std::string>& CheckCodes() {
       {"collapsed_frames", "frames whose joints lie in one point"},
       {"frozen_frames", "frames equal to the last digit"},
       {"repeated_frames", "each frame several times"},
+      {"repeated_stretch", "a section of the clip that stands in it twice"},
       {"held_joint", "a joint that stands still to the last digit while others move"},
       {"units_change", "frames in another unit than the others"},
       {"frozen_view", "a camera that repeats itself while others see somebody move"},

@@ -274,7 +274,9 @@ Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, Dama
   if (!npz) return Forward(npz);
   const DamagedPoses numbers = damaged == DamagedRows::kReport ? ClearDamaged(*npz) : DamagedPoses();
   Expected<Amass> amass = AmassReader(*npz, name).Read();
+  if (!amass && !npz->unsafe.empty()) return tl::unexpected<Error>(npz->unsafe.front());
   if (!amass) return amass;
+  for (const Error& unsafe : npz->unsafe) amass->findings.push_back(UnsafeMember(unsafe));
   TellDamaged(numbers, name, *amass);
   if (amass->damaged.size() == amass->frames) {
     return Fail(ErrorCode::kMalformed,

@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/amc.h"
+#include "core/formats/amc_missing.h"
 #include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
@@ -15,7 +16,6 @@ namespace {
 
 using Token = NumberScanner::Token;
 
-constexpr std::size_t kMostAmcFindings = 200;
 constexpr std::size_t kFewPlaces = 10000;
 
 class AmcParser {
@@ -53,7 +53,9 @@ class AmcParser {
       return Fail(ErrorCode::kMalformed, "the file holds no frame", name_, "is it cut off? Copy it again");
     if (Status closed = CloseFrame(true); !closed) return Forward(closed);
     if (Status whole = LastFrame(); !whole) return Forward(whole);
-    if (Status missing = JudgeMissing(); !missing) return Forward(missing);
+    if (misread_ && 2 * amc_.damaged.size() > static_cast<std::size_t>(amc_.frames))
+      return tl::unexpected<Error>(*std::move(misread_));
+    if (Status missing = JudgeMissingBones(frame_lines_, Reports(), name_, amc_); !missing) return Forward(missing);
     return std::move(amc_);
   }
 
@@ -180,6 +182,7 @@ class AmcParser {
     frame_lines_.push_back(line_);
     last_before_ = last_;
     unnumbered_ = unnumbered;
+    misspelt_.reset();
     row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
     here_.assign(amc_.bones.size(), 0);
     return {};
@@ -198,15 +201,16 @@ class AmcParser {
       if (Status begun = BeginUnnumbered("'" + Shown(bone) + "' stands"); !begun) return Forward(begun);
       return token == Token::kLineEnd;
     }
-    if (found == index_.end() && !learns && Reports() && amc_.frames > 1) {
-      Report("bone_unknown", bone, static_cast<double>(numbers_.size()),
-             Place(line_) + ": unknown " + called + " in frame " + std::to_string(amc_.frame_numbers.back()));
-      return whole ? token == Token::kLineEnd : SkipLine();
-    }
     if (found == index_.end() && !learns) {
-      return Bad("unknown " + called, options_.skeleton != nullptr
-                                          ? "the skeleton has no such bone with dof; is it the right skeleton?"
-                                          : "the first frame does not have it");
+      const std::optional<std::size_t> meant = Meant(bone);
+      const Error unknown = UnknownBone(called, meant);
+      if (!Reports() || (amc_.frames == 1 && !meant)) return tl::unexpected<Error>(unknown);
+      if (amc_.frames == 1 && !misread_) misread_ = unknown;
+      if (meant && whole && numbers_.size() == static_cast<std::size_t>(amc_.bones[*meant].channels)) misspelt_ = meant;
+      Report("bone_unknown", bone, static_cast<double>(numbers_.size()),
+             Place(line_) + ": unknown " + called + " in frame " + std::to_string(amc_.frame_numbers.back()) +
+                 (meant ? "; did you mean '" + amc_.bones[*meant].name + "'?" : ""));
+      return whole ? token == Token::kLineEnd : SkipLine();
     }
     const bool comma = scanner_.text().find(',') != std::string_view::npos;
     if (!whole && comma && amc_.frames == 1) {
@@ -258,6 +262,24 @@ class AmcParser {
     return token == Token::kLineEnd;
   }
 
+  /// The bone whose name is nearest to this one, of those that the frame lacks as yet.
+  std::optional<std::size_t> Meant(const std::string& bone) const {
+    std::vector<std::string> lacking;
+    for (std::size_t b = 0; b < amc_.bones.size(); ++b) {
+      if (here_[b] == 0) lacking.push_back(amc_.bones[b].name);
+    }
+    const std::optional<std::string> nearest = Nearest(bone, lacking);
+    return nearest ? std::optional<std::size_t>(index_.at(*nearest)) : std::nullopt;
+  }
+
+  Error UnknownBone(const std::string& called, std::optional<std::size_t> meant) const {
+    const std::string hint = meant ? "did you mean '" + amc_.bones[*meant].name + "'?"
+                             : options_.skeleton != nullptr
+                                 ? "the skeleton has no such bone with dof; is it the right skeleton?"
+                                 : "the first frame does not have it";
+    return Bad("unknown " + called, hint).value();
+  }
+
   /// `last`: of the file. A frame without a bone is damaged, or where the file was cut off.
   Status CloseFrame(bool last) {
     if (amc_.frames == 0) return {};
@@ -282,7 +304,7 @@ class AmcParser {
   /// left out, as what is left of its last row cannot be told from a whole one.
   Status LastFrame() {
     const int last = amc_.frames - 1;
-    if (last < 1 || here_[last_before_] != 0) return {};
+    if (last < 1 || here_[last_before_] != 0 || misspelt_ == last_before_) return {};
     int lacking = 0;
     std::string first;
     for (std::size_t bone = 0; bone < amc_.bones.size(); ++bone) {
@@ -318,64 +340,6 @@ class AmcParser {
     --amc_.frames;
   }
 
-  /// A bone that most frames have is damage where it is missing; one that most lack is not animated.
-  Status JudgeMissing() {
-    const auto frames = static_cast<std::size_t>(amc_.frames), bones = amc_.bones.size();
-    std::vector<std::uint8_t> damaged(frames, 0);
-    for (const int frame : amc_.damaged) damaged[static_cast<std::size_t>(frame)] = 1;
-    const std::size_t whole = frames - amc_.damaged.size();
-    std::vector<std::size_t> there(bones, 0);
-    for (std::size_t f = 0; f < frames; ++f) {
-      for (std::size_t b = 0; b < bones && damaged[f] == 0; ++b) there[b] += amc_.present[f * bones + b];
-    }
-    const auto lacks = [&](std::size_t frame) {
-      std::vector<std::size_t> lacking;
-      for (std::size_t b = 0; b < bones && damaged[frame] == 0; ++b) {
-        if (amc_.present[frame * bones + b] == 0 && 2 * there[b] > whole) lacking.push_back(b);
-      }
-      return lacking;
-    };
-    for (std::size_t f = 0; f < frames; ++f) {
-      const std::vector<std::size_t> lacking = lacks(f);
-      if (lacking.empty()) continue;
-      std::size_t end = f + 1;
-      while (end < frames && lacks(end) == lacking) ++end;
-      const std::string& first = amc_.bones[lacking[0]].name;
-      const auto others = static_cast<long long>(lacking.size()) - 1;
-      const std::string what = (end == f + 1 ? "frame " + std::to_string(amc_.frame_numbers[f]) + " lacks"
-                                             : "frames " + std::to_string(amc_.frame_numbers[f]) + " to " +
-                                                   std::to_string(amc_.frame_numbers[end - 1]) + " lack") +
-                               " bone '" + Shown(first) + "'" + (others > 0 ? " and " + Counted(others, "other") : "") +
-                               ", which most frames have";
-      if (!Reports()) {
-        return Fail(ErrorCode::kMalformed, what, Place(frame_lines_[f]),
-                    "mend or cut the frame, or copy the file again");
-      }
-      Finding* told = Report("bone_missing", first, static_cast<double>(end - f), Place(frame_lines_[f]) + ": " + what,
-                             static_cast<int>(f));
-      if (told != nullptr) {
-        told->frame_end = static_cast<int>(end);
-        told->action = "dropped";
-      }
-      for (; f < end; ++f) damaged[f] = 1;
-      --f;
-    }
-    for (std::size_t b = 0; b < bones; ++b) {
-      if (there[b] == whole || 2 * there[b] > whole) continue;
-      const std::string& name = amc_.bones[b].name;
-      Finding* told = Report("bone_missing", name, static_cast<double>(whole - there[b]),
-                             name_ + ": bone '" + Shown(name) + "' is missing in " + std::to_string(whole - there[b]) +
-                                 " of " + std::to_string(frames) + " frames: it is left as at rest there",
-                             0);
-      if (told != nullptr) told->frame_end = 0;
-    }
-    amc_.damaged.clear();
-    for (std::size_t f = 0; f < frames; ++f) {
-      if (damaged[f] != 0) amc_.damaged.push_back(static_cast<int>(f));
-    }
-    return {};
-  }
-
   NumberScanner scanner_;
   const AmcOptions& options_;
   const std::string& name_;
@@ -387,6 +351,8 @@ class AmcParser {
   std::vector<int> frame_lines_;            ///< (frames) of the frame numbers
   std::size_t first_ = 0;                   ///< bone with which frames begin
   std::size_t last_ = 0, last_before_ = 0;  ///< with which this frame and the one before it ended
+  std::optional<std::size_t> misspelt_;     ///< bone of a whole row of this frame whose name is none
+  std::optional<Error> misread_;            ///< of the first frame, if most are as it
   bool unnumbered_ = false;                 ///< this frame began without its number
   int line_ = 1;
 };

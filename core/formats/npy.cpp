@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "core/formats/array_elements.h"
 #include "core/formats/header_count.h"
+#include "core/formats/pickle.h"
 
 namespace mocurate {
 namespace {
@@ -162,6 +163,7 @@ Expected<NpyArray> ParseParts(const Parts& parts, const std::string& name) {
   const std::optional<ElementType> type = ParseElementType(header.dtype);
   if (!type || type->kind == ElementKind::kObject) {
     if (type) {
+      if (auto foreign = ForeignClassIn(parts.data, name)) return tl::unexpected<Error>(*std::move(foreign));
       return Fail(ErrorCode::kUnsupported,
                   "arrays of type '" + header.dtype +
                       "' are not read: it holds Python objects, such as arrays of "

@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/formats/pickle.h"
+
 namespace mocurate {
 namespace {
 
 constexpr std::string_view kExtension = ".npy";
+
+bool EndsWith(std::string_view text, std::string_view end) {
+  return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
+}
 
 }  // namespace
 
@@ -24,7 +30,12 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
   std::size_t numbers = 0;
   for (std::size_t i = 0; i < archive->members().size(); ++i) {
     const std::string& file = archive->members()[i];
-    if (file.size() <= kExtension.size() || file.substr(file.size() - kExtension.size()) != kExtension) continue;
+    if (EndsWith(file, ".pkl") || EndsWith(file, ".pickle")) {
+      const Expected<std::string> pickle = archive->Read(i);
+      if (auto foreign = pickle ? ForeignClassIn(*pickle, name + ":" + file) : std::nullopt)
+        npz.unsafe.push_back(*std::move(foreign));
+    }
+    if (!EndsWith(file, kExtension)) continue;
     NpzMember member;
     member.name = file.substr(0, file.size() - kExtension.size());
     const std::string where = name + ":" + member.name;
@@ -47,12 +58,21 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
       member.array = std::move(*array);
     } else if (array.error().code == ErrorCode::kUnsupported) {
       member.skipped = array.error().what;
+      if (NamesForeignClass(array.error())) npz.unsafe.push_back(array.error());
     } else {
       return Forward(array);
     }
     npz.members.push_back(std::move(member));
   }
   return npz;
+}
+
+Finding UnsafeMember(const Error& unsafe) {
+  Finding finding;
+  finding.code = "unsafe_pickle";
+  finding.message = unsafe.Message() + "; the member is left out";
+  finding.action = "left out";
+  return finding;
 }
 
 Expected<std::string> EncodeNpz(const Npz& npz, const std::string& name) {

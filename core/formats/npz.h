@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/finding.h"
 #include "core/formats/npy.h"
 #include "core/formats/zip_archive.h"
 
@@ -19,6 +20,7 @@ struct NpzMember {
 
 struct Npz {
   std::vector<NpzMember> members;  ///< in the order of the archive
+  std::vector<Error> unsafe;       ///< of members whose pickle names a class beside plain data, such as `os system`
 
   /// Null when there is none of that name, or when it was skipped.
   const NpyArray* Find(std::string_view name) const;
@@ -30,9 +32,13 @@ struct NpzLimits {
 };
 
 /// numpy.savez, packed or not. Members of types that are no numbers and no texts are listed and skipped, never
-/// executed; members that are no .npy files are ignored. Errors kMalformed (with the member), kUnsupported (limits),
-/// kInconsistent (two members of one name).
+/// executed; members that are no .npy files are ignored, but
+/// for what pickles (.pkl, .pickle; PyTorch's archives hold one) name. Errors kMalformed (with the member),
+/// kUnsupported (limits), kInconsistent (two members of one name).
 Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const NpzLimits& limits = {});
+
+/// "unsafe_pickle" (warning, at no frame): that such a member was left out while others are read.
+Finding UnsafeMember(const Error& unsafe);
 
 /// Not packed, fixed dates: same arrays, same bytes. Errors as of EncodeNpy; skipped members are none to write.
 Expected<std::string> EncodeNpz(const Npz& npz, const std::string& name);

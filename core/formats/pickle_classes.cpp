@@ -74,7 +74,13 @@ const PickleClassName* FindPickleClass(const std::string& name) {
 }
 
 bool NamesForeignClass(const Error& error) {
-  return error.code == ErrorCode::kUnsupported && error.what.find(kNoPlainData) != std::string::npos;
+  const auto says = [&](const char* words) { return error.what.find(words) != std::string::npos; };
+  return error.code == ErrorCode::kUnsupported && (says(kNoPlainData) || says(kNoPlainOpcode));
+}
+
+std::optional<Error> ForeignClassIn(std::string_view bytes, const std::string& name) {
+  const Expected<int> read = PickleMachine(bytes, name, PickleLimits(), true).Read();
+  return !read && NamesForeignClass(read.error()) ? std::optional<Error>(read.error()) : std::nullopt;
 }
 
 Status PickleMachine::PushClass(const std::string& name) {

@@ -260,7 +260,9 @@ Status PickleMachine::Unknown(unsigned char opcode) {
   std::snprintf(text, sizeof(text), "0x%02x", opcode);
   std::string what = std::string("opcode ") + text;
   for (const Named& named : kNames) {
-    if (named.opcode == opcode) what += std::string(" (") + named.name + ")";
+    if (named.opcode != opcode) continue;
+    --position_;
+    return Bad(what + " (" + named.name + kNoPlainOpcode, ErrorCode::kUnsupported);
   }
   --position_;
   return Bad(what + " is not among those of plain data", ErrorCode::kUnsupported);

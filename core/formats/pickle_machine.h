@@ -45,6 +45,9 @@ struct PickleClassName {
   const char* dtype;  ///< of a storage
 };
 
+/// Said of an opcode whose name stands before it; a byte that is no opcode at all is damage.
+inline constexpr const char* kNoPlainOpcode = ") is not among those of plain data";
+
 /// Null when the name is none of the list.
 const PickleClassName* FindPickleClass(const std::string& name);
 

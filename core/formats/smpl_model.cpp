@@ -178,7 +178,9 @@ Expected<SmplModel> ParseSmplModel(std::string_view bytes, const std::string& na
   if (bytes.substr(0, 2) == "PK") {
     const Expected<Npz> npz = ParseNpz(bytes, name);
     if (!npz) return Forward(npz);
-    return ModelReader(FieldsOf(*npz), name).Read();
+    Expected<SmplModel> model = ModelReader(FieldsOf(*npz), name).Read();
+    if (!model && !npz->unsafe.empty()) return tl::unexpected<Error>(npz->unsafe.front());
+    return model;
   }
   const Expected<Pickle> pickle = ParsePickle(bytes, name);
   if (!pickle) return Forward(pickle);

@@ -6,6 +6,7 @@
 
 #include "core/quality/flat.h"
 #include "core/quality/rate.h"
+#include "core/quality/repeated_stretches.h"
 
 namespace mocurate {
 namespace {
@@ -72,6 +73,7 @@ std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, con
   const TrackedPoints points{given.positions, confidence,         given.time_s, given.names,
                              given.parents,   given.rest_lengths, given.body};
   Append(FindRepeats(points, limits.repeats), findings);
+  Append(FindRepeatedStretches(points), findings);
   std::vector<Finding> no_body = FindNoBody(points, limits.rigidity);
   if (no_body.empty() && limits.metres) {
     Append(FindTeleports(points, limits.teleports), findings);

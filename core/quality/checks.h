@@ -17,9 +17,10 @@ struct CheckLimits {
   int most_per_code = 20;  ///< findings of one code; the rest is told in one more, with their number
 };
 
-/// What is wrong with one person's points: FindBlanks, FindRepeats, FindTeleports, FindSwaps, FindNoBody,
-/// FindFlat and FindWrongRate, in order of code, frame and joint. Metres, y up. What is blank is missing to the others;
-/// numbers that are no body are told so and not asked for more. `rate_hz` 0: nobody says it, and it is not doubted.
+/// What is wrong with one person's points: FindBlanks, FindRepeats, FindRepeatedStretches, FindTeleports, FindSwaps,
+/// FindNoBody, FindFlat and FindWrongRate, in order of code, frame and joint. Metres, y up. What is blank is missing to
+/// the others; numbers that are no body are told so and not asked for more. `rate_hz` 0: nobody says it, and it is not
+/// doubted.
 std::vector<Finding> CheckPoints(const TrackedPoints& points, double rate_hz, const CheckLimits& limits = {});
 
 /// Share of the frames that findings of `code` cover.

@@ -178,10 +178,12 @@ void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std:
 
 }  // namespace
 
+bool MendsIds(const PeopleOptions& options) { return options.stitch && options.rule != TrackRule::kOfficial; }
+
 std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOptions& options,
                                  const std::vector<int>& parents, const std::vector<double>& time_s,
                                  std::vector<Finding>& findings) {
-  if (!options.stitch || options.rule == TrackRule::kOfficial) return tracks;
+  if (!MendsIds(options)) return tracks;
   const StitchOptions limits{options.max_gap_s, options.max_speed, StitchOptions().slack, options.max_signature};
   return StitchTracks(std::move(tracks), parents, time_s, limits, findings);
 }

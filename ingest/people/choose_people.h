@@ -27,6 +27,9 @@ struct People {
   std::vector<Finding> findings;  ///< "ghost_body" with the reason, "bodies_left_out", "second_person"
 };
 
+/// Whether ids are taken for other people than the file says: not by the official rule.
+bool MendsIds(const PeopleOptions& options);
+
 /// The ids of a tracker with those joined that are one person, as `options` say: nothing is joined by the official
 /// rule.
 std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOptions& options,

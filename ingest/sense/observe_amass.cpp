@@ -155,6 +155,7 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
     observed.companions.push_back({file.name, "body_model", {}, {}});
     return observed;
   }
+  for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(RemarkOf(UnsafeMember(unsafe)));
   std::optional<Error> exchanged;
   for (const NpzMember& member : archive->members) {
     if (!member.skipped.empty()) continue;
@@ -168,6 +169,7 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
       observed.clips.push_back(std::move(clip));
     }
   }
+  if (observed.clips.empty() && !archive->unsafe.empty()) return tl::unexpected<Error>(archive->unsafe.front());
   if (observed.clips.empty() && exchanged) return tl::unexpected<Error>(*exchanged);
   if (observed.clips.empty()) {
     return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,

@@ -8,6 +8,7 @@
 #include "ingest/sense/name_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/remark.h"
+#include "ingest/sources/ntu_exchanged_ids.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
@@ -80,12 +81,13 @@ void ComparePeople(const NtuSkeleton& skeleton, const SourceOptions& source, con
 
 Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std::optional<SourceOptions>& source) {
   const std::string& name = file.name;
-  const Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
+  Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
   if (!skeleton) {
     Error error = skeleton.error();
     error.code = ErrorCode::kMalformed;  // kInconsistent is said of takes without a person
     return tl::unexpected<Error>(std::move(error));
   }
+  NoteExchangedIds(MendsIds(source ? source->people : PeopleOptions()), *skeleton);
   std::vector<std::uint64_t> ids;
   std::size_t most = 0, fewest = skeleton->frames.empty() ? 0 : skeleton->frames[0].size();
   for (const std::vector<NtuBody>& frame : skeleton->frames) {

@@ -124,6 +124,8 @@ Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, 
   }
   Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);
+  if (!npz->unsafe.empty() && (parts.empty() || npz->Find(parts[0]) == nullptr))
+    return tl::unexpected<Error>(npz->unsafe.front());
   if (parts.empty()) {
     return Fail(ErrorCode::kInconsistent, "the archive holds no array of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "ingest/sources/ntu_exchanged_ids.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
@@ -9,6 +10,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, file.name, source.damaged_rows);
   if (!skeleton) return Forward(skeleton);
+  NoteExchangedIds(MendsIds(source.people), *skeleton);
   const std::size_t wanted = static_cast<std::size_t>(std::max(1, file.named.bodies));
   const Expected<People> people = NtuPeople(*skeleton, source, wanted);
   if (!people) return Forward(people);

@@ -5,9 +5,11 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <tuple>
 
 #include "core/base/file.h"
 #include "core/formats/array_fields.h"
+#include "core/formats/pickle.h"
 
 namespace mocurate {
 namespace {
@@ -67,6 +69,36 @@ TEST(Npz, MembersOfObjectsAreSkippedAndForeignFilesIgnored) {
   EXPECT_THAT(npz->members[0].skipped, HasSubstr("|O"));
   EXPECT_EQ(npz->Find("vids"), nullptr);
   EXPECT_THAT(npz->Find("a")->values, ElementsAre(7));
+}
+
+/// An array of one object, which is this pickle.
+std::string ObjectsOf(const std::string& pickle) {
+  std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (1,), }";
+  header += std::string(64 - (10 + header.size() + 1) % 64, ' ') + "\n";
+  return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header + pickle;
+}
+
+TEST(Npz, AMemberThatNamesAClassBesidePlainDataIsToldWithItAndTheOthersAreRead) {
+  const char* const kEvil = "cos\nsystem\n(S'touch evil'\ntR.";
+  const std::string plain = WriteNpy(MakeArray({1}, {7}));
+  for (const auto& [member, content, told] :
+       {std::tuple<std::string, std::string, std::string>{"a.npy", ObjectsOf(kEvil),
+                                                          "a.npz:a: byte 11: the file names 'os system'"},
+        {"archive/data.pkl", kEvil, "a.npz:archive/data.pkl: byte 11: the file names 'os system'"},
+        {"a.npy", ObjectsOf("(ios\nsystem\n."),
+         "a.npz:a: byte 1: opcode 0x69 (INST) is not among those of plain data"}}) {
+    const auto npz = ParseNpz(WriteStoredZip({{member, content}, {"b.npy", plain}}, "z").value(), "a.npz");
+    ASSERT_TRUE(npz) << npz.error().Message();
+    EXPECT_THAT(npz->Find("b")->values, ElementsAre(7));
+    ASSERT_EQ(npz->unsafe.size(), 1u) << member;
+    EXPECT_TRUE(NamesForeignClass(npz->unsafe[0]));
+    EXPECT_THAT(npz->unsafe[0].Message(), HasSubstr(told));
+  }
+  const auto ragged = ParseNpz(WriteStoredZip({{"a.npy", ObjectsOf("(lI1\na.")}}, "z").value(), "a.npz");
+  ASSERT_TRUE(ragged);
+  EXPECT_TRUE(ragged->unsafe.empty()) << "lists and numbers are plain data";
+  EXPECT_THAT(ParseNpy(ObjectsOf(kEvil), "a.npy").error().Message(), HasSubstr("'os system'"));
+  EXPECT_FALSE(std::filesystem::exists("evil"));
 }
 
 TEST(Npz, ABadMemberIsNamed) {

@@ -4,12 +4,14 @@
 
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
+#include "core/formats/zip_archive.h"
 #include "ingest/sense/inspect.h"
 #include "tests/ingest/studio_folders.h"
 
 namespace mocurate {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -77,6 +79,49 @@ TEST(ToldByBoth, APickleThatWouldRunSomethingIsAnErrorOfAFolderThatNamesFileAndC
   ASSERT_EQ(told.size(), 1u) << inspection.at("findings").dump(1);
   EXPECT_THAT(told[0], HasSubstr("tracks.pkl"));
   EXPECT_THAT(told[0], HasSubstr("'os system'"));
+}
+
+TEST(ToldByBoth, AnArchiveWhosePickleWouldRunSomethingNamesMemberAndClass) {
+  const std::string evil = "cos\nsystem\n(S'true'\ntR.";
+  const std::string archive = WriteStoredZip({{"archive/data.pkl", evil}, {"archive/version", "3"}}, "z").value();
+  const std::filesystem::path folder = FreshFolder("hostile_archive");
+  ASSERT_TRUE(WriteFile(folder / "notes.txt", "of no format"));
+  for (const char* name : {"weights.pt", "tracks.zip", "clip.npz"}) ASSERT_TRUE(WriteFile(folder / name, archive));
+  const std::vector<std::string> told = ToldBy(folder, std::nullopt);
+  for (const char* name : {"weights.pt", "tracks.zip", "clip.npz"}) {
+    EXPECT_THAT(told, Contains(AllOf(HasSubstr("unsafe_pickle: "), HasSubstr("'os system'"))));
+    const Json inspection = InspectPath(folder / name, std::nullopt);
+    EXPECT_EQ(inspection.at("findings").at(0).at("code"), "unsafe_pickle");
+    EXPECT_EQ(inspection.at("findings").at(0).at("severity"), "error");
+    EXPECT_THAT(inspection.at("findings").dump(), HasSubstr(std::string(name) + ":archive/data.pkl"));
+  }
+  EXPECT_EQ(
+      std::count_if(told.begin(), told.end(), [](const std::string& t) { return t.rfind("unsafe_pickle", 0) == 0; }),
+      3);
+  const std::filesystem::path run = FreshFolder("hostile_run");
+  ASSERT_TRUE(WriteFile(run / "P01G01R01F0001T0064A0101.npy", archive));
+  EXPECT_THAT(RefusalOf(Declared("humanact12_npy", {"ingest.path=" + run.string()}), "hostile_archive"),
+              AllOf(HasSubstr("A0101.npy:archive/data.pkl"), HasSubstr("'os system'")));
+}
+
+/// One member is left out, the motion is read.
+TEST(ToldByBoth, AMemberBesideTheMotionThatWouldRunSomethingIsAWarning) {
+  const std::filesystem::path folder = FreshFolder("hostile_member");
+  StudioOptions studio;
+  studio.layout = StudioLayout::kAmass;
+  ASSERT_TRUE(WriteStudioLayout(studio, folder / "written", 1));
+  std::filesystem::path file;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "written/amass"))
+    if (entry.path().extension() == ".npz") file = entry.path();
+  const std::string bytes = *ReadFile(file);
+  ZipArchive archive = *ZipArchive::Open(bytes, "a");
+  std::vector<std::pair<std::string, std::string>> members = {{"extra.pkl", "cos\nsystem\n(S'true'\ntR."}};
+  for (std::size_t i = 0; i < archive.members().size(); ++i)
+    members.emplace_back(archive.members()[i], *archive.Read(i));
+  ASSERT_TRUE(WriteFile(folder / "walk.npz", *WriteStoredZip(members, "z")));
+  const Json inspection = InspectPath(folder / "walk.npz", std::nullopt);
+  EXPECT_EQ(inspection.at("clips").size(), 1u);
+  EXPECT_THAT(inspection.at("findings").dump(), AllOf(HasSubstr("unsafe_pickle"), HasSubstr("walk.npz:extra.pkl")));
 }
 
 TEST(ToldByBoth, ADamagedTableOfExponentialMapsIsNamedAsSuchWithItsRow) {
