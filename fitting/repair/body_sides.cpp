@@ -184,6 +184,8 @@ ToldByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
 
 }  // namespace
 
+std::optional<bool> SidesExchangedByAnatomy(const SkeletonTracks& tracks) { return AskAnatomy(tracks).exchanged; }
+
 std::vector<int> LeftJoints(const Skeleton& skeleton) {
   std::vector<int> left;
   for (int j = 0; j < skeleton.joint_count(); ++j) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct BodyExchange {
 /// anatomy does not tell, the longer state is right. `noise_sigma` metres per axis. Sorted by frame. A mirrored world
 /// looks the same as exchanged sides throughout.
 std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double noise_sigma, double least_margin);
+
+/// Whether left and right of the whole body are exchanged as anatomy has it (knees, feet, hands, the face); nothing
+/// where it does not tell, or of few frames.
+std::optional<bool> SidesExchangedByAnatomy(const SkeletonTracks& tracks);
 
 /// Whether nothing is seen outside the spans.
 bool CoverAll(const std::vector<BodyExchange>& exchanges, const SkeletonTracks& tracks);

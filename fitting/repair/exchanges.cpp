@@ -182,7 +182,8 @@ class ExchangeSearch {
     const int frames = tracks_.frames();
     std::vector<double> cost(states());
     std::vector<std::vector<int>> came(frames, std::vector<int>(states(), 0));
-    for (int s = 0; s < states(); ++s) cost[s] = StateCost(0, s) + (s == 0 ? 0.0 : kLimbChangeCost);
+    // A clip may begin within an exchange, as it may end within one: no change leads there.
+    for (int s = 0; s < states(); ++s) cost[s] = StateCost(0, s);
     for (int f = 1; f < frames; ++f) {
       std::vector<double> next(states(), std::numeric_limits<double>::infinity());
       for (int to = 0; to < states(); ++to) {
@@ -207,7 +208,7 @@ class ExchangeSearch {
 
   /// Of the steps into frames [begin, end) and out of them.
   double StepsOf(const std::vector<int>& path, int begin, int end) const {
-    double cost = begin == 0 && path[0] != 0 ? kLimbChangeCost : 0.0;
+    double cost = 0.0;
     for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f) cost += ChangeCost(f, path[f - 1], path[f]);
     return cost;
   }

@@ -45,6 +45,7 @@ class TearSearch {
       for (const TornJoint& jump : Jumps(j)) of_joint.push_back(jump);
       Merge(std::move(of_joint), found);
     }
+    LeaveWholeBodies(found);
     return found;
   }
 
@@ -297,6 +298,23 @@ class TearSearch {
       }
     }
     return jumps;
+  }
+
+  /// Where most joints jump together it is the person who is elsewhere, as over frames that a set leaves out: none of
+  /// them is torn off.
+  void LeaveWholeBodies(std::vector<TornJoint>& found) const {
+    const std::vector<TornJoint> all = found;
+    const auto with_most = [&](const TornJoint& torn) {
+      if (!torn.jumped) return false;
+      int jumping = 0, seen = 0;
+      for (int j = 0; j < tracks_.joints(); ++j) seen += tracks_.seen(torn.frame_begin, j) ? 1 : 0;
+      for (const TornJoint& other : all) {
+        const bool together = other.frame_begin < torn.frame_end && torn.frame_begin < other.frame_end;
+        jumping += other.jumped && together ? 1 : 0;
+      }
+      return 2 * jumping > seen;
+    };
+    found.erase(std::remove_if(found.begin(), found.end(), with_most), found.end());
   }
 
   /// Runs that overlap become one.

@@ -22,7 +22,7 @@ struct TornJoint {
 /// - steps: it comes and goes, within `longest_s`, by jumps: steps of 0.3 m, of 12 m/s or four times as fast as those
 ///   right before and after. They bring it back to where it was and its bones are not better between them than around,
 ///   or its bones are wrong between them and right around. The clip's ends stand for a jump in the latter, and in 0.35
-///   s next to a jump that no hand makes.
+///   s next to a jump that no hand makes. Where most joints jump together it is the person who is elsewhere.
 /// `noise_sigma` metres per axis. Sorted by joint, then by frame.
 std::vector<TornJoint> FindTornJoints(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                       double noise_sigma, double longest_s);

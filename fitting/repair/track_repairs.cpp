@@ -132,6 +132,20 @@ class Repairs {
     result_.told.push_back(std::move(finding));
   }
 
+  void TellOfTurnedBody(const LimbExchange& limb) {
+    Finding finding;
+    finding.code = "body_turned";
+    finding.frame_begin = limb.frame_begin;
+    finding.frame_end = limb.frame_end;
+    finding.value = limb.margin;
+    finding.message = "the person is turned round within a step, as if left and right were exchanged in " +
+                      Counted(limb.frame_end - limb.frame_begin, "frame") +
+                      "; but knees, feet or hands would then point backwards: left as it is, front and back of these "
+                      "frames or of the others are in doubt";
+    finding.action = "flagged";
+    result_.told.push_back(std::move(finding));
+  }
+
   TrackedPoints points() const {
     return {result_.tracks.positions, result_.tracks.confidence, result_.tracks.time_s, names_};
   }
@@ -196,6 +210,34 @@ void MendBodies(double noise_sigma, double least_margin, Repairs& repairs) {
   for (const BodyExchange& body : bodies) repairs.Exchange(body);
 }
 
+bool Overlap(const LimbExchange& a, const LimbExchange& b) {
+  return a.frame_begin < b.frame_end && b.frame_begin < a.frame_end;
+}
+
+/// A tracker that takes somebody's back for the front turns the whole person round in one step, feet and face with it.
+/// To exchange sides then would set the feet on backwards: which half is right nothing tells, and both stay.
+void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, Repairs& repairs) {
+  const SkeletonTracks given = repairs.tracks();
+  std::vector<LimbExchange> limbs = FindExchanges(given, bone_length, noise_sigma, least_margin);
+  SkeletonTracks mended = given;
+  for (const LimbExchange& limb : limbs) ExchangeJoints(limb.pairs, limb.frame_begin, limb.frame_end, mended);
+  std::vector<LimbExchange> turned;
+  for (const LimbExchange& limb : limbs) {
+    const auto exchanged = [&](const SkeletonTracks& tracks) {
+      return SidesExchangedByAnatomy(CutTracks(tracks, limb.frame_begin, limb.frame_end));
+    };
+    if (exchanged(given) == false && exchanged(mended) == true) turned.push_back(limb);
+  }
+  for (const LimbExchange& limb : limbs) {
+    const bool with_turned =
+        std::any_of(turned.begin(), turned.end(), [&](const LimbExchange& other) { return Overlap(limb, other); });
+    if (!with_turned) repairs.Exchange(limb);
+  }
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    if (i == 0 || !Overlap(turned[i], turned[i - 1])) repairs.TellOfTurnedBody(turned[i]);
+  }
+}
+
 }  // namespace
 
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
@@ -212,8 +254,7 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
   }
   if (options.swaps) {
     MendBodies(noise_sigma, options.swap_margin, repairs);
-    for (const LimbExchange& limb : FindExchanges(repairs.tracks(), bone_length, noise_sigma, options.swap_margin))
-      repairs.Exchange(limb);
+    MendLimbs(bone_length, noise_sigma, options.swap_margin, repairs);
   }
   if (options.torn) {  // not before: an exchanged hand tears the forearm
     for (const TornJoint& torn : FindTornJoints(repairs.tracks(), bone_length, noise_sigma, options.longest_teleport_s))

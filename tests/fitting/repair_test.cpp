@@ -94,6 +94,19 @@ TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
   }
 }
 
+/// Of two states that differ in name alone the rarer one is the exchange, wherever in the clip it lies.
+TEST_P(ExchangedLimbs, AreExchangedBackAtBothEndsOfAShortClip) {
+  for (const int frames : {20, 40, 75}) {
+    for (const auto& [begin, end] : {std::pair{0, 1}, {0, 3}, {frames - 1, frames}, {frames - 3, frames}}) {
+      PlayedTake take = TurningTake(frames);
+      const SkeletonTracks sound = take.tracks;
+      Exchange(take.tracks, GetParam().left, begin, end);
+      const RepairedTracks repaired = RepairTracks(take.tracks, take.truth.bone_length, kNoise, {});
+      EXPECT_EQ(repaired.tracks.positions.xyz, sound.positions.xyz) << begin << " of " << frames;
+    }
+  }
+}
+
 TEST(Repair, IsListedSoThatItCanBeTakenBack) {
   PlayedTake take = TurningTake(60);
   const SkeletonTracks before = take.tracks;
