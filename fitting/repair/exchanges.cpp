@@ -82,7 +82,7 @@ class ExchangeSearch {
   }
 
   std::vector<LimbExchange> Exchanges(double least_margin) const {
-    const std::vector<int> path = BestPath();
+    const std::vector<int> path = WithFewExchanged(BestPath(), least_margin);
     std::vector<LimbExchange> found;
     for (int begin = 0; begin < tracks_.frames(); ++begin) {
       if (path[begin] == 0) continue;
@@ -204,6 +204,30 @@ class ExchangeSearch {
     path.back() = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
     for (int f = frames - 1; f > 0; --f) path[f - 1] = came[f][path[f]];
     return path;
+  }
+
+  double CostOf(const std::vector<int>& path) const {
+    double cost = StateCost(0, path[0]);
+    for (int f = 1; f < tracks_.frames(); ++f) cost += ChangeCost(f, path[f - 1], path[f]) + StateCost(f, path[f]);
+    return cost;
+  }
+
+  /// Of a path that exchanges most frames and those that exchange the others, which have the same steps, the likeliest;
+  /// but most are exchanged only where that is likelier by `margin`.
+  std::vector<int> WithFewExchanged(std::vector<int> path, double margin) const {
+    const auto exchanged = std::count_if(path.begin(), path.end(), [](int state) { return state != 0; });
+    if (2 * exchanged <= tracks_.frames()) return path;
+    double least = CostOf(path) + margin;
+    std::vector<int> best = path;
+    for (int s = 1; s < states(); ++s) {
+      std::vector<int> others = path;
+      for (int& state : others) state = state == 0 ? s : 0;
+      const double cost = CostOf(others);
+      if (cost >= least) continue;
+      least = cost;
+      best = std::move(others);
+    }
+    return best;
   }
 
   /// Of the steps into frames [begin, end) and out of them.
