@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -224,6 +225,21 @@ std::vector<Finding> FindingsOf(const JobResult& result, const ItemResult& fit) 
   return findings;
 }
 
+/// What the fit changed or left out before, by how many frames; where and why stands in the findings of the clip.
+void PrintRepairs(const ItemResult& item) {
+  std::map<std::string, std::set<int>> frames;
+  for (const Finding& finding : item.outcome.findings) {
+    if (finding.action != "repaired" && finding.action != "taken as missing") continue;
+    for (int f = finding.frame_begin; f < finding.frame_end; ++f) frames[finding.code].insert(f);
+  }
+  std::string text;
+  for (const auto& [code, of_code] : frames) {
+    if (of_code.empty()) continue;
+    text += (text.empty() ? "" : ", ") + code + " in " + Counted(static_cast<long long>(of_code.size()), "frame");
+  }
+  if (!text.empty()) std::printf("  repaired: %s (the clip's findings say where)\n", text.c_str());
+}
+
 void PrintFit(const JobResult& result, const ItemResult& item) {
   const nlohmann::json& fit = item.outcome.summary;
   std::printf("%s\n", item.item.c_str());
@@ -249,6 +265,7 @@ void PrintFit(const JobResult& result, const ItemResult& item) {
         100.0 * number(contacts, "contact_share"), number(contacts, "largest_shift_mm"),
         contacts.value("joint", "").c_str(), contacts.value("frame", 0), number(contacts, "largest_turn_deg"));
   }
+  PrintRepairs(item);
   for (const Finding& finding : FindingsOf(result, item)) {
     if (finding.severity == Severity::kInfo) continue;
     const char* mark = finding.severity == Severity::kError ? "error: " : "";

@@ -147,6 +147,8 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
   const RepairedTracks repaired = RepairTracks(given, bone_length, EstimateNoise(given, bone_length).sigma, repair);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, Bones::kFixed, options);
   if (!fit) return fit;
+  for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
+    fit->findings.push_back(std::move(finding));
   fit->findings.insert(fit->findings.end(), repaired.told.begin(), repaired.told.end());
   if (repaired.repairs.empty()) return fit;
   MarkRepaired(repaired.exchanged, fit->motion);

@@ -5,6 +5,7 @@
 
 #include "core/base/text.h"
 #include "core/quality/median_deviation.h"
+#include "core/quality/tracked_points.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
@@ -22,6 +23,8 @@ constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth t
 constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
 constexpr double kGrowthSpread = 0.35;  ///< of bones' growth, against the growth (0.43): a scale is the same of all
 constexpr int kParts = 5;
+constexpr std::size_t kFewestUnexplained = 10;
+constexpr double kUnexplained = 0.2;   ///< metres
 constexpr double kTallestBody = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
 constexpr double kSmallestBody = 0.4;  ///< newborn
 
@@ -243,5 +246,28 @@ class BodyJudge {
 }  // namespace
 
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return BodyJudge(tracks).Findings(); }
+
+std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const JointPositions& joints) {
+  std::vector<Finding> findings;
+  for (int j = 0; j < tracks.joints(); ++j) {
+    std::vector<double> away;
+    for (int f = 0; f < tracks.frames(); ++f) {
+      if (tracks.seen(f, j)) away.push_back((joints.at(f, j) - tracks.positions.at(f, j)).norm());
+    }
+    const std::size_t frames = away.size();
+    const double median = Median(away);
+    if (frames < kFewestUnexplained || median <= kUnexplained) continue;
+    const std::string& name = tracks.skeleton->joints[static_cast<std::size_t>(j)].name;
+    Finding finding = FrameFinding(
+        "joint_unexplained", 0, 0, name, median,
+        "'" + name + "' lies " + RoundedText(median, 3) + " m from where it is tracked, in the median of " +
+            Counted(static_cast<long long>(frames), "frame") +
+            ": no pose of the body explains it with the others. Is it the tracker's skeleton? "
+            "Its own in configs/skeletons may fit");
+    finding.severity = Severity::kError;
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
 
 }  // namespace mocurate

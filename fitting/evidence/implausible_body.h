@@ -17,4 +17,9 @@ namespace mocurate {
 /// - "size_doubtful" (warning): the body is larger or smaller than people are. Value: stature, metres.
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks);
 
+/// "joint_unexplained" (error): a joint of the fitted body lies, in the median of 10 frames or more that show it, more
+/// than 0.2 m from where it is tracked, so that the fit gave it up for the others. Value: that median, metres. `joints`
+/// (F, J) as `tracks`.
+std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const JointPositions& joints);
+
 }  // namespace mocurate

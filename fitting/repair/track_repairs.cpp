@@ -1,6 +1,7 @@
 #include "fitting/repair/track_repairs.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -138,10 +139,11 @@ class Repairs {
     finding.frame_begin = limb.frame_begin;
     finding.frame_end = limb.frame_end;
     finding.value = limb.margin;
-    finding.message = "the person is turned round within a step, as if left and right were exchanged in " +
-                      Counted(limb.frame_end - limb.frame_begin, "frame") +
-                      "; but knees, feet or hands would then point backwards: left as it is, front and back of these "
-                      "frames or of the others are in doubt";
+    finding.message =
+        "the person is turned round within a step, as if left and right were exchanged in " +
+        Counted(limb.frame_end - limb.frame_begin, "frame") +
+        "; but knees, feet, hands or shoulders would then point backwards: left as it is, front and back of these "
+        "frames or of the others are in doubt";
     finding.action = "flagged";
     result_.told.push_back(std::move(finding));
   }
@@ -214,8 +216,27 @@ bool Overlap(const LimbExchange& a, const LimbExchange& b) {
   return a.frame_begin < b.frame_end && b.frame_begin < a.frame_end;
 }
 
+/// Whether the shoulders' line points against the hips' in most frames.
+bool TwistedTrunk(const SkeletonTracks& tracks) {
+  const auto hips = tracks.skeleton->Hips();
+  const auto shoulders = tracks.skeleton->Shoulders();
+  if (!hips || !shoulders) return false;
+  int seen = 0, against = 0;
+  for (int f = 0; f < tracks.frames(); ++f) {
+    const auto across = [&](const std::array<int, 2>& pair) {
+      return Vector3d(tracks.positions.at(f, pair[1]) - tracks.positions.at(f, pair[0]));
+    };
+    const std::array<int, 4> joints = {(*hips)[0], (*hips)[1], (*shoulders)[0], (*shoulders)[1]};
+    if (!std::all_of(joints.begin(), joints.end(), [&](int joint) { return tracks.seen(f, joint); })) continue;
+    ++seen;
+    against += across({joints[0], joints[1]}).dot(across({joints[2], joints[3]})) < 0.0 ? 1 : 0;
+  }
+  return 2 * against > seen;
+}
+
 /// A tracker that takes somebody's back for the front turns the whole person round in one step, feet and face with it.
-/// To exchange sides then would set the feet on backwards: which half is right nothing tells, and both stay.
+/// To exchange sides then would set the feet on backwards, or the shoulders against the hips: which half is right
+/// nothing tells, and both stay.
 void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, Repairs& repairs) {
   const SkeletonTracks given = repairs.tracks();
   std::vector<LimbExchange> limbs = FindExchanges(given, bone_length, noise_sigma, least_margin);
@@ -223,10 +244,10 @@ void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, doubl
   for (const LimbExchange& limb : limbs) ExchangeJoints(limb.pairs, limb.frame_begin, limb.frame_end, mended);
   std::vector<LimbExchange> turned;
   for (const LimbExchange& limb : limbs) {
-    const auto exchanged = [&](const SkeletonTracks& tracks) {
-      return SidesExchangedByAnatomy(CutTracks(tracks, limb.frame_begin, limb.frame_end));
-    };
-    if (exchanged(given) == false && exchanged(mended) == true) turned.push_back(limb);
+    const SkeletonTracks before = CutTracks(given, limb.frame_begin, limb.frame_end);
+    const SkeletonTracks after = CutTracks(mended, limb.frame_begin, limb.frame_end);
+    const bool backwards = SidesExchangedByAnatomy(before) == false && SidesExchangedByAnatomy(after) == true;
+    if (backwards || (!TwistedTrunk(before) && TwistedTrunk(after))) turned.push_back(limb);
   }
   for (const LimbExchange& limb : limbs) {
     const bool with_turned =

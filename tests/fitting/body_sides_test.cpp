@@ -1,4 +1,5 @@
 #include "fitting/repair/body_sides.h"
+#include "fitting/repair/track_repairs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,6 +50,31 @@ TEST(ExchangedBody, OfAPartOfAJointTrackIsExchangedBackWhicheverPartIsLonger) {
       EXPECT_EQ(state == JointState::kRepaired, f >= begin && f < end) << f;
     }
   }
+}
+
+/// The tracker takes the back for the front: everybody's left is where the right was, and feet and knees point there
+/// too.
+TEST(ExchangedBody, WhoIsTurnedRoundByTheTrackerIsToldAndLeft) {
+  MistakenClip clip(0, 0);
+  SkeletonTracks& tracks = clip.tracks;
+  const std::vector<int> left = LeftJoints(*tracks.skeleton);
+  for (int f = 60; f < kFrames; ++f) {
+    const Vector3d root = tracks.positions.at(f, 0);
+    const Vector3d side =
+        Vector3d(tracks.positions.at(f, left[0]) - tracks.positions.at(f, tracks.skeleton->joints[left[0]].mirror))
+            .normalized();
+    const Vector3d front = side.cross(Vector3d::UnitY()).normalized();
+    for (int j = 0; j < tracks.joints(); ++j) {
+      const Vector3d from = tracks.positions.at(f, j) - root;
+      tracks.positions.at(f, j) = root + from - 2.0 * front * front.dot(from);  // back to front
+    }
+    ExchangeJoints(left, f, f + 1, tracks);
+  }
+  const RepairedTracks repaired = RepairTracks(tracks, clip.truth.bone_length, 0.01, {});
+  EXPECT_EQ(repaired.tracks.positions.xyz, tracks.positions.xyz);
+  ASSERT_EQ(repaired.told.size(), 1u);
+  EXPECT_EQ(repaired.told[0].code, "body_turned");
+  EXPECT_EQ(repaired.told[0].frame_begin, 60);
 }
 
 /// Nothing tells exchanged names from a mirrored world: neither is believed.

@@ -44,6 +44,20 @@ TEST(ImplausibleBody, IsNoneOfASoundTakeHoweverManyJointsAreHidden) {
   EXPECT_TRUE(FindImplausibleBody(take.tracks).empty());
 }
 
+TEST(UnexplainedJoints, AreThoseThatTheFitLeavesFarFromWhereTheyAreTracked) {
+  const PlayedTake take = BendingTake();
+  JointPositions fitted = take.tracks.positions;
+  EXPECT_TRUE(FindUnexplainedJoints(take.tracks, fitted).empty());
+  for (int f = 0; f < 50; ++f) fitted.at(f, kElbow).y() += 0.4;
+  EXPECT_TRUE(FindUnexplainedJoints(take.tracks, fitted).empty()) << "in less than half of the frames";
+  for (int f = 50; f < 100; ++f) fitted.at(f, kElbow).y() += 0.4;
+  const std::vector<Finding> findings = FindUnexplainedJoints(take.tracks, fitted);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "joint_unexplained");
+  EXPECT_EQ(findings[0].joint, "left_elbow");
+  EXPECT_NEAR(findings[0].value, 0.4, 1e-9);
+}
+
 TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
   PlayedTake take = BendingTake();
   for (int f = 0; f < 120; ++f) {

@@ -6,6 +6,7 @@
 
 #include "fitting/fit_outcome.h"
 #include "fitting/repair/exchanges.h"
+#include "fitting/repair/torn_joints.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 
@@ -203,6 +204,15 @@ TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
     for (int f = 0; f < 90; ++f) EXPECT_EQ(StateAt(fit, f, wrist) == JointState::kObserved, f < 40 || f >= 50) << f;
   }
   EXPECT_TRUE(OfCode(FitRepaired(TurningTake(90)), "joint_torn_off").empty());
+}
+
+/// Frames that a set leaves out before its last six: the person goes on elsewhere.
+TEST(Repair, TearsNothingOffAPersonWhoIsElsewhereAtTheEndOfTheClip) {
+  PlayedTake take = TurningTake(90);
+  for (int f = 84; f < 90; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j) += Vector3d(0.6, 0.0, 0.1);
+  }
+  EXPECT_TRUE(FindTornJoints(take.tracks, take.truth.bone_length, kNoise, 1.0).empty());
 }
 
 /// At an end of the clip there is no coming back, or no going.
