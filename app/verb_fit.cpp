@@ -115,14 +115,16 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
   std::string names, example;
   for (const std::string& option : open) {
     names += (names.empty() ? "" : ", ") + option;
-    const char* value = option == "rate"    ? "'30 Hz'"
-                        : option == "axes"  ? "'+x +y +z'"
-                        : option == "units" ? "m"
-                                            : "...";
+    const char* value = option == "rate" ? "'30 Hz'" : option == "axes" ? "AXES" : option == "units" ? "m" : "...";
     example += (example.empty() ? "" : " ") + std::string("--set ingest.source.") + option + "=" + value;
   }
+  const bool axes = std::find(open.begin(), open.end(), "axes") != open.end();
   return Fail(ErrorCode::kUsage, "nothing in the files tells " + names, DisplayPath(arguments.path),
-              "add " + example + ", or --source with the name of a recipe or a config; `mocurate inspect` shows why");
+              "take --source with the name of a recipe or a config, or add " + example +
+                  (axes ? "; AXES says where the file's x, y and z point for a person who faces +z with the left at "
+                          "+x, such as '-x +y -z' (docs/conventions.md): wrong ones mirror the person"
+                        : "") +
+                  "; `mocurate inspect` shows why");
 }
 
 /// Whether the clips come with rotations. Motions of a store have them or not.
