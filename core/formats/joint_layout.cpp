@@ -155,6 +155,67 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
   }
 }
 
+/// The place of each row among all frames that the numbers count; empty where they leave none out, do not grow by whole
+/// steps, or leave out more than a recording would lose.
+std::vector<int> PlacesByNumber(const JointRows& rows) {
+  constexpr double kLongestGap = 10000.0;  // frames; a recording of minutes has some thousands
+  std::vector<int> places;
+  double last = 0.0;
+  for (std::size_t f = 0; f < rows.frame_number.size(); ++f) {
+    const double number = std::isnan(rows.frame_number[f]) ? last + 1.0 : rows.frame_number[f];  // of a damaged row
+    const double step = f == 0 ? 1.0 : number - last;
+    if (!(step >= 1.0) || step != std::floor(step) || step > kLongestGap) return {};
+    places.push_back(f == 0 ? 0 : places.back() + static_cast<int>(step));
+    if (places.back() >= rows.frames + static_cast<int>(kLongestGap)) return {};
+    last = number;
+  }
+  const bool gaps = !places.empty() && places.back() + 1 > rows.frames;
+  return gaps ? places : std::vector<int>();
+}
+
+/// (frames, width) values of rows at their places among `frames`, NaN between.
+void Spread(const std::vector<int>& places, int frames, std::vector<double>& values) {
+  if (values.empty()) return;
+  const std::size_t width = values.size() / places.size();
+  std::vector<double> spread(static_cast<std::size_t>(frames) * width, std::nan(""));
+  for (std::size_t f = 0; f < places.size(); ++f) {
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(f * width), width,
+                spread.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(places[f]) * width));
+  }
+  values = std::move(spread);
+}
+
+/// Frames that the numbers leave out become frames without a number, so that those after keep their time.
+void KeepGaps(JointRows& rows) {
+  const std::vector<int> places = PlacesByNumber(rows);
+  if (places.empty()) return;
+  const auto placed = [&](int frame) {
+    return frame < static_cast<int>(places.size()) ? places[static_cast<std::size_t>(frame)] : places.back() + 1;
+  };
+  for (Finding& finding : rows.findings) {
+    const bool any = finding.frame_end > finding.frame_begin;
+    finding.frame_begin = placed(finding.frame_begin);
+    finding.frame_end = any ? placed(finding.frame_end - 1) + 1 : finding.frame_begin;
+  }
+  for (std::size_t f = 1; f < places.size(); ++f) {
+    const int skipped = places[f] - places[f - 1] - 1;
+    if (skipped == 0) continue;
+    Finding finding;
+    finding.code = "time_gap";
+    finding.frame_begin = places[f - 1] + 1;
+    finding.frame_end = places[f];
+    finding.value = skipped;
+    finding.message = Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.frame_number[f - 1]) +
+                      " is followed by " + FormatDouble(rows.frame_number[f]);
+    finding.action = "dropped";
+    rows.findings.push_back(std::move(finding));
+  }
+  rows.frames = places.back() + 1;
+  for (std::vector<double>* values :
+       {&rows.position, &rows.confidence, &rows.rotation, &rows.rotation_confidence, &rows.frame_number})
+    Spread(places, rows.frames, *values);
+}
+
 /// Rows of one joint each, in the order of the joints; nothing for other tables.
 std::optional<JointPerRow> RowsOfJoints(const JointLayout& layout, const JointTable& table) {
   if (table.rows_per_frame < 2 || layout.groups.size() != 1 || !layout.groups[0].IsJoint()) return std::nullopt;
@@ -251,6 +312,7 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   for (int f = 0; f < rows.frames; ++f) {
     PlaceFrame(layout, &read->values[static_cast<std::size_t>(f) * static_cast<std::size_t>(numbers)], f, rows);
   }
+  KeepGaps(rows);
   CheckFrameNumbers(rows, name);
   return rows;
 }

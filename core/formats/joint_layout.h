@@ -43,7 +43,8 @@ struct JointRows {
   std::vector<double> rotation;             ///< (frames, joints, 9) row by row; 0 where a joint has none; empty: none
   std::vector<double> rotation_confidence;  ///< (frames, joints); 0 where a joint has no rotation; empty: none
   std::vector<double> frame_number;         ///< (frames); empty: none declared
-  std::vector<Finding> findings;            ///< those of the table; "frame_number": not one more than the one before;
+  std::vector<Finding> findings;            ///< those of the table; "frame_number": does not follow the one before;
+                                            ///< "time_gap": frames without a row, which are NaN in their place;
                                             ///< "frame_rows": a frame with a row too few or too many
 };
 

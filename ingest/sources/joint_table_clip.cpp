@@ -29,7 +29,7 @@ void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks&
   for (std::size_t at = 0; at < tracks.confidence.size(); ++at) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> written(rows.rotation.data() + 9 * at);
     const double confidence = rows.rotation_confidence.empty() ? 1.0 : rows.rotation_confidence[at];
-    if (!(confidence > 0.0) || written.isZero(0.0)) continue;
+    if (!(confidence > 0.0) || written.isZero(0.0) || written.hasNaN()) continue;  // NaN is told of its row
     const bool rotation = written.allFinite() && written.determinant() > 0.0 &&
                           (written.transpose() * written - Matrix3d::Identity()).cwiseAbs().maxCoeff() < kNoRotation;
     if (!rotation) {

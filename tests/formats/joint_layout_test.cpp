@@ -120,13 +120,30 @@ TEST(JointRows, TheEndIsTheEnd) {
               HasSubstr("a:2: 'END' is not a number"));
 }
 
-TEST(JointRows, FrameNumbersThatJumpAreReported) {
+TEST(JointRows, FramesThatNumbersLeaveOutAreWithoutAPoint) {
   const auto rows =
-      ParseJointRows("1,1,2,3\n2,1,2,3\n5,1,2,3\n6,1,2,3\n", Layout("frame 1*(x y z)"), LayoutRows(1), "a");
+      ParseJointRows("1,1,2,3\n2,1,2,4\n5,1,2,5\n6,1,2,6\n", Layout("frame 1*(x y z)"), LayoutRows(1), "a");
   ASSERT_TRUE(rows);
   ASSERT_EQ(rows->findings.size(), 1u);
-  EXPECT_EQ(rows->findings[0].code, "frame_number");
+  EXPECT_EQ(rows->findings[0].code, "time_gap");
   EXPECT_EQ(rows->findings[0].frame_begin, 2);
+  EXPECT_EQ(rows->findings[0].frame_end, 4);
+  EXPECT_EQ(rows->findings[0].value, 2);
+  ASSERT_EQ(rows->frames, 6);
+  for (int f = 0; f < 6; ++f) EXPECT_EQ(std::isnan(rows->position[static_cast<std::size_t>(f) * 3]), f == 2 || f == 3);
+  EXPECT_EQ(rows->position[4 * 3 + 2], 5.0);
+}
+
+TEST(JointRows, FrameNumbersThatDoNotCountAreReportedAndKept) {
+  for (const char* third : {"2", "1.5", "90000000"}) {
+    const auto rows = ParseJointRows("1,1,2,3\n2,1,2,3\n" + std::string(third) + ",1,2,3\n4,1,2,3\n",
+                                     Layout("frame 1*(x y z)"), LayoutRows(1), "a");
+    ASSERT_TRUE(rows);
+    EXPECT_EQ(rows->frames, 4);
+    ASSERT_EQ(rows->findings.size(), 1u);
+    EXPECT_EQ(rows->findings[0].code, "frame_number");
+    EXPECT_EQ(rows->findings[0].frame_begin, 2);
+  }
 }
 
 TEST(JointRows, EveryDamagedFieldIsNamedWithItsLine) {
