@@ -160,6 +160,7 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
 std::vector<int> PlacesByNumber(const JointRows& rows) {
   constexpr double kLongestGap = 10000.0;  // frames; a recording of minutes has some thousands
   std::vector<int> places;
+  if (rows.frame_number.empty() || std::isnan(rows.frame_number[0])) return places;  // damaged: nothing to count from
   double last = 0.0;
   for (std::size_t f = 0; f < rows.frame_number.size(); ++f) {
     const double number = std::isnan(rows.frame_number[f]) ? last + 1.0 : rows.frame_number[f];  // of a damaged row

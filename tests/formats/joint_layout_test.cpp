@@ -134,6 +134,14 @@ TEST(JointRows, FramesThatNumbersLeaveOutAreWithoutAPoint) {
   EXPECT_EQ(rows->position[4 * 3 + 2], 5.0);
 }
 
+TEST(JointRows, ADamagedFirstRowMakesNoGapBeforeTheSecond) {
+  JointTableLayout table = LayoutRows(1);
+  table.damaged_rows = DamagedRows::kReport;
+  const auto rows = ParseJointRows("7,1,x,3\n8,1,2,3\n9,1,2,3\n", Layout("frame 1*(x y z)"), table, "a");
+  ASSERT_TRUE(rows) << rows.error().Message();
+  EXPECT_EQ(rows->frames, 3);
+}
+
 TEST(JointRows, FrameNumbersThatDoNotCountAreReportedAndKept) {
   for (const char* third : {"2", "1.5", "90000000"}) {
     const auto rows = ParseJointRows("1,1,2,3\n2,1,2,3\n" + std::string(third) + ",1,2,3\n4,1,2,3\n",
