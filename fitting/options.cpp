@@ -208,7 +208,7 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 26, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 27, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration FittingDeclaration() { return {"fitting", 35, "mocurate-annotate", SolverLimits()}; }
 

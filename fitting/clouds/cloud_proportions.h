@@ -8,10 +8,9 @@
 
 namespace mocurate {
 
-/// Bone lengths of one person from the depth views of their clips (J, metres): the rest lengths times one scale, the
-/// median height of a few fused clouds of each clip against the rest body's. For people who stand upright in most
-/// frames; where there are three clouds or fewer, the scale whose body fits them best. Single bones are not free:
-/// against a capsule body they take up the error of its shape. No clips: the rest lengths. Errors of FitClouds.
+/// Bone lengths of one person from the depth views of their clips (J, metres): the rest lengths times one scale
+/// (ScaleFromClouds), of a few fused clouds of each clip. Single bones are not free: against a capsule body they take
+/// up the error of its shape. No clips: the rest lengths. Errors of FuseClip and ScaleFromClouds.
 Expected<std::vector<double>> BoneLengthsFromClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton,
                                                     const PointCloudOptions& options);
 

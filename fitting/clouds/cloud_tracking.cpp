@@ -17,8 +17,6 @@ namespace {
 
 constexpr int kRadiusRounds = 4;
 constexpr int kFewestTrackedPoints = 100;
-constexpr double kSmallestAgainstRest = 0.4;  ///< of a person against the rest skeleton
-constexpr double kLargestAgainstRest = 1.5;
 constexpr double kPoor = 1.15;        ///< cost per point against the median of the clip: worth a second look
 constexpr double kBetterPose = 0.98;  ///< of the cost before; else the pose stays
 constexpr double kAnyPose_s = 0.4;    ///< without points, in which an arm comes from anywhere to anywhere
@@ -184,19 +182,6 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
     clouds.push_back(PersonPoints(*cloud, options.voxel_size));
   }
   return clouds;
-}
-
-double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
-  std::vector<double> heights;
-  for (const FusedCloud& cloud : clouds) {
-    if (cloud.size() < kFewestTrackedPoints) continue;
-    heights.push_back(HeightOf(cloud.points).height() + voxel_size);
-  }
-  if (heights.empty()) return 1.0;
-  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
-  PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
-  rest.Update(0, 1, false);
-  return std::clamp(Median(heights) / HeightOf(body, rest, 0).height(), kSmallestAgainstRest, kLargestAgainstRest);
 }
 
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,

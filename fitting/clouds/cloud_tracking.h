@@ -23,10 +23,6 @@ struct CloudTrack {
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options);
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames);
 
-/// Size of the person against the rest skeleton: the median height of clouds against that of the rest body. Thinning
-/// to one point per voxel takes about half a voxel at either end, which is given back. 1 without points.
-double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size);
-
 /// Finds the first pose by trying several, measures the radii there, then follows frame after frame and looks for the
 /// pose anew after 0.4 s without points; frames that are
 /// explained worse than most are fitted once more from the frames after and before them. Bones (J, metres)

@@ -1,0 +1,245 @@
+#include "fitting/clouds/cloud_size.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/cloud_start.h"
+#include "fitting/clouds/limb_search.h"
+#include "fitting/evidence/noise.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kSmallestAgainstRest = 0.4;  ///< of a person against the rest skeleton
+constexpr double kLargestAgainstRest = 1.5;
+constexpr int kFewestPoints = 100;     ///< of a cloud that tells a size
+constexpr std::size_t kClouds = 5;     ///< that bodies are posed in, of all heights
+constexpr std::size_t kFewClouds = 3;  ///< people may squat, or be seen in part, in all of so many
+/// On the scale from the height, of several clouds: arms are raised, people stand, people sit.
+constexpr std::array<double, 3> kStartFactors = {0.85, 1.0, 1.3};
+constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};
+constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
+constexpr std::size_t kLimbsOfScales = 4;                                 ///< the cheapest, whose limbs are looked for
+constexpr std::size_t kRefinedOfFew = 2;  ///< of these, whose scale is changed until it fits best
+constexpr int kRounds = 3;                ///< of poses, radii measured between them
+constexpr double kWideStep = 0.03;        ///< of the logarithm of the scale
+constexpr double kNarrowStep = 0.015;
+constexpr int kSteps = 12;              ///< downhill, at most
+constexpr double kStraightLegs = 0.97;  ///< height of a hip above its ankle as a share of thigh and shin
+
+/// A body in the poses that explain some clouds best.
+struct PosedSize {
+  double scale = 1.0;
+  double cost = 0.0;
+  std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud
+};
+
+/// Thinning to one point per voxel takes about half a voxel at either end, which is given back.
+double HeightOfPerson(const FusedCloud& cloud, double voxel_size) {
+  return HeightOf(cloud.points).height() + voxel_size;
+}
+
+/// By the median height of clouds against that of the rest body, as if people stood in most of them.
+double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
+  std::vector<double> heights;
+  for (const FusedCloud& cloud : clouds) heights.push_back(HeightOfPerson(cloud, voxel_size));
+  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
+  PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
+  rest.Update(0, 1, false);
+  return std::clamp(Median(heights) / HeightOf(body, rest, 0).height(), kSmallestAgainstRest, kLargestAgainstRest);
+}
+
+class SizeSearch {
+ public:
+  SizeSearch(SkeletonPtr skeleton, const std::vector<FusedCloud>& clouds, const PointCloudOptions& options)
+      : skeleton_(std::move(skeleton)), clouds_(clouds), options_(options) {}
+
+  /// Poses of a body of this scale, from nothing.
+  Expected<PosedSize> StartAt(double scale, StartSearch search) const {
+    PosedSize size{scale, 0.0, {}};
+    const FleshBody body = BodyOf(scale);
+    for (const FusedCloud& cloud : clouds_) {
+      PoseState state = PosesOf(body, 1, scale);
+      const auto start = FindStart(body, cloud, 0, options_, state, search);
+      if (!start) return Forward(start);
+      size.cost += start->cost;
+      size.poses.push_back(state.FrameParameters(0));
+    }
+    return size;
+  }
+
+  /// The scale downhill of `from`, at the lowest point of a parabola through three steps of its logarithm.
+  Expected<PosedSize> Downhill(const PosedSize& from, double step) const {
+    std::array<PosedSize, 3> sizes;  // smaller, middle, larger
+    const auto fit = [&](std::size_t which, double scale, const PosedSize& near) -> Status {
+      Expected<PosedSize> fitted = Fitted(scale, near.poses);
+      if (!fitted) return Forward(fitted);
+      sizes[which] = std::move(*fitted);
+      return {};
+    };
+    const double factor = std::exp(step);
+    if (Status ok = fit(1, from.scale, from); !ok) return Forward(ok);
+    if (Status ok = fit(0, sizes[1].scale / factor, sizes[1]); !ok) return Forward(ok);
+    if (Status ok = fit(2, sizes[1].scale * factor, sizes[1]); !ok) return Forward(ok);
+    for (int i = 0; i < kSteps && std::min(sizes[0].cost, sizes[2].cost) < sizes[1].cost; ++i) {
+      const bool down = sizes[0].cost < sizes[2].cost;
+      // Rotated so that the cheapest is in the middle; the one left over is fitted anew.
+      std::rotate(sizes.begin(), sizes.begin() + (down ? 2 : 1), sizes.end());
+      const double next = down ? sizes[1].scale / factor : sizes[1].scale * factor;
+      if (Status ok = fit(down ? 0 : 2, next, sizes[1]); !ok) return Forward(ok);
+    }
+    const double curvature = sizes[0].cost + sizes[2].cost - 2.0 * sizes[1].cost;
+    if (!(curvature > 0.0)) return sizes[1];
+    return Fitted(sizes[1].scale * std::exp(0.5 * step * (sizes[0].cost - sizes[2].cost) / curvature), sizes[1].poses);
+  }
+
+  /// Of the clouds in whose pose a leg is straight and upright: by what the cloud is higher than the posed body.
+  std::vector<double> HeightRatios(const PosedSize& size) const;
+
+ private:
+  FleshBody BodyOf(double scale) const { return FleshBody::Make(skeleton_, scale, options_.capsule_radius_scale); }
+
+  PoseState PosesOf(const FleshBody& body, int frames, double scale) const {
+    std::vector<double> lengths = skeleton_->RestBoneLengths();
+    for (double& length : lengths) length *= scale;
+    return PoseState(*skeleton_, frames, lengths, body.MovingJoints());
+  }
+
+  /// In poses near those given; radii are measured in them.
+  Expected<PosedSize> Fitted(double scale, const std::vector<std::vector<double>>& poses) const {
+    FleshBody body = BodyOf(scale);
+    const auto frames = static_cast<int>(clouds_.size());
+    PoseState state = PosesOf(body, frames, scale);
+    for (int f = 0; f < frames; ++f) state.SetFrameParameters(f, poses[f]);
+    for (int round = 0; round < kRounds; ++round) {
+      if (round > 0) CalibrateRadii(clouds_, state, 0, frames, options_.max_distance, body);
+      for (int f = 0; f < frames; ++f) {
+        const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
+        const auto fitted = FitCloudFrame(body, clouds_[f], fit, state, options_);
+        if (!fitted) return Forward(fitted);
+      }
+    }
+    PosedSize size{scale, 0.0, {}};
+    for (int f = 0; f < frames; ++f) {
+      size.cost += PoseCost(body, clouds_[f], state, f, options_);
+      size.poses.push_back(state.FrameParameters(f));
+    }
+    return size;
+  }
+
+  SkeletonPtr skeleton_;
+  const std::vector<FusedCloud>& clouds_;
+  const PointCloudOptions& options_;
+};
+
+/// Height of a hip above its ankle as a share of thigh and shin: of the straighter leg. 0 for a skeleton without.
+double StraightnessOfLegs(const Skeleton& skeleton, const PoseState& state, int frame) {
+  const auto hips = skeleton.Hips();
+  if (!hips) return 0.0;
+  const auto children = skeleton.Children();
+  double straightest = 0.0;
+  for (const int hip : *hips) {
+    const int knee = OnlyChild(children, hip);
+    const int ankle = knee < 0 ? -1 : OnlyChild(children, knee);
+    if (ankle < 0) continue;
+    const double height = state.position(frame, hip).y() - state.position(frame, ankle).y();
+    straightest = std::max(straightest, height / (*state.bone(knee) + *state.bone(ankle)));
+  }
+  return straightest;
+}
+
+std::vector<double> SizeSearch::HeightRatios(const PosedSize& size) const {
+  const FleshBody body = BodyOf(size.scale);
+  PoseState state = PosesOf(body, 1, size.scale);
+  std::vector<double> ratios;
+  for (std::size_t c = 0; c < clouds_.size(); ++c) {
+    state.SetFrameParameters(0, size.poses[c]);
+    state.Update(0, 1, false);
+    if (StraightnessOfLegs(*skeleton_, state, 0) < kStraightLegs) continue;
+    ratios.push_back(HeightOfPerson(clouds_[c], options_.voxel_size) / HeightOf(body, state, 0).height());
+  }
+  return ratios;
+}
+
+/// At most `count`, of all heights.
+std::vector<FusedCloud> OfAllHeights(std::vector<FusedCloud> clouds, std::size_t count) {
+  std::stable_sort(clouds.begin(), clouds.end(), [](const FusedCloud& a, const FusedCloud& b) {
+    return HeightOf(a.points).height() < HeightOf(b.points).height();
+  });
+  std::vector<FusedCloud> chosen;
+  count = std::min(count, clouds.size());
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(clouds[(2 * i + 1) * clouds.size() / (2 * count)]);
+  return chosen;
+}
+
+/// Puts what `improve` makes of each size in its place, the cheapest first, and keeps `count` of them at most.
+template <typename Improve>
+Status ImproveEach(std::vector<PosedSize>& sizes, std::size_t count, const Improve& improve) {
+  for (PosedSize& size : sizes) {
+    Expected<PosedSize> better = improve(size);
+    if (!better) return Forward(better);
+    size = std::move(*better);
+  }
+  std::stable_sort(sizes.begin(), sizes.end(), [](const PosedSize& a, const PosedSize& b) { return a.cost < b.cost; });
+  sizes.resize(std::min(sizes.size(), count));
+  return {};
+}
+
+template <typename Factors>
+std::vector<PosedSize> Scales(const Factors& factors, double from_height) {
+  std::vector<PosedSize> sizes;
+  for (const double factor : factors) sizes.push_back({factor * from_height, 0.0, {}});
+  return sizes;
+}
+
+/// Of clouds of which some show a pose that tells a size.
+Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
+  std::vector<PosedSize> sizes = Scales(kStartFactors, from_height);
+  const auto improve = [&](const PosedSize& size) -> Expected<PosedSize> {
+    const Expected<PosedSize> start = search.StartAt(size.scale, StartSearch::kStances);
+    return start ? search.Downhill(*start, kWideStep) : start;
+  };
+  if (Status ok = ImproveEach(sizes, 1, improve); !ok) return Forward(ok);
+  return search.Downhill(sizes[0], kNarrowStep);
+}
+
+/// Of clouds that may all show somebody who squats, or is seen in part: more sizes, and limbs are looked for.
+Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
+  std::vector<PosedSize> sizes = Scales(kFactorsOfFew, from_height);
+  for (const double usual : kUsualScales) {
+    if (usual > kFactorsOfFew.back() * from_height) sizes.push_back({usual, 0.0, {}});
+  }
+  const auto start = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStances); };
+  const auto limbs = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStancesAndLimbs); };
+  const auto downhill = [&](const PosedSize& size) { return search.Downhill(size, kNarrowStep); };
+  if (Status ok = ImproveEach(sizes, kLimbsOfScales, start); !ok) return Forward(ok);
+  if (Status ok = ImproveEach(sizes, kRefinedOfFew, limbs); !ok) return Forward(ok);
+  if (Status ok = ImproveEach(sizes, 1, downhill); !ok) return Forward(ok);
+  return sizes[0];
+}
+
+}  // namespace
+
+Expected<double> ScaleFromClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
+                                 const PointCloudOptions& options) {
+  PointCloudOptions quick = options;
+  quick.solver = TrackSolver::kBanded;  // the same costs
+  clouds.erase(std::remove_if(clouds.begin(), clouds.end(),
+                              [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; }),
+               clouds.end());
+  if (clouds.empty()) return 1.0;
+  const double from_height = ScaleFromHeight(skeleton, clouds, options.voxel_size);
+  const bool few = clouds.size() <= kFewClouds;
+  const std::vector<FusedCloud> chosen = OfAllHeights(std::move(clouds), kClouds);
+  const SizeSearch search(skeleton, chosen, quick);
+  const Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
+  if (!best) return Forward(best);
+  std::vector<double> ratios = search.HeightRatios(*best);
+  return ratios.empty() ? best->scale : best->scale * Median(ratios);
+}
+
+}  // namespace mocurate
