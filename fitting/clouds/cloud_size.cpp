@@ -25,7 +25,7 @@ constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.
 constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
 constexpr std::size_t kLimbsOfScales = 4;                                 ///< the cheapest, whose limbs are looked for
 constexpr std::size_t kRefinedOfFew = 2;  ///< of these, whose scale is changed until it fits best
-constexpr int kRounds = 3;                ///< of poses, radii measured between them
+constexpr int kRadiusFits = 3;            ///< of poses, radii measured between them
 constexpr double kWideStep = 0.03;        ///< of the logarithm of the scale
 constexpr double kNarrowStep = 0.015;
 constexpr int kSteps = 12;              ///< downhill, at most
@@ -115,7 +115,7 @@ class SizeSearch {
     const auto frames = static_cast<int>(clouds_.size());
     PoseState state = PosesOf(body, frames, scale);
     for (int f = 0; f < frames; ++f) state.SetFrameParameters(f, poses[f]);
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kRadiusFits; ++round) {
       if (round > 0) CalibrateRadii(clouds_, state, 0, frames, options_.max_distance, body);
       for (int f = 0; f < frames; ++f) {
         const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
