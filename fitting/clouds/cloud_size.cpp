@@ -207,7 +207,9 @@ Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   return search.Downhill(sizes[0], kNarrowStep);
 }
 
-/// Of clouds that may all show somebody who squats, or is seen in part: more sizes, and limbs are looked for.
+/// Of clouds that may all show somebody who squats, or is seen in part: more sizes, and limbs are looked for. The
+/// search of the first pose (TrackClouds) does the same at the size that this gives, so a size counts by what the
+/// search finds at it: a refined one at which it takes a back for a front is none.
 Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   std::vector<PosedSize> sizes = Scales(kFactorsOfFew, from_height);
   for (const double usual : kUsualScales) {
@@ -215,11 +217,12 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   }
   const auto start = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStances); };
   const auto limbs = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStancesAndLimbs); };
-  const auto downhill = [&](const PosedSize& size) { return search.Downhill(size, kNarrowStep); };
   if (Status ok = ImproveEach(sizes, kLimbsOfScales, start); !ok) return Forward(ok);
-  if (Status ok = ImproveEach(sizes, kRefinedOfFew, limbs); !ok) return Forward(ok);
-  if (Status ok = ImproveEach(sizes, 1, downhill); !ok) return Forward(ok);
-  return sizes[0];
+  if (Status ok = ImproveEach(sizes, 1, limbs); !ok) return Forward(ok);
+  const Expected<PosedSize> refined = search.Downhill(sizes[0], kNarrowStep);
+  if (!refined) return refined;
+  Expected<PosedSize> found = limbs(*refined);
+  return !found || found->cost < sizes[0].cost ? found : sizes[0];
 }
 
 }  // namespace
@@ -238,6 +241,7 @@ Expected<double> ScaleFromClouds(std::vector<FusedCloud> clouds, const SkeletonP
   const SizeSearch search(skeleton, chosen, quick);
   const Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
   if (!best) return Forward(best);
+  if (few) return best->scale;
   std::vector<double> ratios = search.HeightRatios(*best);
   return ratios.empty() ? best->scale : best->scale * Median(ratios);
 }

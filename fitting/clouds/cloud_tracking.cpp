@@ -19,6 +19,11 @@ constexpr int kRadiusRounds = 4;
 constexpr int kFewestTrackedPoints = 100;
 constexpr double kPoor = 1.15;        ///< cost per point against the median of the clip: worth a second look
 constexpr double kBetterPose = 0.98;  ///< of the cost before; else the pose stays
+constexpr double kLost = 3.0;         ///< cost per point against the median of the clip: somewhere else
+constexpr double kLostCost = 0.3;     ///< per point; bodies that are no capsules cost 0.1 to 0.2 where they are found
+constexpr double kFound = 0.7;        ///< of the cost before
+constexpr double kNear_s = 0.5;       ///< of a frame that was searched
+constexpr int kSearches = 6;          ///< in a clip, at most: one takes about as long as 20 frames
 constexpr double kAnyPose_s = 0.4;    ///< without points, in which an arm comes from anywhere to anywhere
 
 /// Radii and pose of a frame in turn.
@@ -107,34 +112,96 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   return {};
 }
 
+/// What frames cost per point, and what they usually do.
+struct FrameCosts {
+  std::vector<double> of_frame;  ///< (F), 0 where a frame is not fitted
+  double median = 0.0;           ///< of those that are; 0 of fewer than three
+};
+
+bool IsFitted(const CloudTrack& track, int frame) {
+  return frame >= 0 && frame < track.state.frames() && track.outcomes[frame].iterations > 0;
+}
+
+double CostPerPoint(int frame, const PointCloudOptions& options, CloudTrack& track) {
+  track.state.Update(frame, frame + 1, false);
+  return PoseCost(track.body, track.clouds[frame], track.state, frame, options) / track.clouds[frame].size();
+}
+
+FrameCosts CostsOf(const PointCloudOptions& options, CloudTrack& track) {
+  const int frames = track.state.frames();
+  FrameCosts costs{std::vector<double>(frames, 0.0), 0.0};
+  std::vector<double> known;
+  for (int f = 0; f < frames; ++f) {
+    if (!IsFitted(track, f)) continue;
+    costs.of_frame[f] = CostPerPoint(f, options, track);
+    known.push_back(costs.of_frame[f]);
+  }
+  if (known.size() >= 3) costs.median = Median(known);
+  return costs;
+}
+
 /// Fits the frames that are explained worse than most once more, from where the frame after (step 1) or before (-1)
 /// stands, in the order that carries good poses on; the cheaper pose stays.
 Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   const int frames = track.state.frames();
-  const auto is_fitted = [&](int f) { return f >= 0 && f < frames && track.outcomes[f].iterations > 0; };
-  std::vector<double> costs(frames, 0.0);
-  std::vector<double> known;
-  for (int f = 0; f < frames; ++f) {
-    if (!is_fitted(f)) continue;
-    track.state.Update(f, f + 1, false);
-    costs[f] = PoseCost(track.body, track.clouds[f], track.state, f, options) / track.clouds[f].size();
-    known.push_back(costs[f]);
-  }
-  if (known.size() < 3) return {};
-  const double median = Median(known);
+  FrameCosts costs = CostsOf(options, track);
+  if (costs.median == 0.0) return {};
   for (int i = 0; i < frames; ++i) {
     const int f = step > 0 ? frames - 1 - i : i;
-    if (!is_fitted(f) || !is_fitted(f + step) || costs[f] <= kPoor * median) continue;
+    if (!IsFitted(track, f) || !IsFitted(track, f + step) || costs.of_frame[f] <= kPoor * costs.median) continue;
     if (Status on = GoOnUnlessStopped("fit of depth views"); !on) return on;
     const std::vector<double> kept = track.state.FrameParameters(f);
     track.state.SetFrameParameters(f, track.state.FrameParameters(f + step));
     const FrameFit fit{f, {{step, std::abs(time_s[f] - time_s[f + step])}}, 1.0, static_cast<int>(options.iterations)};
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
-    const double cost = PoseCost(track.body, track.clouds[f], track.state, f, options) / track.clouds[f].size();
-    if (cost < kBetterPose * costs[f]) {
-      costs[f] = cost;
+    const double cost = CostPerPoint(f, options, track);
+    if (cost < kBetterPose * costs.of_frame[f]) {
+      costs.of_frame[f] = cost;
       track.outcomes[f] = *fitted;
+      continue;
+    }
+    track.state.SetFrameParameters(f, kept);
+    track.state.Update(f, f + 1, false);
+  }
+  return {};
+}
+
+Status LookAgain(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+  for (const int step : {1, -1}) {
+    if (Status looked = LookAgain(step, time_s, options, track); !looked) return looked;
+  }
+  return {};
+}
+
+/// Of the frames in which the person was lost, but for those `tried`: the one with the most points; -1 without any.
+int LostFrame(const FrameCosts& costs, const CloudTrack& track, const std::vector<bool>& tried) {
+  int most = -1;
+  for (int f = 0; f < track.state.frames(); ++f) {
+    const bool lost = costs.median > 0.0 && costs.of_frame[f] > std::max(kLost * costs.median, kLostCost);
+    if (!lost || tried[f]) continue;
+    if (most < 0 || track.clouds[f].size() > track.clouds[most].size()) most = f;
+  }
+  return most;
+}
+
+/// Somebody who walks out of the views and comes back may be taken for anything. Where frames are explained much worse
+/// than most, their pose is looked for anew in one of them, whichever way it faces, and carried on from there.
+Status FindAgain(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+  std::vector<bool> tried(static_cast<std::size_t>(track.state.frames()), false);
+  PointCloudOptions any_way = options;
+  any_way.start = {};
+  for (int search = 0; search < kSearches; ++search) {
+    const int f = LostFrame(CostsOf(options, track), track, tried);
+    if (f < 0) return {};
+    const auto near = [&](int frame) { return std::abs(time_s[frame] - time_s[f]) < kNear_s; };
+    for (int i = 0; i < track.state.frames(); ++i) tried[i] = tried[i] || near(i);
+    const double cost = CostPerPoint(f, options, track);
+    const std::vector<double> kept = track.state.FrameParameters(f);
+    const auto found = FindStart(track.body, track.clouds[f], f, any_way, track.state, StartSearch::kStancesAndLimbs);
+    if (!found) return Forward(found);
+    if (CostPerPoint(f, options, track) < kFound * cost) {
+      if (Status looked = LookAgain(time_s, options, track); !looked) return looked;
       continue;
     }
     track.state.SetFrameParameters(f, kept);
@@ -203,9 +270,8 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   track.start = *start;
   if (Status measured = MeasureRadii(first, options, track); !measured) return Forward(measured);
   if (Status followed = Follow(first, time_s, options, track); !followed) return Forward(followed);
-  for (const int step : {1, -1}) {
-    if (Status looked = LookAgain(step, time_s, options, track); !looked) return Forward(looked);
-  }
+  if (Status looked = LookAgain(time_s, options, track); !looked) return Forward(looked);
+  if (Status found = FindAgain(time_s, options, track); !found) return Forward(found);
   return track;
 }
 

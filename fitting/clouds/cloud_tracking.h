@@ -25,7 +25,8 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
 
 /// Finds the first pose by trying several, measures the radii there, then follows frame after frame and looks for the
 /// pose anew after 0.4 s without points; frames that are
-/// explained worse than most are fitted once more from the frames after and before them. Bones (J, metres)
+/// explained worse than most are fitted once more from the frames after and before them, and where they are explained
+/// three times worse the pose is looked for anew. Bones (J, metres)
 /// are held; `time_s` (F) increases. Error kInconsistent when no frame has points.
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
                                  const std::vector<double>& bone_length, const std::vector<double>& time_s,

@@ -84,6 +84,37 @@ TEST_F(StudioClouds, TheSizeOfSomebodyWhoSitsAllTheTimeIsThatOfAllTheirClips) {
   EXPECT_NEAR(BodyScale(*skeleton_, *seated) / BodyScale(*skeleton_, bones_), 1.0, 0.06);
 }
 
+TEST_F(StudioClouds, SomebodyWhoIsLostIsLookedForAnew) {
+  // First they sit; then, from one frame to the next, they stand and face another way.
+  constexpr int kStanding = 0;
+  std::vector<FusedCloud> clouds = *FuseClip(clips_[kSitting], options_);
+  std::vector<FusedCloud> after = *FuseClip(clips_[kStanding], options_);
+  const Matrix3d turn = Eigen::AngleAxisd(2.0, Vector3d::UnitY()).toRotationMatrix();
+  const Vector3d middle = after[0].points.rowwise().mean();
+  constexpr int kStood = 3;
+  for (int f = 0; f < kStood; ++f) {
+    FusedCloud& cloud = after[static_cast<std::size_t>(f)];
+    cloud.points = ((turn * (cloud.points.colwise() - middle)).colwise() + middle).eval();
+    cloud.normals = (turn * cloud.normals).eval();
+    clouds.push_back(cloud);
+  }
+  CloudClock clock{clips_[kSitting].rate, {}};
+  for (std::size_t f = 0; f < clouds.size(); ++f) clock.time_s.push_back(clock.rate.FrameTime(static_cast<int>(f)));
+  PointCloudOptions options = options_;
+  options.start.facing = (*takes_)[kSitting].told_heading;
+  const auto fit = FitFusedClouds(clouds, clock, skeleton_, bones_, options);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  const Motion& truth = (*takes_)[kStanding].clip.truth;
+  double error = 0.0;
+  for (int f = 0; f < kStood; ++f) {
+    const int at = fit->motion.frame_count() - kStood + f;
+    for (int j = 0; j < truth.joint_count(); ++j) {
+      error += (turn * (truth.joints.at(f, j) - middle) + middle - fit->motion.joints.at(at, j)).norm();
+    }
+  }
+  EXPECT_LT(error / (kStood * truth.joint_count()), 0.04);
+}
+
 TEST_F(StudioClouds, APoseThatFacesOtherwiseThanToldIsNotTaken) {
   const CloudTake& take = (*takes_)[0];
   PointCloudOptions options = options_;
