@@ -94,15 +94,19 @@ TEST(TrunkTurn, OfHipsBesideThePelvisStaysTheSkeletons) {
     EXPECT_LT((person->skeleton->joints[hip].rest_offset - nominal->joints[hip].rest_offset).norm(), 0.008);
 }
 
+/// Whether the tracker shows the pelvis.
+class TrunkOfATracker : public testing::TestWithParam<bool> {};
+
 /// The middle of the trunk a third higher than on the skeleton and its top hardly: one length of the bones that nobody
-/// sees reaches both.
-TEST(TrunkTurn, UnseenBonesHaveLengthsThatReachAllThatIsSeenBeyondThem) {
+/// sees reaches both, from the pelvis, or from the hips where nobody sees that either.
+TEST_P(TrunkOfATracker, HasLengthsOfItsUnseenBonesThatReachAllThatIsSeenOfIt) {
   const SkeletonPtr nominal = WithTrunkPoints();
   auto body = std::make_shared<Skeleton>(*nominal);
   for (const char* joint : {"spine1", "spine2", "spine3"}) body->joints[*body->FindJoint(joint)].rest_offset *= 1.35;
   const int middle = *body->FindJoint("middle_of_trunk"), top = *body->FindJoint("top_of_trunk");
   body->joints[top].rest_offset *= 0.85;
-  const SkeletonTracks tracks = TakeOf(body, nominal).tracks;
+  SkeletonTracks tracks = TakeOf(body, nominal).tracks;
+  for (int f = 0; f < tracks.frames() && !GetParam(); ++f) Hide(tracks, f, 0);
   const BoneEstimate bones = EstimateBoneLengths({tracks}, *nominal, true);
   const auto reach = [&](const std::vector<double>& length, int end) {
     Vector3d offset = Vector3d::Zero();
@@ -113,6 +117,8 @@ TEST(TrunkTurn, UnseenBonesHaveLengthsThatReachAllThatIsSeenBeyondThem) {
   EXPECT_NEAR(reach(bones.length, middle), reach(body->RestBoneLengths(), middle), 0.01);
   EXPECT_NEAR(reach(bones.length, top), reach(body->RestBoneLengths(), top), 0.01);
 }
+
+INSTANTIATE_TEST_SUITE_P(TrunkTurn, TrunkOfATracker, testing::Bool());
 
 }  // namespace
 }  // namespace mocurate
