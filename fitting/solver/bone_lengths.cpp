@@ -97,31 +97,101 @@ Vector3d Direction(const Skeleton& skeleton, int joint) {
   return skeleton.joints[joint].rest_offset.stableNormalized();
 }
 
+/// Bones from a seen joint over unseen ones to the next that is seen; where even the root is unseen, from a seen child
+/// of it (a hip).
+struct UnseenChain {
+  std::vector<int> bones;
+  Vector3d start = Vector3d::Zero();  ///< of the bones, from the seen joint in the rest pose, metres
+  double distance = 0.0;              ///< between its ends, metres
+  double sigma = 0.0;                 ///< of that, metres: how far what lies between bends
+};
+
+/// Lengths with which chains that share bones have their distances in the rest pose, as far as they are sure of them
+/// (a tracker's middle of the trunk may be much higher, or lower, than its top tells): Gauss-Newton with the lengths so
+/// far as prior, a quarter of them, as of directions.
+void ShareBones(const std::vector<UnseenChain>& chains, const Skeleton& skeleton, BoneEstimate& bones) {
+  constexpr double kPriorShare = 0.25;
+  std::vector<int> all;
+  for (const UnseenChain& chain : chains) all.insert(all.end(), chain.bones.begin(), chain.bones.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  const auto count = static_cast<Eigen::Index>(all.size());
+  const std::vector<double> prior = bones.length;
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd gradient(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const int bone = all[static_cast<std::size_t>(i)];
+      const double trust = 1.0 / Square(std::max(1e-3, kPriorShare * prior[bone]));
+      normal(i, i) = trust;
+      gradient[i] = trust * (bones.length[bone] - prior[bone]);
+    }
+    for (const UnseenChain& chain : chains) {
+      Vector3d span = chain.start;
+      for (const int bone : chain.bones) span += bones.length[bone] * Direction(skeleton, bone);
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(count);
+      for (const int bone : chain.bones)
+        row[std::lower_bound(all.begin(), all.end(), bone) - all.begin()] =
+            span.stableNormalized().dot(Direction(skeleton, bone));
+      normal += row * row.transpose() / Square(chain.sigma);
+      gradient += row * (span.norm() - chain.distance) / Square(chain.sigma);
+    }
+    const Eigen::VectorXd step = normal.ldlt().solve(gradient);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      double& length = bones.length[all[static_cast<std::size_t>(i)]];
+      length = std::max(length - step[i], 0.25 * prior[all[static_cast<std::size_t>(i)]]);
+    }
+  }
+}
+
+/// From a seen joint, whose parent is not, up to the first below a seen joint or the root.
+std::vector<int> UnseenBonesTo(int end, const Skeleton& skeleton, const std::vector<bool>& seen) {
+  std::vector<int> bones;
+  for (int at = end; skeleton.joints[at].parent >= 0 && (at == end || !seen[at]); at = skeleton.joints[at].parent)
+    bones.push_back(at);
+  return bones;
+}
+
+/// Seen joints from which bones lead on, and where the bones start from each.
+std::vector<std::pair<int, Vector3d>> SeenAbove(const std::vector<int>& unseen_bones, const Skeleton& skeleton,
+                                                const std::vector<bool>& seen, const BoneEstimate& bones) {
+  const int above = skeleton.joints[unseen_bones.back()].parent;
+  if (seen[above]) return {{above, Vector3d::Zero()}};
+  std::vector<std::pair<int, Vector3d>> beside;
+  for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
+    if (unseen_bones.size() == 1 || skeleton.joints[joint].parent != above || !seen[joint]) continue;
+    beside.emplace_back(joint, -bones.length[joint] * Direction(skeleton, joint));
+  }
+  return beside;
+}
+
 /// Bones between a seen joint and the nearest seen one below it that lead over unseen joints: where the distance hardly
 /// changes (a trunk, not an arm), they have the lengths with which it is that of the rest pose. Otherwise joints that
-/// nobody sees would fold between two that are seen, or pull these apart.
+/// nobody sees would fold between two that are seen, or pull these apart. Of trunks, those that bend more count less.
 void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
                      const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
   constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
+  constexpr double kDistanceSigma = 0.002;
+  std::vector<double> noises = white;
+  const double noise = 2.0 * Square(Median(noises));
   std::vector<std::vector<double>> ratios(skeleton.joints.size());
+  std::vector<UnseenChain> chains;
   for (int end = 1; end < skeleton.joint_count(); ++end) {
     if (!seen[end] || seen[skeleton.joints[end].parent]) continue;
-    std::vector<int> chain;
-    Vector3d rest = Vector3d::Zero();
-    int above = end;
-    while (above >= 0 && (above == end || !seen[above])) {
-      chain.push_back(above);
-      rest += skeleton.joints[above].rest_offset;
-      above = skeleton.joints[above].parent;
+    const std::vector<int> chain = UnseenBonesTo(end, skeleton, seen);
+    const bool trunk = skeleton.joints[chain.back()].mirror == chain.back();
+    for (const auto& [above, start] : SeenAbove(chain, skeleton, seen, bones)) {
+      const BoneDistance distance = DistanceOver(clips, white, end, above);
+      if (distance.samples == 0) continue;
+      const double bend = std::sqrt(std::max(0.0, Square(distance.spread) - noise));
+      const bool stiff = bend <= kStiff * distance.length;
+      if (!stiff && !trunk) continue;
+      chains.push_back({chain, start, distance.length, std::max(kDistanceSigma, bend)});
+      Vector3d rest = Vector3d::Zero();
+      for (const int bone : chain) rest += skeleton.joints[bone].rest_offset;
+      if (!stiff || !start.isZero() || rest.norm() < 1e-6) continue;
+      for (const int bone : chain) ratios[bone].push_back(distance.length / rest.norm());
     }
-    if (above < 0 || rest.norm() < 1e-6) continue;  // nothing above is seen
-    const BoneDistance distance = DistanceOver(clips, white, end, above);
-    if (distance.samples == 0) continue;
-    std::vector<double> noises = white;
-    const double noise = 2.0 * Square(Median(noises));
-    const double bend = std::sqrt(std::max(0.0, Square(distance.spread) - noise));
-    if (bend > kStiff * distance.length) continue;
-    for (const int bone : chain) ratios[bone].push_back(distance.length / rest.norm());
   }
   for (std::size_t j = 0; j < ratios.size(); ++j) {
     if (ratios[j].empty()) continue;
@@ -129,6 +199,7 @@ void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector
     for (const double ratio : ratios[j]) sum += ratio;
     bones.length[j] = skeleton.joints[j].rest_offset.norm() * sum / static_cast<double>(ratios[j].size());
   }
+  ShareBones(chains, skeleton, bones);
 }
 
 /// Lengths of bones that start at one unseen joint, from the distances between their seen ends: Gauss-Newton on

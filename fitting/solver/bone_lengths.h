@@ -37,8 +37,9 @@ BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::v
 /// median square of a length is longer by 4 sigma^2) and weighted by how sure its ends are. Several clips of one person
 /// count together. A bone whose parent is never seen (a root between the hips) follows from the distances between its
 /// seen siblings, with the rest skeleton's directions. Bones over unseen joints between two that are seen, at a
-/// distance that hardly changes (a trunk), have the lengths with which it is that of the rest pose; the other unseen
-/// bones have rest length times `scale`. With `symmetric`, left and right share a length.
+/// distance that hardly changes (a trunk), have the lengths with which it is that of the rest pose; where several such
+/// ways share bones of a trunk, those that make all likeliest. The other unseen bones have rest length times `scale`.
+/// With `symmetric`, left and right share a length.
 BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const Skeleton& skeleton, bool symmetric);
 
 /// The same length on both sides, weighted by `weight` (J).

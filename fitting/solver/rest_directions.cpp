@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "fitting/evidence/noise.h"
+#include "fitting/solver/trunk_turn.h"
 
 namespace mocurate {
 namespace {
@@ -32,14 +33,16 @@ struct EndDistances {
   Eigen::MatrixXd sigma;
 };
 
-/// `noise`: of one coordinate. None where two ends are never seen together, or noise reaches across a bone.
+/// Between two points, of noise of one coordinate, metres.
+double NoiseAcross(double noise) { return std::sqrt(6.0) * noise; }
+
+/// `noise`: of one coordinate, `white` in each clip. None where two ends are never seen together, or noise reaches
+/// across a bone.
 std::optional<EndDistances> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
                                         const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
-                                        bool symmetric) {
+                                        double noise, bool symmetric) {
   const std::vector<Joint>& joints = clips.front().skeleton->joints;
-  std::vector<double> noises = white;
-  const double noise = Median(noises);
-  const double across = std::sqrt(6.0) * noise;  // of two points, three axes
+  const double across = NoiseAcross(noise);
   const auto count = static_cast<Eigen::Index>(star.size());
   EndDistances distances{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Ones(count, count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -264,6 +267,8 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
   if (clips.empty()) return skeleton;
   std::vector<double> white;
   for (const SkeletonTracks& clip : clips) white.push_back(EstimateNoise(clip, {}).white);
+  std::vector<double> noises = white;
+  const double noise = Median(noises);
   auto own = std::make_shared<Skeleton>(*skeleton);
   const std::vector<std::vector<int>> children = skeleton->Children();
   const std::vector<bool> seen = ShownJoints(clips);
@@ -271,8 +276,11 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
     if (!seen[parent]) continue;
     Star star;
     std::vector<std::vector<int>> ways;  // to each end
+    std::vector<int> trunk;
     for (const int child : children[parent]) {
       const std::vector<int> way = WayToSeen(child, seen, children);
+      const bool middle = skeleton->joints[parent].mirror == parent && skeleton->joints[child].mirror == child;
+      if (way.empty() && middle && trunk.empty()) trunk = SeenBeyond(child, *skeleton, seen);
       if (way.empty() || OffsetOver(way, *skeleton).isZero()) continue;
       if (way.size() == 1 && bones.samples[child] == 0) continue;
       star.push_back(way.back());
@@ -288,13 +296,14 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
       const double length = ways[at].size() == 1 ? bones.length[end] : DistanceOver(clips, white, parent, end).length;
       near.col(i) = length * rest.col(i).normalized();
     }
-    const std::optional<EndDistances> distances = DistancesOf(star, near, clips, white, symmetric);
+    const std::optional<EndDistances> distances = DistancesOf(star, near, clips, white, noise, symmetric);
     if (!distances) continue;
     const Eigen::MatrixXd start = OfTwoImages(Arranged(distances->length, near), near, star, parent, clips, symmetric);
     Eigen::MatrixXd offsets = Likeliest(*distances, near, start);
     if (IsOtherImage(offsets, start)) offsets = start;  // the rest skeleton does not outvote frames
     for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) *= rest.col(i).norm() / offsets.col(i).norm();
     offsets = TurnedTo(rest, offsets);  // rotations are counted from the rest pose of `skeleton`
+    if (!trunk.empty()) offsets = TurnedToTrunk({parent, star, offsets}, trunk, clips, NoiseAcross(noise));
     if (!offsets.allFinite()) continue;
     for (Eigen::Index i = 0; i < count; ++i) {
       const Quaterniond swing = SwingBetween(rest.col(i), offsets.col(i));
