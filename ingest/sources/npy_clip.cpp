@@ -155,7 +155,8 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
                 "mend the file, or set ingest.source.damaged_rows: report");
   }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
-  ingested.clip.rate = RateOfFile(source, read->rate_hz.value_or(*source.rate_hz), ingested);
+  ingested.clip.rate =
+      read->rate_hz ? RateOfFile(source, *read->rate_hz, ingested) : FrameRate::FromHz(*source.rate_hz);
   JointTracks tracks = TracksOfArray(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
   if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
       static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
