@@ -5,7 +5,6 @@
 
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
-#include "core/motion/skeleton.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
 
@@ -139,8 +138,9 @@ TEST(ExportedJoints, AnotherOrderThanTheFileNamesIsRefused) {
             0);
   ASSERT_EQ(RunProgram(folder, {"export", path("walk.h5"), "-o", path("walk.npz"), "--as", "joints"}).exit_code, 0);
   std::string joints = "[pelvis, right_hip, left_hip";
-  const auto skeleton = LoadSkeleton("smpl24");
-  for (int j = 3; j < 24; ++j) joints += ", " + (*skeleton)->joints[static_cast<std::size_t>(j)].name;
+  const auto walk = ReadDataset(folder / "walk.h5");
+  ASSERT_TRUE(walk) << walk.error().Message();
+  for (int j = 3; j < 24; ++j) joints += ", " + walk->skeleton->joints[static_cast<std::size_t>(j)].name;
   const Result refused = RunProgram(folder, {"fit", path("walk.npz"), "-o", path("again.h5"), "--skeleton", "smpl24",
                                              "--set", "ingest.source.joints=" + joints + "]"});
   EXPECT_NE(refused.exit_code, 0);

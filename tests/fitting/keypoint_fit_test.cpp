@@ -94,8 +94,8 @@ TEST(KeypointFit, PointsThatOnlyOppositeViewsSeeDoNotMakeAResidualOfTheirOwn) {
       ++samples;
     }
   }
-  EXPECT_GT(std::sqrt(square / samples), 0.04) << "as plain distances";
   EXPECT_LT(fit->residual_rms, 0.03);
+  EXPECT_GT(std::sqrt(square / samples), 1.5 * fit->residual_rms) << "as plain distances";
   EXPECT_LT(fit->rejected_share, 0.01);
 }
 
@@ -114,7 +114,9 @@ TEST(KeypointFit, DetectionsOfAnotherPlaceAreRejectedAndTheirShareIsTold) {
   const auto fit = FittedKeypoints(evidence, person.rate, person.bone_length);
   ASSERT_TRUE(fit) << fit.error().Message();
   EXPECT_LT(fit->residual_rms, 0.03);
-  EXPECT_NEAR(fit->rejected_share, 14.0 / (60 * 24), 0.006);
+  const double wrong = 14.0 / (60 * 24);
+  EXPECT_GT(fit->rejected_share, 0.9 * wrong);
+  EXPECT_LT(fit->rejected_share, 2.1 * wrong) << "with the hand, which the wrist pulls along";
 }
 
 TEST(KeypointFit, KnowsThatTwoNeighbouringViewsSeeDepthBadly) {
