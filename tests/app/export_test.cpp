@@ -144,7 +144,7 @@ TEST(ExportedJoints, AnotherOrderThanTheFileNamesIsRefused) {
   const Result refused = RunProgram(folder, {"fit", path("walk.npz"), "-o", path("again.h5"), "--skeleton", "smpl24",
                                              "--set", "ingest.source.joints=" + joints + "]"});
   EXPECT_NE(refused.exit_code, 0);
-  EXPECT_THAT(refused.err, HasSubstr("joint_names says 'left_hip' where 'right_hip' is declared"));
+  EXPECT_THAT(refused.err, HasSubstr("joint_names says 'right_hip' where 'left_hip' is declared"));
 }
 
 }  // namespace
