@@ -77,7 +77,7 @@ int PartnerPoint(const std::vector<std::string>& names, int point) {
 /// Parts of limbs that are exchanged together, as bits.
 enum LimbPart : unsigned { kForearm = 1, kLowerLeg = 2, kUpperArm = 4, kHip = 8 };
 
-unsigned PartOf(const std::string& name) {
+unsigned LimbPartOf(const std::string& name) {
   const auto has = [&](std::initializer_list<const char*> words) {
     return std::any_of(words.begin(), words.end(),
                        [&](const char* word) { return name.find(word) != std::string::npos; });
@@ -105,7 +105,7 @@ class Exchange {
            Random& again)
       : exchanged_(static_cast<std::size_t>(frames), 0u) {
     for (std::size_t k = 0; k < names.size(); ++k) {
-      part_.push_back(PartOf(names[k]));
+      part_.push_back(LimbPartOf(names[k]));
       partner_.push_back(PartnerPoint(names, static_cast<int>(k)));
     }
     const bool happens = once.Uniform() < options.swap_share;
