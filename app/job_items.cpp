@@ -302,6 +302,22 @@ FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& 
   return given;
 }
 
+Expected<std::vector<StageInput>> TruthInputs(const std::filesystem::path& truth) {
+  std::vector<StageInput> inputs;
+  if (truth.empty()) return inputs;
+  std::error_code unreadable;
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::is_regular_file(truth, unreadable)) files.push_back(truth);
+  for (const auto& entry : std::filesystem::directory_iterator(truth, unreadable)) {
+    if (entry.path().extension() == ".h5") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const std::filesystem::path& file : files) inputs.push_back({"truth", file.filename().string(), file, ""});
+  if (!inputs.empty()) return inputs;
+  return Fail(ErrorCode::kNotFound, "no truth file (.h5) is here", DisplayPath(truth),
+              "ingest.truth is the folder truth that `mocurate synthesize` writes beside a capture, or a file of it");
+}
+
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth) {
   ItemSpec item{"fit_error", nlohmann::json::object(), truth};
   for (const ClipRecord& clip : clips) {

@@ -102,6 +102,9 @@ FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std:
 /// One item per clip with a motion that is handed on.
 FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& options);
 
+/// Truth that lies beside a capture: the .h5 of a folder, or one file; none where the path is empty. Error kNotFound.
+Expected<std::vector<StageInput>> TruthInputs(const std::filesystem::path& truth);
+
 /// All fits and their evidence against the truth; nothing when one of the two is missing.
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth);
 

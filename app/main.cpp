@@ -100,7 +100,8 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
   run->footer(
       "Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"
-      "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble");
+      "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble\n"
+      "  mocurate run configs/reannotate/kard.yaml --set report.videos=false   # they can take longer than the fits");
   run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
 }
 

@@ -119,6 +119,9 @@ class MainJob {
     }
     const StageInput skeleton = SkeletonInput(options_.ingest.source.skeleton);
     for (auto* items : {&discovery->items, &discovery->truth}) AddInput(skeleton, *items);
+    auto beside = TruthInputs(options_.ingest.truth);
+    if (!beside) return Forward(beside);
+    truth_.insert(truth_.end(), beside->begin(), beside->end());
     const std::vector<ItemSpec> specs = discovery->items;
     auto report = runs_.Run(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);

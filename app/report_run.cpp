@@ -4,10 +4,13 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 
 namespace mocurate {
 namespace {
+
+constexpr double kLongVideos = 5.0;  // seconds that videos took
 
 /// The clips a report draws: best, worst and evenly between by residual, `count` in all.
 std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count) {
@@ -162,6 +165,10 @@ Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs,
   const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
   if (!report && !no_encoder) return Forward(report);
   if (no_encoder) LogWarning("no videos: " + report.error().Message());
+  if (report && report->seconds > kLongVideos) {
+    LogInfo("the videos took " + RoundedText(report->seconds, 2) +
+            " s of this run; --set report.videos=false leaves them out");
+  }
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (!no_encoder && !report->items[i].artifact.empty()) {
       files[i].video = ClipFileName(i, "mp4");

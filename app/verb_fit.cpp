@@ -85,6 +85,17 @@ Status ChooseClips(const std::vector<std::string>& names, nlohmann::json& inspec
   return {};
 }
 
+/// What was guessed of numbers that no format names, unless the command line says it.
+void TellGuesses(const FitArguments& arguments, const nlohmann::json& inspection) {
+  const std::set<std::string> telling = {"least_confidence", "columns", "layout"};
+  for (const std::string& text : arguments.assignments)
+    if (text.rfind("ingest.source.", 0) == 0 && telling.count(text.substr(14, text.find('=') - 14)) != 0) return;
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("code") != "confidence_guessed") continue;
+    return LogWarning(finding.at("where").get<std::string>() + ": " + finding.at("message").get<std::string>());
+  }
+}
+
 Expected<Declared> Declare(const FitArguments& arguments) {
   if (!arguments.source.empty()) {
     const Expected<ConfigSource> recipe = RecipeOf(arguments.source);
@@ -96,6 +107,7 @@ Expected<Declared> Declare(const FitArguments& arguments) {
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
   if (!written) return Forward(written);
+  TellGuesses(arguments, inspection);
   for (const std::string& other : written->others) {
     LogWarning(DisplayPath(arguments.path) + ": " + other + " stay out, they are another source's; --clip chooses one");
   }
@@ -249,8 +261,8 @@ void PrintFit(const JobResult& result, const ItemResult& item) {
     return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>() : 0.0;
   };
   if (fit.value("method", "none") != "none") {
-    std::printf("  residual %.1f mm RMS, %.1f mm 95 %%\n", number(fit, "residual_rms_mm"),
-                number(fit, "residual_p95_mm"));
+    std::printf("  residual %.1f mm RMS, %.1f mm 95 %%, %.1f %% rejected\n", number(fit, "residual_rms_mm"),
+                number(fit, "residual_p95_mm"), 100.0 * number(fit, "rejected_share"));
   }
   if (fit.contains("before")) {
     const nlohmann::json& before = fit["before"];

@@ -23,6 +23,39 @@ Expected<ConfigNode> Load(const SynthesizeArguments& arguments) {
   return LoadConfig(ConfigSource{"", "synthesize", std::filesystem::current_path()}, assignments);
 }
 
+/// Values that are said, by the names of their options.
+void Collect(const ConfigNode& node, const std::string& name,
+             std::vector<std::pair<std::string, const ConfigNode*>>& said) {
+  if (node.kind != ConfigNode::Kind::kMapping) said.emplace_back(name, &node);
+  for (const auto& [key, value] : node.mapping) Collect(value, name.empty() ? key : name + "." + key, said);
+}
+
+nlohmann::json ValueOf(const nlohmann::json& options, std::string name) {
+  std::replace(name.begin(), name.end(), '.', '/');
+  return options.at(nlohmann::json::json_pointer("/" + name));
+}
+
+/// Refuses options that the layout would pass over. In a file the value that an option has anyway is none of them, so
+/// that what --show prints reads for every layout.
+Status CheckUsed(const StudioOptions& options, const ConfigNode& node) {
+  const nlohmann::json values = OptionsToJson(options), defaults = OptionsToJson(StudioOptions());
+  const std::string layout = StudioLayoutName(options.layout);
+  std::vector<std::pair<std::string, const ConfigNode*>> said;
+  Collect(node, "", said);
+  std::string unused, where;
+  for (const auto& [name, value] : said) {
+    const std::vector<std::string> users = LayoutsUsing(name);
+    if (users.empty() || std::find(users.begin(), users.end(), layout) != users.end()) continue;
+    if (value->origin.file != "--set" && ValueOf(values, name) == ValueOf(defaults, name)) continue;
+    if (where.empty()) where = value->origin.Text();
+    unused += (unused.empty() ? "" : "; ") + name + " is of";
+    for (const std::string& user : users) unused += (user == users.front() ? " " : ", ") + user;
+  }
+  if (unused.empty()) return {};
+  return Fail(ErrorCode::kConfig, "layout " + layout + " does not use what is set: " + unused, where,
+              "leave it out, or choose a layout that uses it");
+}
+
 constexpr const char* kSmaller =
     "--set depth.every=10 renders each tenth frame, depth.enabled=false none; subjects, clips and actions choose fewer "
     "takes";
@@ -129,6 +162,7 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
   if (!node) return Forward(node);
   const auto options = OptionsFromConfig<StudioOptions>(*node);
   if (!options) return Forward(options);
+  if (Status used = CheckUsed(*options, *node); !used) return used;
   if (arguments.show) {
     if (common.json)
       std::printf("%s\n", OptionsToJson(*options).dump(1).c_str());

@@ -241,6 +241,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   outcome.summary = {{"method", MethodName(options.method)},
                      {"residual_rms_mm", Millimetres(fit.residual_rms)},
                      {"residual_p95_mm", Millimetres(fit.residual_p95)},
+                     {"rejected_share", std::round(fit.rejected_share * 1e4) / 1e4},
                      {"noise_sigma_mm", Millimetres(fit.noise_sigma)},
                      {"variance_factor", std::round(fit.variance_factor * 1e3) / 1e3},
                      {"iterations", fit.iterations},

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -83,6 +84,28 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   return FitTracksOfClip(clip, body->skeleton, bones, options);
 }
 
+/// Whether ingest took a depth camera's images out, by its findings.
+bool LeavesViewOut(const Finding& finding) {
+  constexpr const char* kCodes[] = {"depth_left_out", "view_left_out", "camera_saw_nobody", "camera_missing",
+                                    "camera_not_calibrated"};
+  return std::find(std::begin(kCodes), std::end(kCodes), finding.code) != std::end(kCodes);
+}
+
+/// Error kInconsistent where a clip had depth views, and ingest left out all of them: which, and why.
+Status CheckDepthIsLeft(const Clip& clip, const std::vector<Finding>& findings, FitMethod method) {
+  const std::vector<DepthView>& views = clip.evidence.depth_views;
+  const bool wanted = method == FitMethod::kPointClouds || method == FitMethod::kJointsAndClouds;
+  if (!wanted || (!views.empty() && !views[0].files.empty())) return {};
+  std::string why;
+  for (const Finding& finding : findings) {
+    if (LeavesViewOut(finding)) why += (why.empty() ? "" : "; ") + finding.message;
+  }
+  if (why.empty()) return {};
+  return Fail(ErrorCode::kInconsistent, "all depth views of the clip were left out when it was read: " + why, clip.id(),
+              clip.evidence.tracks ? "complete the images, or fit the tracks alone: fitting.method joint_tracks"
+                                   : "complete the images, or leave the clip out");
+}
+
 Expected<SlidingRemoval> RemoveSliding(const ContactOptions& options, const std::string& clip, Motion& motion) {
   if (motion.joints_only()) {
     return Fail(ErrorCode::kInconsistent, "a motion without rotations cannot be turned", clip,
@@ -105,6 +128,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<Clip> clip = ReadEvidence(evidence->path, &dataset.findings);
   if (!clip) return Forward(clip);
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+  if (Status left = CheckDepthIsLeft(*clip, dataset.findings, options->method); !left) return Forward(left);
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) {
     Error error = fit.error();

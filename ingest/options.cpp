@@ -190,6 +190,10 @@ void SyntheticOptions::Declare(OptionVisitor& v) {
 
 void IngestOptions::Declare(OptionVisitor& v) {
   v.Path("path", path, "folder with the captures");
+  v.Path(
+      "truth", truth,
+      "what really happened, as `mocurate synthesize` writes it beside a capture: its folder truth, or a file of it; "
+      "the error of the fits against it is told");
   v.Text("obtain", obtain, "where the captures come from and what has to be signed; told by `doctor --source`");
   v.TextMap("expected", expected,
             "path below the folder -> what lies there, beside the files of the pattern; told by `doctor --source`");

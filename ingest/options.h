@@ -168,6 +168,7 @@ struct SyntheticOptions {
 struct IngestOptions {
   std::filesystem::path
       path;  ///< folder of the source, or one of its files; empty with synthetic.enabled: the capture's folder
+  std::filesystem::path truth;                  ///< folder of truth files, or one; the error of fits against it is told
   std::string obtain;                           ///< where the set comes from and what has to be signed
   std::map<std::string, std::string> expected;  ///< path below the folder -> what lies there, beside source.files
   SourceOptions source;

@@ -72,7 +72,7 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
     html += "<div><dt>" + name + "</dt><dd>" + value + "<small>" + note + "</small></dd></div>\n";
   };
   if (clip.fitted.fit_rms > 0.0) {
-    tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over what was observed");
+    tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over the evidence that is used");
   }
   if (series.raw_bones) {
     double raw = 0.0;

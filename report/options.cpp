@@ -7,7 +7,7 @@ void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("filmstrip_frames", filmstrip_frames, {2.0, 24.0}, "stills per filmstrip");
   v.Integer("pages", pages, {0.0, 1000.0}, "clips that get a page of their own: best, worst and those between");
   v.Integer("page_views", page_views, {0.0, 100.0}, "views over which a page draws the fitted body, at most");
-  v.Bool("videos", videos, "one H.264 video for each of these pages");
+  v.Bool("videos", videos, "one H.264 video for each of these pages: most of a report's time");
 }
 
 void ClipPageOptions::Declare(OptionVisitor& v) {

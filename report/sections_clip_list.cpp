@@ -18,6 +18,12 @@ std::string Change(const nlohmann::json& fitting, const char* key, int digits) {
   return NumberCell(Field(fitting, "before"), key, digits) + " → " + NumberCell(Field(fitting, "after"), key, digits);
 }
 
+/// Share of the observations that the fit took for outliers: they are not in the residual.
+std::string RejectedCell(const nlohmann::json& fitting) {
+  const auto share = NumberOf(fitting, "rejected_share");
+  return share ? PercentText(*share) : "–";
+}
+
 }  // namespace
 
 std::string ClipsHtml(const ReportInput& input) {
@@ -37,10 +43,11 @@ std::string ClipsHtml(const ReportInput& input) {
     if (has_page(a) != has_page(b)) return has_page(a);
     return residual(a) < residual(b);
   });
-  HtmlTable table{"Best fits first, those with a page of their own on top",
-                  {"Clip", "Residual RMS, mm", "Bone spread, mm", "Jerk, m/s³", "Frames mended", "Findings"},
-                  {},
-                  true};
+  HtmlTable table{
+      "Best fits first, those with a page of their own on top",
+      {"Clip", "Residual RMS, mm", "Rejected", "Bone spread, mm", "Jerk, m/s³", "Frames mended", "Findings"},
+      {},
+      true};
   for (const nlohmann::json* clip : clips) {
     if (table.rows.size() >= kMostRows) break;
     const std::string item = TextOf(*clip, "item");
@@ -52,8 +59,9 @@ std::string ClipsHtml(const ReportInput& input) {
       const std::string video = TextOf(files, "video");
       if (!video.empty()) name += ", <a href=\"" + EscapeHtml(video) + "\">video</a>";
     }
-    table.rows.push_back({name, NumberCell(fitting, "residual_rms_mm", 1), Change(fitting, "bone_spread_mm", 1),
-                          Change(fitting, "jerk", 0), CountText(CountOf(Field(fitting, "repairs"), "any_frames")),
+    table.rows.push_back({name, NumberCell(fitting, "residual_rms_mm", 1), RejectedCell(fitting),
+                          Change(fitting, "bone_spread_mm", 1), Change(fitting, "jerk", 0),
+                          CountText(CountOf(Field(fitting, "repairs"), "any_frames")),
                           CountText(static_cast<long long>(Elements(Field(*clip, "findings")).size()))});
   }
   const std::size_t left = clips.size() - table.rows.size();

@@ -61,10 +61,12 @@ Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint) {
   return MedianOver(tracks, SeenNearby(tracks, frame, joint), joint);
 }
 
+double OutlierLimit(double sigma) { return std::max(kOutlierSigmas * sigma, kSmallestOutlier); }
+
 std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<double>& joint_sigma) {
   std::vector<bool> rejected(tracks.confidence.size(), false);
   for (int j = 0; j < tracks.joints(); ++j) {
-    const double allowed = std::max(kOutlierSigmas * joint_sigma[j], kSmallestOutlier);
+    const double allowed = OutlierLimit(joint_sigma[j]);
     for (int f = 0; f < tracks.frames(); ++f) {
       if (!tracks.seen(f, j)) continue;
       const std::vector<int> nearby = SeenNearby(tracks, f, j);

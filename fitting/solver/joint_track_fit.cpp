@@ -101,24 +101,33 @@ std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double reach_s) {
   return states;
 }
 
-void MeasureResiduals(const SkeletonTracks& tracks, FitResult& result) {
-  std::vector<double> residuals;
-  double square = 0.0;
+/// What the fit leaves of its evidence. Where samples have precisions, distances are weighted by them: a point whose
+/// rays hardly cross is metres off along them and says nothing there. Of such samples those that are as far off as
+/// RejectOutliers rejects beside their neighbours are rejected too, unless most are: then the fit is wrong.
+void MeasureResiduals(const SkeletonTracks& tracks, const std::vector<double>& joint_sigma,
+                      const std::vector<bool>& rejected, FitResult& result) {
+  std::vector<double> residuals, used;
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       if (!tracks.seen(f, j)) continue;
-      residuals.push_back((result.motion.joints.at(f, j) - tracks.positions.at(f, j)).norm());
-      square += residuals.back() * residuals.back();
+      const Vector3d off = result.motion.joints.at(f, j) - tracks.positions.at(f, j);
+      residuals.push_back(tracks.precision.empty() ? off.norm() : std::sqrt(off.dot(tracks.precision_at(f, j) * off)));
+      if (tracks.precision.empty() || residuals.back() <= OutlierLimit(joint_sigma[static_cast<std::size_t>(j)]))
+        used.push_back(residuals.back());
     }
   }
   if (residuals.empty()) return;
-  result.residual_rms = std::sqrt(square / static_cast<double>(residuals.size()));
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  result.residual_median = *middle;
-  const auto place = residuals.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(residuals.size() - 1));
-  std::nth_element(residuals.begin(), place, residuals.end());
+  result.residual_median = Median(residuals);
+  if (2 * used.size() < residuals.size()) used = residuals;
+  double square = 0.0;
+  for (const double residual : used) square += residual * residual;
+  result.residual_rms = std::sqrt(square / static_cast<double>(used.size()));
+  const auto place = used.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(used.size() - 1));
+  std::nth_element(used.begin(), place, used.end());
   result.residual_p95 = *place;
+  const auto before = static_cast<double>(std::count(rejected.begin(), rejected.end(), true));
+  const double all = before + static_cast<double>(residuals.size());
+  result.rejected_share = (all - static_cast<double>(used.size())) / all;
 }
 
 /// One finding per joint that has samples rejected.
@@ -232,7 +241,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     result.motion.rotation_observed = std::move(uncertainty->rotation_observed);
     result.variance_factor = uncertainty->variance_factor;
   }
-  MeasureResiduals(tracks, result);
+  MeasureResiduals(tracks, joint_sigma, rejected, result);
   std::vector<bool> unseen = tracks.SeenFrames();
   unseen.flip();
   ReportFramesWithout(unseen, "no joint is seen", "interpolated", result.findings);

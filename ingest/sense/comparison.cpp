@@ -70,7 +70,7 @@ void Compare(const char* code, const char* what, const std::string& declared, co
 }  // namespace
 
 Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOptions>& source) {
-  Statements said{clip.units, clip.up, clip.handedness, "", "", "said by the format"};
+  Statements said{clip.units, clip.up, clip.handedness, "", clip.axes, "said by the format"};
   if (!source) return said;
   said.who = "said by the source '" + source->name + "'";
   if (!source->units.empty()) said.units = source->units;

@@ -15,6 +15,7 @@
 #include "core/formats/vibe_pickle.h"
 #include "ingest/sense/frame_names.h"
 #include "ingest/sense/observed_clip.h"
+#include "ingest/sources/exported_motion.h"
 
 namespace mocurate {
 
@@ -110,6 +111,9 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
                                                  const std::optional<SourceOptions>& source);
 Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
                                                  const std::optional<SourceOptions>& source);
+/// The joints of a file of `mocurate export`, as it names them.
+Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name,
+                                       const std::optional<SourceOptions>& source);
 /// Whether the file is of a recording of PHSPD by its path, ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
 bool IsOfPhspd(const std::filesystem::path& path);
 /// Poses, of which damaged rows are told and left out; shapes, which are only named.

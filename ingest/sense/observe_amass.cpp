@@ -145,6 +145,12 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
   const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
   if (!archive) return Forward(archive);
   ObservedFile observed;
+  if (const auto exported = ExportedMotionIn(*archive)) {
+    Expected<ObservedClip> clip = ObserveExported(*exported, file.name, source);
+    if (!clip) return Forward(clip);
+    observed.clips.push_back(*std::move(clip));
+    return observed;
+  }
   if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
     const Expected<Amass> amass = ParseAmass(file.bytes, file.name, DamagedRows::kReport);
     if (!amass) return Forward(amass);

@@ -170,6 +170,19 @@ JointTable InFrames(const JointTable& rows, int joints) {
   return framed;
 }
 
+/// What nobody declares and a reading takes for a confidence decides which joints are seen.
+void TellGuessedConfidence(ObservedClip& clip) {
+  if (clip.doubted_share <= 0.0) return;
+  clip.remarks.push_back({"confidence_guessed", Severity::kInfo, clip.doubted_share,
+                          "the number behind x, y, z lies in 0 to 1 throughout: taken as a confidence, by which " +
+                              RoundedText(100.0 * clip.doubted_share, 3) +
+                              " % of the joints are not seen although they have a place; "
+                              "ingest.source.least_confidence: 0.1 takes them as "
+                              "seen, but doubted, and `skip` in the place of `confidence` (ingest.source.columns, "
+                              "layout) passes the number "
+                              "over"});
+}
+
 /// Whether rows have another count of numbers than the source declares.
 bool OtherColumns(const JointTable& rows, const SourceOptions& source) {
   const int per_row = static_cast<int>(source.joints.size()) / RowsPerFrame(source);
@@ -269,6 +282,7 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
   }
   if (!clip) return Forward(clip);
   if (damaged && !as_ingested) AddRemarks(rows->findings, *clip, std::max(1, rows->frames / std::max(1, clip->frames)));
+  if (!declared && !by_layout) TellGuessedConfidence(*clip);
   if (bytes.find("\nEND") != std::string_view::npos) clip->facts.emplace_back("end_word", "END");
   if (std::none_of(clip->confidence.begin(), clip->confidence.end(), [](double c) { return c > 0.0; })) {
     clip->remarks.push_back(

@@ -47,6 +47,7 @@ struct ObservedClip {
   std::string set_says;
   std::optional<double> missing_share;  ///< where positions do not show it
   std::string missing_evidence;         ///< of what that is the share; without one, why it is unknown; or empty
+  double doubted_share = 0.0;           ///< of joints: they have a place, and a number behind it that is 0
   bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them
   JointPositions posed;  ///< metres, file axes; of the body, where positions are of markers on it; or empty
   std::optional<RootScale> root_scale;  ///< where the path of the root and the bones come from different places
@@ -62,6 +63,7 @@ struct ObservedClip {
   std::string units;            ///< where the format says it
   std::string up;
   std::string handedness;
+  std::string axes;  ///< as a source says them
   std::vector<Remark> remarks;
 };
 

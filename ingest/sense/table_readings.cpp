@@ -66,12 +66,13 @@ void CountUnseen(const JointTable& rows, const RowLayout& layout, bool confidenc
   const auto at_origin = std::count(clip.zeros.begin(), clip.zeros.end(), 1);
   if (at_origin > 0) clip.facts.emplace_back("at_origin", RoundedText(static_cast<double>(at_origin) / samples));
   if (!confidences) return;
-  std::size_t unsure = 0, missing = 0, at = 0;
+  std::size_t unsure = 0, missing = 0, placed = 0, at = 0;
   for (int f = 0; f < clip.frames; ++f) {
     for (int j = 0; j < clip.joints; ++j, ++at) {
       const TableCell place = CellOfJoint(layout, f, j);
       const bool none = !(rows.at(place.row, 0, place.column + 3) > 0.0);
       unsure += none ? 1 : 0;
+      placed += none && clip.confidence[at] > 0.0 ? 1 : 0;
       missing += none || clip.confidence[at] == 0.0 ? 1 : 0;
     }
   }
@@ -81,6 +82,7 @@ void CountUnseen(const JointTable& rows, const RowLayout& layout, bool confidenc
     clip.missing_evidence = "joints that are zero, no numbers, or have confidence 0";
     return;
   }
+  clip.doubted_share = static_cast<double>(placed) / samples;
   clip.missing_evidence = "the number behind x, y, z lies in 0 to 1 and is 0 for " +
                           RoundedText(100.0 * static_cast<double>(unsure) / samples, 3) +
                           " % of the joints: whether it is a confidence, and these were not seen, the file does not "

@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "core/formats/npz.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sources/exported_motion.h"
 #include "ingest/sources/mapped_file.h"
 
 namespace mocurate {
@@ -98,6 +99,7 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std
     if (!mapped) return clips;
     const Expected<Npz> archive = ParseNpz((*mapped)->bytes(), name);
     if (!archive) return clips;
+    if (const auto exported = ExportedMotionIn(*archive)) return {{"", exported->names.size()}};
     for (const NpzMember& member : archive->members) {
       if (member.skipped.empty() && !member.array.values.empty())
         AddClips(member.array.shape, "[" + member.name + "]", clips);
@@ -115,15 +117,21 @@ std::string RecordingSuffix(const std::string& id) {
   return suffix;
 }
 
-Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name) {
+Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name) {
   std::vector<std::string> parts = PartsOf(id);
+  const auto alone = [](Expected<NpyArray> array) -> Expected<ArrayOfClip> {
+    if (!array) return Forward(array);
+    return ArrayOfClip{*std::move(array), {}, {}};
+  };
   if (KindOf(bytes) != FileKind::kZip) {
-    if (parts.empty()) return ParseNpy(bytes, name);
+    if (parts.empty()) return alone(ParseNpy(bytes, name));
     const std::optional<long long> entry = ParseInteger(parts[0]);
-    return ParseNpyEntry(bytes, static_cast<std::size_t>(entry.value_or(0)), name);
+    return alone(ParseNpyEntry(bytes, static_cast<std::size_t>(entry.value_or(0)), name));
   }
   Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);
+  if (const auto exported = ExportedMotionIn(*npz); exported && parts.empty())
+    return ArrayOfClip{*exported->joints, exported->names, exported->rate_hz};
   if (!npz->unsafe.empty() && (parts.empty() || npz->Find(parts[0]) == nullptr))
     return tl::unexpected<Error>(npz->unsafe.front());
   if (parts.empty()) {
@@ -134,8 +142,8 @@ Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, 
   if (array == nullptr) {
     return Fail(ErrorCode::kInconsistent, "the archive has no array '" + parts[0] + "'", name);
   }
-  if (parts.size() == 1) return *array;
-  return EntryOf(*array, static_cast<std::size_t>(ParseInteger(parts[1]).value_or(0)), name);
+  if (parts.size() == 1) return alone(*array);
+  return alone(EntryOf(*array, static_cast<std::size_t>(ParseInteger(parts[1]).value_or(0)), name));
 }
 
 }  // namespace mocurate

@@ -27,7 +27,8 @@ std::string OtherThanJoints(const std::vector<std::size_t>& shape);
 
 /// One clip of a file of arrays.
 struct ArrayClip {
-  std::string id;  ///< "[3]" of a batch, "[member]" of an .npz, "[member][3]"; empty: the file is the clip
+  std::string id;  ///< "[3]" of a batch, "[member]" of an .npz, "[member][3]"; empty: the file is the clip,
+                   ///< an .npz of `mocurate export` too
   std::size_t joints = 0;
 };
 
@@ -38,8 +39,15 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& file, const std
 /// What the clip's name gets in addition: "[walk][3]" gives ".walk.0003", "[a/b]" gives ".a.b".
 std::string RecordingSuffix(const std::string& id);
 
-/// The array of one clip. Errors of the formats; kInconsistent where there is no such clip.
-Expected<NpyArray> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name);
+/// What a file says of one clip.
+struct ArrayOfClip {
+  NpyArray array;
+  std::vector<std::string> names;  ///< of the joints, where the file is one of `mocurate export`
+  std::optional<double> rate_hz;   ///< likewise
+};
+
+/// Errors of the formats; kInconsistent where there is no such clip.
+Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name);
 
 /// One clip of an .npy or .npz of joint positions (frames, joints, 3) or (frames, joints * 3) -> joints-only motion.
 /// `file.container` is the file.

@@ -48,6 +48,20 @@ Expected<FileOrder> OrderOf(const SourceOptions& source, const Skeleton& skeleto
   return order;
 }
 
+/// Where the file names its joints: error kInconsistent for one that is declared as another.
+Status CheckNamesOfFile(const std::vector<std::string>& names, const FileOrder& order, const Skeleton& skeleton,
+                        const std::string& file) {
+  for (std::size_t k = 0; !names.empty() && k < order.joint.size(); ++k) {
+    const std::string& named = names[static_cast<std::size_t>(order.place[k])];
+    const auto joint = skeleton.FindJoint(named);
+    if (!joint || static_cast<int>(*joint) == order.joint[k]) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "joint_names says '" + named + "' where '" + skeleton.joints[order.joint[k]].name + "' is declared",
+                file, "list the file's joints under ingest.source.joints, in its order");
+  }
+  return {};
+}
+
 /// Positions as joint tracks, in metres in the world; a point with a number that is no coordinate of a person is
 /// missing.
 JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
@@ -109,8 +123,9 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   if (!order) return Forward(order);
   const auto mapped = MappedFile::Open(file.container);
   if (!mapped) return Forward(mapped);
-  const Expected<NpyArray> array = ReadArrayClip((*mapped)->bytes(), id, file.name);
-  if (!array) return Forward(array);
+  const Expected<ArrayOfClip> read = ReadArrayClip((*mapped)->bytes(), id, file.name);
+  if (!read) return Forward(read);
+  const NpyArray* array = &read->array;
 
   const std::size_t wide = source.joints.empty() ? (*skeleton)->joints.size() : source.joints.size();
   const bool cube = array->shape.size() == 3 && array->shape[1] == wide && array->shape[2] == 3;
@@ -130,6 +145,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
                 "the array has shape " + ShapeWords(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
                 file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
   }
+  if (Status named = CheckNamesOfFile(read->names, *order, **skeleton, file.name); !named) return Forward(named);
   const int frames = static_cast<int>(array->shape[0]);
   IngestedClip ingested;
   DamagedNumbers damaged = DamagedNumbersOf(array->values.data(), frames, static_cast<int>(wide), file.name);
@@ -139,7 +155,8 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
                 "mend the file, or set ingest.source.damaged_rows: report");
   }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
-  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  ingested.clip.rate =
+      read->rate_hz ? RateOfFile(source, *read->rate_hz, ingested) : FrameRate::FromHz(*source.rate_hz);
   JointTracks tracks = TracksOfArray(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
   if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
       static_cast<std::ptrdiff_t>(tracks.confidence.size())) {

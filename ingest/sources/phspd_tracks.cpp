@@ -4,6 +4,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/phspd_text.h"
+#include "core/quality/tracked_points.h"
 
 namespace mocurate {
 namespace {

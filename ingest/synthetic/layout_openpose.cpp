@@ -15,8 +15,6 @@
 namespace mocurate {
 namespace {
 
-constexpr std::int64_t kOpenPoseRateHz = 30;
-
 /// Cameras as plain JSON: world-to-camera in metres, the studio's world.
 std::string CalibrationText(const std::vector<Camera>& cameras) {
   nlohmann::json document = {{"units", "metre"}, {"convention", "x_cam = R X_world + t, x right, y down, z forward"}};
@@ -90,7 +88,7 @@ Status WriteTakeDepth(const StudioOptions& options, const Actor& actor, const Mo
 /// Takes before colour cameras, and depth cameras where there are any; one calibration of all.
 Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors, const std::string& source,
                   const std::vector<Camera>& depth, StudioFolder& folder) {
-  const Expected<std::vector<PlannedTake>> takes = PlanOpenPoseTakes(options);
+  const Expected<std::vector<PlannedTake>> takes = PlanVariantTakes(options);
   if (!takes) return Forward(takes);
   std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
   const std::size_t colour = rig.size();
@@ -104,7 +102,7 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
     const std::string person = "p" + Digits(take.subject, 2);
     const std::string name = std::string(take.kind->label) + "_" + person + "_r" + Digits(take.repetition, 2);
-    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kOpenPoseRateHz, 1});
+    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVariantRateHz, 1});
     if (view == 0) {
       ClipIdentity identity;
       identity.source = source;
@@ -121,9 +119,9 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
 
 }  // namespace
 
-Expected<std::vector<PlannedTake>> PlanOpenPoseTakes(const StudioOptions& options) {
+Expected<std::vector<PlannedTake>> PlanVariantTakes(const StudioOptions& options) {
   static const std::vector<SetClass> classes = Classes();
-  return PlanTakes(options, classes, {2, 1, static_cast<double>(kOpenPoseRateHz), 0.3, 0.6});
+  return PlanTakes(options, classes, {2, 1, static_cast<double>(kVariantRateHz), 0.3, 0.6});
 }
 
 Status WriteOpenPoseLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {

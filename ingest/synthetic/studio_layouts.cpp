@@ -33,6 +33,7 @@ constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subject
                                   {StudioLayout::kUestc, 118, WriteUestcLayout},
                                   {StudioLayout::kUestcVibe, 118, WriteUestcVibeLayout},
                                   {StudioLayout::kNtuVibe, 40, WriteNtuVibeLayout},
+                                  {StudioLayout::kTracks, 2, WriteTracksLayout},
                                   {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
                                   {StudioLayout::kOpenPoseDepth, 2, WriteOpenPoseDepthLayout},
                                   {StudioLayout::kAmass, 4, WriteAmassLayout},
@@ -96,7 +97,7 @@ std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
       add(recording.script.frames, options.depth.every);
     }
   } else if (options.layout == StudioLayout::kOpenPoseDepth && options.depth.enabled) {
-    const auto takes = PlanOpenPoseTakes(options);
+    const auto takes = PlanVariantTakes(options);
     if (!takes) return 0;  // writing says why
     for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
   } else if (options.layout == StudioLayout::kNtu && options.depth.enabled) {
@@ -159,6 +160,8 @@ std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth) {
       return {{"uestc_vibe", "uestc_vibe"}};
     case StudioLayout::kNtuVibe:
       return {{"ntu13_vibe", "ntu13"}};
+    case StudioLayout::kTracks:
+      return {{"studio_tracks", "tracks"}};
     case StudioLayout::kOpenPose:
       return {{"studio_keypoints", "openpose"}};
     case StudioLayout::kOpenPoseDepth:

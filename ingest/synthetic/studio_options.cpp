@@ -12,6 +12,7 @@ const std::vector<std::pair<std::string, StudioLayout>>& Layouts() {
       {"uestc", StudioLayout::kUestc},
       {"uestc_vibe", StudioLayout::kUestcVibe},
       {"ntu_vibe", StudioLayout::kNtuVibe},
+      {"tracks", StudioLayout::kTracks},
       {"openpose", StudioLayout::kOpenPose},
       {"openpose_depth", StudioLayout::kOpenPoseDepth},
       {"amass", StudioLayout::kAmass},
@@ -25,6 +26,13 @@ std::vector<std::string> StudioLayoutNames() {
   std::vector<std::string> names;
   for (const auto& [name, layout] : Layouts()) names.push_back(name);
   return names;
+}
+
+std::string StudioLayoutName(StudioLayout wanted) {
+  for (const auto& [name, layout] : Layouts()) {
+    if (layout == wanted) return name;
+  }
+  return "";
 }
 
 void RigOptions::Declare(OptionVisitor& v) {
@@ -87,7 +95,7 @@ void StudioOptions::Declare(OptionVisitor& v) {
   v.Number("ghost", ghost_share, Unit::kNone, {0.0, 1.0},
            "ntu: share of files in which the sensor followed a body that is nobody; uestc_vibe: of videos with a "
            "bystander, in which the performer is lost and found again under another id");
-  v.Group("tracker", tracker, "ntu, kard, uestc, uestc_vibe, ntu_vibe: errors of the joints");
+  v.Group("tracker", tracker, "tracks, ntu, kard, uestc, uestc_vibe, ntu_vibe: errors of the joints");
   v.Group("rig", rig, "cameras");
   v.Group("depth", depth, "phspd, ntu, rendered_seq, openpose_depth: errors of the depth images");
   v.Group("keypoints", keypoints, "openpose, openpose_depth: errors of the keypoints");

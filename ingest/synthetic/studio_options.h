@@ -19,6 +19,7 @@ enum class StudioLayout {
   kUestc,
   kUestcVibe,
   kNtuVibe,
+  kTracks,
   kOpenPose,
   kOpenPoseDepth,
   kAmass,
@@ -80,7 +81,7 @@ struct StudioOptions {
   std::filesystem::path body;        ///< body_cc0.h5; empty: a body of capsules
   double missing_share = 0.0225;     ///< HumanAct12, PHSPD: frames without annotation
   double ghost_share = 0.0;          ///< ntu: files with a second body that is nobody; uestc_vibe: with a bystander
-  TrackerOptions tracker = KinectTracker();  ///< ntu, kard, uestc, uestc_vibe, ntu_vibe
+  TrackerOptions tracker = KinectTracker();  ///< tracks, ntu, kard, uestc, uestc_vibe, ntu_vibe
   RigOptions rig;             ///< openpose, openpose_depth, rendered_seq; clocks and the moved camera also phspd, ntu
   DepthSensorOptions depth;   ///< phspd, ntu, rendered_seq, openpose_depth
   KeypointOptions keypoints;  ///< openpose, openpose_depth
@@ -90,5 +91,10 @@ struct StudioOptions {
 
 /// "humanact12", ...
 std::vector<std::string> StudioLayoutNames();
+
+std::string StudioLayoutName(StudioLayout layout);
+
+/// Names of the layouts that use an option ("tracker.noise"); empty: all do.
+std::vector<std::string> LayoutsUsing(const std::string& option);
 
 }  // namespace mocurate

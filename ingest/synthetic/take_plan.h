@@ -26,6 +26,8 @@ const std::vector<SetClass>& Ntu13Classes();
 /// UESTC's 40 exercises, each performed as the nearest one.
 const std::vector<SetClass>& UestcClasses();
 
+inline constexpr std::int64_t kVariantRateHz = 30;
+
 struct PlannedTake {
   const SetClass* kind = nullptr;
   int subject = 1;
@@ -52,8 +54,8 @@ Expected<std::vector<PlannedTake>> PlanTakes(const StudioOptions& options, const
 /// The takes of layout ntu, 30 Hz.
 Expected<std::vector<PlannedTake>> PlanNtuTakes(const StudioOptions& options);
 
-/// The takes of layouts openpose and openpose_depth, 30 Hz.
-Expected<std::vector<PlannedTake>> PlanOpenPoseTakes(const StudioOptions& options);
+/// One class per variant of HumanAct12: the takes of layouts tracks, openpose and openpose_depth, kVariantRateHz.
+Expected<std::vector<PlannedTake>> PlanVariantTakes(const StudioOptions& options);
 
 /// How an action is performed once, and its seconds.
 Manner NaturalManner(const std::string& action, double seated_share, Random& random);

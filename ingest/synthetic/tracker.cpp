@@ -74,29 +74,62 @@ int PartnerPoint(const std::vector<std::string>& names, int point) {
   return found == names.end() ? point : static_cast<int>(found - names.begin());
 }
 
+/// Parts of limbs that are exchanged together, as bits.
+enum LimbPart : unsigned { kForearm = 1, kLowerLeg = 2, kUpperArm = 4, kHip = 8 };
+
+unsigned LimbPartOf(const std::string& name) {
+  const auto has = [&](std::initializer_list<const char*> words) {
+    return std::any_of(words.begin(), words.end(),
+                       [&](const char* word) { return name.find(word) != std::string::npos; });
+  };
+  if (has({"elbow", "wrist", "hand", "thumb"})) return kForearm;
+  if (has({"knee", "ankle", "foot"})) return kLowerLeg;
+  if (has({"shoulder", "collar"})) return kUpperArm;
+  return has({"hip"}) ? kHip : 0u;
+}
+
+/// Arms, legs or both; of arms or legs all joints, or those from the elbow or knee down.
+unsigned RandomParts(Random& random) {
+  constexpr unsigned kArms = kForearm | kUpperArm, kLegs = kLowerLeg | kHip;
+  const std::uint64_t limbs = random.Below(3);
+  const bool outer = random.Uniform() < 0.5;
+  if (limbs == 2) return kArms | kLegs;
+  if (limbs == 1) return outer ? kLowerLeg : kLegs;
+  return outer ? kForearm : kArms;
+}
+
 /// Which point each listed point is taken for in a frame: itself, or its partner while limbs are exchanged.
 class Exchange {
  public:
-  Exchange(const std::vector<std::string>& names, int frames, const TrackerOptions& options, Random& random)
-      : names_(names) {
-    const bool happens = random.Uniform() < options.swap_share;
-    begin_ = static_cast<int>(random.Below(static_cast<std::uint64_t>(std::max(1, frames))));
-    arms_ = random.Uniform() < 0.5;
-    end_ = happens ? begin_ + static_cast<int>(options.swap_frames) : begin_;
+  Exchange(const std::vector<std::string>& names, int frames, const TrackerOptions& options, Random& once,
+           Random& again)
+      : exchanged_(static_cast<std::size_t>(frames), 0u) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      part_.push_back(LimbPartOf(names[k]));
+      partner_.push_back(PartnerPoint(names, static_cast<int>(k)));
+    }
+    const bool happens = once.Uniform() < options.swap_share;
+    const auto begin = static_cast<int>(once.Below(static_cast<std::uint64_t>(std::max(1, frames))));
+    const unsigned outer = once.Uniform() < 0.5 ? kForearm : kLowerLeg;
+    const int end = happens ? std::min(frames, begin + static_cast<int>(options.swap_frames)) : begin;
+    std::fill(exchanged_.begin() + begin, exchanged_.begin() + end, outer);
+    const auto spells = Spells(frames, 1, options.swapped_share, static_cast<double>(options.swap_frames), again);
+    unsigned parts = 0;
+    for (std::size_t f = 0; f < spells.size(); ++f) {
+      if (!spells[f]) continue;
+      if (f == 0 || !spells[f - 1]) parts = RandomParts(again);
+      exchanged_[f] |= parts;
+    }
   }
   int Seen(int frame, int point) const {
-    if (frame < begin_ || frame >= end_) return point;
-    const auto has = [&](const char* word) { return names_[point].find(word) != std::string::npos; };
-    const bool exchanged = arms_ ? has("elbow") || has("wrist") || has("hand") || has("thumb")
-                                 : has("knee") || has("ankle") || has("foot");
-    return exchanged ? PartnerPoint(names_, point) : point;
+    const auto k = static_cast<std::size_t>(point);
+    return (exchanged_[static_cast<std::size_t>(frame)] & part_[k]) != 0 ? partner_[k] : point;
   }
 
  private:
-  const std::vector<std::string>& names_;
-  int begin_ = 0;
-  int end_ = 0;
-  bool arms_ = false;
+  std::vector<unsigned> part_;
+  std::vector<int> partner_;
+  std::vector<unsigned> exchanged_;  ///< (F) parts
 };
 
 }  // namespace
@@ -127,11 +160,12 @@ TrackedTake Track(const JointPositions& truth, const std::vector<std::string>& n
   Random hidden(seed, "studio.dropout", item);
   Random still(seed, "studio.frozen", item);
   Random swap(seed, "studio.swap", item);
+  Random swapped(seed, "studio.swapped", item);
   const double per_axis = options.noise / std::sqrt(3.0);
   const double farthest = std::max(options.outlier_nearest, options.outlier_farthest);
   const auto lost = Spells(truth.frames, count, options.dropout_share, options.dropout_frames, hidden);
   const auto frozen = Spells(truth.frames, count, options.frozen_share, options.frozen_frames, still);
-  const Exchange exchange(names, truth.frames, options, swap);
+  const Exchange exchange(names, truth.frames, options, swap, swapped);
   std::vector<Vector3d> bias(count, Vector3d::Zero());
   for (std::size_t k = 0; k < count && options.bias > 0.0; ++k) {
     Random offset(seed, "studio.bias", names[k]);

@@ -13,6 +13,9 @@ void TrackerOptions::Declare(OptionVisitor& v) {
   v.Number("swap", swap_share, Unit::kNone, {0.0, 1.0},
            "share of takes in which left and right arms or legs are exchanged once");
   v.Integer("swap_frames", swap_frames, {1.0, 1e4}, "frames for which limbs are exchanged");
+  v.Number("swapped", swapped_share, Unit::kNone, {0.0, 0.9},
+           "share of frames in which left and right arms, legs or both are exchanged, again and again, each time for "
+           "swap_frames on average");
   v.Number("frozen", frozen_share, Unit::kNone, {0.0, 0.9}, "share of joints that repeat an earlier value exactly");
   v.Number("frozen_frames", frozen_frames, Unit::kNone, {1.0, 1e4}, "mean frames for which a joint is frozen");
   v.Number("wander", wander, Unit::kMetre, {0.0, 1.0}, "root mean square of an error that changes slowly");

@@ -16,7 +16,8 @@ struct TrackerOptions {
   double outlier_farthest = 0.50;  ///< metres
   double swap_share = 0.2;         ///< takes in which limbs are exchanged once
   std::int64_t swap_frames = 2;
-  double frozen_share = 0.0;  ///< joints that repeat an earlier value
+  double swapped_share = 0.0;  ///< frames in which they are, again and again, for swap_frames on average
+  double frozen_share = 0.0;   ///< joints that repeat an earlier value
   double frozen_frames = 8.0;
   double wander = 0.0;          ///< metres, root mean square in 3D, of an error that changes slowly
   double wander_frames = 10.0;  ///< in which it changes

@@ -21,7 +21,8 @@ constexpr double kDepthError = 4.0;  // of one image: along the line of sight, o
 JointPositions ErrorsOf(const Motion& motion, const TrackerOptions& options, std::int64_t seed,
                         const std::string& item) {
   TrackerOptions lasting = options;
-  lasting.dropout_share = lasting.outlier_share = lasting.swap_share = lasting.frozen_share = 0.0;
+  lasting.dropout_share = lasting.outlier_share = lasting.frozen_share = 0.0;
+  lasting.swap_share = lasting.swapped_share = 0.0;
   std::vector<std::string> names;
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
   names.emplace_back("place of the root");

@@ -92,5 +92,60 @@ TEST_F(ExportVerbs, NamesWhatItDoesNotKnow) {
   EXPECT_EQ(none.exit_code, 3);
 }
 
+/// A walk that is fitted, written as joints and fitted again.
+TEST(ExportedJoints, AreFittedAgainByWhatTheFileItselfSays) {
+  const Folder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  const auto succeeds = [&](const std::vector<std::string>& words) {
+    const Result result = RunProgram(folder, words);
+    EXPECT_EQ(result.exit_code, 0) << words[0] << ": " << result.err;
+    return result;
+  };
+  succeeds({"synthesize", "--layout", "tracks", "-o", path("studio"), "--set", "subjects=1", "--set", "actions=[walk]",
+            "--set", "tracker.outlier=0", "--set", "tracker.wander=2 mm"});
+  succeeds({"fit", path("studio/tracks"), "--source", "studio_tracks", "-o", path("walk.h5"), "--skeleton", "smpl24"});
+  succeeds({"export", path("walk.h5"), "-o", path("walk.npz"), "--as", "joints"});
+  const nlohmann::json clip = succeeds({"inspect", path("walk.npz"), "--json"}).Json()["clips"].at(0);
+  EXPECT_EQ(clip["skeleton"]["value"], "smpl24");
+  EXPECT_EQ(clip["skeleton"]["from"], "declared");
+  EXPECT_EQ(clip["rate_hz"]["value"], 30.0);
+  EXPECT_EQ(clip["units"]["value"], "m");
+  EXPECT_EQ(clip["axes"]["value"], "+x +y +z");
+  succeeds({"fit", path("walk.npz"), "-o", path("again.h5"), "--skeleton", "smpl24"});
+  const auto once = ReadDataset(folder / "walk.h5"), twice = ReadDataset(folder / "again.h5");
+  ASSERT_TRUE(once && twice);
+  const Motion &first = *once->clips.at(0).motion, &second = *twice->clips.at(0).motion;
+  ASSERT_EQ(second.joints.xyz.size(), first.joints.xyz.size());
+  EXPECT_EQ(second.rate, first.rate);
+  double worst = 0.0;
+  for (int f = 0; f < first.frame_count(); ++f) {
+    for (int j = 0; j < first.joint_count(); ++j)
+      worst = std::max(worst, (second.joints.at(f, j) - first.joints.at(f, j)).norm());
+  }
+  EXPECT_LT(worst, 0.02);  // metres
+}
+
+TEST(ExportedJoints, AnotherOrderThanTheFileNamesIsRefused) {
+  const Folder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  ASSERT_EQ(RunProgram(folder, {"synthesize", "--layout", "tracks", "-o", path("studio"), "--set", "subjects=1",
+                                "--set", "actions=[walk]"})
+                .exit_code,
+            0);
+  ASSERT_EQ(RunProgram(folder, {"fit", path("studio/tracks"), "--source", "studio_tracks", "-o", path("walk.h5"),
+                                "--skeleton", "smpl24"})
+                .exit_code,
+            0);
+  ASSERT_EQ(RunProgram(folder, {"export", path("walk.h5"), "-o", path("walk.npz"), "--as", "joints"}).exit_code, 0);
+  std::string joints = "[pelvis, right_hip, left_hip";
+  const auto walk = ReadDataset(folder / "walk.h5");
+  ASSERT_TRUE(walk) << walk.error().Message();
+  for (int j = 3; j < 24; ++j) joints += ", " + walk->skeleton->joints[static_cast<std::size_t>(j)].name;
+  const Result refused = RunProgram(folder, {"fit", path("walk.npz"), "-o", path("again.h5"), "--skeleton", "smpl24",
+                                             "--set", "ingest.source.joints=" + joints + "]"});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("joint_names says 'right_hip' where 'left_hip' is declared"));
+}
+
 }  // namespace
 }  // namespace mocurate

@@ -47,6 +47,18 @@ class FitVerbs : public ::testing::Test {
   fs::path data_;
 };
 
+TEST_F(FitVerbs, SayWhatTheyGuessedOfNumbersThatNobodyDeclared) {
+  const fs::path msr = data_ / "kinect/msr_action3d/a01_s01_e01_skeleton3D.txt";
+  const std::string guess = "taken as a confidence, by which";
+  const Result silent = Fit(msr, {"--set", "ingest.source.rate=15 Hz"});
+  EXPECT_EQ(silent.exit_code, 0) << silent.err;
+  EXPECT_THAT(silent.err, HasSubstr(guess));
+  const Result told =
+      Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--set", "ingest.source.least_confidence=0.1", "--force"});
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.err.find(guess), std::string::npos) << told.err;
+}
+
 /// 22 joints of SMPL's 24, hips that hang from the pelvis, shoulders beside the neck: not where the skeleton's rest
 /// pose has them. A point that is none costs itself.
 TEST_F(FitVerbs, JointsOfAnotherBodyAreFollowedToMillimetres) {

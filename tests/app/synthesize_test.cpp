@@ -34,6 +34,69 @@ TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
   EXPECT_EQ(run.Json()["kept"], 4);
 }
 
+/// 30 mm of white noise, dropouts, gross errors, frames with exchanged sides.
+std::vector<std::string> WithNoisyTracks(std::vector<std::string> words) {
+  for (const char* error : {"noise=30 mm", "wander=0 mm", "dropout=0.05", "outlier=0.02", "swap=0", "swapped=0.02"})
+    words.insert(words.end(), {"--set", std::string("tracker.") + error});
+  return words;
+}
+
+TEST(Synthesize, NoisyTracksOfAllJointsAreFittedAndComparedWithTheTruthBesideThem) {
+  const Folder folder;
+  const std::string studio = (folder / "studio").string();
+  const Result written =
+      RunProgram(folder, WithNoisyTracks({"synthesize", "--layout", "tracks", "-o", studio, "--seed", "5", "--set",
+                                          "subjects=1", "--set", "actions=[walk, boxing_right_left, sit]"}));
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+  const std::vector<std::string> run = {
+      "run",   std::string(MOCURATE_SOURCE_FOLDER) + "/configs/reannotate/studio_tracks.yaml",
+      "--set", "ingest.path=" + studio + "/tracks",
+      "--to",  "fitting",
+      "-o",    (folder / "r").string(),
+      "--json"};
+  std::vector<std::string> compared = run, nowhere = run;
+  compared.insert(compared.end(), {"--set", "ingest.truth=" + studio + "/truth"});
+  nowhere.insert(nowhere.end(), {"--set", "ingest.truth=" + studio + "/tracks"});
+  const Result result = RunProgram(folder, compared);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto error = result.Json()["fit_error"];
+  EXPECT_EQ(error["clips"], 3);
+  EXPECT_GT(error["evidence_mm"], 27.0);  // 30 mm RMS are 27.6 on average, and some joints are grossly wrong
+  EXPECT_LT(error["joint_mm"], 14.0);
+  EXPECT_NEAR(error["within_one_sigma"].get<double>(), 0.683, 0.1);
+  EXPECT_TRUE(RunProgram(folder, run).Json()["fit_error"].is_null());
+  const Result refused = RunProgram(folder, nowhere);
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("no truth file (.h5) is here"));
+}
+
+TEST(Synthesize, AnOptionThatTheLayoutPassesOverIsRefusedAndItsLayoutsAreNamed) {
+  const Folder folder;
+  const std::string out = (folder / "s").string();
+  const Result noise = RunProgram(folder, {"synthesize", "--layout", "humanact12", "-o", out, "--set",
+                                           "tracker.noise=4 mm", "--set", "depth.room=false"});
+  EXPECT_EQ(noise.exit_code, 2);
+  EXPECT_THAT(noise.err, HasSubstr("layout humanact12 does not use what is set: tracker.noise is of ntu, kard, uestc, "
+                                   "uestc_vibe, ntu_vibe, tracks; depth.room is of phspd"));
+  EXPECT_FALSE(fs::exists(folder / "s"));
+  WriteText(folder / "studio.yaml", "layout: humanact12\ntracker: {noise: 30 mm}\n");
+  const Result file = RunProgram(folder, {"synthesize", (folder / "studio.yaml").string(), "-o", out});
+  EXPECT_EQ(file.exit_code, 2);
+  EXPECT_THAT(file.err, HasSubstr("studio.yaml:2"));
+  const Result clock = RunProgram(folder, {"synthesize", "--layout", "ntu", "--show", "--set", "rig.moved=5 cm"});
+  EXPECT_EQ(clock.exit_code, 0) << clock.err;
+  const Result ring = RunProgram(folder, {"synthesize", "--layout", "ntu", "--show", "--set", "rig.cameras=5"});
+  EXPECT_EQ(ring.exit_code, 2);
+}
+
+TEST(Synthesize, WhatIsShownOfOneLayoutReadsForAnother) {
+  const Folder folder;
+  WriteText(folder / "studio.yaml", RunProgram(folder, {"synthesize", "--layout", "kard", "--show"}).out);
+  const Result shown =
+      RunProgram(folder, {"synthesize", (folder / "studio.yaml").string(), "--layout", "openpose", "--show"});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+}
+
 TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
   const Folder folder;
   for (const char* seed : {"18446744073709551616", "9223372036854775808", "-9223372036854775809"}) {
@@ -47,15 +110,21 @@ TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
 TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
   const Folder folder;
   const std::vector<std::pair<std::string, std::string>> layouts = {
-      {"humanact12", "[walk]"}, {"phspd", "[walk]"},       {"ntu", "[drink_water]"},
-      {"kard", "[walk]"},       {"uestc", "[squatting]"},  {"uestc_vibe", "[squatting]"},
-      {"ntu_vibe", "[throw]"},  {"openpose", "[walk]"},    {"openpose_depth", "[walk]"},
-      {"amass", "[]"},          {"rendered_seq", "[walk]"}};
+      {"humanact12", "[walk]"}, {"phspd", "[walk]"},        {"ntu", "[drink_water]"},
+      {"kard", "[walk]"},       {"uestc", "[squatting]"},   {"uestc_vibe", "[squatting]"},
+      {"ntu_vibe", "[throw]"},  {"tracks", "[walk]"},       {"openpose", "[walk]"},
+      {"amass", "[]"},          {"rendered_seq", "[walk]"}, {"openpose_depth", "[walk]"}};
   for (const auto& [layout, actions] : layouts) {
     const std::string studio = (folder / layout).string();
-    const Result written = RunProgram(
-        folder, {"synthesize", "--layout", layout, "-o", studio, "--set", "depth.every=10000", "--set", "subjects=1",
-                 "--set", "actions=" + actions, "--set", "rig.width=96", "--set", "rig.image_height=72"});
+    std::vector<std::string> words = {"synthesize", "--layout",          layout, "-o", studio, "--set", "subjects=1",
+                                      "--set",      "actions=" + actions};
+    const auto set = [&](const char* assignment) { words.insert(words.end(), {"--set", assignment}); };
+    if (layout == "phspd" || layout == "ntu" || layout == "openpose_depth") set("depth.every=10000");
+    if (layout == "openpose" || layout == "openpose_depth" || layout == "rendered_seq") {
+      set("rig.width=96");
+      set("rig.image_height=72");
+    }
+    const Result written = RunProgram(folder, words);
     ASSERT_EQ(written.exit_code, 0) << layout << written.err;
     std::size_t recipes = 0;
     for (std::size_t at = written.out.find("inspect "); at != std::string::npos;

@@ -80,6 +80,45 @@ TEST(KeypointFit, IsNearThePersonWithFourNoisyViews) {
   EXPECT_TRUE(sound) << sound.error().Message();
 }
 
+TEST(KeypointFit, PointsThatOnlyOppositeViewsSeeDoNotMakeAResidualOfTheirOwn) {
+  // With so many misses some points are seen by two cameras that look at each other: metres off along their rays.
+  const Motion person = Swinging(60);
+  const auto fit = FittedKeypoints(Detections(Ring(4), {person}, 4.0, 0.3), person.rate, person.bone_length);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  double square = 0.0;
+  int samples = 0;
+  for (int f = 0; f < person.frame_count(); ++f) {
+    for (int j = 0; j < person.joint_count(); ++j) {
+      if (!fit->triangulated->seen(f, j)) continue;
+      square += (fit->motion.joints.at(f, j) - fit->triangulated->positions.at(f, j)).squaredNorm();
+      ++samples;
+    }
+  }
+  EXPECT_LT(fit->residual_rms, 0.03);
+  EXPECT_GT(std::sqrt(square / samples), 1.5 * fit->residual_rms) << "as plain distances";
+  EXPECT_LT(fit->rejected_share, 0.01);
+}
+
+TEST(KeypointFit, DetectionsOfAnotherPlaceAreRejectedAndTheirShareIsTold) {
+  const Motion person = Swinging(60);
+  Evidence evidence = Detections(Ring(4), {person}, 4.0);
+  const int wrist = *person.skeleton->FindJoint("left_wrist"), joints = person.joint_count();
+  for (KeypointView& view : evidence.keypoint_views) {
+    for (int f = 20; f < 34; ++f) {  // too long to jump away and back
+      const auto pixel = view.camera.ProjectWorld(Vector3d(person.joints.at(f, wrist)) + Vector3d(0.0, 0.7, 0.0));
+      double* value = view.values.data() + 3 * (static_cast<std::ptrdiff_t>(f) * joints + wrist);
+      value[0] = pixel->x();
+      value[1] = pixel->y();
+    }
+  }
+  const auto fit = FittedKeypoints(evidence, person.rate, person.bone_length);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  EXPECT_LT(fit->residual_rms, 0.03);
+  const double wrong = 14.0 / (60 * 24);
+  EXPECT_GT(fit->rejected_share, 0.9 * wrong);
+  EXPECT_LT(fit->rejected_share, 2.1 * wrong) << "with the hand, which the wrist pulls along";
+}
+
 TEST(KeypointFit, KnowsThatTwoNeighbouringViewsSeeDepthBadly) {
   const Motion person = Swinging(20);
   const std::vector<Camera> ring = Ring(8);

@@ -155,6 +155,30 @@ TEST_F(FittingStages, HandOnWhatIngestFoundBesideTheirOwnFindings) {
   for (const Finding& own : fitted->findings) EXPECT_NE(own.code, finding.code);
 }
 
+TEST_F(FittingStages, SayWhichDepthViewsWereLeftOutAndWhy) {
+  Finding left_out;
+  left_out.clip = clip_.id();
+  left_out.code = "depth_left_out";
+  left_out.message = "C001 lacks the depth images of 63 of 71 frames";
+  left_out.action = "left out";
+  Finding nobody = left_out;
+  nobody.code = "camera_saw_nobody";
+  nobody.message = "C002 saw nobody in its 71 frames";
+  ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5", {left_out, nobody}));
+  const nlohmann::json options = {{"skeleton", "openni16"}, {"method", "joints_and_clouds"}};
+  const auto refused = FittingStage(Request("fitting", options));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().what,
+            "all depth views of the clip were left out when it was read: C001 lacks the depth images of 63 of 71 "
+            "frames; C002 saw nobody in its 71 frames");
+  EXPECT_NE(refused.error().hint.find("fitting.method joint_tracks"), std::string::npos) << refused.error().hint;
+
+  ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5"));
+  const auto none = FittingStage(Request("fitting", options));
+  ASSERT_FALSE(none.has_value());
+  EXPECT_EQ(none.error().what, "the clip has no depth images");
+}
+
 TEST_F(FittingStages, WriteTheSameBytesAgain) {
   StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
   ASSERT_TRUE(FittingStage(request).has_value());

@@ -142,7 +142,7 @@ TEST_F(ArrayClips, NamesOfMembersBreakNoIds) {
   const std::string bytes = *EncodeNpz(archive, "clips.npz");
   const auto second = ReadArrayClip(bytes, "[a]b][1]", "clips.npz");
   ASSERT_TRUE(second) << second.error().Message();
-  EXPECT_THAT(second->shape, ElementsAre(12u, 24u, 3u));
+  EXPECT_THAT(second->array.shape, ElementsAre(12u, 24u, 3u));
 }
 
 TEST_F(ArrayClips, AreChosenByPlaceByNameOrByFile) {

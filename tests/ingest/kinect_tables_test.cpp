@@ -111,6 +111,23 @@ TEST_F(KinectTables, WhatIsMissingIsCountedOrUnknownWhereAConfidenceMayTellIt) {
   EXPECT_EQ(share("kard/a12_s04_e03_realworld.txt").at("value"), 0.0);
 }
 
+TEST_F(KinectTables, AConfidenceThatNobodyDeclaredIsToldAsAGuess) {
+  const auto guesses = [](const std::string& file, const std::optional<SourceOptions>& source) {
+    const nlohmann::json inspection = InspectPath(std::filesystem::path(TestData()) / "kinect" / file, source);
+    std::vector<double> shares;
+    for (const nlohmann::json& finding : inspection.at("findings")) {
+      if (finding.at("code") == "confidence_guessed") shares.push_back(finding.at("value"));
+    }
+    return shares;
+  };
+  const std::string msr = "msr_action3d/a01_s01_e01_skeleton3D.txt";
+  ASSERT_EQ(guesses(msr, std::nullopt).size(), 1u);
+  EXPECT_GT(guesses(msr, std::nullopt)[0], 0.1) << "trunk and hips have 0 although they are followed";
+  EXPECT_TRUE(guesses(msr, Declared("msr_action3d").source).empty());
+  EXPECT_TRUE(guesses("cad60", std::nullopt).empty()) << "its layout is known";
+  EXPECT_TRUE(guesses("kard/a01_s01_e01_realworld.txt", std::nullopt).empty()) << "three numbers a joint";
+}
+
 TEST_F(KinectTables, UtKinectIsOneHundredSixtyClips) {
   const Whole whole = IngestAll("utkinect");
   EXPECT_EQ(whole.clips, 160);

@@ -15,7 +15,7 @@ inline StudioOptions Perfect(StudioLayout layout) {
   StudioOptions options;
   options.layout = layout;
   options.subjects = 2;
-  options.tracker = TrackerOptions{0, 0, 0, 4, 0, 0.1, 0.5, 0, 2, 0, 8};
+  options.tracker = TrackerOptions{0, 0, 0, 4, 0, 0.1, 0.5, 0, 2, 0, 0, 8};
   options.keypoints = KeypointOptions{0, 0, 0, 0, 1, 0};
   options.depth.enabled = false;
   return options;

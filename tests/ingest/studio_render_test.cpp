@@ -271,7 +271,7 @@ JointPositions Still(int frames) {
 
 TEST(Tracker, EachErrorComesAloneAndAsAsked) {
   const std::vector<std::string> names = {"left_wrist", "right_wrist"};
-  const TrackerOptions none{0, 0, 0, 4, 0, 0.15, 0.5, 0, 2, 0, 8};
+  const TrackerOptions none{0, 0, 0, 4, 0, 0.15, 0.5, 0, 2, 0, 0, 8};
   const int frames = 4000;
   const JointPositions truth = Still(frames);
 
@@ -316,6 +316,19 @@ TEST(Tracker, EachErrorComesAloneAndAsAsked) {
     ++takes;
   }
   EXPECT_NEAR(swapped, takes / 2, 12) << "arms in one half of the takes, legs in the other";
+
+  TrackerOptions often = none;
+  often.swapped_share = 0.15;
+  often.swap_frames = 3;
+  const TrackedTake again = Track(truth, names, often, 1, "a");
+  int exchanged = 0, times = 0;
+  for (int f = 1; f < frames; ++f) {
+    const bool now = again.positions.at(f, 0).x() < 0.0;
+    exchanged += now ? 1 : 0;
+    times += now && again.positions.at(f - 1, 0).x() > 0.0 ? 1 : 0;
+  }
+  EXPECT_NEAR(exchanged / static_cast<double>(frames), 0.10, 0.03) << "a third of the exchanges are of the legs alone";
+  EXPECT_NEAR(exchanged / static_cast<double>(times), 3.0, 0.7);
 }
 
 }  // namespace

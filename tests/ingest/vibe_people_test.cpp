@@ -49,7 +49,7 @@ class VibePeople : public Layouts {
   /// Truth is in the canonical world; the camera's axes are half a turn about x from it.
   static VibeTrack Track(const Motion& of, std::int64_t id, const Vector3d& aside) {
     VibeTrack track = VibeTrackOf(Seen(of, RigidTransform{HalfTurnAboutX().rotation, aside}),
-                                  TrackerOptions{0, 0, 0, 4, 0, 0.1, 0.5, 0, 2, 0, 8}, 1, "track");
+                                  TrackerOptions{0, 0, 0, 4, 0, 0.1, 0.5, 0, 2, 0, 0, 8}, 1, "track");
     track.id = id;
     return track;
   }

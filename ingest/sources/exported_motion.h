@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/formats/npz.h"
+
+namespace mocurate {
+
+/// What `mocurate export` says of the joints of a motion (docs/export.md): metres, right-handed, y up, facing +z.
+struct ExportedMotion {
+  const NpyArray* joints = nullptr;  ///< (F,J,3), of the archive
+  std::vector<std::string> names;    ///< (J)
+  std::vector<int> parents;          ///< (J), -1 for the root
+  std::string skeleton;
+  double rate_hz = 0.0;
+};
+
+/// Nothing where the archive is none of export's. `npz` has to outlive it.
+std::optional<ExportedMotion> ExportedMotionIn(const Npz& npz);
+
+}  // namespace mocurate
