@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_rig_audit.h"
@@ -16,13 +17,13 @@
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/keypoint_rays.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kLeastShareOfSeen = 0.3;  ///< of the frames in which the camera sees the person
-constexpr double kOtherWay = 0.7;  ///< of the distance, when sides are exchanged: the person faces the other way
-constexpr double kHalfTurn = 3.14159265358979323846;
+constexpr double kOtherWay = 0.7;        ///< of the distance, when sides are exchanged: the person faces the other way
 constexpr double kPixelsOfModel = 4.0;   ///< px, that points fixed to joints are off in any case
 constexpr double kMedianOfTwo = 1.1774;  ///< median distance over the standard deviation per axis
 
@@ -65,7 +66,9 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   const std::vector<double> error =
       BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
   std::vector<double> residuals;
+  const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
+    if (Status on = GoOnUnlessStopped("fit of depth views and keypoints"); !on) return on;
     const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
     const auto at = static_cast<std::size_t>(f);
     if (cloud.size() < 100) continue;
@@ -77,11 +80,19 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
       const auto fitted = FitCloudFrame(body, cloud, frame, state, cloud_options);
       if (!fitted) return Forward(fitted);
       fit.iterations += fitted->iterations;
+      std::vector<JointState>& states = fit.motion.state;
+      for (const SeenJoint& seen : frame.joints) {
+        states[at * joints + static_cast<std::size_t>(seen.joint)] = JointState::kObserved;
+      }
       if (stated) {
         frame.held.clear();
-        const auto uncertainty = UncertaintyOfFrame(body, cloud, frame, fitted->sigma, state, cloud_options);
+        auto uncertainty = UncertaintyOfFrame(body, cloud, frame, fitted->sigma, state, cloud_options);
         if (!uncertainty) return Forward(uncertainty);
-        uncertain.Set(f, *uncertainty, error);
+        std::vector<double> of_body = error;
+        std::vector<bool> shown;
+        for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
+        WidenUnseen(shown, *uncertainty, of_body);
+        uncertain.Set(f, *uncertainty, of_body);
       }
     }
     for (const CloudMatch& match : MatchPoints(body, state, f, cloud, cloud_options.max_distance))
@@ -120,7 +131,7 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
   const std::vector<int> joint_of = BodyJointsOfKeypoints(*bare, clip.evidence.keypoint_names);
   RayAgreement rays = CompareRays(view, joint_of, fit->motion);
   if (rays.seen > 0 && rays.median_exchanged_px < kOtherWay * rays.median_px) {
-    cloud_options.start.facing = std::remainder(HeadingOfMotion(fit->motion) + kHalfTurn, 2.0 * kHalfTurn);
+    cloud_options.start.facing = std::remainder(HeadingOfMotion(fit->motion) + kPi, 2.0 * kPi);
     Expected<FitResult> turned = FitFusedClouds(*clouds, clock, bare, bones, cloud_options);
     if (!turned) return turned;
     const RayAgreement other = CompareRays(view, joint_of, turned->motion);

@@ -21,7 +21,7 @@ struct FitResult {
   double residual_rms = 0.0;  ///< evidence to body, observed samples that are not rejected, by their precision if known
   double residual_p95 = 0.0;
   double rejected_share = 0.0;   ///< of the observed samples: outliers
-  double residual_median = 0.0;  ///< of joints; 0 of a fit to points of surfaces
+  double residual_median = 0.0;  ///< of joints (of joints with points: before the points); 0 of a fit to points alone
   double noise_sigma = 0.0;      ///< per axis, as estimated from the evidence
   double variance_factor = 1.0;  ///< a-posteriori variance over the assumed one; the uncertainty holds it
   int iterations = 0;            ///< all windows together

@@ -226,9 +226,10 @@ double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
   return std::sqrt(sum / std::max(count, 1.0));
 }
 
-/// Poses of the clouds alone, that begin facing as the keypoints do: a second start where keypoints are unsure.
-std::optional<PoseState> TrackAlone(const Motion& motion, const std::vector<FusedCloud>& clouds, int first,
-                                    PointCloudOptions options) {
+/// Poses of the clouds alone, that begin facing as the keypoints do: a second start where keypoints are unsure. None
+/// where no pose can be followed; error kInterrupted.
+Expected<std::optional<PoseState>> TrackAlone(const Motion& motion, const std::vector<FusedCloud>& clouds, int first,
+                                              PointCloudOptions options) {
   if (!options.start.facing) {
     const Vector3d front = motion.rotation_at(first, 0) * Vector3d::UnitZ();
     options.start.facing = std::atan2(front.x(), front.z());
@@ -236,8 +237,9 @@ std::optional<PoseState> TrackAlone(const Motion& motion, const std::vector<Fuse
   std::vector<double> time_s;
   for (int f = 0; f < motion.frame_count(); ++f) time_s.push_back(motion.rate.FrameTime(f));
   Expected<CloudTrack> track = TrackClouds(clouds, motion.skeleton, motion.bone_length, time_s, options);
-  if (!track) return std::nullopt;
-  return std::move(track->state);
+  if (!track && track.error().code == ErrorCode::kInterrupted) return Forward(track);
+  if (!track) return std::optional<PoseState>();
+  return std::optional<PoseState>(std::move(track->state));
 }
 
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
@@ -294,7 +296,11 @@ Expected<FitResult> FitOfBothKinds(const Clip& clip, FitResult keypoints, const 
   ReadLater(pairing.shift_s, keypoints.motion);
   keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());
   std::optional<PoseState> alone;
-  if (sigma > kUnsure) alone = TrackAlone(keypoints.motion, paired, shown.front(), options);
+  if (sigma > kUnsure) {
+    Expected<std::optional<PoseState>> tracked = TrackAlone(keypoints.motion, paired, shown.front(), options);
+    if (!tracked) return Forward(tracked);
+    alone = std::move(*tracked);
+  }
   return FitTracksAndClouds(keypoints, paired, options, alone ? &*alone : nullptr);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "fitting/association/propose.h"
@@ -10,29 +11,33 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypointsOfEntry = 4;    ///< of an entry, to tell whose it is
-constexpr double kGate = 0.2;                ///< of the extent: entries further off are not the person
-constexpr double kWidestGate = 0.5;          ///< of the extent, after a while unseen
-constexpr double kUnseenSpeed = 1.0;         ///< extents per second that a person may have moved while not seen
-constexpr double kSamePlace = 0.25;          ///< of the extent: nobody else stands there
-constexpr double kSearch_s = 0.1;            ///< new people are looked for this often
-constexpr double kForgotten_s = 0.5;         ///< not seen for so long: found again as somebody new would be
-constexpr double kSameShape = 0.2;           ///< of log lengths: the same person after a gap
-constexpr double kLeastShareOfFrames = 0.1;  ///< of the frames of whom is seen most: seen less, nobody
+constexpr int kLeastKeypointsOfEntry = 4;      ///< of an entry, to tell whose it is
+constexpr double kGate = 0.2;                  ///< of the extent: entries further off are not the person
+constexpr double kWidestGate = 0.5;            ///< of the extent, after a while unseen
+constexpr double kUnseenSpeed = 1.0;           ///< extents per second that a person may have moved while not seen
+constexpr double kSamePlace = 0.25;            ///< of the extent: nobody else stands there
+constexpr double kSearch_s = 0.1;              ///< new people are looked for this often
+constexpr double kForgotten_s = 0.5;           ///< not seen for so long: found again as somebody new would be
+constexpr double kSameShape = 0.2;             ///< of log lengths: the same person after a gap
+constexpr std::size_t kSamplesOfLength = 500;  ///< the latest, of which a length is the median
+constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of whom is seen most: seen less, nobody
 
 /// Somebody followed in time.
 struct Track {
   BodyPoints body;
   BodyPoints first;
-  std::vector<std::vector<int>> entry;        ///< [view][frame of the view]
-  std::vector<std::vector<double>> measured;  ///< samples of each known length
-  std::vector<int> seen_in;                   ///< frames of the take
+  std::vector<std::vector<int>> entry;       ///< [view][frame of the view]
+  std::vector<std::deque<double>> measured;  ///< the latest samples of each known length
+  std::vector<int> seen_in;                  ///< frames of the take
   double last_s = 0.0;
 };
 
 std::vector<double> MedianLengthsOfTrack(const Track& track) {
   std::vector<double> lengths;
-  for (std::vector<double> samples : track.measured) lengths.push_back(Median(samples));
+  for (const std::deque<double>& samples : track.measured) {
+    std::vector<double> sorted(samples.begin(), samples.end());
+    lengths.push_back(Median(sorted));
+  }
   return lengths;
 }
 
@@ -172,6 +177,7 @@ class PeopleFollower {
     const std::vector<double> measured = MeasureLengths(now, lengths_);
     for (std::size_t i = 0; i < measured.size(); ++i) {
       if (measured[i] > 0.0) track.measured[i].push_back(measured[i]);
+      if (track.measured[i].size() > kSamplesOfLength) track.measured[i].pop_front();
     }
     if (track.body.extent > 0.0) {
       now.extent = 0.9 * track.body.extent + 0.1 * now.extent;

@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kMomentsDiagnosed = 40;  ///< looked at, spread over the take
-constexpr double kRadian = 57.29577951308232;
+
 constexpr double kParallelAngle = 2.0;      ///< degrees; below, depth is hardly determined
 constexpr double kSmallestRigPerson = 0.4;  ///< of the rest pose; a toddler has 0.45
 constexpr double kLargestRigPerson = 1.6;
@@ -38,7 +39,7 @@ void AddPair(const RigView& a, const RigView& b, const Sight& at, const Sight& t
     const Vector3d w = (b.camera.rotation.transpose() * Vector3d(m.x(), m.y(), 1.0)).normalized();
     const double sine = u.cross(w).norm();
     ++rays.count;
-    rays.angle.push_back(kRadian * std::atan2(sine, std::abs(u.dot(w))));
+    rays.angle.push_back(kDegrees * std::atan2(sine, std::abs(u.dot(w))));
     if (sine < 1e-6) continue;
     const Vector3d base = b.camera.centre - a.camera.centre;
     const double c = u.dot(w);

@@ -10,6 +10,7 @@
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/limb_search.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 namespace {
@@ -63,6 +64,7 @@ class SizeSearch {
     PosedSize size{scale, 0.0, {}};
     const FleshBody body = BodyOf(scale);
     for (const FusedCloud& cloud : clouds_) {
+      if (Status on = GoOnUnlessStopped("size of a person in depth views"); !on) return Forward(on);
       PoseState state = PosesOf(body, 1, scale);
       const auto start = FindStart(body, cloud, 0, options_, state, search);
       if (!start) return Forward(start);
@@ -94,7 +96,10 @@ class SizeSearch {
     }
     const double curvature = sizes[0].cost + sizes[2].cost - 2.0 * sizes[1].cost;
     if (!(curvature > 0.0)) return sizes[1];
-    return Fitted(sizes[1].scale * std::exp(0.5 * step * (sizes[0].cost - sizes[2].cost) / curvature), sizes[1].poses);
+    // Steps that ended before the lowest point was between them do not lead far beyond it.
+    const double lowest = std::clamp(0.5 * (sizes[0].cost - sizes[2].cost) / curvature, -1.0, 1.0);
+    Expected<PosedSize> refined = Fitted(sizes[1].scale * std::exp(step * lowest), sizes[1].poses);
+    return !refined || refined->cost < sizes[1].cost ? refined : sizes[1];
   }
 
   /// Of the clouds in whose pose a leg is straight and upright: by what the cloud is higher than the posed body.
@@ -116,6 +121,7 @@ class SizeSearch {
     PoseState state = PosesOf(body, frames, scale);
     for (int f = 0; f < frames; ++f) state.SetFrameParameters(f, poses[f]);
     for (int round = 0; round < kRadiusFits; ++round) {
+      if (Status on = GoOnUnlessStopped("size of a person in depth views"); !on) return Forward(on);
       if (round > 0) CalibrateRadii(clouds_, state, 0, frames, options_.max_distance, body);
       for (int f = 0; f < frames; ++f) {
         const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
@@ -138,7 +144,7 @@ class SizeSearch {
 
 /// Height of a hip above its ankle as a share of thigh and shin: of the straighter leg. 0 for a skeleton without.
 double StraightnessOfLegs(const Skeleton& skeleton, const PoseState& state, int frame) {
-  const auto hips = skeleton.Hips();
+  const auto hips = LegsOfBody(skeleton);
   if (!hips) return 0.0;
   const auto children = skeleton.Children();
   double straightest = 0.0;
@@ -167,12 +173,14 @@ std::vector<double> SizeSearch::HeightRatios(const PosedSize& size) const {
 
 /// At most `count`, of all heights.
 std::vector<FusedCloud> OfAllHeights(std::vector<FusedCloud> clouds, std::size_t count) {
-  std::stable_sort(clouds.begin(), clouds.end(), [](const FusedCloud& a, const FusedCloud& b) {
-    return HeightOf(a.points).height() < HeightOf(b.points).height();
-  });
+  std::vector<std::pair<double, std::size_t>> order;  // height, cloud
+  for (std::size_t i = 0; i < clouds.size(); ++i) order.emplace_back(HeightOf(clouds[i].points).height(), i);
+  std::sort(order.begin(), order.end());
   std::vector<FusedCloud> chosen;
   count = std::min(count, clouds.size());
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(clouds[(2 * i + 1) * clouds.size() / (2 * count)]);
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(std::move(clouds[order[(2 * i + 1) * clouds.size() / (2 * count)].second]));
+  }
   return chosen;
 }
 

@@ -52,7 +52,7 @@ constexpr std::array<Stance, 12> kStances = {{{Legs::kStanding, Arms::kDown},
                                               {Legs::kSeated, Arms::kUp}}};
 
 void BendLegs(const Skeleton& skeleton, Legs legs, int frame, PoseState& state) {
-  const auto hips = skeleton.Hips();
+  const auto hips = LegsOfBody(skeleton);
   if (!hips || legs == Legs::kStanding) return;
   const auto children = skeleton.Children();
   for (const int side : {0, 1}) {

@@ -69,25 +69,42 @@ void Predict(int before, int last, int f, const std::vector<double>& time_s, dou
   state.SetFrameParameters(f, still);
 }
 
+/// Looks for the pose of a frame anew and keeps what is found if it is taken (`is_found` of the search and the cost
+/// after it), else the pose that was there. Whether it was.
+template <typename IsFound>
+Expected<bool> SearchAnew(int f, const PointCloudOptions& search, const PointCloudOptions& options,
+                          const IsFound& is_found, CloudTrack& track) {
+  PoseState& state = track.state;
+  const std::vector<double> kept = state.FrameParameters(f);
+  const auto found = FindStart(track.body, track.clouds[f], f, search, state, StartSearch::kStancesAndLimbs);
+  if (!found) return Forward(found);
+  if (is_found(*found)) {
+    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations)};
+    const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, state, options);
+    if (!fitted) return Forward(fitted);
+    track.outcomes[f] = *fitted;
+    return true;
+  }
+  state.SetFrameParameters(f, kept);
+  state.Update(f, f + 1, false);
+  return false;
+}
+
 /// After a gap in which a person may have come to any pose: starts as in a clip's first frame, facing about as in frame
 /// `last`, and keeps the cheaper pose.
 Status StartAgain(int last, int f, const PointCloudOptions& options, CloudTrack& track) {
   PoseState& state = track.state;
   state.Update(last, last + 1, false);
   state.Update(f, f + 1, false);
-  const std::vector<double> followed = state.FrameParameters(f);
   const double cost = PoseCost(track.body, track.clouds[f], state, f, options);
   PointCloudOptions about_as_before = options;
   about_as_before.start = {HeadingOf(state, last), StartPosture::kUnknown};
-  const auto again = FindStart(track.body, track.clouds[f], f, about_as_before, state, StartSearch::kStancesAndLimbs);
-  if (!again) return Forward(again);
-  if (!again->off_facing && again->cost < kBetterPose * cost) return {};
-  state.SetFrameParameters(f, followed);
-  state.Update(f, f + 1, false);
-  return {};
+  const auto is_found = [&](const CloudStart& start) { return !start.off_facing && start.cost < kBetterPose * cost; };
+  const Expected<bool> found = SearchAnew(f, about_as_before, options, is_found, track);
+  return found ? Status() : Status(Forward(found));
 }
 
-/// Follows the frames after `first`; those before it had no points.
+/// Follows the frames after `first`; those before it have no points.
 Status Follow(int first, const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   int before = -1;
   int last = first;
@@ -108,8 +125,15 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     before = last;
     last = f;
   }
-  for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
   return {};
+}
+
+/// Frames that are not fitted take the pose of the fitted one before them, or after them.
+void FillFrames(int first, CloudTrack& track) {
+  for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
+  for (int f = first + 1; f < track.state.frames(); ++f) {
+    if (track.outcomes[f].iterations == 0) track.state.SetFrameParameters(f, track.state.FrameParameters(f - 1));
+  }
 }
 
 /// What frames cost per point, and what they usually do.
@@ -197,15 +221,11 @@ Status FindAgain(const std::vector<double>& time_s, const PointCloudOptions& opt
     const auto near = [&](int frame) { return std::abs(time_s[frame] - time_s[f]) < kNear_s; };
     for (int i = 0; i < track.state.frames(); ++i) tried[i] = tried[i] || near(i);
     const double cost = CostPerPoint(f, options, track);
-    const std::vector<double> kept = track.state.FrameParameters(f);
-    const auto found = FindStart(track.body, track.clouds[f], f, any_way, track.state, StartSearch::kStancesAndLimbs);
+    const auto is_found = [&](const CloudStart& start) { return start.cost < kFound * cost * track.clouds[f].size(); };
+    const Expected<bool> found = SearchAnew(f, any_way, options, is_found, track);
     if (!found) return Forward(found);
-    if (CostPerPoint(f, options, track) < kFound * cost) {
-      if (Status looked = LookAgain(time_s, options, track); !looked) return looked;
-      continue;
-    }
-    track.state.SetFrameParameters(f, kept);
-    track.state.Update(f, f + 1, false);
+    if (!*found) continue;
+    if (Status looked = LookAgain(time_s, options, track); !looked) return looked;
   }
   return {};
 }
@@ -272,6 +292,7 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   if (Status followed = Follow(first, time_s, options, track); !followed) return Forward(followed);
   if (Status looked = LookAgain(time_s, options, track); !looked) return Forward(looked);
   if (Status found = FindAgain(time_s, options, track); !found) return Forward(found);
+  FillFrames(first, track);
   return track;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
@@ -16,10 +17,7 @@ namespace {
 
 constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at a joint make it observed
 constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone's capsule, at the joint
-/// How much farther off joints of which no view shows anything are than pose and body tell: without it ankles of 4
-/// studio clips were 18 mm off per axis and 14.6 stated, feet 61 and 48 (bench_fit_clouds 4 30 907 DIR hidden=7, 10).
-constexpr double kUnseenFactor = 1.3;
-constexpr double kNotableRoom = 0.02;  ///< share of the points, worth a finding
+constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
@@ -70,11 +68,12 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
         UncertaintyOfFrame(track.body, track.clouds[f], fit, track.outcomes[f].sigma, track.state, options);
     if (!uncertainty) return Forward(uncertainty);
     std::vector<double> of_body = body_error;
+    std::vector<bool> seen;
     for (int j = 0; j < motion.joint_count(); ++j) {
-      if (motion.state[static_cast<std::size_t>(f) * motion.joint_count() + j] == JointState::kObserved) continue;
-      uncertainty->position[j] *= kUnseenFactor * kUnseenFactor;
-      of_body[j] *= kUnseenFactor;
+      const auto at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
+      seen.push_back(motion.state[at] == JointState::kObserved);
     }
+    WidenUnseen(seen, *uncertainty, of_body);
     uncertain.Set(f, *uncertainty, of_body);
   }
   uncertain.Write(result.motion);
@@ -131,7 +130,7 @@ void ReportContradiction(const CloudTrack& track, FitResult& result) {
   finding.code = "facing_contradicted";
   finding.value = *track.start.off_facing;
   finding.message = "every first pose that explains the points faces another way than told: the cheapest by " +
-                    std::to_string(std::lround(57.29577951308232 * *track.start.off_facing)) + " degrees";
+                    std::to_string(std::lround(kDegrees * *track.start.off_facing)) + " degrees";
   finding.action = "the cheapest one kept; check fitting.point_clouds.start.facing";
   result.findings.push_back(finding);
 }

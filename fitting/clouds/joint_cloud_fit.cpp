@@ -13,6 +13,7 @@
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/stop_request.h"
 
 namespace mocurate {
 namespace {
@@ -87,6 +88,7 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
                                const PointCloudOptions& options) {
   std::vector<double> apart, claimed, of_tracks;
   for (const int f : frames) {
+    if (Status on = GoOnUnlessStopped("fit of joints and depth views"); !on) return Forward(on);
     if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
     FrameFit fit;
     fit.frame = f;
@@ -294,6 +296,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestCloudPoints) continue;
+    if (Status on = GoOnUnlessStopped("fit of joints and depth views"); !on) return Forward(on);
     const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), SeenJointsOf(motion, f, factor), *trust};
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);

@@ -53,7 +53,7 @@ std::vector<LimbJoints> LimbsOf(const Skeleton& skeleton, const PoseState& state
     }
   };
   add(skeleton.Shoulders(), true);
-  add(skeleton.Hips(), false);
+  add(LegsOfBody(skeleton), false);
   return limbs;
 }
 
@@ -104,6 +104,8 @@ class LimbSearcher {
 
   Expected<double> Search() {
     state_.Update(frame_, frame_ + 1, false);
+    const std::vector<double> given = state_.FrameParameters(frame_);
+    const double cost_of_given = PoseCost(body_, cloud_, state_, frame_, options_);
     cost_ = PoseCost(body_, coarse_, state_, frame_, options_);
     const std::vector<LimbJoints> limbs = LimbsOf(*body_.skeleton, state_);
     for (int round = 0; round < kRounds; ++round) {
@@ -117,7 +119,11 @@ class LimbSearcher {
     }
     const FrameFit all{frame_, {}, 1.0, static_cast<int>(options_.iterations)};
     if (const auto fitted = FitCloudFrame(body_, cloud_, all, state_, options_); !fitted) return Forward(fitted);
-    return PoseCost(body_, cloud_, state_, frame_, options_);
+    const double cost = PoseCost(body_, cloud_, state_, frame_, options_);
+    if (cost <= cost_of_given) return cost;
+    state_.SetFrameParameters(frame_, given);
+    state_.Update(frame_, frame_ + 1, false);
+    return cost_of_given;
   }
 
  private:
@@ -179,6 +185,11 @@ class LimbSearcher {
 
 int OnlyChild(const std::vector<std::vector<int>>& children, int joint) {
   return joint >= 0 && children[joint].size() == 1 ? children[joint][0] : -1;
+}
+
+std::optional<std::array<int, 2>> LegsOfBody(const Skeleton& skeleton) {
+  const auto hips = skeleton.Hips();  // shoulders, of one without
+  return hips == skeleton.Shoulders() ? std::nullopt : hips;
 }
 
 Expected<double> SearchLimbs(const FleshBody& body, const FusedCloud& cloud, int frame,

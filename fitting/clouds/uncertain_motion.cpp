@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/pi.h"
 #include "core/geometry/symmetric.h"
 #include "fitting/clouds/cloud_match.h"
 
@@ -10,7 +11,10 @@ namespace mocurate {
 namespace {
 
 constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint of which nothing is known
-const float kUnknownAngleSigma = static_cast<float>(3.14159265358979323846 / std::sqrt(3.0));  ///< rad
+const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));  ///< rad
+/// Without it ankles of 4 studio clips were 18 mm off per axis and 14.6 stated, feet 61 and 48 (bench_fit_clouds 4 30
+/// 907 DIR hidden=7, 10).
+constexpr double kUnseenFactor = 1.3;
 
 }  // namespace
 
@@ -59,6 +63,14 @@ void UncertainMotion::Write(Motion& motion) const {
   motion.position_cov = position_cov_;
   motion.rotation_sigma = rotation_sigma_;
   motion.rotation_observed = rotation_observed_;
+}
+
+void WidenUnseen(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error) {
+  for (std::size_t j = 0; j < seen.size(); ++j) {
+    if (seen[j]) continue;
+    uncertainty.position[j] *= kUnseenFactor * kUnseenFactor;
+    body_error[j] *= kUnseenFactor;
+  }
 }
 
 void SetResiduals(std::vector<double> distances, FitResult& result) {

@@ -32,6 +32,10 @@ class UncertainMotion {
   std::vector<float> rotation_observed_;
 };
 
+/// Joints of which no view shows anything are farther off than pose and body tell: widens their covariances and what
+/// their body is off (J, m) where they are not `seen` (J).
+void WidenUnseen(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error);
+
 /// Root mean square, 95th percentile and robust spread of distances (m, absolute).
 void SetResiduals(std::vector<double> distances, FitResult& result);
 

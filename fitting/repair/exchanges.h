@@ -21,8 +21,8 @@ struct LimbExchange {
 /// only so much), what bones differ from `bone_length` where exchanged and not exchanged joints meet, each change of
 /// state, and a little per exchanged frame, so that of two states that only differ in name the rarer one is the
 /// exchange: most frames are exchanged only where that is likelier by `least_margin`. Bones alone, which a tracker may
-/// get wrong for long, make no exchange: the margin is of the steps. Limbs of than two pairs are not judged: one pair
-/// crosses in any clap. Sorted by frame; every margin is at least `least_margin`. `noise_sigma` metres per axis.
+/// get wrong for long, make no exchange: the margin is of the steps. Limbs of fewer than two pairs are not judged: one
+/// pair crosses in any clap. Sorted by frame; every margin is at least `least_margin`. `noise_sigma` metres per axis.
 std::vector<LimbExchange> FindExchanges(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                         double noise_sigma, double least_margin);
 

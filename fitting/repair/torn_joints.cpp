@@ -303,14 +303,19 @@ class TearSearch {
   /// Where most joints jump together it is the person who is elsewhere, as over frames that a set leaves out: none of
   /// them is torn off.
   void LeaveWholeBodies(std::vector<TornJoint>& found) const {
-    const std::vector<TornJoint> all = found;
+    std::vector<std::vector<std::pair<int, int>>> jumped(static_cast<std::size_t>(tracks_.joints()));
+    for (const TornJoint& run : found) {  // of a joint in order, apart from each other
+      if (run.jumped) jumped[static_cast<std::size_t>(run.joint)].emplace_back(run.frame_begin, run.frame_end);
+    }
     const auto with_most = [&](const TornJoint& torn) {
       if (!torn.jumped) return false;
       int jumping = 0, seen = 0;
-      for (int j = 0; j < tracks_.joints(); ++j) seen += tracks_.seen(torn.frame_begin, j) ? 1 : 0;
-      for (const TornJoint& other : all) {
-        const bool together = other.frame_begin < torn.frame_end && torn.frame_begin < other.frame_end;
-        jumping += other.jumped && together ? 1 : 0;
+      for (int j = 0; j < tracks_.joints(); ++j) {
+        seen += tracks_.seen(torn.frame_begin, j) ? 1 : 0;
+        const auto& runs = jumped[static_cast<std::size_t>(j)];
+        const auto run = std::partition_point(runs.begin(), runs.end(),
+                                              [&](const auto& other) { return other.second <= torn.frame_begin; });
+        jumping += run != runs.end() && run->first < torn.frame_end ? 1 : 0;
       }
       return 2 * jumping > seen;
     };

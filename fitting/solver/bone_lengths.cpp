@@ -210,6 +210,12 @@ void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<d
   constexpr double kPriorSigma = 0.02;
   const auto count = static_cast<Eigen::Index>(siblings.size());
   const std::vector<double> prior = bones.length;
+  std::vector<BoneDistance> distances(static_cast<std::size_t>(count * count));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index k = i + 1; k < count; ++k) {
+      distances[static_cast<std::size_t>(i * count + k)] = DistanceOver(clips, white, siblings[i], siblings[k]);
+    }
+  }
   for (int iteration = 0; iteration < 10; ++iteration) {
     Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(count, count) / (kPriorSigma * kPriorSigma);
     Eigen::VectorXd gradient(count);
@@ -218,7 +224,7 @@ void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<d
     }
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index k = i + 1; k < count; ++k) {
-        const BoneDistance seen = DistanceOver(clips, white, siblings[i], siblings[k]);
+        const BoneDistance& seen = distances[static_cast<std::size_t>(i * count + k)];
         const Vector3d u = Direction(skeleton, siblings[i]);
         const Vector3d v = Direction(skeleton, siblings[k]);
         const Vector3d between = bones.length[siblings[i]] * u - bones.length[siblings[k]] * v;

@@ -110,7 +110,7 @@ class ClosedFormPose {
         lately_(SeenLately(tracks)),
         targets_(skeleton_.joints.size()),
         global_(skeleton_.joints.size(), Quaterniond::Identity()),
-        position_(skeleton_.joints.size()) {
+        position_(skeleton_.joints.size(), Vector3d::Zero()) {
     const std::vector<std::vector<int>> children = skeleton_.Children();
     for (int j = 0; j < skeleton_.joint_count(); ++j) {
       for (const int child : children[j]) {
@@ -130,6 +130,7 @@ class ClosedFormPose {
 
   /// `filled`: positions of the seen joints in this frame; `near`: the frame that was solved before, or none (-1).
   void Solve(const JointPositions& filled, int frame, int near) {
+    if (near < 0 && !Lately(frame, 0)) position_[0] = MiddleOfSeen(filled, frame);
     for (int j = 0; j < skeleton_.joint_count(); ++j) {
       const int parent = skeleton_.joints[j].parent;
       const Quaterniond above = parent < 0 ? global_[0] : global_[parent];  // root: of the frame before
@@ -180,6 +181,18 @@ class ClosedFormPose {
     const RigidTransform world_from_rest = AlignPoints(source, target, weights);
     if (free_root) position_[0] = world_from_rest.translation;
     return (world_from_rest.rotation * above).normalized();
+  }
+
+  /// Of the joints seen lately; the origin without any.
+  Vector3d MiddleOfSeen(const JointPositions& filled, int frame) const {
+    Vector3d sum = Vector3d::Zero();
+    int count = 0;
+    for (int j = 0; j < skeleton_.joint_count(); ++j) {
+      if (!Lately(frame, j)) continue;
+      sum += filled.at(frame, j);
+      ++count;
+    }
+    return sum / std::max(count, 1);
   }
 
   bool Lately(int frame, int joint) const {

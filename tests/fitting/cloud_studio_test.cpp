@@ -92,12 +92,14 @@ TEST_F(StudioClouds, SomebodyWhoIsLostIsLookedForAnew) {
   const Matrix3d turn = Eigen::AngleAxisd(2.0, Vector3d::UnitY()).toRotationMatrix();
   const Vector3d middle = after[0].points.rowwise().mean();
   constexpr int kStood = 3;
+  constexpr int kLeftWrist = 20;
   for (int f = 0; f < kStood; ++f) {
     FusedCloud& cloud = after[static_cast<std::size_t>(f)];
     cloud.points = ((turn * (cloud.points.colwise() - middle)).colwise() + middle).eval();
     cloud.normals = (turn * cloud.normals).eval();
     clouds.push_back(cloud);
   }
+  clouds.push_back(FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0});
   CloudClock clock{clips_[kSitting].rate, {}};
   for (std::size_t f = 0; f < clouds.size(); ++f) clock.time_s.push_back(clock.rate.FrameTime(static_cast<int>(f)));
   PointCloudOptions options = options_;
@@ -107,12 +109,20 @@ TEST_F(StudioClouds, SomebodyWhoIsLostIsLookedForAnew) {
   const Motion& truth = (*takes_)[kStanding].clip.truth;
   double error = 0.0;
   for (int f = 0; f < kStood; ++f) {
-    const int at = fit->motion.frame_count() - kStood + f;
+    const int at = fit->motion.frame_count() - 1 - kStood + f;
     for (int j = 0; j < truth.joint_count(); ++j) {
       error += (turn * (truth.joints.at(f, j) - middle) + middle - fit->motion.joints.at(at, j)).norm();
     }
   }
   EXPECT_LT(error / (kStood * truth.joint_count()), 0.04);
+  // The frame without points, after them, has the pose that was found, and what is stated of it is of that pose.
+  const Motion& motion = fit->motion;
+  const int last = motion.frame_count() - 1;
+  EXPECT_EQ(motion.joints.at(last, kLeftWrist), motion.joints.at(last - 1, kLeftWrist));
+  const auto variance = [&](int frame) {
+    return motion.position_cov[6 * static_cast<std::size_t>(frame * motion.joint_count() + kLeftWrist)];
+  };
+  EXPECT_LT(variance(last - 1), 4.0F * variance(0));
 }
 
 TEST_F(StudioClouds, APoseThatFacesOtherwiseThanToldIsNotTaken) {

@@ -84,6 +84,31 @@ TEST(JointTrackFit, ShouldersTurnAChestWhoseCollarsBeginAtItsTop) {
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 8e-3);
 }
 
+// The fullest frame shows nothing of what places the trunk: it begins amid the joints that are seen.
+TEST(JointTrackFit, BeginsAmidTheJointsWhereTheFullestFrameShowsNoTrunk) {
+  PlayedTake take = SmoothTake(90);
+  const auto is_end = [&](int j) {
+    const std::string& name = take.tracks.skeleton->joints[static_cast<std::size_t>(j)].name;
+    return name.find("elbow") != std::string::npos || name.find("wrist") != std::string::npos ||
+           name.find("ankle") != std::string::npos;
+  };
+  const auto is_trunk = [&](int j) {
+    const std::string& name = take.tracks.skeleton->joints[static_cast<std::size_t>(j)].name;
+    return name.find("hip") != std::string::npos || name.find("shoulder") != std::string::npos;
+  };
+  for (int f = 0; f < 90; ++f) {
+    for (int j = 0; j < take.tracks.joints(); ++j) {
+      const bool seen = f < 30 ? is_end(j) : f >= 60 && is_trunk(j);
+      if (!seen) Hide(take.tracks, f, j);
+    }
+  }
+  JointTrackOptions closed_form;
+  closed_form.steps.clear();
+  const FitResult start = FitTake(take, closed_form);
+  EXPECT_LT((start.motion.root_translation[0] - take.truth.root_translation[0]).norm(), 0.7);
+  EXPECT_LT(FitTake(take).residual_rms, 0.01);
+}
+
 TEST(JointTrackFit, FillsHalfOfTheJointsAndNeverReadsThem) {
   PlayedTake take = SmoothTake(90);
   Random random(1, "half");
