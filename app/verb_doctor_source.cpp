@@ -85,7 +85,7 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
                                            : (folder + (there ? "" : " (is not there)")).c_str());
     for (const WantedFile& file : *wanted) {
       std::printf("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
-      std::printf(file.found > 0 ? " (%zu files)" : "", file.found);
+      if (file.found > 0) std::printf(" (%zu files)", file.found);
       std::printf("%s\n", RemarkOfFile(file).c_str());
     }
   }

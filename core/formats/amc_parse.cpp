@@ -145,7 +145,7 @@ class AmcParser {
       if (Status begun = BeginUnnumbered("'" + Shown(text) + "' stands"); !begun) return Forward(begun);
       return more;
     }
-    const Expected<bool> more = LineEnds("frame number " + Shown(text));
+    Expected<bool> more = LineEnds("frame number " + Shown(text));
     if (!more) return more;
     const int before = amc_.frames > 0 ? amc_.frame_numbers.back() : 0;
     // Began at a stray line before its number, which is this one.

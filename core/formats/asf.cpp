@@ -42,7 +42,7 @@ void AppendBone(std::string& text, const AsfBone& bone) {
 /// One line per parent, children in the order of the bones.
 void AppendHierarchy(std::string& text, const Asf& asf) {
   std::vector<std::string> children(asf.bones.size() + 1);  // the root's first
-  for (const AsfBone& bone : asf.bones) children[static_cast<std::size_t>(bone.parent + 1)] += " " + bone.name;
+  for (const AsfBone& bone : asf.bones) children[static_cast<std::size_t>(bone.parent) + 1] += " " + bone.name;
   text += ":hierarchy\n  begin\n";
   if (!children[0].empty()) text += "    root" + children[0] + "\n";
   for (const int bone : asf.Order()) {
@@ -71,7 +71,7 @@ int Asf::Find(std::string_view bone) const {
 std::vector<int> Asf::Order() const {
   std::vector<std::vector<int>> children(bones.size() + 1);
   for (std::size_t i = 0; i < bones.size(); ++i) {
-    children[static_cast<std::size_t>(bones[i].parent + 1)].push_back(static_cast<int>(i));
+    children[static_cast<std::size_t>(bones[i].parent) + 1].push_back(static_cast<int>(i));
   }
   std::vector<int> order = children[0];
   for (std::size_t i = 0; i < order.size(); ++i) {

@@ -85,7 +85,7 @@ class JointTableParser {
   }
 
   std::string Column(int column) const {
-    const std::string number = "column " + std::to_string(column + 1);
+    std::string number = "column " + std::to_string(column + 1);
     if (column >= static_cast<int>(layout_.column_names.size())) return number;
     return number + ", '" + layout_.column_names[static_cast<std::size_t>(column)] + "'";
   }

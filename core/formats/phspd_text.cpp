@@ -118,7 +118,7 @@ std::string WritePhspdPose(const PhspdPose& pose) {
   std::string text;
   for (std::size_t row = 0; row < pose.frame.size(); ++row) {
     text += std::to_string(pose.frame[row]);
-    AppendRow(text, pose.position_m, row, kPhspdJoints * 3);
+    AppendRow(text, pose.position_m, row, std::size_t{3} * kPhspdJoints);
     text += "\n";
   }
   return text;
@@ -130,7 +130,7 @@ std::string WritePhspdShape(const PhspdShape& shape) {
     text += std::to_string(shape.frame[row]);
     AppendRow(text, shape.translation_m, row, 3);
     AppendRow(text, shape.betas, row, kPhspdBetas);
-    AppendRow(text, shape.pose_rad, row, kPhspdJoints * 3);
+    AppendRow(text, shape.pose_rad, row, std::size_t{3} * kPhspdJoints);
     text += "\n";
   }
   return text;

@@ -254,8 +254,8 @@ Expected<SparseMatrix> PickleRef::Sparse() const {
       from = *to;
     }
   }
-  matrix.row = by_column || coo ? std::move(first) : second;
-  matrix.column = by_column || coo ? std::move(second) : std::move(first);
+  matrix.row = std::move(by_column || coo ? first : second);
+  matrix.column = std::move(by_column || coo ? second : first);
   return matrix;
 }
 

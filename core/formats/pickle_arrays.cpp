@@ -209,7 +209,7 @@ Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const P
   for (const char* key : {"data", coo ? "row" : "indices", coo ? "col" : "indptr"}) {
     Expected<int> part = Attribute(state, key);
     if (!part) return Forward(part);
-    if (*part < 0 && coo && parts.size() >= 1) {  // newer files: coords = (row, column)
+    if (*part < 0 && coo && !parts.empty()) {  // newer files: coords = (row, column)
       const Expected<int> coords = Attribute(state, "coords");
       if (!coords) return Forward(coords);
       if (*coords >= 0 && At(*coords).children.size() == 2) part = At(*coords).children[parts.size() - 1];
@@ -256,7 +256,8 @@ Status PickleMachine::BuildSelect(PickleValue& object, const PickleValue& state)
   std::vector<double> indices;
   DecodeNumbers(*index_type, chosen.data, indices);
   std::string data;
-  const auto elements = static_cast<double>(whole.data.size() / type->bytes);
+  const std::size_t whole_elements = whole.data.size() / type->bytes;
+  const auto elements = static_cast<double>(whole_elements);
   for (const double index : indices) {
     if (!(index >= 0.0 && index < elements)) return Bad("'idxs' of a chumpy selection reaches outside its array");
     data.append(whole.data.substr(static_cast<std::size_t>(index) * type->bytes, type->bytes));

@@ -291,7 +291,7 @@ Expected<int> PickleMachine::ReadInner() {
   stack.swap(stack_), marks.swap(marks_), memo.swap(memo_);
   const std::size_t remembered = remembered_;
   inside_ = true;
-  const Expected<int> result = Read();
+  Expected<int> result = Read();
   inside_ = false;
   stack.swap(stack_), marks.swap(marks_), memo.swap(memo_);
   remembered_ = remembered;

@@ -98,7 +98,7 @@ void LieForward(const Skeleton& skeleton, const double* parameters, const std::v
     Matrix3d rotation = start;
     for (std::size_t i = 1; i < chain.size(); ++i) {
       const int c = chain[i];
-      rotation *= LieExpMatrix(Eigen::Map<const Vector3d>(parameters + 3 * c), exp);
+      rotation *= LieExpMatrix(Eigen::Map<const Vector3d>(parameters + std::ptrdiff_t{3} * c), exp);
       joints[c] = joints[chain[i - 1]] + rotation * (bone_length[c] * lie.raw_offsets[c]);
     }
   }
@@ -112,7 +112,7 @@ void LieInverse(const Skeleton& skeleton, const Vector3d* joints, double* parame
     for (std::size_t i = 1; i < chain.size(); ++i) {
       const int c = chain[i];
       const Vector3d bone = joints[c] - joints[chain[i - 1]];
-      Eigen::Map<Vector3d> w(parameters + 3 * c);
+      Eigen::Map<Vector3d> w(parameters + std::ptrdiff_t{3} * c);
       w.setZero();
       if (bone.norm() == 0.0) continue;  // no direction: the bone keeps that of the one before it
       const Quaterniond swing = SwingBetween(lie.raw_offsets[c], bone);
@@ -151,7 +151,7 @@ void LieFromTree(const Motion& motion, int frame, double* parameters) {
       const Quaterniond rest_from_raw =
           has_direction ? SwingBetween(skeleton.lie->raw_offsets[c], rest) : Quaterniond::Identity();
       const Quaterniond bone = global[skeleton.joints[c].parent] * rest_from_raw;
-      Eigen::Map<Vector3d>(parameters + 3 * c) = LogQuaternion(before.conjugate() * bone);
+      Eigen::Map<Vector3d>(parameters + std::ptrdiff_t{3} * c) = LogQuaternion(before.conjugate() * bone);
       before = bone;
     }
   }

@@ -88,7 +88,7 @@ std::string OtherSide(const std::string& name, const std::vector<std::string>& n
     for (const auto& [from, to] : {side, std::pair<const char*, const char*>(side.second, side.first)}) {
       const std::string word = from;
       for (std::size_t at = name.find(word); at != std::string::npos; at = name.find(word, at + 1)) {
-        const std::string other = name.substr(0, at) + to + name.substr(at + word.size());
+        std::string other = name.substr(0, at) + to + name.substr(at + word.size());
         if (known(other)) return other;
       }
     }

@@ -131,7 +131,7 @@ double TimeOf(const Clip& clip, int frame) {
   return times.back() - times.front() + clip.rate.FrameTime(1);
 }
 
-Vector3d Rotated(const Matrix3d& rotation, Eigen::Map<Vector3d> vector) { return rotation * Vector3d(vector); }
+Vector3d Rotated(const Matrix3d& rotation, const Eigen::Map<Vector3d>& vector) { return rotation * Vector3d(vector); }
 
 void TransformPositions(const RigidTransform& transform, JointPositions& positions) {
   const Matrix3d rotation = transform.rotation.toRotationMatrix();

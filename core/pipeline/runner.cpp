@@ -2,6 +2,7 @@
 
 #include <sched.h>
 #include <unistd.h>
+#include <cmath>
 
 #include <algorithm>
 #include <string>
@@ -64,7 +65,7 @@ std::string Summary(const StageReport& report) {
     if (count > 0) text += ", " + std::to_string(count) + name;
   }
   text += ", " + std::to_string(report.from_cache) + " from the cache, ";
-  return text + FormatDouble(static_cast<double>(static_cast<long long>(report.seconds * 10.0 + 0.5)) / 10.0) + " s";
+  return text + FormatDouble(static_cast<double>(std::llround(report.seconds * 10.0)) / 10.0) + " s";
 }
 
 }  // namespace

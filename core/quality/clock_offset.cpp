@@ -64,7 +64,7 @@ double CorrelationAt(const std::vector<double>& a, const std::vector<double>& b,
       if (x < 0.0 || y < 0.0) continue;
       sum.n += 1.0, sum.a += x, sum.b += y, sum.aa += x * x, sum.bb += y * y, sum.ab += x * y;
     }
-    if (sum.n < kFewestCommonFrames / 2) continue;
+    if (2.0 * sum.n < kFewestCommonFrames) continue;
     ab += sum.ab - sum.a * sum.b / sum.n;
     aa += sum.aa - sum.a * sum.a / sum.n;
     bb += sum.bb - sum.b * sum.b / sum.n;

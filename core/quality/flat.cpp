@@ -36,7 +36,7 @@ std::vector<Finding> FindFlat(const TrackedPoints& points) {
     }
   }
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(spread);
-  const Vector3d squared = axes.eigenvalues();       // rising
+  const Vector3d& squared = axes.eigenvalues();      // rising
   if (!(squared[1] > 1e-6 * squared[2])) return {};  // a line or a point is no body at all: others tell
   const double thickness = std::sqrt(std::max(0.0, squared[0]) / squared[2]);
   if (thickness >= kFlat) return {};

@@ -24,8 +24,8 @@ Eigen::VectorXd Fit(const std::vector<Vector3d>& path, int begin, int end, int a
   Eigen::MatrixXd powers(count, degree + 1);
   Eigen::VectorXd value(count);
   for (int i = 0; i <= degree; ++i) powers.col(i) = time.array().pow(i);
-  for (int i = 0; i < count; ++i) value[i] = path[static_cast<std::size_t>(begin + i)][axis];
-  const Eigen::VectorXd coefficients = powers.colPivHouseholderQr().solve(value);
+  for (int i = 0; i < count; ++i) value[i] = path[static_cast<std::size_t>(begin) + static_cast<std::size_t>(i)][axis];
+  Eigen::VectorXd coefficients = powers.colPivHouseholderQr().solve(value);
   residual = std::sqrt((powers * coefficients - value).squaredNorm() / count);
   return coefficients;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "fitting/audit/rig_samples.h"
@@ -67,14 +68,14 @@ double GainAt(const ViewKeypoints& view, const TriangulatedTracks& points, const
 
 /// Frames in which the exchanged state is on the cheapest path.
 std::vector<bool> CheapestPath(const std::vector<double>& gains) {
-  std::vector<std::array<char, 2>> from(gains.size());
+  std::vector<std::array<std::uint8_t, 2>> from(gains.size());
   std::array<double, 2> cost{0.0, kViewChangeCost};
   for (std::size_t f = 0; f < gains.size(); ++f) {
     std::array<double, 2> next{};
     for (int state = 0; state < 2; ++state) {
       const double stay = cost[state];
       const double change = cost[1 - state] + kViewChangeCost;
-      from[f][state] = static_cast<char>(stay <= change ? state : 1 - state);
+      from[f][state] = static_cast<std::uint8_t>(stay <= change ? state : 1 - state);
       next[state] = std::min(stay, change) + (state == 1 ? kExchangedViewCost - gains[f] : 0.0);
     }
     cost = next;

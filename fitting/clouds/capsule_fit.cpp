@@ -48,7 +48,7 @@ double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
-Expected<CloudSolution> SolveCapsulesWithCeres(const FleshBody& body, FrameTerms terms, PoseState& state,
+Expected<CloudSolution> SolveCapsulesWithCeres(const FleshBody& body, const FrameTerms& terms, PoseState& state,
                                                const PointCloudOptions& options) {
   CloudProblem problem(body, state, terms, options);
   ceres::Solver::Summary summary;
@@ -61,9 +61,9 @@ Expected<CloudSolution> SolveCapsulesWithCeres(const FleshBody& body, FrameTerms
   return CloudSolution{summary.initial_cost, summary.final_cost};
 }
 
-Expected<CloudSolution> SolveDense(const FleshBody& body, FrameTerms terms, PoseState& state,
+Expected<CloudSolution> SolveDense(const FleshBody& body, const FrameTerms& terms, PoseState& state,
                                    const PointCloudOptions& options) {
-  CloudEquations equations(body, state, std::move(terms), options);
+  CloudEquations equations(body, state, terms, options);
   return SolveCloudEquations(equations, kSolverSteps, kRelativeTolerance);
 }
 

@@ -25,9 +25,8 @@ constexpr std::array<double, 3> kStartFactors = {0.85, 1.0, 1.3};
 constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};
 constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
 constexpr std::size_t kLimbsOfScales = 4;                                 ///< the cheapest, whose limbs are looked for
-constexpr std::size_t kRefinedOfFew = 2;  ///< of these, whose scale is changed until it fits best
-constexpr int kRadiusFits = 3;            ///< of poses, radii measured between them
-constexpr double kWideStep = 0.03;        ///< of the logarithm of the scale
+constexpr int kRadiusFits = 3;                                            ///< of poses, radii measured between them
+constexpr double kWideStep = 0.03;                                        ///< of the logarithm of the scale
 constexpr double kNarrowStep = 0.015;
 constexpr int kSteps = 12;              ///< downhill, at most
 constexpr double kStraightLegs = 0.97;  ///< height of a hip above its ankle as a share of thigh and shin
@@ -227,7 +226,7 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   const auto limbs = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStancesAndLimbs); };
   if (Status ok = ImproveEach(sizes, kLimbsOfScales, start); !ok) return Forward(ok);
   if (Status ok = ImproveEach(sizes, 1, limbs); !ok) return Forward(ok);
-  const Expected<PosedSize> refined = search.Downhill(sizes[0], kNarrowStep);
+  Expected<PosedSize> refined = search.Downhill(sizes[0], kNarrowStep);
   if (!refined) return refined;
   Expected<PosedSize> found = limbs(*refined);
   return !found || found->cost < sizes[0].cost ? found : sizes[0];

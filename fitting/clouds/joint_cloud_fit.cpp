@@ -155,7 +155,7 @@ double MixedCost(const FleshBody& body, const FusedCloud& cloud, const FrameFit&
 /// From the pose in the state, and from `alone` where it is given; the cheaper stays.
 Expected<CapsuleFitOutcome> FitFromBoth(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                         PoseState& state, const PoseState* alone, const PointCloudOptions& options) {
-  const auto first = FitCloudFrame(body, cloud, fit, state, options);
+  auto first = FitCloudFrame(body, cloud, fit, state, options);
   if (!first || alone == nullptr) return first;
   const double cost = MixedCost(body, cloud, fit, state, options);
   const std::vector<double> pose = state.FrameParameters(fit.frame);

@@ -76,14 +76,16 @@ class Comparer {
       sum_.loss += 1.0;
       return;
     }
-    const std::int32_t nearest = seen.nearest[static_cast<std::size_t>(row * seen.columns + column)];
+    const std::int32_t nearest =
+        seen.nearest[static_cast<std::size_t>(row) * seen.columns + static_cast<std::size_t>(column)];
     if (nearest < 0) {
       sum_.loss += 1.0;
       return;
     }
     // From the middle of the nearest cell.
-    const Vector2d inside(seen.left + (nearest % seen.columns + 0.5) * kOutlineCell - 0.5,
-                          seen.top + (nearest / seen.columns + 0.5) * kOutlineCell - 0.5);
+    const int inside_column = nearest % seen.columns, inside_row = nearest / seen.columns;
+    const Vector2d inside(seen.left + (inside_column + 0.5) * kOutlineCell - 0.5,
+                          seen.top + (inside_row + 0.5) * kOutlineCell - 0.5);
     const Vector2d away = pixel - inside;
     const double outside_px = away.norm() - kOutlineSlack_px;
     if (outside_px <= 0.0) return;

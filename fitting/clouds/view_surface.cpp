@@ -27,7 +27,8 @@ struct DepthRange {
   std::vector<float> low, high;
 
   bool Holds(int x, int y, double depth) const {
-    const auto at = static_cast<std::size_t>((y / cell) * columns + x / cell);
+    const auto at =
+        static_cast<std::size_t>(y / cell) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x / cell);
     return depth > low[at] - kNearInDepth && depth < high[at] + kNearInDepth;
   }
 };
@@ -47,7 +48,8 @@ DepthRange RangeOf(const Eigen::Matrix3Xd& points, const Camera& camera, double 
     const int y = static_cast<int>(std::lround(pixel->y())) / range.cell;
     for (int row = std::max(0, y - 1); row <= std::min(range.rows - 1, y + 1); ++row) {
       for (int column = std::max(0, x - 1); column <= std::min(range.columns - 1, x + 1); ++column) {
-        const auto at = static_cast<std::size_t>(row * range.columns + column);
+        const auto at =
+            static_cast<std::size_t>(row) * static_cast<std::size_t>(range.columns) + static_cast<std::size_t>(column);
         range.low[at] = std::min(range.low[at], static_cast<float>(points(2, i)));
         range.high[at] = std::max(range.high[at], static_cast<float>(points(2, i)));
       }

@@ -22,8 +22,8 @@ class PoseState {
   int joints() const { return joints_; }
   double* translation(int frame) { return parameters_.data() + static_cast<std::size_t>(frame) * stride_; }
   const double* translation(int frame) const { return parameters_.data() + static_cast<std::size_t>(frame) * stride_; }
-  double* rotation(int frame, int joint) { return translation(frame) + 3 + 3 * joint; }
-  const double* rotation(int frame, int joint) const { return translation(frame) + 3 + 3 * joint; }
+  double* rotation(int frame, int joint) { return translation(frame) + 3 + std::ptrdiff_t{3} * joint; }
+  const double* rotation(int frame, int joint) const { return translation(frame) + 3 + std::ptrdiff_t{3} * joint; }
   double* bone(int joint) { return parameters_.data() + static_cast<std::size_t>(frames_) * stride_ + joint; }
   const double* bone(int joint) const {
     return parameters_.data() + static_cast<std::size_t>(frames_) * stride_ + joint;
