@@ -141,6 +141,16 @@ nlohmann::json DepthRigJson(const DepthRigReport& report) {
 
 }  // namespace
 
+void TellOfRepairs(const RepairedTracks& repaired, FitResult& fit) {
+  fit.findings.insert(fit.findings.end(), repaired.told.begin(), repaired.told.end());
+  if (repaired.repairs.empty()) return;
+  MarkRepaired(repaired.exchanged, fit.motion);
+  const Skeleton& skeleton = *repaired.tracks.skeleton;
+  const std::vector<Finding> findings = FindingsOf(repaired.repairs, skeleton);
+  fit.findings.insert(fit.findings.end(), findings.begin(), findings.end());
+  fit.track_repairs = RepairsText(repaired.repairs, skeleton);
+}
+
 Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& rate,
                                  const std::vector<double>& bone_length, const RepairOptions& repair,
                                  const JointTrackOptions& options) {
@@ -149,12 +159,7 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
   if (!fit) return fit;
   for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
     fit->findings.push_back(std::move(finding));
-  fit->findings.insert(fit->findings.end(), repaired.told.begin(), repaired.told.end());
-  if (repaired.repairs.empty()) return fit;
-  MarkRepaired(repaired.exchanged, fit->motion);
-  const std::vector<Finding> findings = FindingsOf(repaired.repairs, *given.skeleton);
-  fit->findings.insert(fit->findings.end(), findings.begin(), findings.end());
-  fit->track_repairs = RepairsText(repaired.repairs, *given.skeleton);
+  TellOfRepairs(repaired, *fit);
   return fit;
 }
 

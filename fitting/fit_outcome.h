@@ -6,8 +6,12 @@
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/fit_result.h"
 #include "fitting/options.h"
+#include "fitting/repair/track_repairs.h"
 
 namespace mocurate {
+
+/// Marks samples that were exchanged as repaired, and lists what was done: findings and the result's track_repairs.
+void TellOfRepairs(const RepairedTracks& repaired, FitResult& fit);
 
 /// Mends the tracks (RepairTracks) and fits what comes of it (FitJointTracks, bones fixed). Samples that were exchanged
 /// are of state repaired; findings and the result's track_repairs list what was done.

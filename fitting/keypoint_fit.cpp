@@ -10,7 +10,9 @@
 #include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_readings.h"
 #include "fitting/evidence/detector_points.h"
+#include "fitting/evidence/implausible_body.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/fit_outcome.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/track_repairs.h"
 #include "fitting/solver/body_size.h"
@@ -114,6 +116,18 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
   return {};
 }
 
+/// Limbs that all views show on the other side, as RepairTracks finds them where steps and bones tell. Nothing is
+/// exchanged where the audit may not, or where files are wrong.
+RepairedTracks MendLimbsOfBody(const BodyTracks& found, const std::vector<double>& bones,
+                               const FittingOptions& options) {
+  RepairOptions limbs;
+  limbs.collapsed = limbs.teleports = limbs.torn = limbs.held = false;
+  limbs.swap_margin = options.repair.swap_margin;
+  limbs.swaps = options.repair.swaps && options.keypoints.audit.sides == AuditAction::kCorrect &&
+                !FilesAreWrong(found.report.faults);
+  return RepairTracks(found.tracks, bones, EstimateNoise(found.tracks, bones).sigma, limbs);
+}
+
 /// Everything may be off by this, all along.
 void AddToCovariances(const Matrix3d& c, Motion& motion) {
   std::array<float, 6> added{};
@@ -148,14 +162,17 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   }
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
-  Expected<FitResult> fit = FitJointTracks(found->tracks, rate, bones, Bones::kFixed, options.joint_tracks);
+  const RepairedTracks repaired = MendLimbsOfBody(*found, bones, options);
+  Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
   MarkRepaired(found->exchanged, fit->motion);
+  TellOfRepairs(repaired, *fit);
   AddToCovariances(found->report.place_doubt, fit->motion);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());
   fit->triangulated = WithoutDetectorPoints(found->tracks, skeleton);
+  for (Finding& finding : FindImplausibleBody(*fit->triangulated)) fit->findings.push_back(std::move(finding));
   return fit;
 }
 
