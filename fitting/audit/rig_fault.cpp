@@ -19,7 +19,7 @@ Finding FindingOf(const RigFault& fault) {
   return finding;
 }
 
-bool IsDoubtful(const RigFault& fault) { return !fault.corrected && fault.code != "views_disagree"; }
+bool IsDoubtful(const RigFault& fault) { return !fault.corrected && !fault.guessed && fault.code != "views_disagree"; }
 
 std::string FaultsText(const std::vector<RigFault>& faults) {
   nlohmann::json list = nlohmann::json::array();
