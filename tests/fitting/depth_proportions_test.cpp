@@ -5,11 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/store/store.h"
+#include "fitting/proportions.h"
 #include "fitting/stages.h"
 #include "tests/fitting/cloud_scene.h"
 
@@ -48,20 +51,22 @@ class DepthProportions : public ::testing::Test {
   /// The image of a clip's first camera is no PNG.
   void Damage(const Clip& clip) const { std::ofstream(clip.evidence.depth_views[0].files[0]) << "no image at all"; }
 
-  Expected<StageOutcome> Measure() const {
+  StageRequest Request(const std::string& stage, const std::string& item, const std::vector<Clip>& clips) const {
     StageRequest request;
-    request.stage = "proportions";
-    request.item = "p1";
+    request.stage = stage;
+    request.item = item;
     request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}}}};
-    for (Clip clip : clips_) {
+    for (Clip clip : clips) {
       for (DepthView& view : clip.evidence.depth_views) view.sha256 = {*Sha256OfFile(view.files[0])};
       const std::filesystem::path path = folder_ / (clip.identity.recording + ".h5");
-      if (Status written = WriteEvidence(clip, path); !written) return Forward(written);
+      EXPECT_TRUE(WriteEvidence(clip, path));
       request.inputs.push_back({"evidence", clip.id(), path, std::string(64, 'a')});
     }
-    request.output = folder_ / "proportions.json";
-    return ProportionsStage(request);
+    request.output = folder_ / (stage + ".out");
+    return request;
   }
+
+  Expected<StageOutcome> Measure() const { return ProportionsStage(Request("proportions", "p1", clips_)); }
 
   std::filesystem::path folder_;
   std::vector<Clip> clips_;
@@ -85,6 +90,26 @@ TEST_F(DepthProportions, AreThoseOfTheClipsThatCanBeUsedAndSayWhichCannot) {
   EXPECT_NEAR(scale, kTaller, 0.06);
   const double knee = measured->summary["bone_length_m"]["left_knee"];
   EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], scale, 1e-3);
+}
+
+TEST_F(DepthProportions, OfNobodysSizeMakeTheClipDoubtful) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  for (const double scale : {kTaller, 2.0 * kTaller}) {
+    Proportions body = *EstimateProportions({}, skeleton, {});
+    for (double& length : body.bone_length) length *= scale;
+    ASSERT_TRUE(WriteFile(folder_ / "proportions.json", ProportionsJson(body, *skeleton).dump()));
+    StageRequest request = Request("fitting", clips_[0].id(), {clips_[0]});
+    request.inputs.push_back({"proportions", "p1", folder_ / "proportions.json", std::string(64, 'b')});
+    const auto fitted = FittingStage(request);
+    ASSERT_TRUE(fitted) << fitted.error().Message();
+    const auto size = std::find_if(fitted->findings.begin(), fitted->findings.end(),
+                                   [](const Finding& finding) { return finding.code == "size_doubtful"; });
+    ASSERT_EQ(size != fitted->findings.end(), scale > kTaller);
+    if (size == fitted->findings.end()) continue;
+    EXPECT_EQ(fitted->kind, OutcomeKind::kDoubtful);
+    EXPECT_GT(size->value, 2.5);
+    EXPECT_THAT(size->message, HasSubstr("two people"));
+  }
 }
 
 TEST_F(DepthProportions, OfNoClipAreRefusedWithTheFirstOnesReason) {
