@@ -124,6 +124,8 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   fit->add_flag("--contacts", arguments->contacts, "remove foot sliding: feet that stand are held where they stand");
   fit->add_flag("--force", arguments->force, "overwrite the output");
   fit->footer(
+      "Clips of one person are measured and fitted as one body; where nothing tells who performs, each recording is a\n"
+      "body of its own (--set proportions.body_of=person or recording says otherwise).\n\n"
       "Examples:\n  mocurate fit walk.bvh --skeleton smpl24 -o walk.h5\n"
       "  mocurate fit a01_s01_e01_realworld.txt --source kard -o clip.h5\n"
       "  mocurate fit clips.npz --clip '[walk]' --set ingest.source.rate='30 Hz' -o walk.h5\n"

@@ -7,6 +7,7 @@
 
 #include "app/blas_kernels.h"
 #include "app/config_loading.h"
+#include "app/fit_answer.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
 #include "app/recipes.h"
@@ -149,11 +150,20 @@ bool HasRotations(const IngestOptions& ingest) {
   });
 }
 
+bool IsAssigned(const FitArguments& arguments, const std::string& option) {
+  return std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                     [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
+}
+
+/// Where nothing tells who performs, each recording is of a body of its own.
+void ChooseBodies(const FitArguments& arguments, JobOptions& options) {
+  if (!arguments.source.empty() || options.ingest.source.person != kUnknownPerson) return;
+  if (!IsAssigned(arguments, "proportions.body_of")) options.proportions.body_of = BodyOf::kRecording;
+}
+
 /// Evidence and skeleton as the command line and the files have them.
 Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
-  const bool told = std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
-                                [](const std::string& text) { return text.rfind("fitting.method=", 0) == 0; });
-  if (told) return {};
+  if (IsAssigned(arguments, "fitting.method")) return {};
   options.fitting.method = MethodFor(GivesOf(options.ingest.source));
   if (!HasRotations(options.ingest) || !arguments.skeleton.empty()) return {};
   if (!options.fitting.contacts.remove_sliding) {
@@ -198,6 +208,7 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
   if (!IsStore(path)) TellOfMirror(arguments, options.ingest.source);
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
+  ChooseBodies(arguments, options);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
   return options;
 }
@@ -223,87 +234,6 @@ Expected<Dataset> Gather(const StageReport& fits) {
   std::sort(whole.labels.begin(), whole.labels.end(),
             [](const LabelName& a, const LabelName& b) { return a.name < b.name; });
   return whole;
-}
-
-/// What ingest found about the clip, and then what its fit did.
-std::vector<Finding> FindingsOf(const JobResult& result, const ItemResult& fit) {
-  std::vector<Finding> findings;
-  for (const StageReport& stage : result.stages) {
-    if (stage.stage != "ingest") continue;
-    for (const ItemResult& item : stage.items) {
-      if (item.item == fit.item && item.sha256 != fit.sha256)
-        findings.insert(findings.end(), item.outcome.findings.begin(), item.outcome.findings.end());
-    }
-  }
-  findings.insert(findings.end(), fit.outcome.findings.begin(), fit.outcome.findings.end());
-  return findings;
-}
-
-/// What the fit changed or left out before, by how many frames; where and why stands in the findings of the clip.
-void PrintRepairs(const ItemResult& item) {
-  std::map<std::string, std::set<int>> frames;
-  for (const Finding& finding : item.outcome.findings) {
-    if (finding.action != "repaired" && finding.action != "taken as missing") continue;
-    for (int f = finding.frame_begin; f < finding.frame_end; ++f) frames[finding.code].insert(f);
-  }
-  std::string text;
-  for (const auto& [code, of_code] : frames) {
-    if (of_code.empty()) continue;
-    text += (text.empty() ? "" : ", ") + code + " in " + Counted(static_cast<long long>(of_code.size()), "frame");
-  }
-  if (!text.empty()) std::printf("  repaired: %s (the clip's findings say where)\n", text.c_str());
-}
-
-void PrintFit(const JobResult& result, const ItemResult& item) {
-  const nlohmann::json& fit = item.outcome.summary;
-  std::printf("%s\n", item.item.c_str());
-  const auto number = [](const nlohmann::json& from, const char* key) {
-    return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>() : 0.0;
-  };
-  if (fit.value("method", "none") != "none") {
-    std::printf("  residual %.1f mm RMS, %.1f mm 95 %%, %.1f %% rejected\n", number(fit, "residual_rms_mm"),
-                number(fit, "residual_p95_mm"), 100.0 * number(fit, "rejected_share"));
-  }
-  if (fit.contains("before")) {
-    const nlohmann::json& before = fit["before"];
-    const nlohmann::json& after = fit["after"];
-    std::printf("  bones change by %.1f -> %.1f mm, jerk %.0f -> %.0f m/s3\n", number(before, "bone_spread_mm"),
-                number(after, "bone_spread_mm"), number(before, "jerk"), number(after, "jerk"));
-  }
-  if (fit.contains("contacts")) {
-    const nlohmann::json& contacts = fit["contacts"];
-    std::printf(
-        "  standing feet slide %.3f -> %.3f m/s (they stand %.0f %% of the time); the largest change is %.0f mm (%s, "
-        "frame %d), %.1f degrees\n",
-        number(contacts, "sliding_before"), number(contacts, "sliding_after"),
-        100.0 * number(contacts, "contact_share"), number(contacts, "largest_shift_mm"),
-        contacts.value("joint", "").c_str(), contacts.value("frame", 0), number(contacts, "largest_turn_deg"));
-  }
-  PrintRepairs(item);
-  for (const Finding& finding : FindingsOf(result, item)) {
-    if (finding.severity == Severity::kInfo) continue;
-    const char* mark = finding.severity == Severity::kError ? "error: " : "";
-    std::printf("  %s%s: %s\n", mark, finding.code.c_str(), finding.message.c_str());
-  }
-}
-
-nlohmann::json AnswerOf(const JobResult& result, const StageReport& fits, const fs::path& output) {
-  nlohmann::json clips = nlohmann::json::array();
-  for (const ItemResult& item : fits.items) {
-    nlohmann::json findings = nlohmann::json::array();
-    for (const Finding& finding : FindingsOf(result, item)) {
-      findings.push_back({{"code", finding.code},
-                          {"severity", std::string(Name(finding.severity))},
-                          {"message", finding.message},
-                          {"value", finding.value}});
-    }
-    clips.push_back({{"clip", item.item},
-                     {"fitted", !item.artifact.empty()},
-                     {"error", item.artifact.empty() ? item.outcome.error.Message() : std::string()},
-                     {"fit", item.outcome.summary},
-                     {"findings", findings}});
-  }
-  return {{"output", DisplayPath(output)}, {"clips", clips}, {"failed", result.counts.failed}};
 }
 
 /// Why clips could not be fitted, each reason once; never empty.
@@ -382,6 +312,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
     for (const ItemResult& item : fits->items) {
       if (!item.artifact.empty()) PrintFit(*result, item);
     }
+    PrintSharedBodies(*result);
     std::printf("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),
                 DisplayPath(arguments.output).c_str());
   }

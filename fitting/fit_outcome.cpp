@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "core/base/text.h"
 #include "core/quality/measures.h"
@@ -52,6 +53,14 @@ Finding Doubt(const std::string& code, double value, const std::string& message)
   finding.message = message;
   finding.action = "flagged";
   return finding;
+}
+
+/// Of a body that depth views gave its size, or may have.
+std::optional<Finding> SizeInDoubt(const FitResult& fit, FitMethod method) {
+  if (!fit.depth_rig || method == FitMethod::kJointsAndClouds) return {};
+  const Skeleton& skeleton = *fit.motion.skeleton;
+  const double stature = Stature(skeleton, fit.motion.bone_length);
+  return FindDoubtfulSize(stature, stature / Stature(skeleton, skeleton.RestBoneLengths()));
 }
 
 Finding JointsLeftOut(const std::vector<std::string>& names, const Skeleton& skeleton) {
@@ -235,6 +244,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                                      "the body lies far from its evidence: is it the right skeleton and unit?"));
     outcome.kind = OutcomeKind::kDoubtful;
   }
+  if (auto size = SizeInDoubt(fit, options.method)) outcome.findings.push_back(std::move(*size));
   if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
   if (fit.depth_rig && fit.depth_rig->IsDoubtful()) outcome.kind = OutcomeKind::kDoubtful;
   for (Finding& finding : outcome.findings) {

@@ -58,6 +58,17 @@ void LeaveOutOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
   clips = std::move(kept);
 }
 
+/// Takes the person's size from the clouds of their clips; says which clips told none.
+Status TakeSizeOfClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton, const PointCloudOptions& options,
+                        Proportions& person, std::vector<Finding>& findings) {
+  Expected<BodyFromClouds> body = MeasureBodyInClouds(clips, skeleton, options);
+  if (!body) return Forward(body);
+  for (const auto& [clip, error] : body->nothing_from) findings.push_back(NothingFrom(clips[clip], error));
+  person.scale = body->scale;
+  person.bone_length = RoundedLengths(std::move(body->bone_length));
+  return {};
+}
+
 }  // namespace
 
 Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
@@ -124,9 +135,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   Expected<Proportions> person = EstimateProportions(clips.tracks, cloud_clips.empty() ? body : *skeleton, *options);
   if (!person) return Forward(person);
   if (!cloud_clips.empty()) {
-    Expected<std::vector<double>> lengths = BoneLengthsFromClouds(cloud_clips, *skeleton, options->point_clouds);
-    if (!lengths) return Forward(lengths);
-    person->bone_length = RoundedLengths(std::move(*lengths));
+    const Status sized = TakeSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, *person, outcome.findings);
+    if (!sized) return Forward(sized);
   }
   person->person = request.item;
   person->clips = std::move(ids);

@@ -1,6 +1,8 @@
 #include "core/formats/json_place.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
@@ -23,7 +25,40 @@ std::string KeysOf(const json& value) {
   return keys;
 }
 
+/// The words that Python and JavaScript write for numbers that are none; JSON has no such.
+constexpr std::string_view kNoNumbers[] = {"NaN", "Infinity", "-Infinity"};
+
+/// JSON with these words made texts, where they stand outside of texts.
+std::string WithNoNumbersAsTexts(std::string_view bytes) {
+  std::string text;
+  bool quoted = false;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const std::string_view rest = bytes.substr(i);
+    const auto* word = quoted ? std::end(kNoNumbers)
+                              : std::find_if(std::begin(kNoNumbers), std::end(kNoNumbers),
+                                             [&](std::string_view any) { return rest.substr(0, any.size()) == any; });
+    if (word != std::end(kNoNumbers)) {
+      text += '"' + std::string(*word) + '"';
+      i += word->size() - 1;
+      continue;
+    }
+    text += bytes[i];
+    if (quoted && bytes[i] == '\\' && i + 1 < bytes.size())
+      text += bytes[++i];
+    else if (bytes[i] == '"')
+      quoted = !quoted;
+  }
+  return text;
+}
+
 }  // namespace
+
+bool IsNoNumber(const json& value) {
+  if (value.is_null()) return true;
+  if (!value.is_string()) return false;
+  const auto& text = value.get_ref<const std::string&>();
+  return std::find(std::begin(kNoNumbers), std::end(kNoNumbers), text) != std::end(kNoNumbers);
+}
 
 tl::unexpected<Error> JsonPlace::Bad(const std::string& rule, const std::string& hint) const {
   return Fail(ErrorCode::kMalformed, rule, Where(), hint);
@@ -46,6 +81,10 @@ Expected<std::vector<JsonPlace>> JsonPlace::Items() const {
 }
 
 Expected<double> JsonPlace::Number() const {
+  if (IsNoNumber(*value)) {
+    return Bad("a finite number is expected, not " + (value->is_null() ? "null" : value->get<std::string>()),
+               "write the number that belongs there");
+  }
   if (!value->is_number()) return Bad("a number is expected");
   const double number = value->get<double>();
   if (!std::isfinite(number)) return Bad("a finite number is expected");
@@ -87,7 +126,7 @@ Expected<std::vector<double>> JsonPlace::Table(std::size_t rows, std::size_t col
   std::vector<double> table;
   for (std::size_t r = 0; r < rows; ++r) {
     const JsonPlace row = Item(r);
-    if (columns == 1 && row.value->is_number()) {
+    if (columns == 1 && (row.value->is_number() || IsNoNumber(*row.value))) {
       const Expected<double> number = row.Number();
       if (!number) return Forward(number);
       table.push_back(*number);
@@ -137,6 +176,7 @@ Expected<json> ParseJson(std::string_view bytes, const std::string& name) {
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
   if (Trim(bytes).empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
   json value = json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  if (value.is_discarded()) value = json::parse(WithNoNumbersAsTexts(bytes), nullptr, false);
   if (value.is_discarded()) return Fail(ErrorCode::kMalformed, "the file is not valid JSON", name);
   return value;
 }

@@ -40,8 +40,12 @@ struct JsonPlace {
   Expected<Matrix3d> Rotation(double tolerance = 1e-3) const;
 };
 
-/// Error kMalformed for an empty file and for what is no JSON.
+/// Error kMalformed for an empty file and for what is no JSON. NaN, Infinity and -Infinity, which Python's json writes,
+/// are read as texts of that name.
 Expected<nlohmann::json> ParseJson(std::string_view bytes, const std::string& name);
+
+/// NaN or an infinity as ParseJson reads them, or null, which others write in their place.
+bool IsNoNumber(const nlohmann::json& value);
 
 /// How far a matrix is from being a rotation, as words; empty when it is one to `tolerance`.
 std::string RotationFault(const Matrix3d& matrix, double tolerance);

@@ -20,22 +20,38 @@ constexpr PointList kLists[] = {{"pose_keypoints_2d", &OpenPosePerson::pose},
                                 {"hand_left_keypoints_2d", &OpenPosePerson::hand_left},
                                 {"hand_right_keypoints_2d", &OpenPosePerson::hand_right}};
 
-/// Counts the points that have coordinates, but no confidence.
-Expected<Points> ParsePoints(const JsonPlace& place, int& unsure) {
+/// Whether the point at `first` is to be left out: one of its numbers is none. Counted unless its confidence is 0.
+bool LacksNumbers(const nlohmann::json& list, std::size_t first, OpenPoseFrame& frame) {
+  if (!IsNoNumber(list[first]) && !IsNoNumber(list[first + 1]) && !IsNoNumber(list[first + 2])) return false;
+  const nlohmann::json& confidence = list[first + 2];
+  frame.not_finite += confidence.is_number() && confidence.get<double>() == 0.0 ? 0 : 1;
+  return true;
+}
+
+/// Counts the points that have coordinates, but no confidence, and those that lack a number.
+Expected<Points> ParsePoints(const JsonPlace& place, OpenPoseFrame& frame) {
   if (!place.value->is_array()) return place.Bad("a list of numbers is expected");
   const std::size_t count = place.value->size();
   if (count % 3 != 0) return place.Bad(std::to_string(count) + " numbers are no triples u, v, confidence");
-  const Expected<std::vector<double>> numbers = place.Numbers(count);
-  if (!numbers) return Forward(numbers);
   Points points;
   for (std::size_t i = 0; i < count; i += 3) {
-    DetectedKeypoint point{(*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]};
+    DetectedKeypoint point;
+    if (LacksNumbers(*place.value, i, frame)) {
+      points.push_back(point);
+      continue;
+    }
+    double* const numbers[] = {&point.u_px, &point.v_px, &point.confidence};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Expected<double> number = place.Item(i + k).Number();
+      if (!number) return Forward(number);
+      *numbers[k] = *number;
+    }
     if (point.confidence < 0.0) {
       return place.Item(i + 2).Bad("a confidence is at least 0, not " + FormatDouble(point.confidence));
     }
     if (point.confidence == 0.0 && (point.u_px != 0.0 || point.v_px != 0.0)) {
       point = {};
-      ++unsure;
+      ++frame.unsure_points;
     }
     points.push_back(point);
   }
@@ -50,7 +66,7 @@ Expected<int> PersonId(const JsonPlace& place) {
   return place.Item(0).Integer(-1, kMost);
 }
 
-Expected<OpenPosePerson> ParsePerson(const JsonPlace& place, int& unsure) {
+Expected<OpenPosePerson> ParsePerson(const JsonPlace& place, OpenPoseFrame& frame) {
   OpenPosePerson person;
   if (place.Has("person_id")) {
     const Expected<int> id = PersonId(*place.Key("person_id"));
@@ -60,7 +76,7 @@ Expected<OpenPosePerson> ParsePerson(const JsonPlace& place, int& unsure) {
   if (const Expected<JsonPlace> pose = place.Key(kLists[0].key); !pose) return Forward(pose);
   for (const PointList& list : kLists) {
     if (!place.Has(list.key)) continue;
-    Expected<Points> points = ParsePoints(*place.Key(list.key), unsure);
+    Expected<Points> points = ParsePoints(*place.Key(list.key), frame);
     if (!points) return Forward(points);
     person.*list.points = std::move(*points);
   }
@@ -114,7 +130,7 @@ Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string&
   if (!people) return Forward(people);
   if (!people->value->is_array()) return people->Bad("a list of people is expected");
   for (std::size_t i = 0; i < people->value->size(); ++i) {
-    Expected<OpenPosePerson> person = ParsePerson(people->Item(i), frame.unsure_points);
+    Expected<OpenPosePerson> person = ParsePerson(people->Item(i), frame);
     if (!person) return Forward(person);
     frame.people.push_back(std::move(*person));
   }

@@ -31,6 +31,7 @@ struct OpenPoseFrame {
   double version = 1.3;
   std::vector<OpenPosePerson> people;
   int unsure_points = 0;  ///< had coordinates and the confidence 0, and are read as not detected
+  int not_finite = 0;     ///< points of which a number is NaN, Infinity or null, and that are read as not detected
 };
 
 bool operator==(const DetectedKeypoint& a, const DetectedKeypoint& b);
@@ -38,8 +39,9 @@ bool operator==(const OpenPosePerson& a, const OpenPosePerson& b);
 bool operator==(const OpenPoseFrame& a, const OpenPoseFrame& b);
 
 /// Older files without person_id and without face or hands are read; 3D keypoints are passed over. Error kMalformed
-/// with "name:/people/0/pose_keypoints_2d" for a count that is no multiple of 3, a number that is not finite, a
-/// confidence below 0. A point with coordinates and the confidence 0 is not detected, and counted.
+/// with "name:/people/0/pose_keypoints_2d" for a count that is no multiple of 3, what is no number, a
+/// confidence below 0. A point with coordinates and the confidence 0 is not detected, and counted, as is one with NaN,
+/// Infinity or null.
 Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string& name);
 std::string WriteOpenPose(const OpenPoseFrame& frame);
 

@@ -15,11 +15,13 @@ Finding FindingOf(const RigFault& fault) {
   finding.frame_end = fault.frame_end;
   finding.value = fault.value;
   finding.message = fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %";
-  finding.action = fault.corrected ? "corrected" : "flagged";
+  finding.action = !fault.corrected ? "flagged" : fault.code == kContradictingView ? "left out" : "corrected";
   return finding;
 }
 
-bool IsDoubtful(const RigFault& fault) { return !fault.corrected && fault.code != "views_disagree"; }
+bool IsDoubtful(const RigFault& fault) {
+  return !fault.corrected && !fault.guessed && fault.code != kContradictingView;
+}
 
 std::string FaultsText(const std::vector<RigFault>& faults) {
   nlohmann::json list = nlohmann::json::array();

@@ -9,6 +9,9 @@ namespace mocurate {
 
 constexpr double kDegrees = 57.29577951308232;  ///< of a radian
 
+/// Views that contradict others; corrected: they are left out.
+inline constexpr const char* kContradictingView = "views_disagree";
+
 /// Something wrong with a rig, its calibration or its files.
 struct RigFault {
   std::string code;  ///< "camera_clock_off", "camera_moved", "cameras_exchanged", "calibration_unit", "keypoint_order",
@@ -27,7 +30,8 @@ struct RigFault {
 
 Finding FindingOf(const RigFault& fault);
 
-/// Something is wrong for sure and was left as it is: what views only disagree about is left out where they do.
+/// Something is wrong for sure and was left as it is: what keypoint views only disagree about is left out where
+/// they do.
 bool IsDoubtful(const RigFault& fault);
 
 /// [{"code", "camera", "frames", "value", "confidence", "corrected"}], one line: what a clip's provenance keeps.

@@ -66,8 +66,8 @@ class DepthAuditor {
     }
     report_.loss_after = LossOfViews(rig_, losses_);
     for (std::size_t v = 0; v < late_.size(); ++v) TellOfClock(v), TellOfMove(v);
-    for (RigFault& fault : Strangers()) report_.faults.push_back(std::move(fault));
-    return AuditedDepthRig{Corrected(), std::move(report_)};
+    TellOfStrangers(Strangers(), report_.faults);
+    return AuditedDepthRig{WithoutStrangers(Corrected(), report_.faults), std::move(report_)};
   }
 
  private:
@@ -85,7 +85,7 @@ class DepthAuditor {
 
   std::vector<RigFault> Strangers() const {
     if (!report_.not_audited.empty()) return ContradictionOf(report_.cameras, report_.loss_after);
-    return files_wrong_ ? std::vector<RigFault>() : StrangersOf(rig_, losses_, options_.longest_s);
+    return files_wrong_ ? std::vector<RigFault>() : StrangersOf(rig_, losses_, options_);
   }
 
   Status See() {

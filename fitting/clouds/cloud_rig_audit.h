@@ -23,14 +23,15 @@ struct DepthRigReport {
   std::vector<RigFault> faults;
   std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
 
-  /// Something is wrong and was left as it is, or no view agrees with any other.
+  /// Something is wrong and was left as it is, or a view contradicts every other one and was not left out.
   bool IsDoubtful() const;
 };
 
 /// Depth views, and how they had to be taken to agree with each other.
 struct AuditedDepthRig {
-  std::vector<DepthView> views;  ///< with poses and files corrected where options say so; a frame for which a corrected
-                                 ///< clock has no image has an empty file name
+  std::vector<DepthView> views;  ///< with poses and files corrected where options say so, without those that contradict
+                                 ///< the others; a frame for which a corrected clock has no image has an empty file
+                                 ///< name
   DepthRigReport report;
 };
 

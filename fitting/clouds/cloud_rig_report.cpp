@@ -12,10 +12,9 @@ constexpr double kSeldomAnybody = 0.5;  ///< of the moments without anybody
 }  // namespace
 
 bool DepthRigReport::IsDoubtful() const {
-  const auto strangers =
-      std::count_if(faults.begin(), faults.end(), [](const RigFault& fault) { return fault.code == "views_disagree"; });
-  if (static_cast<std::size_t>(strangers) >= cameras.size() && strangers > 1) return true;
-  return std::any_of(faults.begin(), faults.end(), mocurate::IsDoubtful);
+  return std::any_of(faults.begin(), faults.end(), [](const RigFault& fault) {
+    return mocurate::IsDoubtful(fault) || (fault.code == kContradictingView && !fault.corrected);
+  });
 }
 
 Expected<Clip> WithAuditedRig(const Clip& clip, const RigAuditOptions& options, DepthRigReport& report) {

@@ -1,6 +1,7 @@
 #include "fitting/clouds/rig_strangers.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/base/text.h"
@@ -20,8 +21,8 @@ constexpr std::size_t kLeastViews = 3;
 constexpr double kMissing = 0.12;
 constexpr double kOddLoss = 1.3;  ///< of the median, from which on one of many views may have been moved
 
-/// Loss of the view's best agreement with another one; 0 where it is compared with none.
-double BestLoss(const SeenRig& rig, const std::vector<double>& losses, std::size_t view) {
+/// Loss of the view's best agreement with another one; none where it is compared with none.
+std::optional<double> BestLoss(const SeenRig& rig, const std::vector<double>& losses, std::size_t view) {
   double least = 1.0;
   bool compared = false;
   for (std::size_t p = 0; p < rig.pairs.size(); ++p) {
@@ -34,28 +35,65 @@ double BestLoss(const SeenRig& rig, const std::vector<double>& losses, std::size
     least = std::min(least, MeanLoss(of_pair));
     compared = true;
   }
-  return compared ? least : 0.0;
+  return compared ? std::optional(least) : std::nullopt;
+}
+
+/// Whether what contradicts the other views may be left out: what may be behind it is to be corrected, and the views
+/// that agree with another one are more than those that do not.
+bool MayBeLeftOut(const std::vector<std::optional<double>>& best, const RigAuditOptions& options) {
+  if (options.clocks != AuditAction::kCorrect || options.moved != AuditAction::kCorrect ||
+      options.exchanged != AuditAction::kCorrect)
+    return false;
+  const auto agree =
+      std::count_if(best.begin(), best.end(), [](auto loss) { return loss && *loss < kLossOfStrangers; });
+  const auto not_so =
+      std::count_if(best.begin(), best.end(), [](auto loss) { return loss && *loss >= kLossOfStrangers; });
+  return agree > not_so;
 }
 
 }  // namespace
 
-std::vector<RigFault> StrangersOf(const SeenRig& rig, const std::vector<double>& losses, double longest_s) {
+std::vector<RigFault> StrangersOf(const SeenRig& rig, const std::vector<double>& losses,
+                                  const RigAuditOptions& options) {
+  std::vector<std::optional<double>> best;
+  for (std::size_t v = 0; v < rig.views.size(); ++v) best.push_back(BestLoss(rig, losses, v));
+  const bool leave_out = MayBeLeftOut(best, options);
   std::vector<RigFault> strangers;
   for (std::size_t v = 0; v < rig.views.size(); ++v) {
-    const double least = BestLoss(rig, losses, v);
-    if (least < kLossOfStrangers) continue;
+    if (!best[v] || *best[v] < kLossOfStrangers) continue;
     const std::vector<double> seen = OfView(rig, v, losses, losses).first;
     RigFault fault;
-    fault.code = "views_disagree";
+    fault.code = kContradictingView;
     fault.camera = rig.views[v].camera.name;
-    fault.value = 100.0 * least;
+    fault.value = 100.0 * *best[v];
     fault.confidence = ConfidenceOfSeparate(seen, std::vector<double>(seen.size(), kLossOfStrangers));
+    fault.corrected = leave_out;
     fault.message = "what depth camera " + fault.camera + " sees contradicts every other view, the nearest in " +
-                    RoundedText(100.0 * least, 2) + " % of it: its clock may be off by more than " +
-                    RoundedText(1e3 * longest_s, 3) + " ms, or it sees something else";
+                    RoundedText(100.0 * *best[v], 2) + " % of it" +
+                    (leave_out ? ", and the others agree with each other" : "") +
+                    ": its clock may be off by more than " + RoundedText(1e3 * options.longest_s, 3) +
+                    " ms, or it sees something else";
     if (fault.confidence >= kLikelyStrangers) strangers.push_back(std::move(fault));
   }
   return strangers;
+}
+
+void TellOfStrangers(std::vector<RigFault> strangers, std::vector<RigFault>& faults) {
+  for (RigFault& stranger : strangers) {
+    const auto of_it = [&](const RigFault& fault) { return stranger.corrected && fault.camera == stranger.camera; };
+    faults.erase(std::remove_if(faults.begin(), faults.end(), of_it), faults.end());
+    faults.push_back(std::move(stranger));
+  }
+}
+
+std::vector<DepthView> WithoutStrangers(std::vector<DepthView> views, const std::vector<RigFault>& faults) {
+  const auto left_out = [&](const DepthView& view) {
+    return std::any_of(faults.begin(), faults.end(), [&](const RigFault& fault) {
+      return fault.code == kContradictingView && fault.corrected && fault.camera == view.camera.name;
+    });
+  };
+  views.erase(std::remove_if(views.begin(), views.end(), left_out), views.end());
+  return views;
 }
 
 std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views) {
@@ -82,7 +120,7 @@ std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, c
   std::vector<RigFault> faults;
   for (std::size_t v = 0; v < cameras.size(); ++v) {
     RigFault fault;
-    fault.code = "views_disagree";
+    fault.code = kContradictingView;
     fault.camera = cameras[v];
     fault.value = 100.0 * losses[v];
     fault.confidence = 1.0;

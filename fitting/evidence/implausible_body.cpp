@@ -28,6 +28,14 @@ constexpr double kUnexplained = 0.2;   ///< metres
 constexpr double kTallestBody = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
 constexpr double kSmallestBody = 0.4;  ///< newborn
 
+bool IsOfPeople(double stature) { return stature <= kTallestBody && stature >= kSmallestBody; }
+
+std::string WordsOfSize(double stature, double scale) {
+  return RoundedText(stature, 3) + " m tall from lowest to highest joint, " + RoundedText(scale, 3) +
+         " times the skeleton's: people have " + RoundedText(kSmallestBody, 2) + " to " + RoundedText(kTallestBody, 2) +
+         " m";
+}
+
 struct Bone {
   int joint = 0;
   int parent = 0;              ///< nearest joint above that is seen
@@ -228,11 +236,9 @@ class BodyJudge {
 
   void JudgeSize() {
     const double stature = scale_ * rest_stature_;
-    if (scale_ <= 0.0 || (stature <= kTallestBody && stature >= kSmallestBody)) return;
+    if (scale_ <= 0.0 || IsOfPeople(stature)) return;
     Tell("size_doubtful", Severity::kWarning, -1, stature,
-         "the body would be " + RoundedText(stature, 3) + " m tall from lowest to highest joint, " +
-             RoundedText(scale_, 3) + " times the skeleton's: people have " + RoundedText(kSmallestBody, 2) + " to " +
-             RoundedText(kTallestBody, 2) + " m; is the scale of the source right?");
+         "the body would be " + WordsOfSize(stature, scale_) + "; is the scale of the source right?");
   }
 
   const SkeletonTracks& tracks_;
@@ -246,6 +252,19 @@ class BodyJudge {
 }  // namespace
 
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return BodyJudge(tracks).Findings(); }
+
+std::optional<Finding> FindDoubtfulSize(double stature, double scale) {
+  if (IsOfPeople(stature)) return {};
+  Finding finding;
+  finding.code = "size_doubtful";
+  finding.severity = Severity::kError;
+  finding.value = stature;
+  finding.message = "the body that explains the depth views would be " + WordsOfSize(stature, scale) +
+                    ". Are two people close together, is something between camera and person or touching them, or is "
+                    "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
+  finding.action = "flagged";
+  return finding;
+}
 
 std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const JointPositions& joints) {
   std::vector<Finding> findings;

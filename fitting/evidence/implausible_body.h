@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/finding.h"
@@ -16,6 +17,11 @@ namespace mocurate {
 /// - "body_grows" (warning): nearly all bones grow, or shrink, from the clip's begin to its end. Value: by how much, %.
 /// - "size_doubtful" (warning): the body is larger or smaller than people are. Value: stature, metres.
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks);
+
+/// "size_doubtful" (error) of a body that was measured from depth views, by the same rule: its `stature` from lowest to
+/// highest joint, metres, and its size against the rest skeleton's. Unlike tracks, whose scale may be off and their
+/// motion right, a body of such a size has been fitted to something else than one person.
+std::optional<Finding> FindDoubtfulSize(double stature, double scale);
 
 /// "joint_unexplained" (error): a joint of the fitted body lies, in the median of 10 frames or more that show it, more
 /// than 0.2 m from where it is tracked, so that the fit gave it up for the others. Value: that median, metres. `joints`

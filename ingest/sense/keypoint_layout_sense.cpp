@@ -121,9 +121,19 @@ Measured SenseKeypointLayout(const std::vector<OpenPosePerson>& people) {
   return layout;
 }
 
-std::string UnsurePointsWords(long long points, const std::string& first_file) {
-  return Counted(points, "keypoint") + (points == 1 ? " has" : " have") +
-         " coordinates and the confidence 0, the first in " + first_file + ": taken as not seen";
+void PointsOfFiles::Add(int of_file, const std::string& file) {
+  if (of_file > 0 && points == 0) first_file = file;
+  points += of_file;
+}
+
+std::string UnsurePointsWords(const PointsOfFiles& unsure) {
+  return Counted(unsure.points, "keypoint") + (unsure.points == 1 ? " has" : " have") +
+         " coordinates and the confidence 0, the first in " + unsure.first_file + ": taken as not seen";
+}
+
+std::string NotFiniteWords(const PointsOfFiles& not_finite) {
+  return Counted(not_finite.points, "keypoint") + (not_finite.points == 1 ? " is" : " are") +
+         " NaN, Infinity or null, the first in " + not_finite.first_file + ": taken as not seen";
 }
 
 }  // namespace mocurate

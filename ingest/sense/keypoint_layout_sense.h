@@ -24,7 +24,18 @@ std::vector<KeypointLayoutScore> ScoreKeypointLayouts(const std::vector<OpenPose
 /// no layout of this many points fits, where two fit alike, or where nobody shows enough bones.
 Measured SenseKeypointLayout(const std::vector<OpenPosePerson>& people);
 
-/// Of points that have coordinates and the confidence 0 (OpenPoseFrame::unsure_points), the first of them in a file.
-std::string UnsurePointsWords(long long points, const std::string& first_file);
+/// Points of several files that are taken as not seen.
+struct PointsOfFiles {
+  long long points = 0;
+  std::string first_file;  ///< that has such
+
+  void Add(int of_file, const std::string& file);
+};
+
+/// Of points that have coordinates and the confidence 0 (OpenPoseFrame::unsure_points).
+std::string UnsurePointsWords(const PointsOfFiles& unsure);
+
+/// Of points that are NaN, Infinity or null (OpenPoseFrame::not_finite).
+std::string NotFiniteWords(const PointsOfFiles& not_finite);
 
 }  // namespace mocurate

@@ -14,6 +14,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/vibe_pickle.h"
 #include "ingest/sense/frame_names.h"
+#include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observed_clip.h"
 #include "ingest/sources/exported_motion.h"
 
@@ -83,8 +84,7 @@ class ObservedSequences {
   struct Folder {
     std::vector<OpenPoseFrame> keypoints;
     std::vector<std::string> keypoint_files;  ///< (keypoints)
-    long long unsure_points = 0;              ///< of the keypoints
-    std::string unsure_file;                  ///< the first that has such
+    PointsOfFiles unsure, not_finite;         ///< of the keypoints
     std::vector<PanopticBodies> scenes;
     FrameNames frames;
     std::map<long long, std::string> traces;                    ///< of keypoints, by number of the frame

@@ -39,8 +39,8 @@ Status ObservedSequences::AddOpenPose(const FileBytes& file) {
   Expected<OpenPoseFrame> frame = ParseOpenPose(file.bytes, file.name);
   if (!frame) return Forward(frame);
   Folder& folder = folders_[FolderOf(file.name)];
-  if (frame->unsure_points > 0 && folder.unsure_points == 0) folder.unsure_file = file.name;
-  folder.unsure_points += frame->unsure_points;
+  folder.unsure.Add(frame->unsure_points, file.name);
+  folder.not_finite.Add(frame->not_finite, file.name);
   const std::optional<long long> number = folder.frames.Add(file.name);
   if (number) folder.traces.emplace(*number, TraceOf(frame->people));
   folder.keypoints.push_back(std::move(*frame));
@@ -144,9 +144,13 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
     for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
     const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);
     for (const Finding& finding : folder.frames.Lacking(beside)) file.remarks.push_back(RemarkOf(finding));
-    if (folder.unsure_points > 0) {
-      file.remarks.push_back({"unsure_points", Severity::kWarning, static_cast<double>(folder.unsure_points),
-                              UnsurePointsWords(folder.unsure_points, folder.unsure_file)});
+    if (folder.unsure.points > 0) {
+      file.remarks.push_back({"unsure_points", Severity::kWarning, static_cast<double>(folder.unsure.points),
+                              UnsurePointsWords(folder.unsure)});
+    }
+    if (folder.not_finite.points > 0) {
+      file.remarks.push_back({"keypoints_not_finite", Severity::kWarning, static_cast<double>(folder.not_finite.points),
+                              NotFiniteWords(folder.not_finite)});
     }
     for (const auto& [key, image] : folder.images) file.companions.push_back(image);
     if (!folder.storages.empty()) {

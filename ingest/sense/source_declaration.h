@@ -9,6 +9,9 @@
 
 namespace mocurate {
 
+/// ingest.source.person of a declaration of files that do not say who performs.
+inline constexpr const char* kUnknownPerson = "unknown";
+
 /// A source declaration as YAML, with a comment at every value: declared by the file, measured (how sure, and from
 /// what), or unknown and to be filled in.
 struct WrittenDeclaration {

@@ -23,10 +23,9 @@ struct ViewFrames {
   std::vector<Poses> frames;  ///< (F)
 };
 
-/// Points that have coordinates and the confidence 0.
-struct UnsurePoints {
-  long long points = 0;
-  std::string first_file;
+/// Points that are taken as not seen.
+struct PointsNotSeen {
+  PointsOfFiles unsure, not_finite;
 };
 
 bool SeenKeypoints(const OpenPosePerson& person) {
@@ -35,15 +34,15 @@ bool SeenKeypoints(const OpenPosePerson& person) {
 
 /// Reads a camera's files. One that lists more people than kMostPeople counts as unreadable: the view has room for as
 /// many in every image.
-ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span, UnsurePoints& unsure,
+ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span, PointsNotSeen& unseen,
                     IngestedClip& ingested) {
   ViewFrames view;
   view.frames.resize(static_cast<std::size_t>(span.frames));
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     Expected<OpenPoseFrame> frame = ParseOpenPose(bytes, name);
     if (!frame) return Forward(frame);
-    if (frame->unsure_points > 0 && unsure.points == 0) unsure.first_file = name;
-    unsure.points += frame->unsure_points;
+    unseen.unsure.Add(frame->unsure_points, name);
+    unseen.not_finite.Add(frame->not_finite, name);
     const auto seen = std::count_if(frame->people.begin(), frame->people.end(), SeenKeypoints);
     if (seen > kMostPeople) {
       return Fail(ErrorCode::kInconsistent,
@@ -200,15 +199,18 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   const Expected<FrameSpan> span = SpanOfBoth(*cameras, *depth, file.name);
   if (!span) return Forward(span);
   std::vector<ViewFrames> views;
-  UnsurePoints unsure;
+  PointsNotSeen unseen;
   for (const auto& [name, camera] : *partners) {
-    views.push_back(ReadView(name, cameras->at(name), *span, unsure, ingested));
+    views.push_back(ReadView(name, cameras->at(name), *span, unseen, ingested));
     views.back().camera = camera;
   }
-  if (unsure.points > 0) {
-    ingested.findings.push_back(CameraFinding("unsure_points", static_cast<double>(unsure.points),
-                                              UnsurePointsWords(unsure.points, unsure.first_file),
-                                              "taken as not seen"));
+  if (unseen.unsure.points > 0) {
+    ingested.findings.push_back(CameraFinding("unsure_points", static_cast<double>(unseen.unsure.points),
+                                              UnsurePointsWords(unseen.unsure), "taken as not seen"));
+  }
+  if (unseen.not_finite.points > 0) {
+    ingested.findings.push_back(CameraFinding("keypoints_not_finite", static_cast<double>(unseen.not_finite.points),
+                                              NotFiniteWords(unseen.not_finite), "taken as not seen"));
   }
   const auto layout = LayoutOf(file, views, ingested);
   if (!layout) return Forward(layout);

@@ -185,10 +185,25 @@ TEST_F(FitVerbs, ABodyIsOfAPersonOrOfARecording) {
   EXPECT_GT(std::abs(own.clips[0].motion->bone_length[spine] - own.clips[1].motion->bone_length[spine]), 0.05);
   std::vector<std::string> of_person = declared;
   of_person.insert(of_person.end(), {"--set", "proportions.body_of=person"});
-  ASSERT_EQ(Fit(folder_ / "clips", of_person).exit_code, 0);
+  of_person.push_back("--json");
+  const Result pooled = Fit(folder_ / "clips", of_person);
+  ASSERT_EQ(pooled.exit_code, 0) << pooled.err;
+  ASSERT_EQ(pooled.Json()["shared_bodies"].size(), 1u);
+  EXPECT_EQ(pooled.Json()["shared_bodies"].begin().value(), 2);
   const Dataset shared = Fitted();
   ASSERT_EQ(shared.clips.size(), 2u);
   EXPECT_EQ(shared.clips[0].motion->bone_length, shared.clips[1].motion->bone_length);
+}
+
+TEST_F(FitVerbs, RecordingsOfNobodyKnownAreBodiesOfTheirOwn) {
+  const std::vector<std::string> smpl = {"--skeleton", "smpl24", "--force", "--json"};
+  const Result own = Fit(data_ / "bvh/misc", smpl);
+  EXPECT_TRUE(own.Json()["shared_bodies"].empty()) << own.Json()["shared_bodies"];
+  std::vector<std::string> of_person = smpl;
+  of_person.insert(of_person.end(), {"--set", "proportions.body_of=person"});
+  const Result pooled = Fit(data_ / "bvh/misc", of_person);
+  ASSERT_EQ(pooled.Json()["shared_bodies"].size(), 1u);
+  EXPECT_EQ(pooled.Json()["shared_bodies"].begin().value(), static_cast<int>(pooled.Json()["clips"].size()));
 }
 
 TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {

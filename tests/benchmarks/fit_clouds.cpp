@@ -177,7 +177,7 @@ int main(int argc, char** argv) {
       clips.emplace_back();
       clips.back().evidence = take.evidence;
     }
-    const auto bones = BoneLengthsFromClouds(clips, skeleton, options);
+    const auto bones = MeasureBodyInClouds(clips, skeleton, options);
     if (!bones) return std::fprintf(stderr, "%s\n", bones.error().Message().c_str()), 1;
     std::vector<SkeletonTracks> tracks;
     for (const CloudTake& take : of_person) tracks.push_back(take.clip.tracks);
@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
       const int seen_again = HideMiddleFrames(static_cast<int>(given["gap"]), *clouds);
       const double begin = CpuSeconds();
       const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s}, skeleton,
-                                      *bones, options);
+                                      bones->bone_length, options);
       spent.fit += CpuSeconds() - begin;
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
       FitScore one;
@@ -207,7 +207,7 @@ int main(int argc, char** argv) {
       all.Add(*fit, take.clip);
       if (seen_again > 0) after_gap.Add(*fit, take.clip, seen_again, fit->motion.frame_count());
       iterations += fit->iterations;
-      const double size = (*bones)[4] / take.clip.truth.bone_length[4];
+      const double size = bones->bone_length[4] / take.clip.truth.bone_length[4];
       std::fprintf(stderr, "%-24s %s %3d frames %6.1f mm %5.1f deg, residual %4.1f mm, thigh %4.2f of the truth\n",
                    take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(),
                    one.rotation_deg(), 1e3 * fit->residual_rms, size);

@@ -60,9 +60,9 @@ TEST(RenderedStills, AreFittedOneByOneWithoutKnowingTheFacing) {
   for (const char* name : {"female_squat", "male_walk_noisy", "child_arms_down"}) {
     const auto still = ReadStill(folder, name);
     ASSERT_TRUE(still) << still.error().Message();
-    const auto bones = BoneLengthsFromClouds({still->clip}, skeleton, options);
+    const auto bones = MeasureBodyInClouds({still->clip}, skeleton, options);
     ASSERT_TRUE(bones) << bones.error().Message();
-    const auto fit = FitClouds(still->clip, skeleton, *bones, options);
+    const auto fit = FitClouds(still->clip, skeleton, bones->bone_length, options);
     ASSERT_TRUE(fit) << fit.error().Message();
     const double error = MeanJointError(fit->motion.joints, still->truth);
     std::string doubt = "sure";

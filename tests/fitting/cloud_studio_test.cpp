@@ -41,7 +41,7 @@ class StudioClouds : public ::testing::Test {
     }
     skeleton_ = *LoadSkeleton("smpl24");
     options_.solver = TrackSolver::kBanded;
-    if (!clips_.empty()) bones_ = *BoneLengthsFromClouds(clips_, skeleton_, options_);
+    if (!clips_.empty()) bones_ = MeasureBodyInClouds(clips_, skeleton_, options_)->bone_length;
   }
 
   void SetUp() override {
@@ -79,9 +79,9 @@ TEST_F(StudioClouds, SomebodySeatedIsFoundFromTheFacingAlone) {
 
 TEST_F(StudioClouds, TheSizeOfSomebodyWhoSitsAllTheTimeIsThatOfAllTheirClips) {
   ASSERT_TRUE((*takes_)[kSitting].seated);
-  const auto seated = BoneLengthsFromClouds({clips_[kSitting]}, skeleton_, options_);
+  const auto seated = MeasureBodyInClouds({clips_[kSitting]}, skeleton_, options_);
   ASSERT_TRUE(seated) << seated.error().Message();
-  EXPECT_NEAR(BodyScale(*skeleton_, *seated) / BodyScale(*skeleton_, bones_), 1.0, 0.06);
+  EXPECT_NEAR(BodyScale(*skeleton_, seated->bone_length) / BodyScale(*skeleton_, bones_), 1.0, 0.06);
 }
 
 TEST_F(StudioClouds, SomebodyWhoIsLostIsLookedForAnew) {

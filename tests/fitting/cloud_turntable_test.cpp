@@ -44,16 +44,16 @@ TEST_F(Turntable, ThreeViewsGiveTheJointsThatAllOfThemGive) {
   PointCloudOptions options;
   options.solver = TrackSolver::kBanded;
   options.voxel_size = 0.015;
-  const auto bones = BoneLengthsFromClouds({clip_}, skeleton, options);
+  const auto bones = MeasureBodyInClouds({clip_}, skeleton, options);
   ASSERT_TRUE(bones) << bones.error().Message();
-  const auto all = FitClouds(clip_, skeleton, *bones, options);
+  const auto all = FitClouds(clip_, skeleton, bones->bone_length, options);
   ASSERT_TRUE(all) << all.error().Message();
   Clip three = clip_;
   const auto& views = clip_.evidence.depth_views;
   three.evidence.depth_views = {views[0], views[27], views[54]};
   const Vector3d front = all->motion.rotation_at(0, 0) * Vector3d::UnitZ();
   options.start.facing = std::atan2(front.x(), front.z());
-  const auto some = FitClouds(three, skeleton, *bones, options);
+  const auto some = FitClouds(three, skeleton, bones->bone_length, options);
   ASSERT_TRUE(some) << some.error().Message();
   double sum = 0.0;
   int count = 0;
@@ -66,7 +66,7 @@ TEST_F(Turntable, ThreeViewsGiveTheJointsThatAllOfThemGive) {
   ASSERT_GT(count, 8);
   std::printf("80 views: %.1f mm to the surface, 3 views: %.1f mm, joints %.1f mm apart, scale %.2f\n",
               1e3 * all->residual_rms, 1e3 * some->residual_rms, 1e3 * sum / count,
-              (*bones)[4] / skeleton->RestBoneLengths()[4]);
+              bones->bone_length[4] / skeleton->RestBoneLengths()[4]);
   EXPECT_LT(all->residual_rms, 0.02);
   EXPECT_LT(some->residual_rms, 0.02);
   EXPECT_LT(sum / count, 0.04);

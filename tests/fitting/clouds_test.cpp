@@ -394,9 +394,9 @@ TEST_F(RenderedSequenceFit, ViewsOfOnePersonAgreeWhereTheyOverlap) {
 }
 
 TEST_F(RenderedSequenceFit, JointsLieNearTheTruthWithBonesFromTheClouds) {
-  const auto bones = BoneLengthsFromClouds({sequence_.clip}, skeleton_, PointCloudOptions());
+  const auto bones = MeasureBodyInClouds({sequence_.clip}, skeleton_, PointCloudOptions());
   ASSERT_TRUE(bones) << bones.error().Message();
-  const auto fit = FitClouds(sequence_.clip, skeleton_, *bones, PointCloudOptions());
+  const auto fit = FitClouds(sequence_.clip, skeleton_, bones->bone_length, PointCloudOptions());
   ASSERT_TRUE(fit) << fit.error().Message();
   const double error = MeanJointError(fit->motion.joints, sequence_.truth);
   RecordProperty("mean_joint_error_mm", std::to_string(1000.0 * error));

@@ -53,7 +53,7 @@ class MixedTakes : public ::testing::Test {
       tracks.push_back(TracksOnBody(clips.back().evidence, *skeleton_, body_, options_.keypoints)->tracks);
     }
     bones_ = EstimateProportions(tracks, body_, ProportionsOptions{})->bone_length;
-    cloud_bones_ = *BoneLengthsFromClouds(clips, skeleton_, options_.point_clouds);
+    cloud_bones_ = MeasureBodyInClouds(clips, skeleton_, options_.point_clouds)->bone_length;
   }
 
   void SetUp() override {

@@ -102,6 +102,7 @@ TEST(RigReadings, AGuessIsToldAndEverythingElseIsLookedForAllTheSame) {
     ASSERT_FALSE(found->report.faults.empty());
     EXPECT_EQ(found->report.faults[0].code, "cameras_exchanged");
     EXPECT_TRUE(found->report.faults[0].guessed);
+    EXPECT_FALSE(IsDoubtful(found->report.faults[0]));
     EXPECT_FALSE(FilesAreWrong(found->report.faults)) << ToldByReadings(*found);
     EXPECT_FALSE(IsTold("rig_not_audited", *found));
   }

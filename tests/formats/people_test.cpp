@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/formats/json_place.h"
 #include "core/formats/openpose.h"
 #include "core/formats/panoptic_bodies.h"
 #include "tests/formats/damage.h"
@@ -49,6 +50,29 @@ TEST(OpenPose, APointWithCoordinatesAndNoConfidenceIsNotDetectedAndCounted) {
   ASSERT_TRUE(frame) << frame.error().Message();
   EXPECT_EQ(frame->unsure_points, 1);
   EXPECT_TRUE((frame->people[0].pose == std::vector<DetectedKeypoint>{{}, {3, 4, 0.5}, {}}));
+}
+
+TEST(OpenPose, APointThatIsNoNumberIsNotDetectedAndCounted) {
+  const auto frame = ParseOpenPose(
+      R"({"people":[{"pose_keypoints_2d":[NaN,2,0.5, 3,4,0.5, 1,-Infinity,0.5, null,null,0.5, NaN,NaN,0, 5,6,NaN]}]})",
+      "f.json");
+  ASSERT_TRUE(frame) << frame.error().Message();
+  EXPECT_EQ(frame->not_finite, 4);
+  EXPECT_TRUE((frame->people[0].pose == std::vector<DetectedKeypoint>{{}, {3, 4, 0.5}, {}, {}, {}, {}}));
+}
+
+TEST(JsonPlaces, ANumberThatIsNoneIsNamedWithItsPlace) {
+  const std::string name = "calib.json";
+  const auto document = ParseJson(R"({"NaN\"NaN": "NaN", "K": [1, NaN, -Infinity]})", name);
+  ASSERT_TRUE(document) << document.error().Message();
+  const auto numbers = NumbersAt({&*document, "", &name}, "K", 3);
+  ASSERT_FALSE(numbers);
+  EXPECT_THAT(numbers.error().Message(), HasSubstr("calib.json:/K/1: a finite number is expected, not NaN"));
+  const auto column = TableAt({&*document, "", &name}, "K", 3, 1);
+  ASSERT_FALSE(column);
+  EXPECT_THAT(column.error().Message(), HasSubstr("calib.json:/K/1: a finite number is expected, not NaN"));
+  EXPECT_TRUE(document->contains("NaN\"NaN"));
+  EXPECT_FALSE(ParseJson(R"({"K": [1, NaNa]})", name));
 }
 
 TEST(OpenPose, LayoutsNameEachPointOnce) {

@@ -1,0 +1,124 @@
+// One body of a person whose clips have depth views alone: clips that cannot be used cost themselves, not the person.
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+#include "core/store/store.h"
+#include "fitting/proportions.h"
+#include "fitting/stages.h"
+#include "tests/fitting/cloud_scene.h"
+
+namespace mocurate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kTaller = 1.1;
+
+/// Somebody a tenth taller than the rest skeleton, who stands with arms held a little apart.
+class DepthProportions : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("mocurate_depth_proportions_" + std::to_string(getpid()));
+    std::filesystem::remove_all(folder_);
+    const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+    std::vector<double> bones = skeleton->RestBoneLengths();
+    for (double& bone : bones) bone *= kTaller;
+    std::vector<Quaterniond> rotation(skeleton->joints.size(), Quaterniond::Identity());
+    rotation[*skeleton->FindJoint("left_shoulder")] = ExpQuaternion({0.0, 0.0, -0.9});
+    rotation[*skeleton->FindJoint("right_shoulder")] = ExpQuaternion({0.0, 0.0, 0.7});
+    const Motion still = MakeMotion(skeleton, FrameRate{12, 1}, {{0.1, 0.05, -0.05}}, rotation, bones);
+    for (const char* name : {"r1", "r2", "r3"}) {
+      Expected<Clip> clip = RenderClip(still, folder_ / name);
+      ASSERT_TRUE(clip) << clip.error().Message();
+      clip->identity.source = "studio";
+      clip->identity.person = "p1";
+      clip->identity.recording = name;
+      clip->identity.end_frame = 1;
+      clips_.push_back(std::move(*clip));
+    }
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  /// The image of a clip's first camera is no PNG.
+  void Damage(const Clip& clip) const { std::ofstream(clip.evidence.depth_views[0].files[0]) << "no image at all"; }
+
+  StageRequest Request(const std::string& stage, const std::string& item, const std::vector<Clip>& clips) const {
+    StageRequest request;
+    request.stage = stage;
+    request.item = item;
+    request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}}}};
+    for (Clip clip : clips) {
+      for (DepthView& view : clip.evidence.depth_views) view.sha256 = {*Sha256OfFile(view.files[0])};
+      const std::filesystem::path path = folder_ / (clip.identity.recording + ".h5");
+      EXPECT_TRUE(WriteEvidence(clip, path));
+      request.inputs.push_back({"evidence", clip.id(), path, std::string(64, 'a')});
+    }
+    request.output = folder_ / (stage + ".out");
+    return request;
+  }
+
+  Expected<StageOutcome> Measure() const { return ProportionsStage(Request("proportions", "p1", clips_)); }
+
+  std::filesystem::path folder_;
+  std::vector<Clip> clips_;
+};
+
+TEST_F(DepthProportions, AreThoseOfTheClipsThatCanBeUsedAndSayWhichCannot) {
+  Damage(clips_[1]);
+  for (DepthView& view : clips_[2].evidence.depth_views) view.camera.camera_from_world.translation *= 1000.0;
+  const auto measured = Measure();
+  ASSERT_TRUE(measured) << measured.error().Message();
+  ASSERT_EQ(measured->findings.size(), 2u);
+  for (const Finding& finding : measured->findings) {
+    EXPECT_EQ(finding.code, "no_proportions_from_clip");
+    EXPECT_EQ(finding.action, "left out");
+  }
+  EXPECT_EQ(measured->findings[0].clip, clips_[1].id());
+  EXPECT_THAT(measured->findings[0].message, HasSubstr("c0_0.png"));
+  EXPECT_EQ(measured->findings[1].clip, clips_[2].id());
+  EXPECT_THAT(measured->findings[1].message, HasSubstr("1000 times too long"));
+  const double scale = measured->summary["scale"];
+  EXPECT_NEAR(scale, kTaller, 0.06);
+  const double knee = measured->summary["bone_length_m"]["left_knee"];
+  EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], scale, 1e-3);
+}
+
+TEST_F(DepthProportions, OfNobodysSizeMakeTheClipDoubtful) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  for (const double scale : {kTaller, 2.0 * kTaller}) {
+    Proportions body = *EstimateProportions({}, skeleton, {});
+    for (double& length : body.bone_length) length *= scale;
+    ASSERT_TRUE(WriteFile(folder_ / "proportions.json", ProportionsJson(body, *skeleton).dump()));
+    StageRequest request = Request("fitting", clips_[0].id(), {clips_[0]});
+    request.inputs.push_back({"proportions", "p1", folder_ / "proportions.json", std::string(64, 'b')});
+    const auto fitted = FittingStage(request);
+    ASSERT_TRUE(fitted) << fitted.error().Message();
+    const auto size = std::find_if(fitted->findings.begin(), fitted->findings.end(),
+                                   [](const Finding& finding) { return finding.code == "size_doubtful"; });
+    ASSERT_EQ(size != fitted->findings.end(), scale > kTaller);
+    if (size == fitted->findings.end()) continue;
+    EXPECT_EQ(fitted->kind, OutcomeKind::kDoubtful);
+    EXPECT_GT(size->value, 2.5);
+    EXPECT_THAT(size->message, HasSubstr("two people"));
+  }
+}
+
+TEST_F(DepthProportions, OfNoClipAreRefusedWithTheFirstOnesReason) {
+  for (const Clip& clip : clips_) Damage(clip);
+  const auto measured = Measure();
+  ASSERT_FALSE(measured);
+  EXPECT_THAT(measured.error().Message(), HasSubstr(clips_[0].id()));
+  EXPECT_THAT(measured.error().Message(), HasSubstr("c0_0.png"));
+}
+
+}  // namespace
+}  // namespace mocurate
