@@ -71,7 +71,7 @@ struct JointTrackOptions {
 /// What is mended in joint tracks before they are fitted. The evidence itself stays as it is.
 struct RepairOptions {
   bool swaps = true;                ///< exchange left and right limbs where the tracker did
-  double swap_margin = 20.0;        ///< difference of log likelihoods that an exchange takes
+  double swap_margin = 16.0;        ///< difference of log likelihoods that an exchange takes
   bool collapsed = true;            ///< take for missing what stands exactly where its parent does
   bool teleports = true;            ///< take for missing what is where nobody can be
   double longest_teleport_s = 1.0;  ///< longer ones stay: another place may be true

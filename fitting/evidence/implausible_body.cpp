@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "core/base/text.h"
 #include "core/quality/median_deviation.h"
@@ -15,9 +17,10 @@ constexpr std::size_t kFewestBodyFrames = 20;
 constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
 // Limits are beyond what 1,213 clips of the recorded sets show (fitting/README.md), of which the largest is in
 // brackets.
-constexpr double kExchanged = 0.1;      ///< metres by which the upper bone of a limb differs, in the median (0.08)
-constexpr double kExchangeRatio = 3.0;  ///< of what it differs by with the lower joint in the upper's place (2.5)
-constexpr double kMisplaced = 0.15;     ///< metres by which a bone differs from the other side's (0.12)
+constexpr double kExchanged = 0.1;       ///< metres by which the upper bone of a limb differs, in the median (0.08)
+constexpr double kExchangeRatio = 3.0;   ///< of what it differs by with the lower joint in the upper's place (2.5)
+constexpr double kOffProportion = 0.47;  ///< |log| of upper over lower bone against rest, on both sides (0.3)
+constexpr double kMisplaced = 0.15;      ///< metres by which a bone differs from the other side's (0.12)
 constexpr double kMisplacedOfBone = 0.5;
 constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth to the last (0.25 of who bends)
 constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
@@ -102,6 +105,7 @@ class BodyJudge {
 
   std::vector<Finding> Findings() {
     JudgeExchanges();
+    JudgeOrder();
     if (findings_.empty()) JudgePlaces();
     JudgeGrowth();
     JudgeSize();
@@ -120,6 +124,39 @@ class BodyJudge {
     finding.message = std::move(message);
     finding.action = "flagged";
     findings_.push_back(std::move(finding));
+  }
+
+  /// Of a limb whose bones are in no person's proportion as named, and in one with its two joints exchanged: the upper
+  /// bone as named and exchanged, metres. An upper bone that ends beyond the next joint changes as that bends.
+  std::optional<std::pair<double, double>> OutOfOrder(const Bone& upper, const Bone& lower) const {
+    const Bone across = BoneBetween(tracks_, lower.joint, upper.parent);
+    if (across.length.size() < kFewestBodyFrames || !(lower.median > 0.0) || !(across.median > 0.0))
+      return std::nullopt;
+    const double named = std::log(upper.median / lower.median * lower.rest / upper.rest);
+    const double exchanged = std::log(across.median / lower.median * lower.rest / upper.rest);
+    if (named < kOffProportion || std::abs(exchanged) > 0.5 * named) return std::nullopt;
+    if (SpreadOfValues(across.length) >= SpreadOfValues(upper.length)) return std::nullopt;
+    return std::make_pair(upper.median, across.median);
+  }
+
+  /// Both sides alike, as where a list of joints is in the wrong order.
+  void JudgeOrder() {
+    for (const Bone& lower : bones_) {
+      const auto upper =
+          std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
+      if (upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone) continue;
+      const Bone* other_upper = Mirrored(*upper);
+      const Bone* other_lower = Mirrored(lower);
+      if (other_upper == nullptr || other_lower == nullptr || other_lower->joint < lower.joint) continue;
+      const auto here = OutOfOrder(*upper, lower);
+      if (!here || !OutOfOrder(*other_upper, *other_lower)) continue;
+      Tell("joints_exchanged", Severity::kError, upper->joint, here->first,
+           Name(upper->joint) + " and " + Name(lower.joint) +
+               " have each other's places, on both sides: the bone from " + Name(upper->parent) + " is " +
+               RoundedText(here->first, 3) + " m and the next " + RoundedText(lower.median, 3) +
+               " m, with the two exchanged " + RoundedText(here->second, 3) +
+               " m: mend the order of the joints in the source");
+    }
   }
 
   void JudgeExchanges() {

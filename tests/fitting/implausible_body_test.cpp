@@ -72,6 +72,24 @@ TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
   EXPECT_GT(findings[0].value, 0.1);
 }
 
+TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlacesOnBothSides) {
+  constexpr int kRightElbow = 7, kRightWrist = 8;
+  PlayedTake take = BendingTake();
+  for (int f = 0; f < 120; ++f) {
+    const Vector3d elbow = take.truth.joints.at(f, kRightElbow);
+    const Vector3d upper = (elbow - Vector3d(take.truth.joints.at(f, 6))).normalized();
+    const double bend = 1.0 + 0.9 * std::cos(f / 9.0);
+    take.tracks.positions.at(f, kRightWrist) =
+        elbow + 0.25 * (std::cos(bend) * upper + std::sin(bend) * upper.unitOrthogonal());
+    for (const auto& [from, to] : {std::pair(kElbow, kWrist), std::pair(kRightElbow, kRightWrist)}) {
+      const Vector3d place = take.tracks.positions.at(f, from);
+      take.tracks.positions.at(f, from) = Vector3d(take.tracks.positions.at(f, to));
+      take.tracks.positions.at(f, to) = place;
+    }
+  }
+  EXPECT_EQ(Codes(take.tracks), std::vector<std::string>{"joints_exchanged left_elbow"});
+}
+
 TEST(ImplausibleBody, HasAJointElsewhereThroughout) {
   for (const int joint : {2, kElbow, kWrist}) {
     PlayedTake take = BendingTake();
