@@ -10,7 +10,8 @@ namespace mocurate {
 
 /// What tracks say throughout a clip that no body allows; they are left as they are. Of joints that 20 frames show:
 /// - "joints_exchanged" (error): a joint of a limb and the one below it have each other's columns: with the two
-///   exchanged its upper bone has the other side's length. Value: by how much it differs, metres.
+///   exchanged its upper bone has the other side's length (value: by how much it differs, metres), or, of both sides,
+///   its two bones a person's proportion (value: the upper bone as named, metres).
 /// - "joint_misplaced" (error): all bones at a joint differ from those of the other side, and more than these from the
 ///   skeleton's in the person's size; of a joint on the midline they are longer than these. Value: by how much at most,
 ///   metres.
