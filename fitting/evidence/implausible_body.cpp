@@ -139,12 +139,18 @@ class BodyJudge {
     return std::make_pair(upper.median, across.median);
   }
 
+  /// The bone above one of a limb; null where one of the two is short.
+  const Bone* UpperOf(const Bone& lower) const {
+    const auto upper =
+        std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
+    return upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone ? nullptr : &*upper;
+  }
+
   /// Both sides alike, as where a list of joints is in the wrong order.
   void JudgeOrder() {
     for (const Bone& lower : bones_) {
-      const auto upper =
-          std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
-      if (upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone) continue;
+      const Bone* upper = UpperOf(lower);
+      if (upper == nullptr) continue;
       const Bone* other_upper = Mirrored(*upper);
       const Bone* other_lower = Mirrored(lower);
       if (other_upper == nullptr || other_lower == nullptr || other_lower->joint < lower.joint) continue;
@@ -161,9 +167,8 @@ class BodyJudge {
 
   void JudgeExchanges() {
     for (const Bone& lower : bones_) {
-      const auto upper =
-          std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
-      if (upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone) continue;
+      const Bone* upper = UpperOf(lower);
+      if (upper == nullptr) continue;
       const Bone* other = Mirrored(*upper);
       const Bone across = BoneBetween(tracks_, lower.joint, upper->parent);
       if (other == nullptr || across.length.size() < kFewestBodyFrames) continue;

@@ -93,13 +93,15 @@ TEST(ExchangedBody, OfAWholeJointTrackIsAnErrorThatSaysBoth) {
   EXPECT_EQ(OutcomeOfFit(source, MistakenClip(0, 0).Fit(), FittingOptions{}).kind, OutcomeKind::kDone);
 }
 
-/// Keypoints of every view in frames [begin, end) under each other's names.
-void CallLeftRight(Evidence& evidence, int begin, int end) {
+/// Keypoints of every view in frames [begin, end) under each other's names: all, or those of a limb.
+void CallLeftRight(Evidence& evidence, int begin, int end, const std::vector<std::string>& limb = {}) {
   const std::size_t keypoints = evidence.keypoint_names.size();
   for (KeypointView& view : evidence.keypoint_views) {
     for (std::size_t k = 0; k < keypoints; ++k) {
       if (evidence.keypoint_names[k].rfind("left_", 0) != 0) continue;
-      const std::string partner = "right_" + evidence.keypoint_names[k].substr(5);
+      const std::string part = evidence.keypoint_names[k].substr(5);
+      if (!limb.empty() && std::find(limb.begin(), limb.end(), part) == limb.end()) continue;
+      const std::string partner = "right_" + part;
       const auto other =
           static_cast<std::size_t>(std::find(evidence.keypoint_names.begin(), evidence.keypoint_names.end(), partner) -
                                    evidence.keypoint_names.begin());
@@ -108,6 +110,34 @@ void CallLeftRight(Evidence& evidence, int begin, int end) {
         std::swap_ranges(frame + 3 * k, frame + 3 * k + 3, frame + 3 * other);
       }
     }
+  }
+}
+
+/// Rays of a limb that all views call the other side's meet as well as any.
+TEST(ExchangedLimb, InAllViewsOfARigIsExchangedBackAndSaidSo) {
+  const Motion truth = Swinging(kFrames);
+  const Evidence sound = Detections(Ring(4), {truth}, 2.0);
+  const auto fit = [&](const Evidence& evidence, const FittingOptions& options) {
+    auto result = FitKeypoints(evidence, truth.rate, truth.skeleton, truth.skeleton, truth.bone_length, options);
+    EXPECT_TRUE(result.has_value()) << result.error().Message();
+    return std::move(*result);
+  };
+  const FitResult undisturbed = fit(sound, {});
+  EXPECT_TRUE(undisturbed.track_repairs.empty());
+  for (const std::vector<std::string>& limb :
+       {std::vector<std::string>{"elbow", "wrist", "hand"}, {"knee", "ankle", "foot"}}) {
+    Evidence mistaken = sound;
+    CallLeftRight(mistaken, 40, 60, limb);
+    const FitResult mended = fit(mistaken, {});
+    EXPECT_LT(RmsError(mended.motion.joints, truth.joints), 1.1 * RmsError(undisturbed.motion.joints, truth.joints))
+        << limb[0];
+    EXPECT_THAT(mended.track_repairs, testing::HasSubstr("\"frames\":[40,60]")) << limb[0];
+    const int joint = *truth.skeleton->FindJoint("left_" + limb[0]);
+    EXPECT_EQ(mended.motion.state[std::size_t{50} * 24 + static_cast<std::size_t>(joint)], JointState::kRepaired);
+
+    FittingOptions tell;
+    tell.keypoints.audit.sides = AuditAction::kTell;
+    EXPECT_TRUE(fit(mistaken, tell).track_repairs.empty()) << "only what the audit may correct";
   }
 }
 

@@ -14,16 +14,21 @@ namespace {
 
 constexpr int kElbow = 4, kWrist = 5;
 
+/// The arm whose joints begin with a shoulder bends and stretches.
+void BendArm(int shoulder, PlayedTake& take) {
+  for (int f = 0; f < 120; ++f) {
+    const Vector3d elbow = take.truth.joints.at(f, shoulder + 1);
+    const Vector3d upper = (elbow - Vector3d(take.truth.joints.at(f, shoulder))).normalized();
+    const double bend = 1.0 + 0.9 * std::sin(f / 9.0);
+    take.tracks.positions.at(f, shoulder + 2) =
+        elbow + 0.25 * (std::cos(bend) * upper + std::sin(bend) * upper.unitOrthogonal());
+  }
+}
+
 /// The left arm bends and stretches.
 PlayedTake BendingTake(double sigma = 0.005) {
   PlayedTake take = SmoothTake(120);
-  for (int f = 0; f < 120; ++f) {
-    const Vector3d elbow = take.truth.joints.at(f, kElbow);
-    const Vector3d upper = (elbow - Vector3d(take.truth.joints.at(f, 3))).normalized();
-    const double bend = 1.0 + 0.9 * std::sin(f / 9.0);
-    take.tracks.positions.at(f, kWrist) =
-        elbow + 0.25 * (std::cos(bend) * upper + std::sin(bend) * upper.unitOrthogonal());
-  }
+  BendArm(kElbow - 1, take);
   AddNoise(take.tracks, sigma, 7);
   return take;
 }
@@ -75,12 +80,8 @@ TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
 TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlacesOnBothSides) {
   constexpr int kRightElbow = 7, kRightWrist = 8;
   PlayedTake take = BendingTake();
+  BendArm(kRightElbow - 1, take);
   for (int f = 0; f < 120; ++f) {
-    const Vector3d elbow = take.truth.joints.at(f, kRightElbow);
-    const Vector3d upper = (elbow - Vector3d(take.truth.joints.at(f, 6))).normalized();
-    const double bend = 1.0 + 0.9 * std::cos(f / 9.0);
-    take.tracks.positions.at(f, kRightWrist) =
-        elbow + 0.25 * (std::cos(bend) * upper + std::sin(bend) * upper.unitOrthogonal());
     for (const auto& [from, to] : {std::pair(kElbow, kWrist), std::pair(kRightElbow, kRightWrist)}) {
       const Vector3d place = take.tracks.positions.at(f, from);
       take.tracks.positions.at(f, from) = Vector3d(take.tracks.positions.at(f, to));
