@@ -177,14 +177,18 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   std::vector<std::string> left_out;
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
   if (!tracks) return Forward(tracks);
+  std::optional<Finding> size_differs;
   if (!bone_length.empty()) {
-    if (Status size = CheckSize(*tracks, bone_length, clip.id()); !size) return tl::unexpected<Error>(size.error());
+    Expected<std::optional<Finding>> size = CheckSize(*tracks, bone_length, clip.id());
+    if (!size) return Forward(size);
+    size_differs = *std::move(size);
   }
   if (Status body = CheckBody(*tracks, clip.id()); !body) return tl::unexpected<Error>(body.error());
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (!fit) return fit;
   for (Finding& finding : FindImplausibleBody(*tracks)) fit->findings.push_back(std::move(finding));
+  if (size_differs) fit->findings.push_back(*std::move(size_differs));
   if (!left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
   if (!clip.evidence.tracks && clip.motion) AddGivenUncertainty(*clip.motion, fit->motion);
   const SkeletonPtr plain = WithoutTrackerPoints(skeleton);
@@ -243,6 +247,9 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
     outcome.findings.push_back(Doubt("large_residual", Millimetres(fit.residual_rms),
                                      "the body lies far from its evidence: is it the right skeleton and unit?"));
     outcome.kind = OutcomeKind::kDoubtful;
+  }
+  if (options.method != FitMethod::kNone) {
+    for (Finding& finding : FindJointsBeyondLimits(fit.motion)) outcome.findings.push_back(std::move(finding));
   }
   if (auto size = SizeInDoubt(fit, options.method)) outcome.findings.push_back(std::move(*size));
   if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;

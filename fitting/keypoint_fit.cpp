@@ -157,8 +157,9 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   Expected<BodyTracks> found = TracksOnBody(evidence, *skeleton, body, options.keypoints);
   if (!found) return Forward(found);
   if (!bone_length.empty()) {
-    if (Status size = CheckSize(found->tracks, bone_length, "keypoints"); !size)
-      return tl::unexpected<Error>(size.error());
+    Expected<std::optional<Finding>> size = CheckSize(found->tracks, bone_length, "keypoints");
+    if (!size) return Forward(size);
+    if (*size) found->findings.push_back(**std::move(size));
   }
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;

@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/geometry/rotation.h"
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
+#include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {
@@ -27,9 +29,10 @@ constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way
 constexpr double kGrowthSpread = 0.35;  ///< of bones' growth, against the growth (0.43): a scale is the same of all
 constexpr int kParts = 5;
 constexpr std::size_t kFewestUnexplained = 10;
-constexpr double kUnexplained = 0.2;   ///< metres
-constexpr double kTallestBody = 2.1;   ///< metres from ankle or toes to the head's joint: the tallest people
-constexpr double kSmallestBody = 0.4;  ///< newborn
+constexpr double kUnexplained = 0.2;       ///< metres
+constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees
+constexpr double kTallestBody = 2.1;       ///< metres from ankle or toes to the head's joint: the tallest people
+constexpr double kSmallestBody = 0.4;      ///< newborn
 
 bool IsOfPeople(double stature) { return stature <= kTallestBody && stature >= kSmallestBody; }
 
@@ -327,6 +330,37 @@ std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const J
             "Its own in configs/skeletons may fit");
     finding.severity = Severity::kError;
     findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+std::vector<Finding> FindJointsBeyondLimits(const Motion& motion) {
+  std::vector<Finding> findings;
+  const int joints = motion.joint_count();
+  for (int j = 0; j < joints; ++j) {
+    const Joint& joint = motion.skeleton->joints[static_cast<std::size_t>(j)];
+    if (!joint.limits) continue;
+    std::vector<double> beyond;
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      const std::size_t at =
+          static_cast<std::size_t>(f) * static_cast<std::size_t>(joints) + static_cast<std::size_t>(j);
+      if (!motion.state.empty() && motion.state[at] != JointState::kObserved) continue;
+      const Vector3d turned = LogQuaternion(motion.rotation[at]);
+      Vector3d excess;
+      for (int i = 0; i < 3; ++i) excess[i] = BeyondLimit(turned[i], joint.limits->min[i], joint.limits->max[i]);
+      beyond.push_back(excess.norm());
+    }
+    const std::size_t frames = beyond.size();
+    const double median = Median(beyond);
+    if (frames < kFewestUnexplained || median <= kFarBeyondLimits) continue;
+    const double degrees = std::round(10.0 * median * 180.0 / M_PI) / 10.0;
+    findings.push_back(FrameFinding("joint_beyond_limits", 0, 0, joint.name, degrees,
+                                    "'" + joint.name + "' is turned " + RoundedText(degrees, 3) +
+                                        " degrees farther than people turn it, in the median of " +
+                                        Counted(static_cast<long long>(frames), "frame") +
+                                        ": its rotation is doubtful, and those of its neighbours. Do tracked points "
+                                        "here lie where the skeleton has "
+                                        "joints?"));
   }
   return findings;
 }

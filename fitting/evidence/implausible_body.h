@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/finding.h"
+#include "core/motion/motion.h"
 #include "fitting/evidence/skeleton_tracks.h"
 
 namespace mocurate {
@@ -28,5 +29,10 @@ std::optional<Finding> FindDoubtfulSize(double stature, double scale);
 /// than 0.2 m from where it is tracked, so that the fit gave it up for the others. Value: that median, metres. `joints`
 /// (F, J) as `tracks`.
 std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const JointPositions& joints);
+
+/// "joint_beyond_limits" (warning): a joint is turned, in the median of 10 frames or more that observe it, more than 20
+/// degrees beyond the limits of its skeleton, though these hold it softly: points that lie beside the joints of their
+/// names fold a trunk. Value: that median, degrees.
+std::vector<Finding> FindJointsBeyondLimits(const Motion& motion);
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/text.h"
+#include "core/quality/tracked_points.h"
 #include "fitting/association/rig_diagnosis.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kShortestSizedBone = 0.1;  ///< metres of the rest pose; shorter ones are hardly measured
 constexpr double kSmallestPerson = 0.35;    ///< against the rest skeleton
 constexpr double kLargestPerson = 2.0;
+constexpr double kSizeDiffers = 0.08;   ///< share by which a clip's bones differ from the person's, told
 constexpr double kPoint = 0.02;         ///< metres, standard deviation of joints along their longest direction
 constexpr double kFlatBody = 0.005;     ///< thickness against extent, of standard deviations
 constexpr int kFewestFlatFrames = 10;   ///< fewer may be a planar pose
@@ -85,14 +87,22 @@ std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes) {
   return of_it;
 }
 
-Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length, const std::string& where) {
+Expected<std::optional<Finding>> CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length,
+                                           const std::string& where) {
   const double size = SizeAgainst(clip, bone_length);
-  if (size <= 0.0 || IsNear(size, 1.0)) return {};
+  if (size <= 0.0 || std::abs(size - 1.0) <= kSizeDiffers) return std::optional<Finding>();
+  const std::string compared =
+      "the clip's bones are " + RoundedText(size, 3) + " times as long as those of the person's other clips";
+  if (IsNear(size, 1.0)) {
+    Finding finding = FrameFinding("size_differs", 0, 0, "", size,
+                                   compared +
+                                       ": is it somebody else? A tracker that measures people anew in each "
+                                       "recording wants proportions.body_of: recording");
+    return std::optional<Finding>(std::move(finding));
+  }
   const auto unit = FindUnit(size);
-  return Fail(ErrorCode::kInconsistent,
-              "the clip's bones are " + RoundedText(size, 3) + " times as long as those of the person's other clips" +
-                  (unit ? ": it looks like " + unit->text : std::string()),
-              where, "mend the unit of this clip, or give it another person");
+  return Fail(ErrorCode::kInconsistent, compared + (unit ? ": it looks like " + unit->text : std::string()), where,
+              "mend the unit of this clip, or give it another person");
 }
 
 Status CheckBody(const SkeletonTracks& clip, const std::string& where) {

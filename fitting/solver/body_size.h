@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/finding.h"
 #include "fitting/evidence/skeleton_tracks.h"
 
 namespace mocurate {
@@ -18,9 +20,10 @@ double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_l
 /// to the rest skeleton's; and all within kAnotherSize of it. What is not told is of it.
 std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes);
 
-/// Error kInconsistent when the clip's bones are not of the size of the person's, with the factor and the unit that
-/// would explain it.
-Status CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length, const std::string& where);
+/// How a clip's bones compare with the person's: error kInconsistent beyond kAnotherSize, with the factor and the unit
+/// that would explain it; a finding "size_differs" (warning; value: the factor) beyond 8 %; else none.
+Expected<std::optional<Finding>> CheckSize(const SkeletonTracks& clip, const std::vector<double>& bone_length,
+                                           const std::string& where);
 
 /// Error kInconsistent where the tracks show nobody: all joints of every frame lie in one point (within 2 cm), or, in
 /// nearly all other frames (ten at least), in one plane to 1/200 of their extent: 2-D points, whose depth nobody

@@ -63,6 +63,35 @@ TEST(UnexplainedJoints, AreThoseThatTheFitLeavesFarFromWhereTheyAreTracked) {
   EXPECT_NEAR(findings[0].value, 0.4, 1e-9);
 }
 
+TEST(JointsBeyondLimits, AreThoseThatTheFitTurnsFartherThanPeopleDoInMostFrames) {
+  Motion motion = SmoothTake(100).truth;
+  const SkeletonPtr smpl24 = *LoadSkeleton("smpl24");
+  const std::vector<Quaterniond> rest(std::size_t{100} * 24, Quaterniond::Identity());
+  motion =
+      MakeMotion(smpl24, motion.rate, std::vector<Vector3d>(100, Vector3d::Zero()), rest, smpl24->RestBoneLengths());
+  const auto collar = static_cast<std::size_t>(*smpl24->FindJoint("left_collar"));
+  const double most = smpl24->joints[collar].limits->max.z();
+  const auto turn = [&](std::size_t begin, std::size_t end, double angle) {
+    for (std::size_t f = begin; f < end; ++f)
+      motion.rotation[f * 24 + collar] = ExpQuaternion(Vector3d(0.0, 0.0, angle));
+  };
+  turn(0, 100, most);
+  EXPECT_TRUE(FindJointsBeyondLimits(motion).empty()) << "people do that";
+  turn(0, 40, most + 0.5);
+  EXPECT_TRUE(FindJointsBeyondLimits(motion).empty()) << "in less than half of the frames";
+  turn(40, 80, most + 0.5);
+  const std::vector<Finding> findings = FindJointsBeyondLimits(motion);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "joint_beyond_limits");
+  EXPECT_EQ(findings[0].joint, "left_collar");
+  EXPECT_EQ(findings[0].severity, Severity::kWarning);
+  EXPECT_NEAR(findings[0].value, 0.5 * 180.0 / M_PI, 0.1);
+
+  motion.state.assign(motion.rotation.size(), JointState::kObserved);
+  for (std::size_t f = 0; f < 80; ++f) motion.state[f * 24 + collar] = JointState::kInferred;
+  EXPECT_TRUE(FindJointsBeyondLimits(motion).empty()) << "of frames that observe it";
+}
+
 TEST(ImplausibleBody, HasElbowAndWristInEachOthersPlaces) {
   PlayedTake take = BendingTake();
   for (int f = 0; f < 120; ++f) {

@@ -130,6 +130,28 @@ TEST_F(FittingStages, KeepAClipInAnotherUnitOutOfThePersonAndRefuseIt) {
   }
 }
 
+TEST_F(FittingStages, TellWhereAClipsBonesAreNotThoseOfThePerson) {
+  const StageRequest sound = Request("proportions", {{"skeleton", "openni16"}});
+  ASSERT_TRUE(ProportionsStage(sound).has_value());
+  for (const double factor : {0.95, 1.0, 1.05, 0.88, 1.15}) {
+    Clip other = clip_;
+    for (double& value : other.evidence.tracks->positions.xyz) value *= factor;
+    ASSERT_TRUE(WriteEvidence(other, folder_ / "other.h5"));
+    StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
+    request.inputs = {{"evidence", other.id(), folder_ / "other.h5", std::string(64, 'c')},
+                      {"proportions", "p1", sound.output, std::string(64, 'b')}};
+    const auto fitted = FittingStage(request);
+    ASSERT_TRUE(fitted.has_value()) << fitted.error().Message();
+    const auto told = std::find_if(fitted->findings.begin(), fitted->findings.end(),
+                                   [](const Finding& finding) { return finding.code == "size_differs"; });
+    ASSERT_EQ(told != fitted->findings.end(), std::abs(factor - 1.0) > 0.08) << factor;
+    if (told != fitted->findings.end()) {
+      EXPECT_NEAR(told->value, factor, 5e-3);
+    }
+    EXPECT_EQ(fitted->kind, OutcomeKind::kDone) << "told, nothing else";
+  }
+}
+
 TEST_F(FittingStages, RefuseWhatNoPoseExplainsWithNumbers) {
   Clip shuffled = clip_;
   std::reverse(shuffled.evidence.tracks->names.begin(), shuffled.evidence.tracks->names.end());

@@ -53,6 +53,23 @@ TEST(Skeletons, APersonAtRestFacesFrontWithTheLeftSideAtPlusXAndIsSymmetric) {
   }
 }
 
+TEST(Skeletons, LimitsOfBothSidesAreEachOthersMirrorImage) {
+  for (const char* name : kAll) {
+    const SkeletonPtr skeleton = Built(name);
+    for (const Joint& joint : skeleton->joints) {
+      if (!joint.limits) continue;
+      EXPECT_TRUE((joint.limits->min.array() < joint.limits->max.array()).all()) << name << " " << joint.name;
+      const auto& other = skeleton->joints[joint.mirror].limits;
+      ASSERT_TRUE(other.has_value()) << name << " " << joint.name;
+      // Across the sagittal plane turns about x stay, those about y and z change sign.
+      const Vector3d min(other->min.x(), -other->max.y(), -other->max.z());
+      const Vector3d max(other->max.x(), -other->min.y(), -other->min.z());
+      EXPECT_LT((joint.limits->min - min).norm() + (joint.limits->max - max).norm(), 1e-12)
+          << name << " " << joint.name;
+    }
+  }
+}
+
 TEST(Skeletons, JointsAreFoundByAnyUsualNameOfThem) {
   const SkeletonPtr smpl = Built("smpl24");
   for (const char* name : {"left_hip", "LHip", "hip_left", "LeftUpLeg", "Left Hip", "left-hip"}) {
