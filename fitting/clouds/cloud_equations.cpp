@@ -64,8 +64,8 @@ double CloudEquations::Cost() const {
     if (j == 0) continue;
     const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
     twice += w.squaredNorm() / Square(rest_spreads_[j]);
-    const auto& limits = body_.skeleton->joints[j].limits;
-    for (int i = 0; limits && i < 3; ++i) {
+    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_spreads_[j], options_);
+    for (int i = 0; limits != nullptr && i < 3; ++i) {
       twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSpread);
     }
   }
@@ -140,10 +140,10 @@ void CloudEquations::AddPriors() {
     if (c < 0) continue;
     const double rest = 1.0 / Square(rest_spreads_[j]);
     const double limit = 1.0 / Square(kCloudLimitSpread);
-    const auto& limits = body_.skeleton->joints[j].limits;
+    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_spreads_[j], options_);
     for (int i = 0; i < 3; ++i) {
       const double w = std::as_const(state_).rotation(frame_, j)[i];
-      const double beyond = limits ? BeyondLimit(w, limits->min[i], limits->max[i]) : 0.0;
+      const double beyond = limits != nullptr ? BeyondLimit(w, limits->min[i], limits->max[i]) : 0.0;
       matrix_(c + i, c + i) += rest + (beyond == 0.0 ? 0.0 : limit);
       gradient_[c + i] += rest * w + limit * beyond;
     }

@@ -15,6 +15,13 @@ double PatchShare(double voxel_size);
 /// Radians beyond a joint limit, in clouds.
 inline constexpr double kCloudLimitSpread = 0.1;
 
+/// Limits of a joint in clouds; null of one whose `rest_spread` (RestSpreads) is less than that of limbs: the rest pose
+/// holds it, and a search that cannot pass through a twisted trunk loses facings (of 24 stills two more were off by
+/// 0.25 m).
+inline const JointLimits* LimitsInClouds(const Joint& joint, double rest_spread, const PointCloudOptions& options) {
+  return joint.limits && rest_spread >= options.rest_spread ? &*joint.limits : nullptr;
+}
+
 /// Cost and normal equations of one frame of matched points at the present parameters of a state: the costs of
 /// CloudProblem, summed without forming their Jacobians (BodyInformation). Unknowns: translation (3), then the rotation
 /// vector of each active joint (3), root first.

@@ -56,8 +56,8 @@ void CloudProblem::AddPriors(const PointCloudOptions& options) {
   for (int j = 1; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
     problem_.AddResidualBlock(new RestPriorCost(rest_spreads[j]), nullptr, state_.rotation(frame_, j));
-    const auto& limits = body_.skeleton->joints[j].limits;
-    if (!limits) continue;
+    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_spreads[j], options);
+    if (limits == nullptr) continue;
     problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSpread), nullptr, state_.rotation(frame_, j));
   }
 }
