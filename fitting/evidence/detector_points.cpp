@@ -30,6 +30,8 @@ const std::vector<FixedPoint>& FixedPoints() {
 }
 
 constexpr char kMiddleOfShoulders[] = "mid_shoulder";
+constexpr char kMiddleOfHips[] = "mid_hip";
+constexpr double kPelvisBesideHips = 0.005;  ///< metres from the middle of the hips, from which on it is another point
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -40,6 +42,17 @@ std::string OtherSide(const std::string& name) {
   if (name.rfind("left_", 0) == 0) return "right_" + name.substr(5);
   if (name.rfind("right_", 0) == 0) return "left_" + name.substr(6);
   return name;
+}
+
+/// What detectors call the middle of the hips is what lies between their hips, and tells no more than these: taken for
+/// a pelvis that lies above them it would tell, wrongly, how that is pitched.
+bool IsAboveHips(const Skeleton& skeleton) {
+  const auto hips = skeleton.Hips();
+  if (!hips) return false;
+  const Joint& left = skeleton.joints[static_cast<std::size_t>((*hips)[0])];
+  const Joint& right = skeleton.joints[static_cast<std::size_t>((*hips)[1])];
+  return left.parent == 0 && right.parent == 0 &&
+         (left.rest_offset + right.rest_offset).norm() >= 2.0 * kPelvisBesideHips;
 }
 
 std::optional<Joint> PointNamed(const std::string& name, const Skeleton& skeleton) {
@@ -90,6 +103,10 @@ std::vector<std::string> DetectorNames(const std::vector<std::string>& names) {
 SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<std::string>& names) {
   auto full = std::make_shared<Skeleton>(*skeleton);
   full->landmarks.clear();
+  if (Has(names, kMiddleOfHips) && IsAboveHips(*skeleton) && skeleton->joints[0].name != kMiddleOfHips) {
+    std::vector<std::string>& synonyms = full->joints[0].synonyms;
+    synonyms.erase(std::remove(synonyms.begin(), synonyms.end(), kMiddleOfHips), synonyms.end());
+  }
   std::vector<std::string> sorted = names;
   std::sort(sorted.begin(), sorted.end());
   for (const std::string& name : sorted) {

@@ -15,7 +15,7 @@ std::vector<std::string> DetectorNames(const std::vector<std::string>& names);
 /// The skeleton with a joint more at the end, marked `landmark`, for each of `names` (in the sense of DetectorNames)
 /// that is no joint but a point fixed to one: the skeleton's own landmarks, else nose, eyes, ears, head_top,
 /// upper_neck, mid_shoulder, toes and heels where a body of the skeleton's size has them (measured on the CC0 body
-/// template). Names of no such point are left out.
+/// template). Names of no such point are left out, and so is the middle of the hips where the root is another point.
 SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<std::string>& names);
 
 /// `skeleton` with the rest offsets of `body`, which has the joints of WithDetectorPoints besides.

@@ -8,6 +8,7 @@
 #include "core/quality/median_deviation.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/solver/rest_spreads.h"
 
 namespace mocurate {
 namespace {
@@ -165,20 +166,23 @@ std::vector<std::pair<int, Vector3d>> SeenAbove(const std::vector<int>& unseen_b
   return beside;
 }
 
-/// Bones between a seen joint and the nearest seen one below it that lead over unseen joints: where the distance hardly
-/// changes (a trunk, not an arm), they have the lengths with which it is that of the rest pose. Otherwise joints that
-/// nobody sees would fold between two that are seen, or pull these apart. Of trunks, those that bend more count less.
+/// Bones between a seen joint and the nearest seen one below it that lead over unseen joints, none of which swings (an
+/// arm that hangs all along is as stiff as a trunk): where the distance hardly changes, they have the lengths with
+/// which it is that of the rest pose. Otherwise joints that nobody sees would fold between two that are seen, or pull
+/// these apart. Of trunks, those that bend more count less.
 void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
                      const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
   constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
   constexpr double kDistanceSigma = 0.002;
   std::vector<double> noises = white;
   const double noise = 2.0 * Square(Median(noises));
+  const std::vector<bool> swings = SwingingJoints(skeleton);
   std::vector<std::vector<double>> ratios(skeleton.joints.size());
   std::vector<UnseenChain> chains;
   for (int end = 1; end < skeleton.joint_count(); ++end) {
     if (!seen[end] || seen[skeleton.joints[end].parent]) continue;
     const std::vector<int> chain = UnseenBonesTo(end, skeleton, seen);
+    if (std::any_of(chain.begin() + 1, chain.end(), [&](int joint) { return swings[joint]; })) continue;
     const bool trunk = skeleton.joints[chain.back()].mirror == chain.back();
     for (const auto& [above, start] : SeenAbove(chain, skeleton, seen, bones)) {
       const BoneDistance distance = DistanceOver(clips, white, end, above);

@@ -93,10 +93,17 @@ void AppendTarget(const Skeleton& skeleton, const std::vector<std::vector<int>>&
   for (const int child : children[joint]) AppendTarget(skeleton, children, seen, state, child, here, targets);
 }
 
-/// Whether all targets lie on one line through the joint, as the collars of a chest from whose top they start.
-bool OnOneLine(const std::vector<Target>& targets) {
+/// Whether all targets lie on one line, through the joint unless nobody sees that (`alone`), as the collars of a chest
+/// from whose top they start, and the hips of a pelvis that is not seen.
+bool OnOneLine(const std::vector<Target>& targets, bool alone) {
+  Vector3d on_line = Vector3d::Zero();
+  for (const Target& target : targets) on_line += target.rest_in_joint / static_cast<double>(targets.size());
+  if (!alone) on_line.setZero();
   Matrix3d spread = Matrix3d::Zero();
-  for (const Target& target : targets) spread += target.rest_in_joint * target.rest_in_joint.transpose();
+  for (const Target& target : targets) {
+    const Vector3d from_line = target.rest_in_joint - on_line;
+    spread += from_line * from_line.transpose();
+  }
   const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
   return values[1] <= kAcrossLine * kAcrossLine * values[2];
 }
@@ -117,7 +124,7 @@ class ClosedFormPose {
         AppendTarget(skeleton_, children, seen_, state, child, Vector3d::Zero(), targets_[j]);
       }
       const std::size_t near = targets_[j].size();
-      if (near < 2 || !OnOneLine(targets_[j])) continue;
+      if (near < 2 || !OnOneLine(targets_[j], j == 0 && !seen_[0])) continue;
       for (std::size_t i = 0; i < near; ++i) {
         const Target target = targets_[j][i];
         for (const int child : children[target.joint]) {

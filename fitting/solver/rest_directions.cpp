@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "fitting/evidence/noise.h"
+#include "fitting/solver/rest_spreads.h"
 #include "fitting/solver/trunk_turn.h"
 
 namespace mocurate {
@@ -244,12 +245,13 @@ Vector3d OffsetOver(const std::vector<int>& way, const Skeleton& skeleton) {
   return offset;
 }
 
-/// A child of a joint and, where nobody sees it, what follows, as long as one bone alone goes on: down to a joint that
-/// is seen. Empty where none is.
-std::vector<int> WayToSeen(int child, const std::vector<bool>& seen, const std::vector<std::vector<int>>& children) {
+/// A child of a joint and, where nobody sees it, what follows, as long as one bone alone goes on and hardly turns
+/// against it, as behind a collar: down to a joint that is seen. Empty where none is, or a limb swings between.
+std::vector<int> WayToSeen(int child, const std::vector<bool>& seen, const std::vector<bool>& swings,
+                           const std::vector<std::vector<int>>& children) {
   std::vector<int> way{child};
   while (!seen[way.back()]) {
-    if (children[way.back()].size() != 1) return {};
+    if (children[way.back()].size() != 1 || swings[way.back()]) return {};
     way.push_back(children[way.back()].front());
   }
   return way;
@@ -272,13 +274,14 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
   auto own = std::make_shared<Skeleton>(*skeleton);
   const std::vector<std::vector<int>> children = skeleton->Children();
   const std::vector<bool> seen = ShownJoints(clips);
+  const std::vector<bool> swings = SwingingJoints(*skeleton);
   for (int parent = 0; parent < skeleton->joint_count(); ++parent) {
     if (!seen[parent]) continue;
     Star star;
     std::vector<std::vector<int>> ways;  // to each end
     std::vector<int> trunk;
     for (const int child : children[parent]) {
-      const std::vector<int> way = WayToSeen(child, seen, children);
+      const std::vector<int> way = WayToSeen(child, seen, swings, children);
       const bool middle = skeleton->joints[parent].mirror == parent && skeleton->joints[child].mirror == child;
       if (way.empty() && middle && trunk.empty()) trunk = SeenBeyond(child, *skeleton, seen);
       if (way.empty() || OffsetOver(way, *skeleton).isZero()) continue;

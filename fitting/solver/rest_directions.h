@@ -12,10 +12,11 @@ namespace mocurate {
 /// what distances say and the rest skeleton, off by a quarter of the bones, the likeliest is taken: few or noisy
 /// samples change little. How the whole lies in the joint's frame no position tells: as near to `skeleton` as turning
 /// goes (orthogonal Procrustes). Where nobody sees the end of a bone, the next seen joint below it stands for it, as
-/// long as one bone alone goes on, and the bones between turn together. Where several go on (a spine that nobody sees),
-/// what is seen beyond tells how the whole is pitched (TurnedToTrunk). Left as they are: bones alone at a joint, of a
-/// joint that is never seen, and those with a bone that noise of one sample reaches across. Lengths of rest offsets
-/// stay those of `skeleton`. With `symmetric`, both sides share distances. Directions in whole 1e-4.
+/// long as one bone alone goes on and none swings against the next, and the bones between turn together. Where several
+/// go on (a spine that nobody sees), what is seen beyond tells how the whole is pitched (TurnedToTrunk). Left as they
+/// are: bones alone at a joint, of a joint that is never seen, and those with a bone that noise of one sample reaches
+/// across. Lengths of rest offsets stay those of `skeleton`. With `symmetric`, both sides share distances. Directions
+/// in whole 1e-4.
 SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
                               const BoneEstimate& bones, bool symmetric);
 

@@ -51,4 +51,12 @@ std::vector<double> RestSpreads(const SkeletonTracks& tracks, double rest_spread
   return spreads;
 }
 
+std::vector<bool> SwingingJoints(const Skeleton& skeleton) {
+  const std::vector<double> mobility = RestSpreads(skeleton, 1.0);
+  std::vector<bool> swings(mobility.size());
+  for (std::size_t j = 0; j < mobility.size(); ++j)
+    swings[j] = mobility[j] >= 1.0 && skeleton.joints[j].mirror != static_cast<int>(j);
+  return swings;
+}
+
 }  // namespace mocurate

@@ -16,4 +16,8 @@ std::vector<double> RestSpreads(const Skeleton& skeleton, double rest_spread);
 /// between hips and shoulders could turn against each other).
 std::vector<double> RestSpreads(const SkeletonTracks& tracks, double rest_spread);
 
+/// (J) whether a joint turns freely against the bone above, as hips, knees, shoulders and elbows do: distances across
+/// it tell no body.
+std::vector<bool> SwingingJoints(const Skeleton& skeleton);
+
 }  // namespace mocurate

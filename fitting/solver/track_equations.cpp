@@ -192,7 +192,7 @@ void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
   for (int j = 1; j < state.joints(); ++j) {
     const int c = column(j);
     if (c < 0) continue;
-    const double rest = 1.0 / Square(window_.RestSpread(j));
+    const double rest = window_.RestInformation(frame, j);
     const auto& limits = window_.tracks.skeleton->joints[j].limits;
     for (int i = 0; i < 3; ++i) {
       const double w = state.rotation(frame, j)[i];

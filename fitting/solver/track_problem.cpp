@@ -61,7 +61,8 @@ void TrackProblem::AddFrame(int frame) {
       problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
     }
     if (j == 0 || !state_.active(j)) continue;
-    problem_.AddResidualBlock(new RestPriorCost(window_.RestSpread(j)), nullptr, state_.rotation(frame, j));
+    problem_.AddResidualBlock(new RestPriorCost(1.0 / std::sqrt(window_.RestInformation(frame, j))), nullptr,
+                              state_.rotation(frame, j));
     if (const auto& limits = window_.tracks.skeleton->joints[j].limits) {
       problem_.AddResidualBlock(new JointLimitCost(*limits, window_.options.limit_spread), nullptr,
                                 state_.rotation(frame, j));

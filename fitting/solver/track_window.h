@@ -42,6 +42,8 @@ struct TrackWindow {
   BlockTridiagonal* memory = nullptr;          ///< for banded equations, used again by the next solve; none: their own
   const std::vector<double>* rest_spreads = nullptr;  ///< (J) radians; none: options.rest_spread of all
 
+  const std::vector<double>* rest_information = nullptr;  ///< (F*J) 1/rad^2; none: that of RestSpread in each frame
+
   /// First frame whose kinematics the window reads.
   int first() const { return after_held ? begin - 1 : begin; }
   /// Seconds from a frame to the next; smoothed together only up to options.max_gap_s.
@@ -50,6 +52,11 @@ struct TrackWindow {
   /// Standard deviation per axis of a joint's angle from the rest pose, radians.
   double RestSpread(int joint) const {
     return rest_spreads != nullptr ? (*rest_spreads)[static_cast<std::size_t>(joint)] : options.rest_spread;
+  }
+  /// What ties a joint to its rest pose in a frame, 1/rad^2 per axis.
+  double RestInformation(int frame, int joint) const {
+    const double spread = RestSpread(joint);
+    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / (spread * spread);
   }
   /// Variances per axis of a joint's turn (rad^2) and move (m^2) from a frame to the next.
   double TurnVariance(int frame, int joint) const {

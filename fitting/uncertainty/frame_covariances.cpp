@@ -22,6 +22,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     window.walks = whole.walks;
     window.rotations = whole.rotations;
     window.rest_spreads = whole.rest_spreads;
+    window.rest_information = whole.rest_information;
     TrackEquations track(window);
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
     equations.Resize(window.end - window.begin, track.size(), 0);

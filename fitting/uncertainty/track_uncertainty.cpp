@@ -10,6 +10,7 @@
 #include "fitting/uncertainty/frame_covariances.h"
 #include "fitting/uncertainty/lasting_noise.h"
 #include "fitting/uncertainty/lasting_residuals.h"
+#include "fitting/uncertainty/rest_information.h"
 #include "fitting/uncertainty/unseen_growth.h"
 
 namespace mocurate {
@@ -20,12 +21,12 @@ constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordin
 
 constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
 
-/// Variance of a joint's angle per axis without evidence (F*J): a random walk tied to the rest pose, cut at gaps.
+/// Variance of a joint's angle per axis without evidence (F*J): a random walk tied to the rest pose, cut at gaps, and
+/// no more than people turn it.
 std::vector<double> PriorVariance(const TrackWindow& whole) {
-  std::vector<double> information(whole.tracks.confidence.size());
+  const std::vector<double>& rest = *whole.rest_information;
+  std::vector<double> information = rest;
   for (int j = 0; j < whole.tracks.joints(); ++j) {
-    const double rest = 1.0 / (whole.RestSpread(j) * whole.RestSpread(j));
-    for (int f = 0; f < whole.end; ++f) information[whole.Index(f, j)] = rest;
     /// Information of a Gaussian chain that reaches the other side of a step.
     const auto through = [&](int f, double before) {
       if (!whole.Joined(f)) return 0.0;
@@ -33,12 +34,31 @@ std::vector<double> PriorVariance(const TrackWindow& whole) {
       return walk * before / (walk + before);
     };
     double reaching = 0.0;
-    for (int f = 1; f < whole.end; ++f) information[whole.Index(f, j)] += reaching = through(f - 1, reaching + rest);
+    for (int f = 1; f < whole.end; ++f)
+      information[whole.Index(f, j)] += reaching = through(f - 1, reaching + rest[whole.Index(f - 1, j)]);
     reaching = 0.0;
-    for (int f = whole.end - 2; f >= 0; --f) information[whole.Index(f, j)] += reaching = through(f, reaching + rest);
+    for (int f = whole.end - 2; f >= 0; --f)
+      information[whole.Index(f, j)] += reaching = through(f, reaching + rest[whole.Index(f + 1, j)]);
   }
-  for (double& value : information) value = std::min(1.0 / value, kUnknownAngle);
+  const std::vector<double> turns = UsualTurns(*whole.tracks.skeleton);
+  for (std::size_t at = 0; at < information.size(); ++at) {
+    const double turn = turns[at % turns.size()];
+    information[at] = std::min(1.0 / information[at], turn * turn);
+  }
   return information;
+}
+
+/// The walks of the fit, of which those of joints that nobody sees tie no positions: that a head which nobody sees
+/// would swing far if a trunk were not upright is no evidence that it is.
+WalkFactors WalksOfShown(const TrackWindow& whole) {
+  constexpr double kAnywhere = 1e4;
+  const std::size_t numbers = whole.tracks.confidence.size();
+  WalkFactors walks = whole.walks != nullptr ? *whole.walks : WalkFactors::Ones(numbers);
+  const std::vector<bool> shown = whole.tracks.SeenJoints();
+  for (std::size_t at = 0; at < numbers; ++at) {
+    if (!shown[at % shown.size()]) walks.position[at] = kAnywhere;
+  }
+  return walks;
 }
 
 /// What the residuals say about the noise: sum of weighted squares, and how many numbers they leave free.
@@ -85,7 +105,7 @@ class Reader {
     Vector3d variance = Vector3d::Constant(prior);
     if (const int column = track.column(joint); column >= 0) {
       const Matrix3d& jacobian = window_.state.right_jacobian(frame, joint);
-      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
+      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal().cwiseMin(prior);
     }
     for (int i = 0; i < 3; ++i) {
       out_.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(std::min(variance[i], kUnknownAngle)));
@@ -164,7 +184,12 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
 
 }  // namespace
 
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& whole, double least_factor) {
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor) {
+  const std::vector<double> rest_information = RestInformationOfWalks(window);
+  const WalkFactors walks = WalksOfShown(window);
+  TrackWindow whole = window;
+  whole.rest_information = &rest_information;
+  whole.walks = &walks;
   const auto numbers = static_cast<std::size_t>(whole.end) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);

@@ -23,8 +23,9 @@ struct PoseUncertainty {
 /// Uncertainty of a solved fit: diagonal blocks of the inverse of the Gauss-Newton matrix at the solution (selected
 /// inversion, memory bounded by a window); what the evidence decides is scaled by the a-posteriori variance and
 /// calibrated. `window` is the whole clip. Of a rotation vector's error the part in the joint's frame, J_r dw. The
-/// prior variance of a rotation is that of the rest pose and the random walk without evidence, and never more than that
-/// of an angle of which nothing is known, pi^2 / 3; no standard deviation is larger either. What the evidence does not
+/// prior variance of a rotation is that of the rest pose and the random walk without evidence (RestInformationOfWalks),
+/// and never more than people turn the joint, the root's that of an angle of which nothing is known, pi^2 / 3; no
+/// standard deviation is larger either. What the evidence does not
 /// touch, such as the twist of a straight limb, keeps its prior variance: observed 0. Bones that
 /// the tracks show are taken as exact; the others add what bodies differ in (CovarianceOfBody), and samples that lie to
 /// one side of the fit for long how far they do (CovarianceOfLasting). Of what is not seen for longer than 0.6 s

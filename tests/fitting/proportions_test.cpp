@@ -77,6 +77,36 @@ TEST(Proportions, OfATrunkWhoseMiddleIsUnseenSpanIt) {
   EXPECT_NEAR(person->bone_length[5], bones[5], 2e-4) << "what is seen stays";
 }
 
+/// Arms that hang all along are as stiff as a trunk, but no part of it: shoulders that nobody sees are where the
+/// person's size has them, not on the way from the neck to the elbows.
+TEST(Proportions, OfShouldersThatNobodySeesAreNotReadFromArmsThatHang) {
+  const SkeletonPtr smpl24 = *LoadSkeleton("smpl24");
+  std::vector<Quaterniond> rotation;
+  for (int f = 0; f < 60; ++f) {
+    for (const Joint& joint : smpl24->joints) {
+      const double down = joint.name == "left_shoulder" ? -1.3 : joint.name == "right_shoulder" ? 1.3 : 0.0;
+      rotation.push_back(ExpQuaternion(Vector3d(0.0, 0.0, down)));
+    }
+  }
+  PlayedTake take;
+  take.tracks.skeleton = smpl24;
+  for (int f = 0; f < 60; ++f) take.tracks.time_s.push_back(f / 30.0);
+  take.truth = MakeMotion(smpl24, FrameRate{30, 1}, std::vector<Vector3d>(60, Vector3d(0.0, 0.9, 0.0)), rotation,
+                          smpl24->RestBoneLengths());
+  take.tracks.positions = take.truth.joints;
+  take.tracks.confidence.assign(take.truth.joints.xyz.size() / 3, 1.0);
+  for (const char* joint : {"left_collar", "right_collar", "left_shoulder", "right_shoulder"}) {
+    for (int f = 0; f < 60; ++f) Hide(take.tracks, f, *smpl24->FindJoint(joint));
+  }
+  const auto person = EstimateProportions({take.tracks}, smpl24, ProportionsOptions{});
+  ASSERT_TRUE(person.has_value()) << person.error().Message();
+  for (const char* joint : {"left_collar", "right_shoulder", "left_elbow", "right_elbow"}) {
+    const int j = *smpl24->FindJoint(joint);
+    EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 0.003) << joint;
+    EXPECT_EQ(person->skeleton->joints[j].rest_offset, smpl24->joints[j].rest_offset) << joint;
+  }
+}
+
 TEST(Proportions, OfUnseenJointsFollowTheRest) {
   PlayedTake take = LargerPerson(50);
   for (int f = 0; f < 50; ++f) {

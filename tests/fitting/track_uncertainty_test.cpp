@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "core/geometry/symmetric.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_problem.h"
+#include "fitting/uncertainty/rest_information.h"
 #include "fitting/uncertainty/unseen_growth.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
@@ -68,10 +70,12 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
       if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(take.truth.rotation_at(f, j));
     }
   }
-  const TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 5};
+  TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 5};
   const auto uncertainty = UncertaintyOfTracks(window);
   ASSERT_TRUE(uncertainty.has_value()) << uncertainty.error().Message();
 
+  const std::vector<double> rest_information = RestInformationOfWalks(window);
+  window.rest_information = &rest_information;
   const double stated_share = uncertainty->variance_factor * kUncertaintyCalibration;
   TrackProblem problem(window);
   ceres::Covariance::Options dense;
@@ -98,6 +102,43 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
       // What the evidence adds to the prior, scaled by the a-posteriori variance and calibrated.
       const double expected = (1.0 / turned(i, i) - 1.0 / prior) / stated_share;
       EXPECT_NEAR(1.0 / stated - 1.0 / prior, expected, 1e-3 * expected);
+    }
+  }
+}
+
+/// Precision of a chain of angles with these ties to the rest pose and this walk from frame to frame.
+Eigen::MatrixXd PrecisionOfChain(const std::vector<double>& rest, double walk_variance) {
+  const auto frames = static_cast<Eigen::Index>(rest.size());
+  Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(frames, frames);
+  for (Eigen::Index f = 0; f < frames; ++f) {
+    precision(f, f) += rest[static_cast<std::size_t>(f)];
+    if (f + 1 == frames) break;
+    precision(f, f) += 1.0 / walk_variance;
+    precision(f + 1, f + 1) += 1.0 / walk_variance;
+    precision(f, f + 1) = precision(f + 1, f) = -1.0 / walk_variance;
+  }
+  return precision;
+}
+
+TEST(TrackUncertainty, KnowsTheRestPoseOnceHoweverLongAClipIsAndHoweverSlowAJoint) {
+  const PlayedTake take = SmoothTake(300);
+  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  PoseState state(*take.tracks.skeleton, 300, take.truth.bone_length, std::vector<bool>(take.tracks.joints(), true));
+  for (const double walk : {0.05, 0.5, 2.0}) {
+    for (const int frames : {1, 2, 30, 300}) {
+      JointTrackOptions options;
+      options.rotation_walk = walk;
+      const TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, frames};
+      const std::vector<double> of_all = RestInformationOfWalks(window);
+      std::vector<double> rest;
+      for (int f = 0; f < frames; ++f) rest.push_back(of_all[window.Index(f, 4)]);
+      const Eigen::MatrixXd covariance = PrecisionOfChain(rest, frames > 1 ? window.TurnVariance(0, 4) : 1.0).inverse();
+      for (int f = 0; f < frames; ++f) {
+        EXPECT_GT(covariance(f, f), 0.98) << walk << " " << frames << " " << f;
+        if (walk < 0.6) {
+          EXPECT_LT(covariance(f, f), 1.02) << walk << " " << frames << " " << f;
+        }
+      }
     }
   }
 }
