@@ -8,6 +8,7 @@
 #include "fitting/uncertainty/carried_twists.h"
 #include "fitting/uncertainty/far_turns.h"
 #include "fitting/uncertainty/frame_covariances.h"
+#include "fitting/uncertainty/frame_spread.h"
 #include "fitting/uncertainty/lasting_noise.h"
 #include "fitting/uncertainty/lasting_residuals.h"
 #include "fitting/uncertainty/rest_information.h"
@@ -182,6 +183,31 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
   }
 }
 
+/// Adds what joints' frames differ in between bodies, the joint's own and its parent's, to rotations that evidence
+/// decides.
+void AddFrameSpreads(const TrackWindow& whole, const std::vector<double>& prior, PoseUncertainty& uncertainty) {
+  const std::vector<Matrix3d> spreads = FrameSpreads(whole);
+  for (int f = 0; f < whole.end; ++f) {
+    for (int j = 0; j < whole.state.joints(); ++j) {
+      const std::size_t at = whole.Index(f, j);
+      Matrix3d added = spreads[j];
+      if (const int parent = whole.state.parent(j); parent >= 0) {
+        const Matrix3d& parent_from_joint = whole.state.local(f, j);
+        added += parent_from_joint.transpose() * spreads[parent] * parent_from_joint;
+      }
+      const double most = j == 0 ? kUnknownAngle : prior[at];
+      for (int i = 0; i < 3; ++i) {
+        float& observed = uncertainty.rotation_observed[3 * at + i];
+        if (observed == 0.0F) continue;
+        float& sigma = uncertainty.rotation_sigma[3 * at + i];
+        const double variance = std::min(static_cast<double>(sigma) * sigma + added(i, i), most);
+        sigma = static_cast<float>(std::sqrt(variance));
+        observed = static_cast<float>(1.0 - variance / most);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor) {
@@ -208,6 +234,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
     const std::vector<float> lasting = CovarianceOfLasting(whole, factor);
     for (std::size_t i = 0; i < lasting.size(); ++i) uncertainty.position_cov[i] += lasting[i];
   }
+  AddFrameSpreads(whole, prior, uncertainty);
   const std::vector<float> of_body = CovarianceOfBody(whole);
   for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];
   AddFarTurns(whole, uncertainty.position_cov);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -11,6 +12,7 @@
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_problem.h"
+#include "fitting/uncertainty/frame_spread.h"
 #include "fitting/uncertainty/rest_information.h"
 #include "fitting/uncertainty/unseen_growth.h"
 #include "tests/fitting/takes.h"
@@ -76,6 +78,7 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
 
   const std::vector<double> rest_information = RestInformationOfWalks(window);
   window.rest_information = &rest_information;
+  const std::vector<Matrix3d> spreads = FrameSpreads(window);
   const double stated_share = uncertainty->variance_factor * kUncertaintyCalibration;
   TrackProblem problem(window);
   ceres::Covariance::Options dense;
@@ -95,10 +98,12 @@ TEST(TrackUncertainty, IsTheCovarianceThatCeresComputesDensely) {
     EXPECT_NEAR(root[4], stated_share * block(1, 2), 1e-5 * root[0]);
     covariance.GetCovarianceBlock(state.rotation(f, 3), state.rotation(f, 3), block.data());
     const Matrix3d turned = state.right_jacobian(f, 3) * block * state.right_jacobian(f, 3).transpose();
+    const Matrix3d added = spreads[3] + state.local(f, 3).transpose() * spreads[state.parent(3)] * state.local(f, 3);
     for (int i = 0; i < 3; ++i) {
       const std::size_t at = 3 * (static_cast<std::size_t>(f) * 14 + 3) + i;
-      const double stated = std::pow(uncertainty->rotation_sigma[at], 2);
-      const double prior = stated / (1.0 - uncertainty->rotation_observed[at]);
+      const double total = std::pow(uncertainty->rotation_sigma[at], 2);
+      const double prior = total / (1.0 - uncertainty->rotation_observed[at]);
+      const double stated = total - added(i, i);
       // What the evidence adds to the prior, scaled by the a-posteriori variance and calibrated.
       const double expected = (1.0 / turned(i, i) - 1.0 / prior) / stated_share;
       EXPECT_NEAR(1.0 / stated - 1.0 / prior, expected, 1e-3 * expected);
@@ -141,6 +146,34 @@ TEST(TrackUncertainty, KnowsTheRestPoseOnceHoweverLongAClipIsAndHoweverSlowAJoin
       }
     }
   }
+}
+
+TEST(TrackUncertainty, OfARotationHasHowFarOtherBodiesBonesTurnItsFrame) {
+  const PlayedTake take = SmoothTake(30);
+  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const JointTrackOptions options;
+  PoseState state(*take.tracks.skeleton, 30, take.truth.bone_length, std::vector<bool>(take.tracks.joints(), true));
+  const TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
+  const std::vector<Matrix3d> spreads = FrameSpreads(window);
+  const Skeleton& skeleton = *take.tracks.skeleton;
+  const std::vector<std::vector<int>> children = skeleton.Children();
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(spreads[j]);
+    if (children[j].empty()) {
+      EXPECT_EQ(spreads[j], Matrix3d::Zero()) << "no bone starts here";
+    } else if (children[j].size() == 1) {
+      const Vector3d bone = skeleton.joints[children[j].front()].rest_offset;
+      EXPECT_NEAR((spreads[j] * bone).norm(), 0.0, 1e-9) << "twist about the only bone is in the prior";
+      const double spread = skeleton.joints[j].mirror == j ? 0.0055 : 0.0025;
+      EXPECT_NEAR(std::sqrt(eigen.eigenvalues()[2]), spread / take.truth.bone_length[children[j].front()], 1e-9);
+    } else {
+      EXPECT_GT(eigen.eigenvalues()[0], 0.0) << "several bones turn it about every axis";
+    }
+  }
+  PlayedTake unseen = take;
+  for (int f = 0; f < 30; ++f) Hide(unseen.tracks, f, children[3].front());
+  const TrackWindow without{unseen.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
+  EXPECT_EQ(FrameSpreads(without)[3], Matrix3d::Zero()) << "of bones that are seen";
 }
 
 TEST(TrackUncertainty, SaysThatTheTwistOfAStraightLimbIsNotObserved) {

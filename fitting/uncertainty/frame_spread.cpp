@@ -1,0 +1,39 @@
+#include "fitting/uncertainty/frame_spread.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "fitting/uncertainty/body_spread.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kNoLever = 1e-9;  ///< of the longest lever, squared: the axis is the only bone's
+
+}  // namespace
+
+std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole) {
+  const std::vector<bool> shown = whole.tracks.SeenJoints();
+  const std::vector<Joint>& joints = whole.tracks.skeleton->joints;
+  std::vector<Matrix3d> information(joints.size(), Matrix3d::Zero());
+  for (int j = 1; j < whole.state.joints(); ++j) {
+    const int start = joints[j].parent;
+    if (!shown[j] || !shown[start]) continue;
+    const Vector3d bone = *whole.state.bone(j) * joints[j].rest_offset.stableNormalized();
+    const double spread = joints[start].mirror == start ? kTrunkSpread : kLimbSpread;
+    information[start] += (bone.squaredNorm() * Matrix3d::Identity() - bone * bone.transpose()) / (spread * spread);
+  }
+  std::vector<Matrix3d> spreads;
+  for (const Matrix3d& of_joint : information) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(of_joint);
+    Vector3d variance = Vector3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      if (eigen.eigenvalues()[i] <= kNoLever * eigen.eigenvalues()[2]) continue;
+      variance[i] = std::min(1.0 / eigen.eigenvalues()[i], kUnknownAngle);
+    }
+    spreads.emplace_back(eigen.eigenvectors() * variance.asDiagonal() * eigen.eigenvectors().transpose());
+  }
+  return spreads;
+}
+
+}  // namespace mocurate
