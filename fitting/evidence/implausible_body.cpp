@@ -299,14 +299,18 @@ class BodyJudge {
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return BodyJudge(tracks).Findings(); }
 
 std::optional<Finding> FindDoubtfulSize(double stature, double scale) {
-  if (IsOfPeople(stature)) return {};
+  const bool of_people = IsOfPeople(stature);
+  if (of_people && scale >= kChild) return {};
   Finding finding;
   finding.code = "size_doubtful";
-  finding.severity = Severity::kError;
+  finding.severity = of_people ? Severity::kWarning : Severity::kError;
   finding.value = stature;
-  finding.message = "the body that explains the depth views would be " + WordsOfSize(stature, scale) +
-                    ". Are two people close together, is something between camera and person or touching them, or is "
-                    "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
+  finding.message = "the body that explains the depth views would be " + WordsOfSize(stature, scale);
+  finding.message +=
+      of_people ? ". Is it a child? Somebody of whom a part is never seen, behind a desk or outside the images, is "
+                  "taken for a small person who is seen whole: then all joints are elsewhere"
+                : ". Are two people close together, is something between camera and person or touching them, or is "
+                  "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
   finding.action = "flagged";
   return finding;
 }

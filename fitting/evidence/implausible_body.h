@@ -22,7 +22,8 @@ std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks);
 
 /// "size_doubtful" (error) of a body that was measured from depth views, by the same rule: its `stature` from lowest to
 /// highest joint, metres, and its size against the rest skeleton's. Unlike tracks, whose scale may be off and their
-/// motion right, a body of such a size has been fitted to something else than one person.
+/// motion right, a body of such a size has been fitted to something else than one person. A warning of one that is a
+/// child's, as somebody is measured whose legs are never seen.
 std::optional<Finding> FindDoubtfulSize(double stature, double scale);
 
 /// "joint_unexplained" (error): a joint of the fitted body lies, in the median of 10 frames or more that show it, more

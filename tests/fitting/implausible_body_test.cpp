@@ -1,5 +1,6 @@
 #include "fitting/evidence/implausible_body.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -47,6 +48,20 @@ TEST(ImplausibleBody, IsNoneOfASoundTakeHoweverManyJointsAreHidden) {
     if (f % 3 == 0) Hide(take.tracks, f, 1);
   }
   EXPECT_TRUE(FindImplausibleBody(take.tracks).empty());
+}
+
+TEST(DoubtfulSize, IsNobodysAnErrorAndAChildsAWarning) {
+  for (const double scale : {0.9, 1.0, 1.2}) EXPECT_FALSE(FindDoubtfulSize(1.5 * scale, scale)) << scale;
+  const auto child = FindDoubtfulSize(1.05, 0.7);
+  ASSERT_TRUE(child.has_value());
+  EXPECT_EQ(child->severity, Severity::kWarning);
+  EXPECT_THAT(child->message, testing::HasSubstr("never seen"));
+  for (const double scale : {0.2, 2.0}) {
+    const auto nobody = FindDoubtfulSize(1.5 * scale, scale);
+    ASSERT_TRUE(nobody.has_value()) << scale;
+    EXPECT_EQ(nobody->code, "size_doubtful");
+    EXPECT_EQ(nobody->severity, Severity::kError);
+  }
 }
 
 TEST(UnexplainedJoints, AreThoseThatTheFitLeavesFarFromWhereTheyAreTracked) {
