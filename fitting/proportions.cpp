@@ -85,6 +85,25 @@ std::vector<double> RoundedLengths(std::vector<double> lengths) {
   return lengths;
 }
 
+namespace {
+
+constexpr double kNobodyStands = 0.25;  ///< of the longest way; people who stand, or sit, are taller in a rest pose
+
+/// From one joint along the bones to another, the longest, metres.
+double LongestWay(const Skeleton& skeleton, const std::vector<double>& bone_length) {
+  std::vector<double> below(skeleton.joints.size(), 0.0);
+  double longest = 0.0;
+  for (int j = skeleton.joint_count() - 1; j > 0; --j) {  // parents stand before their children
+    const int parent = skeleton.joints[j].parent;
+    const double way = below[j] + bone_length[j];
+    longest = std::max(longest, below[parent] + way);
+    below[parent] = std::max(below[parent], way);
+  }
+  return longest;
+}
+
+}  // namespace
+
 double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length) {
   const std::vector<Quaterniond> rest(skeleton.joints.size(), Quaterniond::Identity());
   std::vector<Vector3d> joints(skeleton.joints.size());
@@ -95,7 +114,8 @@ double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length)
     low = std::min(low, joint.y());
     high = std::max(high, joint.y());
   }
-  return high - low;
+  const double way = LongestWay(skeleton, bone_length);
+  return high - low < kNobodyStands * way ? way : high - low;
 }
 
 nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) {

@@ -46,7 +46,8 @@ nlohmann::json ProportionsJson(const Proportions& proportions, const Skeleton& r
 /// direction.
 Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr& skeleton, const std::string& where);
 
-/// Height of the rest pose with these bones: highest minus lowest joint, metres.
+/// Height of the rest pose with these bones: highest minus lowest joint, metres. Of a rest pose in which nobody stands
+/// (all bones along one axis) the longest way along the bones instead: from head to toes, or hand to hand.
 double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length);
 
 }  // namespace mocurate
