@@ -74,11 +74,13 @@ void PrintFit(const JobResult& result, const ItemResult& item) {
   if (fit.contains("contacts")) {
     const nlohmann::json& contacts = fit["contacts"];
     std::printf(
-        "  standing feet slide %.3f -> %.3f m/s (they stand %.0f %% of the time); the largest change is %.0f mm (%s, "
+        "  standing feet slide %.3f -> %.3f m/s, the fastest %.2f -> %.2f (they stand %.0f %% of the time); the "
+        "largest change is %.0f mm (%s, "
         "frame %d), %.1f degrees\n",
-        number(contacts, "sliding_before"), number(contacts, "sliding_after"),
-        100.0 * number(contacts, "contact_share"), number(contacts, "largest_shift_mm"),
-        contacts.value("joint", "").c_str(), contacts.value("frame", 0), number(contacts, "largest_turn_deg"));
+        number(contacts, "sliding_before"), number(contacts, "sliding_after"), number(contacts, "fastest_before"),
+        number(contacts, "fastest_after"), 100.0 * number(contacts, "contact_share"),
+        number(contacts, "largest_shift_mm"), contacts.value("joint", "").c_str(), contacts.value("frame", 0),
+        number(contacts, "largest_turn_deg"));
   }
   PrintRepairs(item);
   for (const Finding& finding : FindingsOf(result, item)) {

@@ -24,7 +24,7 @@ bool EndedHere(const ItemResult& item) { return !ItemHasArtifact(item) && !HasAr
 }  // namespace
 
 const ItemResult* ClipRecord::ended() const {
-  for (const ItemResult* stage : {&evidence, &motion, &canonical}) {
+  for (const ItemResult* stage : {&evidence, &motion, &canonical, &assembled}) {
     if (EndedHere(*stage)) return stage;
   }
   return nullptr;
@@ -33,7 +33,7 @@ const ItemResult* ClipRecord::ended() const {
 std::string ClipRecord::ended_at() const {
   const ItemResult* stage = ended();
   if (stage == nullptr) return "";
-  return stage == &evidence ? "ingest" : stage == &motion ? "fitting" : "canon";
+  return stage == &evidence ? "ingest" : stage == &motion ? "fitting" : stage == &canonical ? "canon" : "assemble";
 }
 
 std::string ClipRecord::body(BodyOf body_of) const {
@@ -48,7 +48,7 @@ bool ClipRecord::folder() const {
 
 bool ClipRecord::doubtful() const {
   if (ended() != nullptr) return false;
-  for (const ItemResult* stage : {&evidence, &motion, &canonical}) {
+  for (const ItemResult* stage : {&evidence, &motion, &canonical, &assembled}) {
     for (const Finding& finding : stage->outcome.findings) {
       if (finding.severity == Severity::kError) return true;
     }
@@ -72,7 +72,7 @@ std::string ClipRecord::reason() const {
 
 std::set<std::string> FindingCodes(const ClipRecord& clip) {
   std::set<std::string> codes;
-  for (const ItemResult* stage : {&clip.evidence, &clip.motion, &clip.canonical}) {
+  for (const ItemResult* stage : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
     for (const Finding& finding : stage->outcome.findings) {
       if (finding.severity != Severity::kInfo) codes.insert(finding.code);
     }
@@ -247,6 +247,34 @@ void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, record->first,
                           "ingest.source.checks.actions." + finding.code + ": report keeps such clips"};
   }
+}
+
+std::vector<Finding> NoteLeftOutOfSet(const ItemResult& assembled, std::vector<ClipRecord>& clips) {
+  const nlohmann::json left_out = assembled.outcome.summary.value("left_out", nlohmann::json::object());
+  std::vector<Finding> of_set = assembled.outcome.findings;
+  std::vector<ItemResult> whole;
+  for (ClipRecord& clip : clips) {
+    const auto item = left_out.find(clip.item);
+    if (item == left_out.end()) continue;
+    StageOutcome& outcome = clip.assembled.outcome;
+    for (const std::size_t i : item->at("findings").get<std::vector<std::size_t>>()) {
+      outcome.findings.push_back(assembled.outcome.findings.at(i));
+      of_set[i].code.clear();
+    }
+    if (!item->value("whole", false)) continue;
+    clip.assembled.item = clip.item;
+    outcome.kind = OutcomeKind::kLeftOut;
+    if (item->contains("threshold")) outcome.summary["threshold"] = item->at("threshold");
+    outcome.error = Error{ErrorCode::kInconsistent, outcome.findings.back().message, clip.item,
+                          "export it in the rest pose of the others, or fit one skeleton to the joints of all: "
+                          "fitting.method joint_tracks"};
+    whole.push_back(clip.assembled);
+  }
+  LogLeftOut(whole);
+  of_set.erase(
+      std::remove_if(of_set.begin(), of_set.end(), [](const Finding& finding) { return finding.code.empty(); }),
+      of_set.end());
+  return of_set;
 }
 
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, BodyOf body_of,

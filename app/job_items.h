@@ -22,13 +22,15 @@ struct ClipRecord {
   ItemResult evidence;            ///< stage ingest
   ItemResult motion;              ///< stage fitting (or ingest, when nothing is fitted)
   ItemResult canonical;           ///< stage canon
+  ItemResult assembled;           ///< stage assemble, of a clip that it leaves out
   ItemResult baseline;            ///< stage canon on the unfitted tracks
   std::string format;             ///< of its file, as the source declares it
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
   /// Item of the stage `proportions` that the clip's body is of.
   std::string body(BodyOf body_of) const;
-  bool kept() const { return !canonical.artifact.empty(); }
+  /// In the dataset, as far as the stages have come.
+  bool kept() const { return !canonical.artifact.empty() && HasArtifact(assembled.outcome.kind); }
   /// What the stage said that ended it: it failed there, or a rule left it out. Null when none did.
   const ItemResult* ended() const;
   /// Name of that stage, or empty.
@@ -83,6 +85,10 @@ std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, con
 
 /// Brings what that stage found to the clips: findings, and no artifact for those that are to be left out.
 void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips);
+
+/// Brings what the stage `assemble` left out to the clips, and tells of them: one line for all of a reason. Gives the
+/// other findings back, which are about the set.
+std::vector<Finding> NoteLeftOutOfSet(const ItemResult& assembled, std::vector<ClipRecord>& clips);
 
 /// One item per person, or per recording of a person, with the evidence of at most 30 of their clips, chosen by hash of
 /// the clip ids so that other clips do not move the choice.

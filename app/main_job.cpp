@@ -50,7 +50,7 @@ class MainJob {
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
       Status done = (this->*step)();
-      if (stage <= JobStage::kCanon && !DryRun() && !clips_.empty()) {
+      if (stage <= JobStage::kAssemble && !DryRun() && !clips_.empty()) {
         const Status logged = WriteCurationLog(clips_, outputs_.Place("curation_log.jsonl"));
         if (!logged) return Forward(logged);
       }
@@ -241,7 +241,7 @@ class MainJob {
   Status Assemble() {
     const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical, options_.train.baseline ? kFittedBranch : "");
     if (!dataset) return Forward(dataset);
-    AddSetFindings(dataset->outcome.findings);
+    AddSetFindings(NoteLeftOutOfSet(*dataset, clips_));
     dataset_ = *dataset;
     if (options_.train.baseline) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);

@@ -114,7 +114,7 @@ nlohmann::json ClipSummary(const ClipRecord& clip) {
                             {"fitting", clip.motion.outcome.summary},
                             {"canon", clip.canonical.outcome.summary},
                             {"findings", nlohmann::json::array()}};
-  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical}) {
+  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
     if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
     for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
   }

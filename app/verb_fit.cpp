@@ -56,7 +56,7 @@ struct Declared {
 
 bool IsStore(const fs::path& path) {
   std::error_code unknown;
-  return fs::is_regular_file(path, unknown) && DescribeStore(path).has_value();
+  return fs::is_regular_file(path, unknown) && IsStoreFile(path);
 }
 
 /// A dataset or MotionSet says everything itself.
@@ -143,11 +143,7 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
 /// Whether the clips come with rotations. Motions of a store have them or not.
 bool HasRotations(const IngestOptions& ingest) {
   if (ingest.source.format != SourceFormat::kMotions) return FactsOf(ingest.source.format).rotations;
-  const Expected<nlohmann::json> store = DescribeStore(ingest.path);
-  if (!store || !store->contains("fields")) return false;
-  return std::any_of((*store)["fields"].begin(), (*store)["fields"].end(), [](const nlohmann::json& field) {
-    return field.value("path", std::string()) == "/frames/rotation";
-  });
+  return HasStoredRotations(ingest.path);
 }
 
 bool IsAssigned(const FitArguments& arguments, const std::string& option) {

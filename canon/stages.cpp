@@ -158,59 +158,88 @@ bool SameRest(const Skeleton& a, const Skeleton& b) {
                     [](const Joint& x, const Joint& y) { return x.rest_offset == y.rest_offset; });
 }
 
-/// One skeleton for all clips: the one that most of them have (of equally many, the first by clip id); where people
-/// have directions of bones of their own, the built-in one of that name, if it has that tree. A clip whose rotations
-/// are counted from another rest pose is left out with a finding: a BVH file in an A-pose among T-poses.
+constexpr double kSameRestPose = 5e-3;  // radians
+
+/// A clip that cannot stand in one dataset with the others.
+Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = "other_skeleton";
+  finding.severity = Severity::kError;
+  finding.value = apart;
+  finding.message = message;
+  finding.action = "left out of the dataset";
+  return finding;
+}
+
+/// One skeleton for all clips: the one that most have their rotations counted from (of equally many, the first by clip
+/// id); where these have directions of their own, the built-in one of that name, if it has that tree. Where a person's
+/// bones point is the person's, like their lengths. A clip whose rotations are counted from another rest pose is left
+/// out with a finding: a BVH file in an A-pose among T-poses.
 void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
-  constexpr double kSame = 5e-3;  // radians
   std::vector<std::pair<SkeletonPtr, int>> kinds;
   for (const Clip& clip : dataset.clips) {
+    const SkeletonPtr& rest_pose = clip.motion->rest_pose();
     const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) {
-      return SameTree(*kind.first, *clip.motion->skeleton) &&
-             (clip.motion->joints_only() || RestPosesApart(*kind.first, *clip.motion->skeleton) <= kSame);
+      return SameTree(*kind.first, *rest_pose) &&
+             (clip.motion->joints_only() || RestPosesApart(*kind.first, *rest_pose) <= kSameRestPose);
     });
     if (known != kinds.end()) {
       ++known->second;
     } else {
-      kinds.emplace_back(clip.motion->skeleton, 1);
+      kinds.emplace_back(rest_pose, 1);
     }
   }
   dataset.skeleton = std::max_element(kinds.begin(), kinds.end(), [](const auto& a, const auto& b) {
                        return a.second < b.second;
                      })->first;
   const bool one_rest = std::all_of(dataset.clips.begin(), dataset.clips.end(), [&](const Clip& clip) {
-    return SameRest(*clip.motion->skeleton, *dataset.skeleton);
+    return SameRest(*clip.motion->rest_pose(), *dataset.skeleton);
   });
   const bool is_name = dataset.skeleton->name.find_first_of("/.") == std::string::npos;  // of no file
   if (const auto built_in = one_rest || !is_name ? Expected<SkeletonPtr>() : LoadSkeleton(dataset.skeleton->name);
       built_in && *built_in && SameButRest(**built_in, *dataset.skeleton) &&
-      RestPosesApart(**built_in, *dataset.skeleton) <= kSame) {
+      RestPosesApart(**built_in, *dataset.skeleton) <= kSameRestPose) {
     dataset.skeleton = *built_in;
   }
   std::vector<Clip> kept;
   for (Clip& clip : dataset.clips) {
-    const bool same = SameTree(*dataset.skeleton, *clip.motion->skeleton);
-    const double apart =
-        same && !clip.motion->joints_only() ? RestPosesApart(*dataset.skeleton, *clip.motion->skeleton) : 0.0;
-    if (same && apart <= kSame) {
-      const bool shared = clip.motion->joints_only() || SameRest(*clip.motion->skeleton, *dataset.skeleton);
-      clip.motion->skeleton = shared ? dataset.skeleton : WithRestOf(*dataset.skeleton, *clip.motion->skeleton);
-      kept.push_back(std::move(clip));
+    Motion& motion = *clip.motion;
+    if (!SameTree(*dataset.skeleton, *motion.skeleton)) {
+      findings.push_back(OtherSkeleton(
+          clip, 0.0, "its joints differ from those of most clips, skeleton '" + dataset.skeleton->name + "'"));
       continue;
     }
-    Finding finding;
-    finding.clip = clip.id();
-    finding.code = "other_skeleton";
-    finding.severity = Severity::kError;
-    finding.value = apart;
-    finding.message =
-        same ? "its rotations are counted from another rest pose than those of most clips: a bone points " +
-                   FormatDouble(std::round(apart * 1800.0 / kPi) / 10.0) + " degrees elsewhere"
-             : "its joints differ from those of most clips, skeleton '" + dataset.skeleton->name + "'";
-    finding.action = "left out of the dataset";
-    findings.push_back(finding);
+    const double apart = motion.joints_only() ? 0.0 : RestPosesApart(*dataset.skeleton, *motion.rest_pose());
+    if (apart > kSameRestPose) {
+      findings.push_back(
+          OtherSkeleton(clip, apart,
+                        "its rotations are counted from another rest pose than those of most clips: a bone points " +
+                            FormatDouble(std::round(apart * 1800.0 / kPi) / 10.0) + " degrees elsewhere"));
+      continue;
+    }
+    const bool shared = motion.joints_only() || SameRest(*motion.skeleton, *dataset.skeleton);
+    motion.skeleton = shared ? dataset.skeleton : WithRestOf(*dataset.skeleton, *motion.skeleton);
+    motion.counted_from = shared ? nullptr : dataset.skeleton;
+    kept.push_back(std::move(clip));
   }
   dataset.clips = std::move(kept);
+}
+
+/// By item: whether nothing of it is kept, and which findings say why clips of it are left out.
+nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, const std::vector<Clip>& kept,
+                            const std::vector<Finding>& findings) {
+  nlohmann::json items = nlohmann::json::object();
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    nlohmann::json& item = items[item_of.at(findings[i].clip)];
+    item["whole"] = true;
+    item["findings"].push_back(i);
+    if (findings[i].value > 0.0) item["threshold"] = kSameRestPose;
+  }
+  for (const Clip& clip : kept) {
+    if (const auto item = items.find(item_of.at(clip.id())); item != items.end()) (*item)["whole"] = false;
+  }
+  return items;
 }
 
 void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
@@ -254,7 +283,7 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   Dataset dataset;
   auto clip = ReadInputClip(request, *options, dataset.findings);
   if (!clip) return Forward(clip);
-  dataset.skeleton = clip->motion->skeleton;
+  dataset.skeleton = clip->motion->rest_pose();
   dataset.joints_only = clip->motion->joints_only();
   dataset.created_by = CreatedBy();
   StageOutcome outcome;
@@ -290,6 +319,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   dataset.created_by = CreatedBy();
   dataset.recipe = options->recipe;
   std::vector<Finding> noted;
+  std::map<std::string, std::string> item_of;  // of each clip
   for (const StageInput& input : request.inputs) {
     if (input.role == "findings") {
       if (Status read = ReadFindings(input, noted); !read) return Forward(read);
@@ -304,7 +334,10 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
                                     : "holds rotations where the others have joints only",
                   input.name, "one dataset holds either");
     }
-    for (Clip& clip : part->clips) dataset.clips.push_back(std::move(clip));
+    for (Clip& clip : part->clips) {
+      item_of[clip.id()] = input.name;
+      dataset.clips.push_back(std::move(clip));
+    }
     dataset.findings.insert(dataset.findings.end(), part->findings.begin(), part->findings.end());
   }
   dataset.findings.insert(dataset.findings.end(), noted.begin(), noted.end());
@@ -315,6 +348,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   SortById(dataset.clips);
   StageOutcome outcome;
   UniteSkeletons(dataset, outcome.findings);
+  const nlohmann::json left_out = LeftOutOfSet(item_of, dataset.clips, outcome.findings);
   FindMixedRates(dataset, outcome.findings);
   std::set<std::string> names;
   for (const Clip& clip : dataset.clips) names.insert(clip.label);
@@ -323,6 +357,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
 
   outcome.summary = {
       {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
+  if (!left_out.empty()) outcome.summary["left_out"] = left_out;
   for (const SplitOptions& split_options : options->splits) {
     auto split = MakeSplit(split_options, dataset, outcome.findings);
     if (!split) return Forward(split);

@@ -114,6 +114,24 @@ Expected<SlidingRemoval> RemoveSliding(const ContactOptions& options, const std:
   return RemoveFootSliding(options, motion);
 }
 
+/// Rotations are counted from the rest pose of the named skeleton, wherever the person's bones point.
+Status CountFromNamed(const FittingOptions& options, Motion& motion) {
+  if (options.method == FitMethod::kNone) return {};
+  const Expected<SkeletonPtr> named = LoadSkeleton(options.skeleton);
+  if (!named) return Forward(named);
+  auto rest_pose = std::make_shared<Skeleton>(*motion.skeleton);
+  bool own = false;
+  for (Joint& joint : rest_pose->joints) {
+    const std::optional<int> at = (*named)->FindJoint(joint.name);
+    if (!at) continue;
+    const Vector3d& offset = (*named)->joints[static_cast<std::size_t>(*at)].rest_offset;
+    own = own || joint.rest_offset != offset;
+    joint.rest_offset = offset;
+  }
+  if (own) motion.counted_from = std::move(rest_pose);
+  return {};
+}
+
 }  // namespace
 
 Expected<StageOutcome> FittingStage(const StageRequest& request) {
@@ -136,6 +154,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
     return tl::unexpected<Error>(error);
   }
   if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
+  if (Status counted = CountFromNamed(*options, fit->motion); !counted) return Forward(counted);
 
   std::optional<SlidingRemoval> removal;
   if (options->contacts.remove_sliding) {
@@ -147,7 +166,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   StageOutcome outcome = OutcomeOfFit(*clip, *fit, *options);
   if (removal) outcome.summary["contacts"] = SlidingJson(*removal, *fit->motion.skeleton);
   dataset.created_by = CreatedBy();
-  dataset.skeleton = fit->motion.skeleton;
+  dataset.skeleton = fit->motion.rest_pose();
   dataset.joints_only = fit->motion.joints_only();
   dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   clip->fit_rms = fit->residual_rms;

@@ -85,6 +85,25 @@ std::vector<double> RoundedLengths(std::vector<double> lengths) {
   return lengths;
 }
 
+namespace {
+
+constexpr double kNobodyStands = 0.25;  ///< of head to toes; people who stand, or sit, are taller in a rest pose
+
+/// Along the bones, from the end of a leg by way of the root to the head: the longest ways from the root to a joint,
+/// and to one in the middle of the body, metres.
+double HeadToToes(const Skeleton& skeleton, const std::vector<double>& bone_length) {
+  std::vector<double> way(skeleton.joints.size(), 0.0);
+  double longest = 0.0, middle = 0.0;
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    way[j] = way[skeleton.joints[j].parent] + bone_length[j];
+    longest = std::max(longest, way[j]);
+    if (skeleton.joints[j].mirror == j) middle = std::max(middle, way[j]);
+  }
+  return longest + middle;
+}
+
+}  // namespace
+
 double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length) {
   const std::vector<Quaterniond> rest(skeleton.joints.size(), Quaterniond::Identity());
   std::vector<Vector3d> joints(skeleton.joints.size());
@@ -95,7 +114,8 @@ double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length)
     low = std::min(low, joint.y());
     high = std::max(high, joint.y());
   }
-  return high - low;
+  const double along = HeadToToes(skeleton, bone_length);
+  return high - low < kNobodyStands * along ? along : high - low;
 }
 
 nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) {

@@ -46,7 +46,8 @@ nlohmann::json ProportionsJson(const Proportions& proportions, const Skeleton& r
 /// direction.
 Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr& skeleton, const std::string& where);
 
-/// Height of the rest pose with these bones: highest minus lowest joint, metres.
+/// Height of the rest pose with these bones: highest minus lowest joint, metres. Of a rest pose in which nobody stands
+/// (all bones along one axis) the way along the bones from head to toes instead.
 double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length);
 
 }  // namespace mocurate

@@ -107,9 +107,13 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
   const auto axes = AxisConvention::Parse(file->content.Text("/@axes"));
   if (!axes) return Fail(ErrorCode::kMalformed, axes.error().what, file->Where("/@axes"));
   file->axes = *axes;
-  // The skeleton is that of every clip: the first one's content has it checked.
-  if (file->content.fields.at("/clips/id").rows() > 0) {
-    const Expected<Content> first = file->OneClip(0);
+  // The skeleton is that of every clip: the content of the first one that is sound has it checked.
+  const std::size_t rows = file->content.fields.at("/clips/id").rows();
+  if (rows > 0) {
+    Expected<Content> first = file->OneClip(0);
+    for (std::size_t row = 1; row < rows && !first; ++row) {
+      if (Expected<Content> next = file->OneClip(row)) first = std::move(next);
+    }
     if (!first) return Forward(first);
     auto skeleton = std::make_shared<Skeleton>(store::UnpackSkeleton(*first, ""));
     if (Status sound = store::CheckSkeleton(*skeleton, ErrorCode::kMalformed, path, ""); !sound) return Forward(sound);
@@ -179,7 +183,11 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   }
   const auto where = [this](const std::string& field) { return Where(field); };
   Status sound = store::CheckContent(store::DatasetSchema(), one, ErrorCode::kMalformed, where);
-  if (!sound) return Forward(sound);
+  if (!sound) {
+    Error error = sound.error();
+    error.hint += (error.hint.empty() ? "" : "; ") + std::string("mend the clip or leave it out: the others are read");
+    return tl::unexpected<Error>(error);
+  }
   return one;
 }
 

@@ -90,6 +90,16 @@ nlohmann::json Tally(const std::vector<std::string>& texts) {
 
 }  // namespace
 
+bool IsStoreFile(const std::filesystem::path& path) {
+  const auto reader = store::Hdf5Reader::Open(path);
+  return reader && SchemaOf(*reader);
+}
+
+bool HasStoredRotations(const std::filesystem::path& path) {
+  const auto reader = store::Hdf5Reader::Open(path);
+  return reader && reader->Has("/frames/rotation");
+}
+
 Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path) {
   auto reader = store::Hdf5Reader::Open(path);
   if (!reader) return Forward(reader);

@@ -143,6 +143,7 @@ Motion UnpackMotion(const Content& content, const std::string& prefix, const Ske
   const auto J = static_cast<std::size_t>(skeleton->joint_count());
   Motion motion;
   motion.skeleton = WithRestOffsets(content, prefix, row, skeleton);
+  if (motion.skeleton != skeleton) motion.counted_from = skeleton;
   motion.rate = *FrameRate::Parse(content.Values<std::string>(prefix + "/clips/rate")[row]);
   motion.joints.frames = static_cast<int>(count);
   motion.joints.joints = static_cast<int>(J);

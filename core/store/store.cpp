@@ -218,7 +218,7 @@ Status WriteEvidence(const Clip& clip, const std::filesystem::path& path, const 
     if (clip.motion->skeleton == nullptr) {
       return Fail(ErrorCode::kInconsistent, "the motion has no skeleton", store::Where(path, clip.id()));
     }
-    const Skeleton& skeleton = *clip.motion->skeleton;
+    const Skeleton& skeleton = *clip.motion->rest_pose();
     if (Status checked = store::CheckSkeleton(skeleton, ErrorCode::kInconsistent, path, ""); !checked) return checked;
     store::PackSkeleton(skeleton, "", content);
     Status packed = InFile(PackClipMotions({&clip}, skeleton, clip.motion->joints_only(), content), path);

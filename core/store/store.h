@@ -65,6 +65,11 @@ Expected<Clip> ReadEvidence(const std::filesystem::path& path, std::vector<Findi
 Status WriteTruth(const Truth& truth, const std::filesystem::path& path);
 Expected<Truth> ReadTruth(const std::filesystem::path& path);
 
+/// Whether a file is one of these by its schema; what it holds may be damaged.
+bool IsStoreFile(const std::filesystem::path& path);
+/// Whether such a file has rotations, not joints only.
+bool HasStoredRotations(const std::filesystem::path& path);
+
 /// What a file is and holds, as JSON: schema, skeleton, counts, fields with shape, type and unit.
 Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path);
 

@@ -103,11 +103,10 @@ void AddSpans(std::vector<Field>& fields, const std::string& prefix, const std::
            "rotation_observed, "
            "16 contact; rows of others are zero")
       .Add("bone_length", kF8, {rows, "J"}, "m", AtLeast(0), "of the person, bone that ends at the joint", kTree);
-  if (rows == "1") return;  // the skeleton is the person's
   Group(fields, prefix + "/clips", presence)
       .Add("rest_offset", kF8, {rows, "J", "3"}, "m", Finite(),
            "of the person, as /skeleton/rest_offsets, whose place it takes: only directions matter, lengths are "
-           "bone_length",
+           "bone_length; rotations are counted from the pose of /skeleton/rest_offsets",
            kOptional);
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kFloorShare = 0.05;     // as core/quality reads the floor
 constexpr double kStraightest = 0.9995;  // of the leg's length: a knee is never quite straight
+constexpr double kNoFaster = 1e-4;       // m/s, of numbers
+constexpr int kTrials = 5;               // each holds half as much, the last nothing
 
 /// Half-open runs of frames.
 struct Run {
@@ -50,38 +52,81 @@ double SpeedAt(const Motion& motion, int frame, int joint) {
          (after - before);
 }
 
-/// Where a joint has to be moved while it stands, and how much that counts.
-void AddShifts(const Motion& motion, int joint, const std::vector<bool>& contacts, std::vector<Vector3d>& shift,
-               std::vector<int>& count) {
-  for (const Run& run : RunsOf(contacts, true)) {
-    Vector3d middle = Vector3d::Zero();
-    for (int f = run.begin; f < run.end; ++f) middle += motion.joints.at(f, joint) / (run.end - run.begin);
-    for (int f = run.begin; f < run.end; ++f) {
-      shift[f] += middle - motion.joints.at(f, joint);
-      ++count[f];
-    }
-  }
-}
-
 /// When a joint stands.
 struct Stand {
   int joint = -1;
   std::vector<bool> frames;
 };
 
-/// Metres per second, horizontal, between frames in which a joint stands.
-double Sliding(const Motion& motion, const std::vector<Stand>& stands) {
-  double path = 0.0;
+/// How fast joints are, horizontally, between frames in which they stand, metres per second.
+struct Slide {
+  double mean = 0.0;
+  double fastest = 0.0;
+};
+
+Slide SlideIn(const Motion& motion, const std::vector<Stand>& stands, Run run) {
+  Slide slide;
   int steps = 0;
   for (const Stand& stand : stands) {
-    for (int f = 1; f < motion.frame_count(); ++f) {
+    for (int f = run.begin + 1; f < run.end; ++f) {
       if (!stand.frames[f] || !stand.frames[f - 1]) continue;
       const Vector3d step = motion.joints.at(f, stand.joint) - motion.joints.at(f - 1, stand.joint);
-      path += std::hypot(step.x(), step.z());
+      const double speed = std::hypot(step.x(), step.z()) * motion.rate.hz();
+      slide.mean += speed;
+      slide.fastest = std::max(slide.fastest, speed);
       ++steps;
     }
   }
-  return steps > 0 ? path * motion.rate.hz() / steps : 0.0;
+  if (steps > 0) slide.mean /= steps;
+  return slide;
+}
+
+/// A foot, its joints that can stand, and where it has to be moved.
+struct Foot {
+  Leg leg;
+  std::vector<Stand> stands;
+  std::vector<bool> standing;   ///< any of them
+  std::vector<Run> contacts;    ///< of `standing`
+  std::vector<double> held;     ///< of each contact: how much of what would hold the foot still
+  std::vector<Vector3d> still;  ///< what would, while it stands; (F) as the others
+  std::vector<Vector3d> shift;
+};
+
+/// Takes out of each step of a contact how the joints move that stand before and after it, in the mean of ankle and
+/// toe: when the heel lifts and the toe still stands, the foot goes on from where it is. The middle of the contact
+/// stays.
+void HoldStill(const Motion& motion, Run contact, Foot& foot) {
+  Vector3d middle = Vector3d::Zero();
+  for (int f = contact.begin + 1; f < contact.end; ++f) {
+    Vector3d step = Vector3d::Zero();
+    int count = 0;
+    for (const Stand& stand : foot.stands) {
+      if (!stand.frames[f] || !stand.frames[f - 1]) continue;
+      step += motion.joints.at(f, stand.joint) - motion.joints.at(f - 1, stand.joint);
+      ++count;
+    }
+    foot.still[f] = foot.still[f - 1];
+    if (count > 0) foot.still[f] -= step / count;
+    middle += foot.still[f] / (contact.end - contact.begin);
+  }
+  for (int f = contact.begin; f < contact.end; ++f) foot.still[f] -= middle;
+}
+
+Foot FootOf(const Motion& motion, const Leg& leg, const ContactOptions& options) {
+  const int frames = motion.frame_count();
+  Foot foot;
+  foot.leg = leg;
+  foot.standing.assign(frames, false);
+  for (const int joint : {leg.ankle, leg.toe}) {
+    if (joint < 0) continue;
+    foot.stands.push_back({joint, JointContacts(motion, joint, options)});
+    for (int f = 0; f < frames; ++f) foot.standing[f] = foot.standing[f] || foot.stands.back().frames[f];
+  }
+  foot.contacts = RunsOf(foot.standing, true);
+  foot.held.assign(foot.contacts.size(), 1.0);
+  foot.still.assign(frames, Vector3d::Zero());
+  for (const Run& contact : foot.contacts) HoldStill(motion, contact, foot);
+  return foot;
 }
 
 /// 1 at 0, 0 at 1 and beyond, flat at both ends.
@@ -101,13 +146,22 @@ void FadeShifts(const std::vector<bool>& standing, double blend, std::vector<Vec
   }
 }
 
-/// Turns hip and knee so that the ankle comes to `target`; the foot keeps its orientation. Globals of the frame before
-/// the change. Returns whether the leg is long enough.
-bool BendLeg(const Leg& leg, int frame, const Vector3d& target, const std::vector<Quaterniond>& global,
-             Motion& motion) {
-  const Vector3d hip = motion.joints.at(frame, leg.hip);
-  const Vector3d knee = motion.joints.at(frame, leg.knee);
-  const Vector3d ankle = motion.joints.at(frame, leg.ankle);
+/// Where the foot has to be moved, as much as its contacts are held.
+void SetShifts(const ContactOptions& options, double hz, Foot& foot) {
+  foot.shift.assign(foot.still.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i < foot.contacts.size(); ++i) {
+    for (int f = foot.contacts[i].begin; f < foot.contacts[i].end; ++f) foot.shift[f] = foot.held[i] * foot.still[f];
+  }
+  FadeShifts(foot.standing, options.blend_s * hz, foot.shift);
+}
+
+/// Turns hip and knee so that the ankle comes to `target`; the foot keeps its orientation. Joints and globals are those
+/// before the change. Returns whether the leg is long enough.
+bool BendLeg(const Leg& leg, int frame, const JointPositions& joints, const Vector3d& target,
+             const std::vector<Quaterniond>& global, Motion& motion) {
+  const Vector3d hip = joints.at(frame, leg.hip);
+  const Vector3d knee = joints.at(frame, leg.knee);
+  const Vector3d ankle = joints.at(frame, leg.ankle);
   const double thigh = (knee - hip).norm();
   const double shank = (ankle - knee).norm();
   const double wanted = (target - hip).norm();
@@ -135,6 +189,38 @@ bool BendLeg(const Leg& leg, int frame, const Vector3d& target, const std::vecto
   motion.rotation_at(frame, leg.knee) = (hip_global.conjugate() * knee_global).normalized();
   motion.rotation_at(frame, leg.ankle) = (knee_global.conjugate() * global[leg.ankle]).normalized();
   return wanted <= kStraightest * (thigh + shank);
+}
+
+/// Bends the legs to where the feet have to be. Returns the frames of a foot that its leg does not reach.
+int BendLegs(const Motion& before, const std::vector<Foot>& feet, Motion& motion) {
+  int unreachable = 0;
+  std::vector<Vector3d> joints(motion.joint_count());
+  std::vector<Quaterniond> global(motion.joint_count());
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    ForwardKinematics(*motion.skeleton, motion.root_translation[f], &before.rotation_at(f, 0), motion.bone_length,
+                      joints.data(), global.data());
+    for (const Foot& foot : feet) {
+      if (foot.shift[f].norm() < 1e-9) continue;
+      const Vector3d target = before.joints.at(f, foot.leg.ankle) + foot.shift[f];
+      if (!BendLeg(foot.leg, f, before.joints, target, global, motion)) ++unreachable;
+    }
+  }
+  ComputeJoints(motion);
+  return unreachable;
+}
+
+/// Contacts in which a foot has become faster are held by `factor` of what they were. Returns whether there are any.
+bool HoldLess(const Motion& before, const Motion& motion, double factor, std::vector<Foot>& feet) {
+  bool any = false;
+  for (Foot& foot : feet) {
+    for (std::size_t i = 0; i < foot.contacts.size(); ++i) {
+      const double was = SlideIn(before, foot.stands, foot.contacts[i]).fastest;
+      if (SlideIn(motion, foot.stands, foot.contacts[i]).fastest <= was + kNoFaster) continue;
+      foot.held[i] *= factor;
+      any = true;
+    }
+  }
+  return any;
 }
 
 void MeasureChange(const Motion& before, const Motion& after, SlidingRemoval& removal) {
@@ -227,47 +313,34 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
   const Motion before = motion;
   SlidingRemoval removal;
   motion.contact.assign(2 * static_cast<std::size_t>(frames), 0);
-  std::vector<std::vector<Vector3d>> shifts;
+  std::vector<Foot> feet;
   std::vector<Stand> stands;
   std::size_t contacts = 0;
   for (std::size_t side = 0; side < legs->size(); ++side) {
-    const Leg& leg = (*legs)[side];
-    std::vector<Vector3d> shift(frames, Vector3d::Zero());
-    std::vector<int> count(frames, 0);
-    for (const int joint : {leg.ankle, leg.toe}) {
-      if (joint < 0) continue;
-      stands.push_back({joint, JointContacts(before, joint, options)});
-      AddShifts(before, joint, stands.back().frames, shift, count);
-    }
-    std::vector<bool> standing(frames, false);
+    feet.push_back(FootOf(before, (*legs)[side], options));
+    const Foot& foot = feet.back();
+    stands.insert(stands.end(), foot.stands.begin(), foot.stands.end());
     for (int f = 0; f < frames; ++f) {
-      standing[f] = count[f] > 0;
-      motion.contact[2 * static_cast<std::size_t>(f) + side] = standing[f] ? 1 : 0;
-      contacts += standing[f] ? 1 : 0;
-      if (count[f] > 1) shift[f] /= count[f];
+      motion.contact[2 * static_cast<std::size_t>(f) + side] = foot.standing[f] ? 1 : 0;
+      contacts += foot.standing[f] ? 1 : 0;
     }
-    FadeShifts(standing, options.blend_s * motion.rate.hz(), shift);
-    shifts.push_back(std::move(shift));
   }
-  std::vector<Vector3d> joints(motion.joint_count());
-  std::vector<Quaterniond> global(motion.joint_count());
-  for (int f = 0; f < frames; ++f) {
-    ForwardKinematics(*motion.skeleton, motion.root_translation[f], &before.rotation_at(f, 0), motion.bone_length,
-                      joints.data(), global.data());
-    for (std::size_t side = 0; side < legs->size(); ++side) {
-      if (shifts[side][f].norm() < 1e-9) continue;
-      const Leg& leg = (*legs)[side];
-      if (!BendLeg(leg, f, before.joints.at(f, leg.ankle) + shifts[side][f], global, motion)) ++removal.unreachable;
-    }
+  for (int trial = 1; trial <= kTrials; ++trial) {
+    for (Foot& foot : feet) SetShifts(options, motion.rate.hz(), foot);
+    motion.rotation = before.rotation;
+    removal.unreachable = BendLegs(before, feet, motion);
+    if (!HoldLess(before, motion, trial + 1 == kTrials ? 0.0 : 0.5, feet)) break;
   }
   for (int j = 0; j < motion.joint_count(); ++j) {
     MakeSignContinuous(motion.rotation.data() + j, frames, motion.joint_count());
   }
-  ComputeJoints(motion);
   MeasureChange(before, motion, removal);
   StateChange(before, motion);
-  removal.sliding_before = Sliding(before, stands);
-  removal.sliding_after = Sliding(motion, stands);
+  const Slide slid = SlideIn(before, stands, {0, frames}), slides = SlideIn(motion, stands, {0, frames});
+  removal.sliding_before = slid.mean;
+  removal.sliding_after = slides.mean;
+  removal.fastest_before = slid.fastest;
+  removal.fastest_after = slides.fastest;
   removal.contact_share = frames > 0 ? static_cast<double>(contacts) / (2.0 * frames) : 0.0;
   return removal;
 }
@@ -276,6 +349,8 @@ nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skelet
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
   return {{"sliding_before", rounded(removal.sliding_before)},
           {"sliding_after", rounded(removal.sliding_after)},
+          {"fastest_before", rounded(removal.fastest_before)},
+          {"fastest_after", rounded(removal.fastest_after)},
           {"contact_share", rounded(removal.contact_share)},
           {"largest_shift_mm", rounded(removal.largest_shift * 1e3)},
           {"largest_turn_deg", rounded(removal.largest_turn * 180.0 / M_PI)},

@@ -11,6 +11,7 @@
 #include "core/quality/tracked_points.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/proportions.h"
 
 namespace mocurate {
 namespace {
@@ -93,12 +94,7 @@ class BodyJudge {
       bone.rest = (rest[j] - rest[above]).norm();
       if (bone.length.size() >= kFewestBodyFrames && bone.median > 0.0) bones_.push_back(std::move(bone));
     }
-    double low = 0.0, high = 0.0;
-    for (const Vector3d& joint : rest) {
-      low = std::min(low, joint.y());
-      high = std::max(high, joint.y());
-    }
-    rest_stature_ = high - low;
+    rest_stature_ = Stature(skeleton, skeleton.RestBoneLengths());
     std::vector<double> ratios;
     for (const Bone& bone : bones_) {
       if (bone.rest >= kLongBone) ratios.push_back(bone.median / bone.rest);

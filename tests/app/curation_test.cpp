@@ -267,5 +267,53 @@ TEST(Limits, AreOptionsOfTheConfig) {
   EXPECT_EQ(RunProgram(folder, {"run", "--set", "pipeline.item_memory=3 min"}).exit_code, 2);
 }
 
+/// Two people in a T-pose, and one whose arm hangs in the rest pose of their file.
+std::string SmallBvh(const std::string& arm) {
+  std::string text =
+      "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+      "JOINT Spine\n{\nOFFSET 0 50 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
+      "JOINT Arm\n{\nOFFSET " +
+      arm +
+      "\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 25 0 0\n}\n}\n}\n}\n"
+      "MOTION\nFrames: 30\nFrame Time: 0.033333\n";
+  for (int f = 0; f < 30; ++f) text += std::to_string(f) + " 100 0 0 0 0 0 0 0 " + std::to_string(f) + " 0 0\n";
+  return text;
+}
+
+TEST(CurationOfSets, AClipOfAnotherRestPoseIsLeftOutByARuleAndNotKept) {
+  const Folder folder;
+  WriteText(folder / "c/p1_a.bvh", SmallBvh("40 0 0"));
+  WriteText(folder / "c/p2_b.bvh", SmallBvh("41 0 0"));
+  WriteText(folder / "c/p3_c.bvh", SmallBvh("0 -40 0"));
+  WriteText(folder / "job.yaml",
+            "ingest:\n  path: c\n  source:\n    name: arms\n    format: bvh\n    files: '{person}_{recording}.bvh'\n"
+            "    person: '{person}'\n    recording: '{recording}'\n    units: cm\n    axes: '+x +y +z'\n"
+            "fitting:\n  method: none\ncanon:\n  facing:\n    rule: none\nassemble:\n  splits: []\n");
+  const Result result = RunProgram(
+      folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "-j", "1", "--to", "assemble"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("3 clips, 2 kept, left out by rule: 1, 0 failed"));
+  EXPECT_THAT(result.out, HasSubstr("other_skeleton"));
+  EXPECT_THAT(result.err, HasSubstr("arms/p3/c"));
+  int left_out = 0;
+  const std::string log = ReadText(folder / "r/curation_log.jsonl");
+  for (const std::string_view text : SplitText(log, '\n')) {
+    if (text.empty()) continue;
+    const nlohmann::json line = nlohmann::json::parse(text);
+    if (line["decision"] != "left_out") continue;
+    ++left_out;
+    EXPECT_THAT(line["clip"].get<std::string>(), HasSubstr("p3"));
+    EXPECT_EQ(line["stage"], "assemble");
+    EXPECT_EQ(line["rule"], "other_skeleton");
+    EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("joint_tracks"));
+    EXPECT_NEAR(line["value"].get<double>(), 1.5708, 1e-3);
+    EXPECT_GT(line["threshold"].get<double>(), 0.0);
+  }
+  EXPECT_EQ(left_out, 1);
+  const Result seen = RunProgram(folder, {"inspect", (folder / "r").string()});
+  EXPECT_THAT(seen.out, HasSubstr("2 kept"));
+  EXPECT_THAT(seen.out, HasSubstr("in 2 clips"));
+}
+
 }  // namespace
 }  // namespace mocurate

@@ -255,6 +255,22 @@ TEST_F(FitVerbs, FeetOfAMotionThatIsGivenNoLongerSlideAndTheRestIsItsOwn) {
   EXPECT_EQ(after.clips[0].identity.recording, before.clips[0].identity.recording);
 }
 
+TEST_F(FitVerbs, ADamagedDatasetIsToldByItsField) {
+  ASSERT_EQ(Fit(data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh", {"--skeleton", "smpl24"}).exit_code, 0);
+  const Dataset dataset = Fitted();
+  const auto value = static_cast<float>(dataset.clips[0].motion->joints.xyz.back());
+  const fs::path given = folder_ / "given.h5";
+  fs::rename(output(), given);
+  std::string bytes = program::ReadText(given);
+  const std::size_t at = bytes.rfind(std::string(reinterpret_cast<const char*>(&value), sizeof value));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = static_cast<char>(bytes[at] ^ 1);
+  WriteText(given, bytes);
+  const Result result = Fit(given, {"--skeleton", "kinect20"});
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("/frames/"));
+}
+
 TEST_F(FitVerbs, ClipsOfADatasetKeepTheirIdentity) {
   ASSERT_EQ(Fit(data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh", {"--skeleton", "smpl24"}).exit_code, 0);
   Dataset dataset = Fitted();

@@ -33,7 +33,7 @@ Assembled AssembleMotions(const std::vector<Motion>& motions) {
   StageRequest request{"assemble", "dataset", OptionsToJson(AssembleOptions()), {}, folder / "dataset.h5", folder};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Dataset one;
-    one.skeleton = motions[i].skeleton;
+    one.skeleton = motions[i].rest_pose();
     Clip clip;
     clip.identity = {"test", "p", "r" + std::to_string(i), "", "", "", 0, motions[i].frame_count()};
     clip.label = "a";
@@ -150,6 +150,48 @@ TEST(Assemble, PeopleKeepTheDirectionsOfTheirOwnBodies) {
       << "the set has the built-in skeleton, not one person's";
   EXPECT_EQ(set.dataset->clips[0].motion->skeleton->joints[torso].rest_offset, own->joints[torso].rest_offset);
   EXPECT_EQ(set.dataset->clips[2].motion->skeleton->joints[torso].rest_offset, skeleton->joints[torso].rest_offset);
+}
+
+/// Fits of people on one skeleton: their rotations are counted from its rest pose, wherever their bones point.
+TEST(Assemble, FitsOfPeopleWithBodiesOfTheirOwnAllStay) {
+  const SkeletonPtr skeleton = Skeleton15();
+  const int alone = BoneOf(*skeleton, true), torso = BoneOf(*skeleton, false);
+  const double length = skeleton->joints[alone].rest_offset.norm();
+  const FrameRate rate{30, 1};
+  std::vector<Motion> motions;
+  for (const SkeletonPtr& body :
+       {Turned(skeleton, alone, length * skeleton->joints[alone].rest_offset.unitOrthogonal()),
+        Turned(skeleton, torso, Vector3d(0.0, 0.0, 0.1)), skeleton}) {
+    motions.push_back(Standing(body, rate));
+    motions.back().counted_from = body == skeleton ? nullptr : skeleton;
+  }
+  const Assembled set = AssembleMotions(motions);
+  ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
+  ASSERT_EQ(set.dataset->clips.size(), 3u);
+  EXPECT_TRUE(set.dataset->findings.empty());
+  EXPECT_FALSE(set.outcome->summary.contains("left_out"));
+  EXPECT_EQ(set.dataset->skeleton->joints[alone].rest_offset, skeleton->joints[alone].rest_offset);
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Motion& stored = *set.dataset->clips[i].motion;
+    const Motion again =
+        MakeMotion(stored.skeleton, stored.rate, stored.root_translation, stored.rotation, stored.bone_length);
+    for (int j = 0; j < stored.joint_count(); ++j) {
+      EXPECT_LT((again.joints.at(3, j) - motions[i].joints.at(3, j)).norm(), 1e-9) << "clip " << i << ", joint " << j;
+    }
+  }
+}
+
+TEST(Assemble, WhichItemsAreLeftOutStandsInTheSummary) {
+  const SkeletonPtr skeleton = Skeleton15();
+  const SkeletonPtr bent = Turned(skeleton, BoneOf(*skeleton, true), Vector3d(0.0, 0.1, 0.1));
+  const FrameRate rate{30, 1};
+  const Assembled set = AssembleMotions({Standing(bent, rate), Standing(skeleton, rate), Standing(skeleton, rate)});
+  ASSERT_TRUE(set.outcome) << set.outcome.error().Message();
+  const nlohmann::json& left_out = set.outcome->summary["left_out"];
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_EQ(left_out["test/p/r0#0-10"]["whole"], true);
+  EXPECT_EQ(left_out["test/p/r0#0-10"]["findings"], nlohmann::json({0}));
+  EXPECT_GT(left_out["test/p/r0#0-10"]["threshold"], 0.0);
 }
 
 TEST(Assemble, ClipsOfSeveralRatesAreFlagged) {

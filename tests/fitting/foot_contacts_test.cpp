@@ -66,6 +66,49 @@ TEST(FootContacts, TheFootKeepsItsOrientationAndTheKneeItsPlane) {
   }
 }
 
+/// Sways, and lifts the heels midway: the pelvis rises, and the ankles turn so that the toes stay as low as they were.
+Motion RisingOntoTheToes() {
+  Motion motion = Swaying(0.03, 80);
+  const int ankles[] = {7, 8}, toes[] = {10, 11};
+  const double low = motion.joints.at(0, toes[0]).y();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    motion.root_translation[f].x() += 0.005 * f;  // and slides
+    motion.root_translation[f].y() += std::clamp(0.008 * (f - 40), 0.0, 0.08);
+  }
+  ComputeJoints(motion);
+  const Motion risen = motion;
+  for (int f = 41; f < motion.frame_count(); ++f) {
+    for (int side = 0; side < 2; ++side) {
+      const Vector3d foot = risen.joints.at(f, toes[side]) - risen.joints.at(f, ankles[side]);
+      const double drop = low - risen.joints.at(f, ankles[side]).y();
+      const double length = std::hypot(foot.y(), foot.z());
+      const double turn = std::atan2(foot.y(), foot.z()) - std::asin(std::max(-1.0, drop / length));
+      Quaterniond& ankle = motion.rotation_at(f, ankles[side]);
+      ankle = ankle * ExpQuaternion(Vector3d(turn, 0.0, 0.0));
+    }
+  }
+  ComputeJoints(motion);
+  return motion;
+}
+
+TEST(FootContacts, AFootThatRollsOntoItsToesMakesNoJump) {
+  Motion motion = RisingOntoTheToes();
+  const auto removed = RemoveFootSliding(ContactOptions(), motion);
+  ASSERT_TRUE(removed.has_value()) << removed.error().Message();
+  EXPECT_LE(removed->fastest_after, removed->fastest_before + 1e-4);
+  EXPECT_LT(removed->sliding_after, 0.3 * removed->sliding_before);
+  const auto fastest = [&](const Motion& of, int joint) {
+    double most = 0.0;
+    for (int f = 1; f < of.frame_count(); ++f) {
+      if (motion.contact[2 * f] == 0 || motion.contact[2 * f - 2] == 0) continue;
+      most = std::max(most, 30.0 * (of.joints.at(f, joint) - of.joints.at(f - 1, joint)).norm());
+    }
+    return most;
+  };
+  EXPECT_GT(removed->contact_share, 0.8) << "on ankle or toes";
+  for (const int joint : {7, 10}) EXPECT_LT(fastest(motion, joint), 1.0);
+}
+
 TEST(FootContacts, AStandingPersonIsLeftAlone) {
   Motion motion = Swaying(0.0);
   const Motion before = motion;

@@ -29,6 +29,20 @@ TEST(Proportions, AreExactWithoutNoise) {
   for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 2e-4);
 }
 
+TEST(Proportions, TheStatureIsAPersonsWhereNobodyStandsInTheRestPose) {
+  const SkeletonPtr lying = *LoadSkeleton("bandai22"), standing = *LoadSkeleton("smpl24");
+  EXPECT_NEAR(Stature(*lying, lying->RestBoneLengths()), 1.47, 0.1);  // every bone along x or y of its parent
+  double low = 0.0, high = 0.0;
+  const JointPositions rest = MakeMotion(standing, FrameRate{}, {Vector3d::Zero()},
+                                         std::vector<Quaterniond>(standing->joints.size(), Quaterniond::Identity()), {})
+                                  .joints;
+  for (int j = 0; j < rest.joints; ++j) {
+    low = std::min(low, rest.at(0, j).y());
+    high = std::max(high, rest.at(0, j).y());
+  }
+  EXPECT_EQ(Stature(*standing, standing->RestBoneLengths()), high - low);
+}
+
 TEST(Proportions, AreNotInflatedByNoise) {
   PlayedTake take = LargerPerson(400);
   AddNoise(take.tracks, 0.02, 3);

@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/base/file.h"
 #include "core/store/store.h"
 #include "tests/store/builders.h"
@@ -79,6 +81,30 @@ TEST_F(ClipByClip, AFrameThatWasChangedIsFoundWhenTheFileIsOpened) {
   ASSERT_FALSE(clips);
   EXPECT_EQ(clips.error().code, ErrorCode::kMalformed);
   EXPECT_THAT(clips.error().Message(), HasSubstr("/frames/joints"));
+}
+
+TEST_F(ClipByClip, ANumberThatIsNoneCostsItsClipAlone) {
+  const Dataset dataset = test::MakeDataset();
+  ASSERT_GT(dataset.clips.size(), 1u);
+  ASSERT_TRUE(WriteDataset(dataset, path));
+  std::string bytes = *ReadFile(path);
+  std::string first;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto value = static_cast<float>(dataset.clips[0].motion->joints.xyz[i]);
+    first.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  const std::size_t at = bytes.find(first);
+  ASSERT_NE(at, std::string::npos);
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  bytes.replace(at, sizeof none, reinterpret_cast<const char*>(&none), sizeof none);
+  ASSERT_TRUE(WriteFile(path, bytes));
+  const auto clips = DatasetClips::Open(path, DatasetClips::Check::kNone);
+  ASSERT_TRUE(clips) << clips.error().Message();
+  const auto lost = clips->Read(0);
+  ASSERT_FALSE(lost);
+  EXPECT_THAT(lost.error().Message(), HasSubstr("/frames/joints: [0, 0, 0] is nan"));
+  EXPECT_THAT(lost.error().hint, HasSubstr("leave it out"));
+  EXPECT_TRUE(clips->Read(1));
 }
 
 TEST_F(ClipByClip, WhatIsNoDatasetIsRefusedAsByTheWholeReader) {
