@@ -34,6 +34,7 @@ constexpr double kUnexplained = 0.2;       ///< metres
 constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees
 constexpr double kTallestBody = 2.1;       ///< metres from ankle or toes to the head's joint: the tallest people
 constexpr double kSmallestBody = 0.4;      ///< newborn
+constexpr double kChild = 0.8;             ///< of the rest skeleton: smaller than adults are
 
 bool IsOfPeople(double stature) { return stature <= kTallestBody && stature >= kSmallestBody; }
 
