@@ -106,52 +106,63 @@ class ExchangeSearch {
  private:
   int states() const { return static_cast<int>(starts_.size()) + 1; }
   bool Exchanged(int state, std::size_t pair) const { return state > 0 && limb_.level[pair] >= starts_[state - 1]; }
-  bool Seen(int f, std::size_t pair) const {
-    return tracks_.seen(f, limb_.pairs[pair][0]) && tracks_.seen(f, limb_.pairs[pair][1]);
-  }
-
   /// Costs of each pair in each frame: of the step if its state stays or changes, and of its bones if it is in the same
   /// state as the pair above or not.
   void Measure() {
     const std::size_t pairs = limb_.pairs.size();
     step_.assign(pairs * tracks_.frames(), {0.0, 0.0});
     bone_.assign(pairs * tracks_.frames(), {0.0, 0.0});
-    std::vector<int> last(pairs, -1);
+    std::vector<std::array<int, 2>> last(pairs, {-1, -1});  // frames in which each side was seen
     for (int f = 0; f < tracks_.frames(); ++f) {
       for (std::size_t i = 0; i < pairs; ++i) {
-        if (!Seen(f, i)) continue;
-        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kExchangeGap_s) StepCost(f, last[i], i);
-        last[i] = f;
-        if (limb_.above[i] >= 0 && Seen(f, limb_.above[i])) BoneCost(f, i);
+        for (const int side : {0, 1}) {
+          if (tracks_.seen(f, limb_.pairs[i][side])) StepCost(f, i, side, last[i]);
+        }
+        for (const int side : {0, 1}) {
+          if (tracks_.seen(f, limb_.pairs[i][side])) last[i][side] = f;
+        }
+        if (limb_.above[i] >= 0) BoneCost(f, i);
       }
     }
   }
 
-  void StepCost(int f, int before, std::size_t i) {
-    const bool centred = centres_[f].seen && centres_[before].seen;
-    const Vector3d moved = centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
-    const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
-    const double variance = 2.0 * sigma_ * sigma_ + way * way;
-    for (const int side : {0, 1}) {
+  /// Of one joint. Where only one side was seen before, nothing tells how near the other was: to come from there is as
+  /// unlikely as any step may be.
+  void StepCost(int f, std::size_t i, int side, const std::array<int, 2>& last) {
+    std::array<double, 2> cost = {kMostExchangeCost, kMostExchangeCost};
+    bool known = false;
+    for (const int from : {0, 1}) {
+      const int before = last[from];
+      if (before < 0 || tracks_.time_s[f] - tracks_.time_s[before] > kExchangeGap_s) continue;
+      const bool centred = centres_[f].seen && centres_[before].seen;
+      const Vector3d moved =
+          centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
+      const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+      const double variance = 2.0 * sigma_ * sigma_ + way * way;
       const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - moved;
-      for (const int from : {0, 1}) {
-        const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
-        step_[At(f, i)][side == from ? 0 : 1] += Capped((now - then).squaredNorm() / variance);
-      }
+      const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
+      cost[side == from ? 0 : 1] = Capped((now - then).squaredNorm() / variance);
+      known = true;
     }
+    for (const int changed : {0, 1}) step_[At(f, i)][changed] += known ? cost[changed] : 0.0;
   }
 
-  /// Frames on end that tear a bone in the same way say it once per kBoneTime_s.
+  /// Frames on end that tear a bone in the same way say it once per kBoneTime_s. Of four joints three have to be seen,
+  /// or the bones of one state would not be those of the other.
   void BoneCost(int f, std::size_t i) {
+    const std::array<int, 2>& joints = limb_.pairs[i];
+    const std::array<int, 2>& parents = limb_.pairs[limb_.above[i]];
+    const auto seen = [&](int joint) { return tracks_.seen(f, joint); };
+    if (std::count_if(joints.begin(), joints.end(), seen) + std::count_if(parents.begin(), parents.end(), seen) < 3)
+      return;
     const double frame_s = f > 0 ? tracks_.time_s[f] - tracks_.time_s[f - 1] : 0.0;
     const double share = std::min(1.0, frame_s / kBoneTime_s);
     const double variance = 2.0 * sigma_ * sigma_ + kBoneWobble * kBoneWobble;
     for (const int side : {0, 1}) {
-      const int joint = limb_.pairs[i][side];
       for (const int from : {0, 1}) {
-        const int parent = limb_.pairs[limb_.above[i]][from];
-        const double length = (tracks_.positions.at(f, joint) - tracks_.positions.at(f, parent)).norm();
-        const double away = length - bone_length_[joint];
+        if (!seen(joints[side]) || !seen(parents[from])) continue;
+        const double length = (tracks_.positions.at(f, joints[side]) - tracks_.positions.at(f, parents[from])).norm();
+        const double away = length - bone_length_[joints[side]];
         bone_[At(f, i)][side == from ? 0 : 1] += share * Capped(away * away / variance);
       }
     }

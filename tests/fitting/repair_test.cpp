@@ -134,6 +134,29 @@ TEST(Repair, ExchangesNothingInTracksThatAreRight) {
   }
 }
 
+/// Only one shoulder is seen, before and after the forearms are exchanged: it is not taken for the other.
+TEST(Repair, ExchangesNoJointWhosePartnerIsMissingAndThatIsWhereItWas) {
+  for (const int hidden : {3, 6}) {
+    PlayedTake take = TurningTake(90);
+    for (int f = 34; f < 52; ++f) Hide(take.tracks, f, hidden);
+    const SkeletonTracks sound = take.tracks;
+    Exchange(take.tracks, {4, 5}, 44, 45);
+    EXPECT_EQ(RepairTracks(take.tracks, take.truth.bone_length, kNoise, {}).tracks.positions.xyz, sound.positions.xyz);
+  }
+}
+
+TEST(Repair, ExchangesAJointWhosePartnerIsMissingWhereItIsAtTheOtherSide) {
+  for (const int hidden : {3, 6}) {
+    PlayedTake take = TurningTake(90);
+    for (int f = 41; f < 44; ++f) Hide(take.tracks, f, hidden);
+    const SkeletonTracks sound = take.tracks;
+    Exchange(take.tracks, {3, 4, 5}, 41, 44);
+    const SkeletonTracks mended = RepairTracks(take.tracks, take.truth.bone_length, kNoise, {}).tracks;
+    EXPECT_EQ(mended.positions.xyz, sound.positions.xyz);
+    EXPECT_EQ(mended.confidence, sound.confidence);
+  }
+}
+
 TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
   PlayedTake take = TurningTake(120);
   for (int f = 0; f < 120; ++f) {  // knees of a sitting person, say: each nearer to the other side's hip
