@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/quality/tracked_points.h"
 
@@ -71,9 +72,9 @@ double Capped(double square) { return std::min(0.5 * square, kMostExchangeCost);
 /// States of one limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
 class ExchangeSearch {
  public:
-  ExchangeSearch(const SkeletonTracks& tracks, const std::vector<BodyCentre>& centres, const PairedLimb& limb,
-                 const std::vector<double>& bone_length, double sigma)
-      : tracks_(tracks), centres_(centres), limb_(limb), bone_length_(bone_length), sigma_(sigma) {
+  ExchangeSearch(const SkeletonTracks& tracks, const PairedLimb& limb, const std::vector<double>& bone_length,
+                 double sigma)
+      : tracks_(tracks), limb_(limb), bone_length_(bone_length), sigma_(sigma) {
     for (int level = 0; level < limb.levels; ++level) {
       const auto outer = std::count_if(limb.level.begin(), limb.level.end(), [&](int l) { return l >= level; });
       if (outer >= 2) starts_.push_back(level);
@@ -126,25 +127,37 @@ class ExchangeSearch {
     }
   }
 
-  /// Of one joint. Where only one side was seen before, nothing tells how near the other was: to come from there is as
-  /// unlikely as any step may be.
+  /// Of one joint, from where each side was seen before: the longer ago, the less that place says. Where only one side
+  /// was seen, to come from the other is as unlikely as any step may be.
   void StepCost(int f, std::size_t i, int side, const std::array<int, 2>& last) {
-    std::array<double, 2> cost = {kMostExchangeCost, kMostExchangeCost};
-    bool known = false;
+    const auto variance = [&](int before) {
+      const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+      return 2.0 * sigma_ * sigma_ + way * way;
+    };
+    const int latest = std::max(last[0], last[1]);
+    if (latest < 0 || tracks_.time_s[f] - tracks_.time_s[latest] > kExchangeGap_s) return;
     for (const int from : {0, 1}) {
       const int before = last[from];
-      if (before < 0 || tracks_.time_s[f] - tracks_.time_s[before] > kExchangeGap_s) continue;
-      const bool centred = centres_[f].seen && centres_[before].seen;
-      const Vector3d moved =
-          centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
-      const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
-      const double variance = 2.0 * sigma_ * sigma_ + way * way;
-      const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - moved;
-      const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
-      cost[side == from ? 0 : 1] = Capped((now - then).squaredNorm() / variance);
-      known = true;
+      double cost = kMostExchangeCost;
+      if (before >= 0 && tracks_.time_s[f] - tracks_.time_s[before] <= kExchangeGap_s) {
+        const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - Moved(before, f);
+        const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
+        const double wider = 1.5 * std::log(variance(before) / variance(latest));
+        cost = std::min(wider + Capped((now - then).squaredNorm() / variance(before)), kMostExchangeCost);
+      }
+      step_[At(f, i)][side == from ? 0 : 1] += cost;
     }
-    for (const int changed : {0, 1}) step_[At(f, i)][changed] += known ? cost[changed] : 0.0;
+  }
+
+  /// The person as a whole, between two frames.
+  Vector3d Moved(int from, int to) {
+    if (moved_to_ != to) moved_.clear();
+    moved_to_ = to;
+    const auto known = moved_.find(from);
+    if (known != moved_.end()) return known->second;
+    const Vector3d moved = BodyStep({tracks_.positions, tracks_.confidence, tracks_.time_s}, from, to)
+                               .value_or(Vector3d(Vector3d::Zero()));
+    return moved_.emplace(from, moved).first->second;
   }
 
   /// Frames on end that tear a bone in the same way say it once per kBoneTime_s. Of four joints three have to be seen,
@@ -249,23 +262,23 @@ class ExchangeSearch {
   }
 
   const SkeletonTracks& tracks_;
-  const std::vector<BodyCentre>& centres_;
   const PairedLimb& limb_;
   const std::vector<double>& bone_length_;
   double sigma_;
   std::vector<int> starts_;  ///< innermost exchanged level of states 1, 2, ...
   std::vector<std::array<double, 2>> step_;
   std::vector<std::array<double, 2>> bone_;
+  std::map<int, Vector3d> moved_;  ///< from earlier frames into moved_to_
+  int moved_to_ = -1;
 };
 
 }  // namespace
 
 std::vector<LimbExchange> FindExchanges(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                         double noise_sigma, double least_margin) {
-  const std::vector<BodyCentre> centres = BodyCentres({tracks.positions, tracks.confidence, tracks.time_s});
   std::vector<LimbExchange> all;
   for (const PairedLimb& limb : PairedLimbsOf(tracks)) {
-    const auto found = ExchangeSearch(tracks, centres, limb, bone_length, noise_sigma).Exchanges(least_margin);
+    const auto found = ExchangeSearch(tracks, limb, bone_length, noise_sigma).Exchanges(least_margin);
     all.insert(all.end(), found.begin(), found.end());
   }
   std::stable_sort(all.begin(), all.end(),
