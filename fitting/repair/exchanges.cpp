@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
-#include "core/quality/tracked_points.h"
+#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
@@ -149,14 +150,27 @@ class ExchangeSearch {
     }
   }
 
-  /// The person as a whole, between two frames.
+  /// How far the person as a whole goes between two frames, whichever sides are exchanged: the middle way (median of
+  /// each coordinate) of middle joints and of pairs' middles that both frames see. None where fewer than three are.
   Vector3d Moved(int from, int to) {
     if (moved_to_ != to) moved_.clear();
     moved_to_ = to;
     const auto known = moved_.find(from);
     if (known != moved_.end()) return known->second;
-    const Vector3d moved = BodyStep({tracks_.positions, tracks_.confidence, tracks_.time_s}, from, to)
-                               .value_or(Vector3d(Vector3d::Zero()));
+    std::vector<double> ways[3];
+    for (int j = 0; j < tracks_.joints(); ++j) {
+      const int mirror = tracks_.skeleton->joints[j].mirror < 0 ? j : tracks_.skeleton->joints[j].mirror;
+      const auto seen = [&](int f) { return tracks_.seen(f, j) && tracks_.seen(f, mirror); };
+      if (mirror < j || !seen(from) || !seen(to)) continue;
+      const auto middle = [&](int f) {
+        return Vector3d(0.5 * (tracks_.positions.at(f, j) + tracks_.positions.at(f, mirror)));
+      };
+      const Vector3d way = middle(to) - middle(from);
+      for (int i = 0; i < 3; ++i) ways[i].push_back(way[i]);
+    }
+    Vector3d moved = Vector3d::Zero();
+    if (ways[0].size() >= 3)
+      moved = Vector3d(Median(std::move(ways[0])), Median(std::move(ways[1])), Median(std::move(ways[2])));
     return moved_.emplace(from, moved).first->second;
   }
 
