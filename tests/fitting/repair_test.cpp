@@ -177,6 +177,60 @@ TEST(Repair, LeavesWhatIsNotClear) {
   EXPECT_TRUE(FitRepaired(take, off).track_repairs.empty());
 }
 
+/// The right arm is tracked where the left one is, from frame `begin` to `end`; each joint on its own noise.
+void MergeArms(PlayedTake& take, int begin, int end) {
+  Random random(9, "merged");
+  for (int f = begin; f < end; ++f) {
+    for (const int joint : {7, 8}) {
+      take.tracks.positions.at(f, joint) =
+          take.truth.joints.at(f, joint - 3) + kNoise * Vector3d(random.Normal(), random.Normal(), random.Normal());
+    }
+  }
+}
+
+TEST(Repair, TakesALimbThatWentOverToTheOtherForMissing) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 30, 60);
+  const FitResult fit = FitRepaired(take);
+  const std::vector<Finding> findings = OfCode(fit, "limbs_in_one_place");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].severity, Severity::kWarning);
+  EXPECT_EQ(findings[0].frame_begin, 30);
+  EXPECT_EQ(findings[0].frame_end, 60);
+  EXPECT_EQ(findings[0].joint, "right_elbow");
+  EXPECT_LT(findings[0].value, 5.0 * kNoise);
+  EXPECT_EQ(findings[0].action, "taken as missing");
+  for (int f = 30; f < 60; ++f) {
+    for (const int left : {4, 5}) EXPECT_EQ(StateAt(fit, f, left), JointState::kObserved) << f;
+    for (const int right : {7, 8}) EXPECT_NE(StateAt(fit, f, right), JointState::kObserved) << f;
+  }
+}
+
+TEST(Repair, TakesBothLimbsInOnePlaceForMissingWhereNothingTellsWhichWentOver) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 30, 60);
+  for (int f = 15; f < 30; ++f) Hide(take.tracks, f, 8);
+  for (int f = 60; f < 75; ++f) Hide(take.tracks, f, 8);
+  const FitResult fit = FitRepaired(take);
+  ASSERT_EQ(OfCode(fit, "limbs_in_one_place").size(), 1u);
+  for (const int joint : {4, 5, 7}) EXPECT_NE(StateAt(fit, 45, joint), JointState::kObserved) << joint;
+}
+
+TEST(Repair, OnlyTellsOfLimbsInOnePlaceMostOfTheTime) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 0, 90);
+  const FitResult fit = FitRepaired(take);
+  ASSERT_EQ(OfCode(fit, "limbs_in_one_place").size(), 1u);
+  EXPECT_EQ(OfCode(fit, "limbs_in_one_place")[0].action, "flagged");
+  EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
+}
+
+TEST(Repair, LimbsThatPassEachOtherAreNotInOnePlace) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 40, 44);
+  EXPECT_TRUE(OfCode(FitRepaired(take), "limbs_in_one_place").empty());
+}
+
 TEST(Repair, TakesHeldJointsForMissing) {
   PlayedTake take = TurningTake(90);
   const int wrist = 5;
