@@ -121,7 +121,7 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
 RepairedTracks MendLimbsOfBody(const BodyTracks& found, const std::vector<double>& bones,
                                const FittingOptions& options) {
   RepairOptions limbs;
-  limbs.collapsed = limbs.teleports = limbs.torn = limbs.held = false;
+  limbs.collapsed = limbs.teleports = limbs.torn = limbs.merged = limbs.held = false;
   limbs.swap_margin = options.repair.swap_margin;
   limbs.swaps = options.repair.swaps && options.keypoints.audit.sides == AuditAction::kCorrect &&
                 !FilesAreWrong(found.report.faults);

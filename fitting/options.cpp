@@ -85,6 +85,8 @@ void RepairOptions::Declare(OptionVisitor& v) {
   v.Bool("collapsed", collapsed, "take for missing joints that stand exactly where their parent stands");
   v.Bool("teleports", teleports, "take for missing a person or a joint that is suddenly where nobody can be");
   v.Bool("torn", torn, "take for missing a joint that no bone reaches, or that jumps away and back");
+  v.Bool("merged", merged,
+         "take for missing knees and elbows, with what hangs from them, that are where the other side's are");
   v.Number("longest_teleport", longest_teleport_s, Unit::kSecond, {0.0, 1e4}, "longer ones are left as they are");
   v.Bool("held", held, "take for missing joints or frames that repeat to the last digit");
   v.Integer("held_frames", held_frames, {2, 10000}, "equal frames on end, the first one included, from which on");

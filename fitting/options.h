@@ -76,6 +76,7 @@ struct RepairOptions {
   bool teleports = true;            ///< take for missing what is where nobody can be
   double longest_teleport_s = 1.0;  ///< longer ones stay: another place may be true
   bool torn = true;                 ///< take for missing what no bone reaches, or what jumps away and back
+  bool merged = true;               ///< take for missing limbs of both sides that are in one place
   bool held = true;                 ///< take for missing what repeats to the last digit
   std::int64_t held_frames = 3;     ///< with the frame that is repeated
   double longest_held_s = 5.0;      ///< longer ones stay

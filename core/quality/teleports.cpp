@@ -1,6 +1,7 @@
 #include "core/quality/teleports.h"
 
 #include <algorithm>
+#include <map>
 
 #include "core/quality/median.h"
 
@@ -9,6 +10,7 @@ namespace {
 
 constexpr std::size_t kMostStays = 1000;  // looked back over, in numbers that are no motion
 constexpr int kPaceFrames = 8;            // on either side of a frame
+constexpr double kApart = 1.2;            // metres between the middles of two parts of a body
 
 /// Frames [begin, end] on end (but for frames without anybody) whose steps are possible.
 struct Stay {
@@ -23,6 +25,7 @@ class JumpPath {
  public:
   JumpPath(const TrackedPoints& points, const TeleportLimits& limits)
       : points_(points), limits_(limits), centres_(BodyCentres(points)) {
+    FindSeenSets();
     FindPace();
     Split();
     Chain();
@@ -57,7 +60,25 @@ class JumpPath {
     if (!pace_.empty())
       reach +=
           limits_.lost_frames * std::max(pace_[static_cast<std::size_t>(from)], pace_[static_cast<std::size_t>(to)]);
-    return (Place(to) - Place(from)).stableNorm() <= reach;
+    return Way(from, to).stableNorm() <= reach;
+  }
+
+  /// Between frames that see the same points the centres tell it, else the points that both see. The middles of legs
+  /// and of a head are a body apart wherever it is.
+  Vector3d Way(int from, int to) const {
+    const Vector3d way = Place(to) - Place(from);
+    if (seen_set_[static_cast<std::size_t>(from)] == seen_set_[static_cast<std::size_t>(to)]) return way;
+    if (const auto step = BodyStep(points_, from, to)) return *step;
+    return std::max(0.0, 1.0 - kApart / way.stableNorm()) * way;
+  }
+
+  void FindSeenSets() {
+    std::map<std::vector<bool>, int> sets;
+    for (int f = 0; f < points_.frames(); ++f) {
+      std::vector<bool> seen(static_cast<std::size_t>(points_.count()));
+      for (int k = 0; k < points_.count(); ++k) seen[static_cast<std::size_t>(k)] = points_.sees(f, k);
+      seen_set_.push_back(sets.emplace(std::move(seen), static_cast<int>(sets.size())).first->second);
+    }
   }
 
   /// Metres per frame around each frame: the middle step, or half of that over two frames where this is less, as of two
@@ -67,9 +88,8 @@ class JumpPath {
     for (int f = 0; f < points_.frames(); ++f) {
       std::vector<double> ones, twos;
       for (int i = std::max(0, f - kPaceFrames); i < std::min(points_.frames() - 1, f + kPaceFrames); ++i) {
-        if (Seen(i) && Seen(i + 1)) ones.push_back((Place(i + 1) - Place(i)).stableNorm());
-        if (i + 2 < points_.frames() && Seen(i) && Seen(i + 2))
-          twos.push_back(0.5 * (Place(i + 2) - Place(i)).stableNorm());
+        if (Seen(i) && Seen(i + 1)) ones.push_back(Way(i, i + 1).stableNorm());
+        if (i + 2 < points_.frames() && Seen(i) && Seen(i + 2)) twos.push_back(0.5 * Way(i, i + 2).stableNorm());
       }
       pace_.push_back(std::min(Median(std::move(ones)), Median(std::move(twos))));
     }
@@ -110,16 +130,17 @@ class JumpPath {
       if (stays_[i].end < f) before = stays_[i].end;
       if (stays_[i].begin > f && after < 0) after = stays_[i].begin;
     }
-    if (before < 0 || after < 0) return (Place(f) - Place(before < 0 ? after : before)).stableNorm();
+    if (before < 0 || after < 0) return Way(before < 0 ? after : before, f).stableNorm();
     const auto at = [&](int frame) { return points_.time_s[static_cast<std::size_t>(frame)]; };
     const double share = (at(f) - at(before)) / (at(after) - at(before));
-    return (Place(f) - (Place(before) + share * (Place(after) - Place(before)))).stableNorm();
+    return ((1.0 - share) * Way(before, f) + share * Way(after, f)).stableNorm();
   }
 
   const TrackedPoints& points_;
   const TeleportLimits& limits_;
   std::vector<BodyCentre> centres_;
-  std::vector<double> pace_;  ///< (frames), or empty: no frames are lost
+  std::vector<int> seen_set_;  ///< (frames) the same where the same points are seen
+  std::vector<double> pace_;   ///< (frames), or empty: no frames are lost
   std::vector<Stay> stays_;
   std::vector<char> home_;
 };

@@ -15,7 +15,7 @@ struct TeleportLimits {
 ///   "teleport": the body, in frames that no path at `speed` joins to the rest of the clip. The rest is the longest
 ///               chain of frames that such a path joins; value: metres from that path. With `lost_frames` a step may
 ///               besides be so many times the middle step of the 8 frames on either side: who runs goes on through a
-///               gap, who stands does not.
+///               gap, who stands does not. Between frames that see different joints those count that both see.
 ///   "joint_far": one joint (the root alone, say), farther than `reach` from the middle of the body; value: metres.
 std::vector<Finding> FindTeleports(const TrackedPoints& points, const TeleportLimits& limits = {});
 

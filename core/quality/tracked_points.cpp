@@ -60,6 +60,18 @@ std::vector<BodyCentre> BodyCentres(const TrackedPoints& points) {
   return centres;
 }
 
+std::optional<Vector3d> BodyStep(const TrackedPoints& points, int from, int to) {
+  std::vector<double> values[3];
+  for (int k = 0; k < points.count(); ++k) {
+    if (!points.sees(from, k) || !points.sees(to, k)) continue;
+    const Vector3d way = points.at(to, k) - points.at(from, k);
+    for (int i = 0; i < 3; ++i) values[i].push_back(way[i]);
+  }
+  if (static_cast<int>(values[0].size()) < std::min(kFewestCentrePoints, points.count()) || values[0].empty())
+    return {};
+  return Vector3d(Middle(values[0]), Middle(values[1]), Middle(values[2]));
+}
+
 Finding FrameFinding(const char* code, int begin, int end, const std::string& joint, double value,
                      std::string message) {
   Finding finding;

@@ -61,6 +61,10 @@ struct BodyCentre {
 };
 std::vector<BodyCentre> BodyCentres(const TrackedPoints& points);
 
+/// How far a person goes between two frames: the middle way (median of each coordinate) of the points that both see, at
+/// least three. What comes into view or goes out of it moves nobody. Nothing where fewer are.
+std::optional<Vector3d> BodyStep(const TrackedPoints& points, int from, int to);
+
 /// A finding of [begin, end) about `joint` (empty: all); severity warning, action "flagged".
 Finding FrameFinding(const char* code, int begin, int end, const std::string& joint, double value, std::string message);
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
-#include "core/quality/tracked_points.h"
+#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
@@ -71,9 +73,9 @@ double Capped(double square) { return std::min(0.5 * square, kMostExchangeCost);
 /// States of one limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
 class ExchangeSearch {
  public:
-  ExchangeSearch(const SkeletonTracks& tracks, const std::vector<BodyCentre>& centres, const PairedLimb& limb,
-                 const std::vector<double>& bone_length, double sigma)
-      : tracks_(tracks), centres_(centres), limb_(limb), bone_length_(bone_length), sigma_(sigma) {
+  ExchangeSearch(const SkeletonTracks& tracks, const PairedLimb& limb, const std::vector<double>& bone_length,
+                 double sigma)
+      : tracks_(tracks), limb_(limb), bone_length_(bone_length), sigma_(sigma) {
     for (int level = 0; level < limb.levels; ++level) {
       const auto outer = std::count_if(limb.level.begin(), limb.level.end(), [&](int l) { return l >= level; });
       if (outer >= 2) starts_.push_back(level);
@@ -106,52 +108,88 @@ class ExchangeSearch {
  private:
   int states() const { return static_cast<int>(starts_.size()) + 1; }
   bool Exchanged(int state, std::size_t pair) const { return state > 0 && limb_.level[pair] >= starts_[state - 1]; }
-  bool Seen(int f, std::size_t pair) const {
-    return tracks_.seen(f, limb_.pairs[pair][0]) && tracks_.seen(f, limb_.pairs[pair][1]);
-  }
-
   /// Costs of each pair in each frame: of the step if its state stays or changes, and of its bones if it is in the same
   /// state as the pair above or not.
   void Measure() {
     const std::size_t pairs = limb_.pairs.size();
     step_.assign(pairs * tracks_.frames(), {0.0, 0.0});
     bone_.assign(pairs * tracks_.frames(), {0.0, 0.0});
-    std::vector<int> last(pairs, -1);
+    std::vector<std::array<int, 2>> last(pairs, {-1, -1});  // frames in which each side was seen
     for (int f = 0; f < tracks_.frames(); ++f) {
       for (std::size_t i = 0; i < pairs; ++i) {
-        if (!Seen(f, i)) continue;
-        if (last[i] >= 0 && tracks_.time_s[f] - tracks_.time_s[last[i]] <= kExchangeGap_s) StepCost(f, last[i], i);
-        last[i] = f;
-        if (limb_.above[i] >= 0 && Seen(f, limb_.above[i])) BoneCost(f, i);
+        for (const int side : {0, 1}) {
+          if (tracks_.seen(f, limb_.pairs[i][side])) StepCost(f, i, side, last[i]);
+        }
+        for (const int side : {0, 1}) {
+          if (tracks_.seen(f, limb_.pairs[i][side])) last[i][side] = f;
+        }
+        if (limb_.above[i] >= 0) BoneCost(f, i);
       }
     }
   }
 
-  void StepCost(int f, int before, std::size_t i) {
-    const bool centred = centres_[f].seen && centres_[before].seen;
-    const Vector3d moved = centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
-    const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
-    const double variance = 2.0 * sigma_ * sigma_ + way * way;
-    for (const int side : {0, 1}) {
-      const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - moved;
-      for (const int from : {0, 1}) {
+  /// Of one joint, from where each side was seen before: the longer ago, the less that place says. Where only one side
+  /// was seen, to come from the other is as unlikely as any step may be.
+  void StepCost(int f, std::size_t i, int side, const std::array<int, 2>& last) {
+    const auto variance = [&](int before) {
+      const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+      return 2.0 * sigma_ * sigma_ + way * way;
+    };
+    const int latest = std::max(last[0], last[1]);
+    if (latest < 0 || tracks_.time_s[f] - tracks_.time_s[latest] > kExchangeGap_s) return;
+    for (const int from : {0, 1}) {
+      const int before = last[from];
+      double cost = kMostExchangeCost;
+      if (before >= 0 && tracks_.time_s[f] - tracks_.time_s[before] <= kExchangeGap_s) {
+        const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - Moved(before, f);
         const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
-        step_[At(f, i)][side == from ? 0 : 1] += Capped((now - then).squaredNorm() / variance);
+        const double wider = 1.5 * std::log(variance(before) / variance(latest));
+        cost = std::min(wider + Capped((now - then).squaredNorm() / variance(before)), kMostExchangeCost);
       }
+      step_[At(f, i)][side == from ? 0 : 1] += cost;
     }
   }
 
-  /// Frames on end that tear a bone in the same way say it once per kBoneTime_s.
+  /// How far the person as a whole goes between two frames, whichever sides are exchanged: the middle way (median of
+  /// each coordinate) of middle joints and of pairs' middles that both frames see. None where fewer than three are.
+  Vector3d Moved(int from, int to) {
+    if (moved_to_ != to) moved_.clear();
+    moved_to_ = to;
+    const auto known = moved_.find(from);
+    if (known != moved_.end()) return known->second;
+    std::vector<double> ways[3];
+    for (int j = 0; j < tracks_.joints(); ++j) {
+      const int mirror = tracks_.skeleton->joints[j].mirror < 0 ? j : tracks_.skeleton->joints[j].mirror;
+      const auto seen = [&](int f) { return tracks_.seen(f, j) && tracks_.seen(f, mirror); };
+      if (mirror < j || !seen(from) || !seen(to)) continue;
+      const auto middle = [&](int f) {
+        return Vector3d(0.5 * (tracks_.positions.at(f, j) + tracks_.positions.at(f, mirror)));
+      };
+      const Vector3d way = middle(to) - middle(from);
+      for (int i = 0; i < 3; ++i) ways[i].push_back(way[i]);
+    }
+    Vector3d moved = Vector3d::Zero();
+    if (ways[0].size() >= 3)
+      moved = Vector3d(Median(std::move(ways[0])), Median(std::move(ways[1])), Median(std::move(ways[2])));
+    return moved_.emplace(from, moved).first->second;
+  }
+
+  /// Frames on end that tear a bone in the same way say it once per kBoneTime_s. Of four joints three have to be seen,
+  /// or the bones of one state would not be those of the other.
   void BoneCost(int f, std::size_t i) {
+    const std::array<int, 2>& joints = limb_.pairs[i];
+    const std::array<int, 2>& parents = limb_.pairs[limb_.above[i]];
+    const auto seen = [&](int joint) { return tracks_.seen(f, joint); };
+    if (std::count_if(joints.begin(), joints.end(), seen) + std::count_if(parents.begin(), parents.end(), seen) < 3)
+      return;
     const double frame_s = f > 0 ? tracks_.time_s[f] - tracks_.time_s[f - 1] : 0.0;
     const double share = std::min(1.0, frame_s / kBoneTime_s);
     const double variance = 2.0 * sigma_ * sigma_ + kBoneWobble * kBoneWobble;
     for (const int side : {0, 1}) {
-      const int joint = limb_.pairs[i][side];
       for (const int from : {0, 1}) {
-        const int parent = limb_.pairs[limb_.above[i]][from];
-        const double length = (tracks_.positions.at(f, joint) - tracks_.positions.at(f, parent)).norm();
-        const double away = length - bone_length_[joint];
+        if (!seen(joints[side]) || !seen(parents[from])) continue;
+        const double length = (tracks_.positions.at(f, joints[side]) - tracks_.positions.at(f, parents[from])).norm();
+        const double away = length - bone_length_[joints[side]];
         bone_[At(f, i)][side == from ? 0 : 1] += share * Capped(away * away / variance);
       }
     }
@@ -238,23 +276,23 @@ class ExchangeSearch {
   }
 
   const SkeletonTracks& tracks_;
-  const std::vector<BodyCentre>& centres_;
   const PairedLimb& limb_;
   const std::vector<double>& bone_length_;
   double sigma_;
   std::vector<int> starts_;  ///< innermost exchanged level of states 1, 2, ...
   std::vector<std::array<double, 2>> step_;
   std::vector<std::array<double, 2>> bone_;
+  std::map<int, Vector3d> moved_;  ///< from earlier frames into moved_to_
+  int moved_to_ = -1;
 };
 
 }  // namespace
 
 std::vector<LimbExchange> FindExchanges(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                         double noise_sigma, double least_margin) {
-  const std::vector<BodyCentre> centres = BodyCentres({tracks.positions, tracks.confidence, tracks.time_s});
   std::vector<LimbExchange> all;
   for (const PairedLimb& limb : PairedLimbsOf(tracks)) {
-    const auto found = ExchangeSearch(tracks, centres, limb, bone_length, noise_sigma).Exchanges(least_margin);
+    const auto found = ExchangeSearch(tracks, limb, bone_length, noise_sigma).Exchanges(least_margin);
     all.insert(all.end(), found.begin(), found.end());
   }
   std::stable_sort(all.begin(), all.end(),

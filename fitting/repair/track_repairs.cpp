@@ -11,6 +11,7 @@
 #include "core/quality/teleports.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/exchanges.h"
+#include "fitting/repair/merged_limbs.h"
 #include "fitting/repair/torn_joints.h"
 #include "fitting/solver/bone_lengths.h"
 
@@ -106,6 +107,32 @@ class Repairs {
                      (torn.jumped ? ": it jumps there or back by " + RoundedText(torn.distance, 3) + " m"
                                   : ": bones would have to be longer by " + RoundedText(torn.distance, 3) + " m");
     result_.repairs.push_back(std::move(repair));
+  }
+
+  /// However long it lasts, it is not true. Where it is most of what is seen, nothing would be left: it is told alone.
+  void LeaveOut(const MergedLimbs& merged) {
+    TrackRepair repair;
+    repair.code = "limbs_in_one_place";
+    repair.severity = Severity::kWarning;
+    repair.frame_begin = merged.frame_begin;
+    repair.frame_end = merged.frame_end;
+    repair.value = merged.distance;
+    const int first = merged.joints.front(), other = result_.tracks.skeleton->joints[first].mirror;
+    const bool both = std::find(merged.joints.begin(), merged.joints.end(), other) != merged.joints.end();
+    repair.message = names_[first] + " and what hangs from it are where " + names_[other] +
+                     " and the like are, within " + RoundedText(merged.distance, 2) + " m, in " +
+                     Counted(merged.frame_end - merged.frame_begin, "frame") +
+                     (both ? ": which of both limbs is in its place nothing tells" : ": it went over to that side");
+    for (const int joint : merged.joints) {
+      if (LeaveOut(joint, merged.frame_begin, merged.frame_end)) repair.joints.push_back(joint);
+    }
+    if (!repair.joints.empty()) {
+      result_.repairs.push_back(std::move(repair));
+      return;
+    }
+    repair.joints = merged.joints;
+    result_.told.push_back(FindingsOf({repair}, *result_.tracks.skeleton).front());
+    result_.told.back().action = "flagged";
   }
 
   void Exchange(const LimbExchange& limb) {
@@ -273,6 +300,9 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
     const auto least = static_cast<int>(options.held_frames);
     repairs.LeaveOut(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_held_s);
   }
+  if (options.merged) {  // before sides are compared: in one place they have none
+    for (const MergedLimbs& merged : FindMergedLimbs(repairs.tracks(), noise_sigma)) repairs.LeaveOut(merged);
+  }
   if (options.swaps) {
     MendBodies(noise_sigma, options.swap_margin, repairs);
     MendLimbs(bone_length, noise_sigma, options.swap_margin, repairs);
@@ -296,7 +326,7 @@ std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const S
   for (const TrackRepair& repair : repairs) {
     Finding finding;
     finding.code = repair.code;
-    finding.severity = Severity::kInfo;
+    finding.severity = repair.severity;
     finding.frame_begin = repair.frame_begin;
     finding.frame_end = repair.frame_end;
     const bool whole = repair.action == TrackRepair::Action::kExchanged

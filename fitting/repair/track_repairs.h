@@ -15,7 +15,8 @@ struct TrackRepair {
   enum class Action { kExchanged, kLeftOut };
 
   std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames", "zero_length_bone",
-                     ///< "joint_torn_off", "zero_frames", "collapsed_frames"
+                     ///< "joint_torn_off", "zero_frames", "collapsed_frames", "limbs_in_one_place"
+  Severity severity = Severity::kInfo;
   Action action = Action::kLeftOut;
   int frame_begin = 0;
   int frame_end = 0;
@@ -32,11 +33,12 @@ struct RepairedTracks {
   std::vector<Finding> told;         ///< what is wrong and was left as it is
 };
 
-/// Takes samples for missing that no body gives (bones without length, teleports, held joints), then exchanges left and
-/// right where the tracker did: of the whole body where anatomy says so (FindBodyExchanges), of limbs by steps
-/// (FindExchanges); and joints that bones do not reach (FindTornJoints). Where anatomy has the sides exchanged in all
-/// that is seen, the names of the joints are wrong or the axes are mirrored, which tracks do not tell: an error
-/// "sides_exchanged" in `told`, nothing is done. `bone_length` (J) metres; `noise_sigma` metres per axis.
+/// Takes samples for missing that no body gives (bones without length, teleports, held joints, limbs in one place: of
+/// the side that went over, or of both), then exchanges left and right where the tracker did: of the whole body where
+/// anatomy says so (FindBodyExchanges), of limbs by steps (FindExchanges); and joints that bones do not reach
+/// (FindTornJoints). Where anatomy has the sides exchanged in all that is seen, the names of the joints are wrong or
+/// the axes are mirrored, which tracks do not tell: an error "sides_exchanged" in `told`, nothing is done.
+/// `bone_length` (J) metres; `noise_sigma` metres per axis.
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options);
 

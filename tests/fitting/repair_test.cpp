@@ -134,6 +134,29 @@ TEST(Repair, ExchangesNothingInTracksThatAreRight) {
   }
 }
 
+/// Only one shoulder is seen, before and after the forearms are exchanged: it is not taken for the other.
+TEST(Repair, ExchangesNoJointWhosePartnerIsMissingAndThatIsWhereItWas) {
+  for (const int hidden : {3, 6}) {
+    PlayedTake take = TurningTake(90);
+    for (int f = 34; f < 52; ++f) Hide(take.tracks, f, hidden);
+    const SkeletonTracks sound = take.tracks;
+    Exchange(take.tracks, {4, 5}, 44, 45);
+    EXPECT_EQ(RepairTracks(take.tracks, take.truth.bone_length, kNoise, {}).tracks.positions.xyz, sound.positions.xyz);
+  }
+}
+
+TEST(Repair, ExchangesAJointWhosePartnerIsMissingWhereItIsAtTheOtherSide) {
+  for (const int hidden : {3, 6}) {
+    PlayedTake take = TurningTake(90);
+    for (int f = 41; f < 44; ++f) Hide(take.tracks, f, hidden);
+    const SkeletonTracks sound = take.tracks;
+    Exchange(take.tracks, {3, 4, 5}, 41, 44);
+    const SkeletonTracks mended = RepairTracks(take.tracks, take.truth.bone_length, kNoise, {}).tracks;
+    EXPECT_EQ(mended.positions.xyz, sound.positions.xyz);
+    EXPECT_EQ(mended.confidence, sound.confidence);
+  }
+}
+
 TEST(Repair, BonesThatATrackerGetsWrongForLongAreNoExchange) {
   PlayedTake take = TurningTake(120);
   for (int f = 0; f < 120; ++f) {  // knees of a sitting person, say: each nearer to the other side's hip
@@ -152,6 +175,60 @@ TEST(Repair, LeavesWhatIsNotClear) {
   RepairOptions off;
   off.swaps = off.torn = false;
   EXPECT_TRUE(FitRepaired(take, off).track_repairs.empty());
+}
+
+/// The right arm is tracked where the left one is, from frame `begin` to `end`; each joint on its own noise.
+void MergeArms(PlayedTake& take, int begin, int end) {
+  Random random(9, "merged");
+  for (int f = begin; f < end; ++f) {
+    for (const int joint : {7, 8}) {
+      take.tracks.positions.at(f, joint) =
+          take.truth.joints.at(f, joint - 3) + kNoise * Vector3d(random.Normal(), random.Normal(), random.Normal());
+    }
+  }
+}
+
+TEST(Repair, TakesALimbThatWentOverToTheOtherForMissing) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 30, 60);
+  const FitResult fit = FitRepaired(take);
+  const std::vector<Finding> findings = OfCode(fit, "limbs_in_one_place");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].severity, Severity::kWarning);
+  EXPECT_EQ(findings[0].frame_begin, 30);
+  EXPECT_EQ(findings[0].frame_end, 60);
+  EXPECT_EQ(findings[0].joint, "right_elbow");
+  EXPECT_LT(findings[0].value, 5.0 * kNoise);
+  EXPECT_EQ(findings[0].action, "taken as missing");
+  for (int f = 30; f < 60; ++f) {
+    for (const int left : {4, 5}) EXPECT_EQ(StateAt(fit, f, left), JointState::kObserved) << f;
+    for (const int right : {7, 8}) EXPECT_NE(StateAt(fit, f, right), JointState::kObserved) << f;
+  }
+}
+
+TEST(Repair, TakesBothLimbsInOnePlaceForMissingWhereNothingTellsWhichWentOver) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 30, 60);
+  for (int f = 15; f < 30; ++f) Hide(take.tracks, f, 8);
+  for (int f = 60; f < 75; ++f) Hide(take.tracks, f, 8);
+  const FitResult fit = FitRepaired(take);
+  ASSERT_EQ(OfCode(fit, "limbs_in_one_place").size(), 1u);
+  for (const int joint : {4, 5, 7}) EXPECT_NE(StateAt(fit, 45, joint), JointState::kObserved) << joint;
+}
+
+TEST(Repair, OnlyTellsOfLimbsInOnePlaceMostOfTheTime) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 0, 90);
+  const FitResult fit = FitRepaired(take);
+  ASSERT_EQ(OfCode(fit, "limbs_in_one_place").size(), 1u);
+  EXPECT_EQ(OfCode(fit, "limbs_in_one_place")[0].action, "flagged");
+  EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
+}
+
+TEST(Repair, LimbsThatPassEachOtherAreNotInOnePlace) {
+  PlayedTake take = TurningTake(90);
+  MergeArms(take, 40, 44);
+  EXPECT_TRUE(OfCode(FitRepaired(take), "limbs_in_one_place").empty());
 }
 
 TEST(Repair, TakesHeldJointsForMissing) {

@@ -238,6 +238,36 @@ TEST(Defects, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
   }
 }
 
+/// Then the middle of what is seen is elsewhere, the person is not.
+TEST(Defects, APersonOfWhomOnlyTheLegsAreSeenIsWhereTheyWereAndStillNotEightyCentimetresAway) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TakeOptions who = SomebodyRecorded(seed);
+    who.frames = 90;
+    Take take = Perform(seed, who);
+    take.confidence.assign(static_cast<std::size_t>(take.positions.frames * take.positions.joints), 1.0);
+    const auto see_only = [&](int begin, int end, bool legs) {
+      for (int f = begin; f < end; ++f) {
+        for (int k = 0; k < take.positions.joints; ++k) {
+          const std::string& name = take.names[static_cast<std::size_t>(k)];
+          const bool of_legs = name.find("knee") != std::string::npos || name.find("ankle") != std::string::npos ||
+                               name.find("foot") != std::string::npos;
+          take.confidence[static_cast<std::size_t>(f * take.positions.joints + k)] = of_legs == legs ? 1.0 : 0.0;
+        }
+      }
+    };
+    see_only(40, 60, true);
+    if (seed % 2 == 1) see_only(60, 70, false);
+    EXPECT_TRUE(Only("teleport", take, who.rate_hz).empty()) << "seed " << seed;
+    for (int f = 45; f < 50; ++f) {
+      for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k).x() += 0.8 + 12.0 / who.rate_hz;
+    }
+    const auto found = Only("teleport", take, who.rate_hz);
+    ASSERT_EQ(found.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(found[0].frame_begin, 45);
+    EXPECT_EQ(found[0].frame_end, 50);
+  }
+}
+
 TEST(Defects, TheRootAloneFarAwayIsAJointFarFromItsBody) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const TakeOptions who = SomebodyRecorded(seed);
