@@ -87,19 +87,19 @@ std::vector<double> RoundedLengths(std::vector<double> lengths) {
 
 namespace {
 
-constexpr double kNobodyStands = 0.25;  ///< of the longest way; people who stand, or sit, are taller in a rest pose
+constexpr double kNobodyStands = 0.25;  ///< of head to toes; people who stand, or sit, are taller in a rest pose
 
-/// From one joint along the bones to another, the longest, metres.
-double LongestWay(const Skeleton& skeleton, const std::vector<double>& bone_length) {
-  std::vector<double> below(skeleton.joints.size(), 0.0);
-  double longest = 0.0;
-  for (int j = skeleton.joint_count() - 1; j > 0; --j) {  // parents stand before their children
-    const int parent = skeleton.joints[j].parent;
-    const double way = below[j] + bone_length[j];
-    longest = std::max(longest, below[parent] + way);
-    below[parent] = std::max(below[parent], way);
+/// Along the bones, from the end of a leg by way of the root to the head: the longest ways from the root to a joint,
+/// and to one in the middle of the body, metres.
+double HeadToToes(const Skeleton& skeleton, const std::vector<double>& bone_length) {
+  std::vector<double> way(skeleton.joints.size(), 0.0);
+  double longest = 0.0, middle = 0.0;
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    way[j] = way[skeleton.joints[j].parent] + bone_length[j];
+    longest = std::max(longest, way[j]);
+    if (skeleton.joints[j].mirror == j) middle = std::max(middle, way[j]);
   }
-  return longest;
+  return longest + middle;
 }
 
 }  // namespace
@@ -114,8 +114,8 @@ double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length)
     low = std::min(low, joint.y());
     high = std::max(high, joint.y());
   }
-  const double way = LongestWay(skeleton, bone_length);
-  return high - low < kNobodyStands * way ? way : high - low;
+  const double along = HeadToToes(skeleton, bone_length);
+  return high - low < kNobodyStands * along ? along : high - low;
 }
 
 nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) {

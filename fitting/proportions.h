@@ -47,7 +47,7 @@ nlohmann::json ProportionsJson(const Proportions& proportions, const Skeleton& r
 Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr& skeleton, const std::string& where);
 
 /// Height of the rest pose with these bones: highest minus lowest joint, metres. Of a rest pose in which nobody stands
-/// (all bones along one axis) the longest way along the bones instead: from head to toes, or hand to hand.
+/// (all bones along one axis) the way along the bones from head to toes instead.
 double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length);
 
 }  // namespace mocurate

@@ -185,7 +185,7 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   Status sound = store::CheckContent(store::DatasetSchema(), one, ErrorCode::kMalformed, where);
   if (!sound) {
     Error error = sound.error();
-    if (error.hint.empty()) error.hint = "mend the clip or take it out of the file: the others are read without it";
+    error.hint += (error.hint.empty() ? "" : "; ") + std::string("mend the clip or leave it out: the others are read");
     return tl::unexpected<Error>(error);
   }
   return one;

@@ -204,7 +204,8 @@ inline Clip MakeEvidenceClip(bool with_motion) {
   clip.evidence.keypoint_views[1].values.clear();
   clip.evidence.subject = 1;
   if (with_motion) {
-    clip.motion = Wander(Walker(), clip.rate, 3, "evidence");
+    clip.motion = Wander(OtherWalker(), clip.rate, 3, "evidence");
+    clip.motion->counted_from = Walker();
     AddOptionalFields(*clip.motion);
   }
   return clip;
