@@ -192,7 +192,7 @@ bool BendLeg(const Leg& leg, int frame, const JointPositions& joints, const Vect
 }
 
 /// Bends the legs to where the feet have to be. Returns the frames of a foot that its leg does not reach.
-int BendLegs(const Motion& before, const std::vector<Foot>& feet, Motion& motion) {
+int BendHeldLegs(const Motion& before, const std::vector<Foot>& feet, Motion& motion) {
   int unreachable = 0;
   std::vector<Vector3d> joints(motion.joint_count());
   std::vector<Quaterniond> global(motion.joint_count());
@@ -328,7 +328,7 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
   for (int trial = 1; trial <= kTrials; ++trial) {
     for (Foot& foot : feet) SetShifts(options, motion.rate.hz(), foot);
     motion.rotation = before.rotation;
-    removal.unreachable = BendLegs(before, feet, motion);
+    removal.unreachable = BendHeldLegs(before, feet, motion);
     if (!HoldLess(before, motion, trial + 1 == kTrials ? 0.0 : 0.5, feet)) break;
   }
   for (int j = 0; j < motion.joint_count(); ++j) {

@@ -172,7 +172,7 @@ ToldByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
     if (toe && (points.toe[side] < 0 || !seen[points.toe[side]])) points.toe[side] = *toe;
   }
   const HandednessMeasure limbs = MeasureHandedness(tracks.positions, points, &tracks.confidence);
-  const ToldByAnatomy face = AskFace(tracks);
+  ToldByAnatomy face = AskFace(tracks);
   if (!limbs.handedness) return face;
   ToldByAnatomy told{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
   if (!face.exchanged) return told;

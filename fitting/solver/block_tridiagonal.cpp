@@ -87,7 +87,7 @@ void BlockTridiagonal::SetZero() {
 Eigen::VectorXd BlockTridiagonal::DiagonalEntries() const {
   Eigen::VectorXd entries(blocks_ * size_ + border_);
   for (int f = 0; f < blocks_; ++f) {
-    entries.segment(f * size_, size_) =
+    entries.segment(static_cast<Eigen::Index>(f) * size_, size_) =
         Eigen::Map<const Eigen::MatrixXd>(diagonal_.data() + Square(f), size_, size_).diagonal();
   }
   entries.tail(border_) = corner_.leftCols(border_).diagonal();
@@ -97,7 +97,7 @@ Eigen::VectorXd BlockTridiagonal::DiagonalEntries() const {
 Eigen::VectorXd BlockTridiagonal::GradientEntries() const {
   Eigen::VectorXd entries(blocks_ * size_ + border_);
   for (int f = 0; f < blocks_; ++f) {
-    entries.segment(f * size_, size_) =
+    entries.segment(static_cast<Eigen::Index>(f) * size_, size_) =
         Eigen::Map<const Eigen::VectorXd>(panel_.data() + Panel(f) + Square(1) + Edge(1), size_);
   }
   entries.tail(border_) = corner_.col(border_);
@@ -111,7 +111,7 @@ bool BlockTridiagonal::Factor(const Eigen::VectorXd& damping) {
     double* panel = reduced_.data() + Panel(f);
     std::copy_n(diagonal_.data() + Square(f), Square(1), diagonal);
     std::copy_n(panel_.data() + Panel(f), Panel(1), panel);
-    Block(diagonal, size_, size_).diagonal() += damping.segment(f * size_, size_);
+    Block(diagonal, size_, size_).diagonal() += damping.segment(static_cast<Eigen::Index>(f) * size_, size_);
     if (f > 0) {
       const double* above = reduced_.data() + Panel(f - 1);  // U^-T [O E g] of the block before
       SubtractSquare(above, size_, size_, diagonal);
@@ -127,7 +127,8 @@ bool BlockTridiagonal::Factor(const Eigen::VectorXd& damping) {
   if (border_ == 0) return true;
   reduced_corner_.leftCols(border_).diagonal() += damping.tail(border_);
   if (!CholeskyInPlace(reduced_corner_.data(), border_)) return false;
-  dtrsv_("U", "T", "N", &border_, reduced_corner_.data(), &border_, reduced_corner_.data() + border_ * border_, &kStep);
+  dtrsv_("U", "T", "N", &border_, reduced_corner_.data(), &border_,
+         reduced_corner_.data() + static_cast<std::ptrdiff_t>(border_) * border_, &kStep);
   return true;
 }
 
@@ -141,10 +142,11 @@ Eigen::VectorXd BlockTridiagonal::Solve() const {
     Eigen::VectorXd right = -Eigen::Map<const Eigen::VectorXd>(panel + Square(1) + Edge(1), size_);
     if (border_ > 0) right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel + Square(1), size_, border_) * edge;
     if (f + 1 < blocks_) {
-      right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel, size_, size_) * x.segment((f + 1) * size_, size_);
+      right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel, size_, size_) *
+                         x.segment(static_cast<Eigen::Index>(f + 1) * size_, size_);
     }
     dtrsv_("U", "N", "N", &size_, factor_.data() + Square(f), &size_, right.data(), &kStep);
-    x.segment(f * size_, size_) = right;
+    x.segment(static_cast<Eigen::Index>(f) * size_, size_) = right;
   }
   return x;
 }

@@ -8,12 +8,12 @@
 namespace mocurate {
 namespace {
 
-constexpr double kUsualTurn = 1.0;  ///< radians from the rest pose, of hips, knees, shoulders and elbows
-constexpr double kLasting_s = 5.0;  ///< for as long people go on about what they do
+constexpr double kPeoplesTurn = 1.0;  ///< radians from the rest pose, of hips, knees, shoulders and elbows
+constexpr double kLasting_s = 5.0;    ///< for as long people go on about what they do
 
 }  // namespace
 
-std::vector<double> UsualTurns(const Skeleton& skeleton) { return RestSpreads(skeleton, kUsualTurn); }
+std::vector<double> UsualTurns(const Skeleton& skeleton) { return RestSpreads(skeleton, kPeoplesTurn); }
 
 std::vector<double> RestInformationOfWalks(const TrackWindow& whole) {
   std::vector<double> information(whole.tracks.confidence.size());
