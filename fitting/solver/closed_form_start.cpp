@@ -5,7 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/pi.h"
 #include "core/geometry/rigid.h"
+#include "core/geometry/rotation.h"
+#include "fitting/costs/huber.h"
 #include "fitting/evidence/outliers.h"
 
 namespace mocurate {
@@ -73,7 +76,10 @@ int FullestFrame(const SkeletonTracks& tracks) {
 
 /// Targets that spread across their common line by less than this share of their distance tell no turn about it.
 constexpr double kAcrossLine = 0.05;
-constexpr double kFartherWeight = 0.1;  ///< of a target beyond another joint, which may turn itself
+constexpr double kFarBeyondHinge = 0.35;  ///< radians beyond its limits, from which on a hinge bends the wrong way
+constexpr int kTwistSteps = 24;           ///< of a whole turn
+constexpr double kTwistGain = 0.02;       ///< radians nearer to the limits, for which a larger twist is taken
+constexpr double kFartherWeight = 0.1;    ///< of a target beyond another joint, which may turn itself
 
 /// What a joint's rotation is read from: below each child the nearest seen joint, and where it lies at rest.
 struct Target {
@@ -168,7 +174,9 @@ class ClosedFormPose {
       const Vector3d rest = above * targets[0].rest_in_joint;
       const Vector3d target = filled.at(frame, targets[0].joint);
       if (free_root) position_[0] = target - rest;
-      return free_root ? above : (SwingBetween(rest, target - pivot) * above).normalized();
+      if (free_root) return above;
+      const Quaterniond turned = (SwingBetween(rest, target - pivot) * above).normalized();
+      return TwistedToHinge(filled, frame, targets[0].joint, (target - pivot).stableNormalized(), turned);
     }
     const auto count = static_cast<Eigen::Index>(targets.size());
     Eigen::Matrix3Xd source(3, count + 1);
@@ -188,6 +196,39 @@ class ClosedFormPose {
     const RigidTransform world_from_rest = AlignPoints(source, target, weights);
     if (free_root) position_[0] = world_from_rest.translation;
     return (world_from_rest.rotation * above).normalized();
+  }
+
+  /// How far beyond its limits a hinge with one seen joint below is bent, its parent turned so; radians. Negative where
+  /// that cannot be told.
+  double BentBeyondHinge(const JointPositions& filled, int frame, int hinge, const Quaterniond& parent) const {
+    const auto& limits = skeleton_.joints[hinge].limits;
+    if (!limits || targets_[hinge].size() != 1 || !Lately(frame, hinge) || !Lately(frame, targets_[hinge][0].joint))
+      return -1.0;
+    const Vector3d below = filled.at(frame, targets_[hinge][0].joint) - filled.at(frame, hinge);
+    const Vector3d bend = LogQuaternion(SwingBetween(targets_[hinge][0].rest_in_joint, parent.conjugate() * below));
+    Vector3d beyond;
+    for (int i = 0; i < 3; ++i) beyond[i] = BeyondLimit(bend[i], limits->min[i], limits->max[i]);
+    return beyond.norm();
+  }
+
+  /// The rotation of a joint whose only bone, along `bone`, ends in a hinge: twisted about that bone, which no position
+  /// of the hinge tells, where the hinge would bend far the wrong way else, as the knees of who sits cross-legged.
+  Quaterniond TwistedToHinge(const JointPositions& filled, int frame, int hinge, const Vector3d& bone,
+                             const Quaterniond& turned) const {
+    double least = BentBeyondHinge(filled, frame, hinge, turned);
+    if (least < kFarBeyondHinge) return turned;
+    Quaterniond best = turned;
+    for (int step = 1; step <= kTwistSteps / 2; ++step) {
+      for (const double side : {1.0, -1.0}) {
+        const double angle = side * 2.0 * kPi * step / kTwistSteps;
+        const Quaterniond twisted = (Quaterniond(Eigen::AngleAxisd(angle, bone)) * turned).normalized();
+        const double beyond = BentBeyondHinge(filled, frame, hinge, twisted);
+        if (beyond >= least - kTwistGain) continue;
+        least = beyond;
+        best = twisted;
+      }
+    }
+    return best;
   }
 
   /// Of the joints seen lately; the origin without any.

@@ -47,6 +47,36 @@ double RmsOf(const Motion& fitted, const Motion& truth, const std::string& joint
   return std::sqrt(sum);
 }
 
+/// Thighs out to the sides and shins folded before the body: the thighs are twisted outwards, and knees hinge.
+TEST(Priors, OfWhoSitsCrossLeggedKneesBendTheWayTheyCan) {
+  PlayedTake take = Shuffling(0.05);
+  const Skeleton& skeleton = *take.truth.skeleton;
+  for (int f = 0; f < take.truth.frame_count(); ++f) {
+    for (int j = 0; j < take.truth.joint_count(); ++j) {
+      const std::string& name = skeleton.joints[j].name;
+      const double side = name.find("left") == 0 ? 1.0 : -1.0;
+      Quaterniond& turned = take.truth.rotation_at(f, j);
+      if (name.find("hip") != std::string::npos) {
+        turned = ExpQuaternion(Vector3d(0.0, 0.0, side * 1.3)) * ExpQuaternion(Vector3d(0.0, side * 1.5, 0.0));
+      } else if (name.find("knee") != std::string::npos) {
+        turned = ExpQuaternion(Vector3d(2.4, 0.0, 0.0));
+      } else {
+        turned.setIdentity();
+      }
+    }
+  }
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, take.truth.rotation,
+                          take.truth.bone_length);
+  take.tracks.positions = take.truth.joints;
+  AddNoise(take.tracks, 0.01, 7);
+  const Motion fitted = FittedMotion(take);
+  // Within the hinge's limits, 0.6 rad, nothing tells how a thigh is twisted.
+  for (const char* joint : {"left_hip", "right_hip", "left_knee", "right_knee"}) {
+    const int j = *skeleton.FindJoint(joint);
+    EXPECT_LT(fitted.rotation_at(60, j).angularDistance(take.truth.rotation_at(60, j)), 0.7) << joint;
+  }
+}
+
 TEST(Priors, ATrunkThatNobodySeesDoesNotTurnAgainstItselfBetweenHipsAndShoulders) {
   PlayedTake take = Shuffling(0.1);
   for (const char* joint : {"pelvis", "spine1", "spine2", "spine3", "neck", "head", "left_collar", "right_collar"}) {
