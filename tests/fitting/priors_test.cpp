@@ -57,9 +57,9 @@ TEST(Priors, OfWhoSitsCrossLeggedKneesBendTheWayTheyCan) {
       const double side = name.find("left") == 0 ? 1.0 : -1.0;
       Quaterniond& turned = take.truth.rotation_at(f, j);
       if (name.find("hip") != std::string::npos) {
-        turned = ExpQuaternion(Vector3d(0.0, 0.0, side * 1.3)) * ExpQuaternion(Vector3d(0.0, side * 1.5, 0.0));
+        turned = ExpQuaternion(Vector3d(-1.92, side * 1.54, side * -0.24));
       } else if (name.find("knee") != std::string::npos) {
-        turned = ExpQuaternion(Vector3d(2.4, 0.0, 0.0));
+        turned = ExpQuaternion(Vector3d(2.5, 0.0, side * -0.3));
       } else {
         turned.setIdentity();
       }
