@@ -113,14 +113,19 @@ void CallLeftRight(Evidence& evidence, int begin, int end, const std::vector<std
   }
 }
 
+/// The keypoints fitted with the bones they were made with.
+FitResult FitOnOwnBody(const Evidence& evidence, const Motion& truth, const FittingOptions& options) {
+  auto result = FitKeypoints(evidence, truth.rate, truth.skeleton, truth.skeleton, truth.bone_length, options);
+  EXPECT_TRUE(result.has_value()) << result.error().Message();
+  return std::move(*result);
+}
+
 /// Rays of a limb that all views call the other side's meet as well as any.
 TEST(ExchangedLimb, InAllViewsOfARigIsExchangedBackAndSaidSo) {
   const Motion truth = Swinging(kFrames);
   const Evidence sound = Detections(Ring(4), {truth}, 2.0);
   const auto fit = [&](const Evidence& evidence, const FittingOptions& options) {
-    auto result = FitKeypoints(evidence, truth.rate, truth.skeleton, truth.skeleton, truth.bone_length, options);
-    EXPECT_TRUE(result.has_value()) << result.error().Message();
-    return std::move(*result);
+    return FitOnOwnBody(evidence, truth, options);
   };
   const FitResult undisturbed = fit(sound, {});
   EXPECT_TRUE(undisturbed.track_repairs.empty());
@@ -145,9 +150,7 @@ TEST(ExchangedBody, InAllViewsOfARigIsExchangedBackAndSaidSo) {
   const Motion truth = Swinging(kFrames);
   const Evidence sound = Detections(Ring(4), {truth}, 2.0);
   const auto fit = [&](const Evidence& evidence, const FittingOptions& options) {
-    auto result = FitKeypoints(evidence, truth.rate, truth.skeleton, truth.skeleton, truth.bone_length, options);
-    EXPECT_TRUE(result.has_value()) << result.error().Message();
-    return std::move(*result);
+    return FitOnOwnBody(evidence, truth, options);
   };
   const double undisturbed = RmsError(fit(sound, {}).motion.joints, truth.joints);
   EXPECT_TRUE(fit(sound, {}).keypoints->faults.empty());
