@@ -212,6 +212,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 30, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 45, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 46, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -31,6 +31,7 @@ const std::map<std::string, std::string>& CheckCodes() {
       {"frozen_view", "a camera that repeats itself while others see somebody move"},
       {"axes_change", "frames with other axes than the others"},
       {"teleport", "frames in which the person is elsewhere"},
+      {"body_jump", "a step of the whole body that nobody takes and that it does not take back"},
       {"joint_far", "a joint far from its body"},
       {"swapped_sides", "left and right exchanged"},
       {"rate_doubtful", "bodies in the air that do not fall as bodies do"},

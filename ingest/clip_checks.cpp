@@ -16,7 +16,9 @@ constexpr int kFewestLifelessFrames = 5;  // of a clip that may be lifeless
 CheckLimits LimitsOf(const CheckOptions& options) {
   CheckLimits limits;
   limits.repeats = {static_cast<int>(options.frozen_frames), static_cast<int>(options.held_frames)};
-  limits.teleports = {options.top_speed, options.tracker_slack, 0, options.reach};
+  limits.teleports.speed = options.top_speed;
+  limits.teleports.slack = options.tracker_slack;
+  limits.teleports.reach = options.reach;
   limits.swaps.ratio = options.swap_ratio;
   limits.swaps.step = options.swap_step;
   limits.rigidity = {options.bone_spread, options.bone_proportion};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "core/quality/median.h"
 
@@ -26,6 +27,7 @@ class JumpPath {
   JumpPath(const TrackedPoints& points, const TeleportLimits& limits)
       : points_(points), limits_(limits), centres_(BodyCentres(points)) {
     FindSeenSets();
+    FindHeld();
     FindPace();
     Split();
     Chain();
@@ -33,19 +35,23 @@ class JumpPath {
 
   std::vector<Finding> Teleports() const {
     std::vector<Finding> findings;
+    int before = -1;
+    std::size_t next = 0;
     for (std::size_t i = 0; i < stays_.size(); ++i) {
-      if (home_[i]) continue;
       const Stay& stay = stays_[i];
-      double farthest = 0.0;
-      for (int f = stay.begin; f <= stay.end; ++f) {
-        if (Seen(f)) farthest = std::max(farthest, FromHome(f));
+      if (home_[i]) {
+        before = stay.end;
+        continue;
       }
-      const int frames = stay.end - stay.begin + 1;
-      findings.push_back(FrameFinding("teleport", stay.begin, stay.end + 1, "", farthest,
-                                      "for " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
-                                          " the person is " + Digits(farthest) +
-                                          " m from where the rest of the clip has it; nobody moves faster than " +
-                                          Digits(limits_.speed) + " m/s"));
+      for (next = std::max(next, i); next < stays_.size() && !home_[next];) ++next;
+      const int after = next < stays_.size() ? stays_[next].begin : -1;
+      if (before < 0 && after >= 0 && InTime(stay.end, after)) {
+        findings.push_back(Jump(stay.end, after));
+      } else if (before >= 0 && after < 0 && InTime(before, stay.begin)) {
+        findings.push_back(Jump(before, stay.begin));
+      } else {
+        findings.push_back(Away(stay, before, after));
+      }
     }
     return findings;
   }
@@ -54,13 +60,59 @@ class JumpPath {
   const Vector3d& Place(int f) const { return centres_[static_cast<std::size_t>(f)].place; }
 
  private:
+  Finding Away(const Stay& stay, int before, int after) const {
+    double farthest = 0.0;
+    for (int f = stay.begin; f <= stay.end; ++f) {
+      if (Seen(f)) farthest = std::max(farthest, FromHome(f, before, after));
+    }
+    const int frames = stay.end - stay.begin + 1;
+    return FrameFinding("teleport", stay.begin, stay.end + 1, "", farthest,
+                        "for " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") + " the person is " +
+                            Digits(farthest) + " m from where the rest of the clip has it; nobody moves faster than " +
+                            Digits(limits_.speed) + " m/s, or changes pace by more than " + Digits(limits_.start) +
+                            " m/s2");
+  }
+
+  Finding Jump(int from, int to) const {
+    const double way = Way(from, to).stableNorm();
+    return FrameFinding("body_jump", from, to + 1, "", way,
+                        "the person goes " + Digits(way) + " m within " + Digits(1e3 * (Time(to) - Time(from))) +
+                            " ms and not back: nobody changes pace by more than " + Digits(limits_.start) +
+                            " m/s2, so that one side of this step is not where the person is");
+  }
+
+  double Time(int f) const { return points_.time_s[static_cast<std::size_t>(f)]; }
+  double Pace(int from, int to) const {
+    return std::max(pace_[static_cast<std::size_t>(from)], pace_[static_cast<std::size_t>(to)]);
+  }
+
+  /// At the top speed.
+  bool InTime(int from, int to) const {
+    const double reach = limits_.slack + limits_.speed * (Time(to) - Time(from));
+    return Way(from, to).stableNorm() <= reach + limits_.lost_frames * Pace(from, to);
+  }
+
   bool Possible(int from, int to) const {
-    const double time = points_.time_s[static_cast<std::size_t>(to)] - points_.time_s[static_cast<std::size_t>(from)];
-    double reach = limits_.slack + limits_.speed * time;
-    if (!pace_.empty())
-      reach +=
-          limits_.lost_frames * std::max(pace_[static_cast<std::size_t>(from)], pace_[static_cast<std::size_t>(to)]);
-    return Way(from, to).stableNorm() <= reach;
+    if (!InTime(from, to)) return false;
+    const int since = held_since_[static_cast<std::size_t>(from)];
+    const double passed = Time(to) - Time(since);
+    const double started =
+        limits_.sudden + limits_.start * passed * passed + (to - since + limits_.lost_frames) * Pace(from, to);
+    return Way(from, to).stableNorm() <= started || MostGo(from, to) <= started;
+  }
+
+  /// Metres that three quarters of the points go which both frames see, each for itself: exchanged sides move limbs,
+  /// not the trunk.
+  double MostGo(int from, int to) const {
+    std::vector<double> ways;
+    for (int k = 0; k < points_.count(); ++k) {
+      if (points_.sees(from, k) && points_.sees(to, k))
+        ways.push_back((points_.at(to, k) - points_.at(from, k)).stableNorm());
+    }
+    if (ways.empty()) return 0.0;
+    const auto quarter = ways.begin() + static_cast<std::ptrdiff_t>(ways.size() / 4);
+    std::nth_element(ways.begin(), quarter, ways.end());
+    return *quarter;
   }
 
   /// Between frames that see the same points the centres tell it, else the points that both see. The middles of legs
@@ -81,18 +133,40 @@ class JumpPath {
     }
   }
 
-  /// Metres per frame around each frame: the middle step, or half of that over two frames where this is less, as of two
-  /// people in turn.
-  void FindPace() {
-    if (limits_.lost_frames <= 0) return;
+  void FindHeld() {
     for (int f = 0; f < points_.frames(); ++f) {
-      std::vector<double> ones, twos;
-      for (int i = std::max(0, f - kPaceFrames); i < std::min(points_.frames() - 1, f + kPaceFrames); ++i) {
-        if (Seen(i) && Seen(i + 1)) ones.push_back(Way(i, i + 1).stableNorm());
-        if (i + 2 < points_.frames() && Seen(i) && Seen(i + 2)) twos.push_back(0.5 * Way(i, i + 2).stableNorm());
-      }
-      pace_.push_back(std::min(Median(std::move(ones)), Median(std::move(twos))));
+      const bool held = f > 0 && Seen(f - 1) && Seen(f) && Place(f - 1) == Place(f);
+      held_since_.push_back(held ? held_since_.back() : f);
     }
+  }
+
+  /// Metres per frame around each frame: the middle step where anything moves, or half of that over two frames where
+  /// this is less, as of two people in turn.
+  void FindPace() {
+    const std::vector<std::optional<double>> ones = Steps(1), twos = Steps(2);
+    for (int f = 0; f < points_.frames(); ++f) {
+      const int begin = std::max(0, f - kPaceFrames), end = f + kPaceFrames;
+      pace_.push_back(std::min(MiddleStep(ones, begin, end), 0.5 * MiddleStep(twos, begin, end)));
+    }
+  }
+
+  /// From each frame to that `frames` later, metres; nothing where either sees nobody.
+  std::vector<std::optional<double>> Steps(int frames) const {
+    std::vector<std::optional<double>> steps;
+    for (int f = 0; f + frames < points_.frames(); ++f) {
+      const bool seen = Seen(f) && Seen(f + frames);
+      steps.push_back(seen ? std::optional<double>(Way(f, f + frames).stableNorm()) : std::nullopt);
+    }
+    return steps;
+  }
+
+  static double MiddleStep(const std::vector<std::optional<double>>& steps, int begin, int end) {
+    std::vector<double> there;
+    for (int f = begin; f < std::min(end, static_cast<int>(steps.size())); ++f) {
+      const auto& step = steps[static_cast<std::size_t>(f)];
+      if (step && *step > 0.0) there.push_back(*step);
+    }
+    return Median(std::move(there));
   }
 
   void Split() {
@@ -122,17 +196,10 @@ class JumpPath {
       home_[static_cast<std::size_t>(last)] = true;
   }
 
-  /// From the straight line between the last frame at home before and the first after.
-  double FromHome(int f) const {
-    int before = -1, after = -1;
-    for (std::size_t i = 0; i < stays_.size(); ++i) {
-      if (!home_[i]) continue;
-      if (stays_[i].end < f) before = stays_[i].end;
-      if (stays_[i].begin > f && after < 0) after = stays_[i].begin;
-    }
+  /// From the straight line between the last frame at home before and the first after, each -1 without one.
+  double FromHome(int f, int before, int after) const {
     if (before < 0 || after < 0) return Way(before < 0 ? after : before, f).stableNorm();
-    const auto at = [&](int frame) { return points_.time_s[static_cast<std::size_t>(frame)]; };
-    const double share = (at(f) - at(before)) / (at(after) - at(before));
+    const double share = (Time(f) - Time(before)) / (Time(after) - Time(before));
     return ((1.0 - share) * Way(before, f) + share * Way(after, f)).stableNorm();
   }
 
@@ -140,7 +207,9 @@ class JumpPath {
   const TeleportLimits& limits_;
   std::vector<BodyCentre> centres_;
   std::vector<int> seen_set_;  ///< (frames) the same where the same points are seen
-  std::vector<double> pace_;   ///< (frames), or empty: no frames are lost
+  /// (frames) the first of the frames up to this one in which nothing moves: a stream that hangs catches up after.
+  std::vector<int> held_since_;
+  std::vector<double> pace_;  ///< (frames) metres per frame
   std::vector<Stay> stays_;
   std::vector<char> home_;
 };

@@ -38,11 +38,13 @@ class Repairs {
   }
 
   /// Spans that are longer than `longest_s`, or most of what is seen of a joint, are left as they are: what lasts
-  /// may be true.
+  /// may be true. A person who is elsewhere for so long is told, and a step that nobody takes.
   void LeaveOut(const std::vector<Finding>& findings, double longest_s) {
     SkeletonTracks& tracks = result_.tracks;
     for (const Finding& finding : findings) {
-      if (tracks.time_s[finding.frame_end - 1] - tracks.time_s[finding.frame_begin] > longest_s) continue;
+      const bool lasting = tracks.time_s[finding.frame_end - 1] - tracks.time_s[finding.frame_begin] > longest_s;
+      if (finding.code == "body_jump" || (lasting && finding.code == "teleport")) result_.told.push_back(finding);
+      if (finding.code == "body_jump" || lasting) continue;
       TrackRepair repair = RepairOf(finding);
       for (int j = 0; j < tracks.joints(); ++j) {
         if (!finding.joint.empty() && names_[j] != finding.joint) continue;

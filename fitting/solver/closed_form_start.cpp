@@ -77,6 +77,7 @@ int FullestFrame(const SkeletonTracks& tracks) {
 /// Targets that spread across their common line by less than this share of their distance tell no turn about it.
 constexpr double kAcrossLine = 0.05;
 constexpr double kFarBeyondHinge = 0.35;  ///< radians beyond its limits, from which on a hinge bends the wrong way
+constexpr double kHyperextension = 0.5;   ///< radians, up to which a hinge bends the other way
 constexpr int kTwistSteps = 24;           ///< of a whole turn
 constexpr double kTwistGain = 0.02;       ///< radians nearer to the limits, for which a larger twist is taken
 constexpr double kFartherWeight = 0.1;    ///< of a target beyond another joint, which may turn itself
@@ -198,11 +199,22 @@ class ClosedFormPose {
     return (world_from_rest.rotation * above).normalized();
   }
 
+  /// Whether a joint bends far one way only, as knees and elbows.
+  static bool BendsOneWay(const JointLimits& limits) {
+    for (int i = 0; i < 3; ++i) {
+      const double less = std::min(-limits.min[i], limits.max[i]);
+      const double more = std::max(-limits.min[i], limits.max[i]);
+      if (less < kHyperextension && more > kPi / 2.0) return true;
+    }
+    return false;
+  }
+
   /// How far beyond its limits a hinge with one seen joint below is bent, its parent turned so; radians. Negative where
   /// that cannot be told.
   double BentBeyondHinge(const JointPositions& filled, int frame, int hinge, const Quaterniond& parent) const {
     const auto& limits = skeleton_.joints[hinge].limits;
-    if (!limits || targets_[hinge].size() != 1 || !Lately(frame, hinge) || !Lately(frame, targets_[hinge][0].joint))
+    if (!limits || !BendsOneWay(*limits) || targets_[hinge].size() != 1 || !Lately(frame, hinge) ||
+        !Lately(frame, targets_[hinge][0].joint))
       return -1.0;
     const Vector3d below = filled.at(frame, targets_[hinge][0].joint) - filled.at(frame, hinge);
     const Vector3d bend = LogQuaternion(SwingBetween(targets_[hinge][0].rest_in_joint, parent.conjugate() * below));

@@ -77,6 +77,22 @@ TEST(Priors, OfWhoSitsCrossLeggedKneesBendTheWayTheyCan) {
   }
 }
 
+/// A back has limits too, but is no hinge: what bends it beyond them is no reason to twist it.
+TEST(Priors, ABackBentSidewaysBeyondItsLimitsIsNotTwisted) {
+  PlayedTake take = Shuffling(0.05);
+  const int bent = *take.truth.skeleton->FindJoint("spine2");
+  for (int f = 0; f < take.truth.frame_count(); ++f)
+    take.truth.rotation_at(f, bent) = ExpQuaternion(Vector3d(0.0, 0.0, 1.2));
+  take.truth = MakeMotion(take.truth.skeleton, take.truth.rate, take.truth.root_translation, take.truth.rotation,
+                          take.truth.bone_length);
+  take.tracks.positions = take.truth.joints;
+  JointTrackOptions closed_form;
+  closed_form.steps.clear();
+  const Motion started = FittedMotion(take, closed_form);
+  const int above_hips = *take.truth.skeleton->FindJoint("spine1");
+  EXPECT_LT(LogQuaternion(started.rotation_at(60, above_hips)).norm(), 0.2);
+}
+
 TEST(Priors, ATrunkThatNobodySeesDoesNotTurnAgainstItselfBetweenHipsAndShoulders) {
   PlayedTake take = Shuffling(0.1);
   for (const char* joint : {"pelvis", "spine1", "spine2", "spine3", "neck", "head", "left_collar", "right_collar"}) {

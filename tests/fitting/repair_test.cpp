@@ -262,6 +262,27 @@ TEST(Repair, TakesAPersonWhoIsSuddenlyElsewhereForMissing) {
   EXPECT_LT((fit.motion.joints.at(45, 0) - take.truth.joints.at(45, 0)).norm(), 0.05);
 }
 
+/// 0.5 m in a thirtieth of a second: for a while that is a teleport; for good it is told, either side may be right.
+TEST(Repair, AStepOfTheBodyThatNobodyTakesIsToldWhereTheyDoNotGoBack) {
+  PlayedTake take = TurningTake(90);
+  const auto move = [&](int begin, int end) {
+    for (int f = begin; f < end; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j) take.tracks.positions.at(f, j) += Vector3d(0.4, 0.0, -0.3);
+    }
+  };
+  move(40, 44);
+  const FitResult back = FitRepaired(take);
+  ASSERT_EQ(OfCode(back, "teleport").size(), 1u);
+  EXPECT_EQ(StateAt(back, 42, 0), JointState::kInterpolated);
+  move(44, 90);
+  const FitResult stays = FitRepaired(take);
+  EXPECT_TRUE(OfCode(stays, "teleport").empty());
+  ASSERT_EQ(OfCode(stays, "body_jump").size(), 1u);
+  EXPECT_EQ(OfCode(stays, "body_jump")[0].frame_begin, 39);
+  EXPECT_EQ(OfCode(stays, "body_jump")[0].action, "flagged");
+  EXPECT_EQ(StateAt(stays, 42, 0), JointState::kObserved);
+}
+
 /// A hand that is 0.58 m off for a third of a second: forearms do not grow, and nobody's hand jumps.
 TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
   const int wrist = *TestSkeleton()->FindJoint("left_wrist");

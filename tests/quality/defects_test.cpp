@@ -238,6 +238,38 @@ TEST(Defects, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
   }
 }
 
+/// Nobody who stands is half a metre aside a thirtieth of a second later. Where they do not go back, nothing tells
+/// which side is wrong.
+TEST(Defects, HalfAMetreInOneFrameIsATeleportOrAJump) {
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TakeOptions who = SomebodyRecorded(seed);
+    who.frames = 90;
+    const Take given = Perform(seed, who);
+    ASSERT_TRUE(Only("teleport", given, who.rate_hz).empty()) << "seed " << seed;
+    const double far = 0.3 + 50.0 / (who.rate_hz * who.rate_hz);
+    const auto moved = [&](int begin, int end) {
+      Take take = given;
+      for (int f = begin; f < end; ++f) {
+        for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k).x() += far;
+      }
+      return take;
+    };
+    for (const int end : {41, 43, 50}) {
+      const auto found = Only("teleport", moved(40, end), who.rate_hz);
+      ASSERT_EQ(found.size(), 1u) << "seed " << seed << " to " << end;
+      EXPECT_EQ(found[0].frame_begin, 40);
+      EXPECT_EQ(found[0].frame_end, end);
+    }
+    for (const int end : {30, 60, 89}) {
+      const auto found = Only("body_jump", moved(0, end), who.rate_hz);
+      ASSERT_EQ(found.size(), 1u) << "seed " << seed << " to " << end;
+      EXPECT_EQ(found[0].frame_begin, end - 1);
+      EXPECT_EQ(found[0].frame_end, end + 1);
+      EXPECT_NEAR(found[0].value, far, 0.2);
+    }
+  }
+}
+
 /// Then the middle of what is seen is elsewhere, the person is not.
 TEST(Defects, APersonOfWhomOnlyTheLegsAreSeenIsWhereTheyWereAndStillNotEightyCentimetresAway) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
