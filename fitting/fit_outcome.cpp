@@ -23,6 +23,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kLargeResidual = 0.15;  ///< metres RMS; beyond, skeleton and evidence hardly belong together
+constexpr double kMostRejected = 0.25;   ///< share of samples; trackers lose 2 to 10 %
 constexpr double kNoFit = 0.3;           ///< metres, median of the joints: beyond, nothing is explained
 constexpr double kNoFitOfStature = 0.25;
 
@@ -246,6 +247,12 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   if (!(fit.residual_rms <= kLargeResidual)) {
     outcome.findings.push_back(Doubt("large_residual", Millimetres(fit.residual_rms),
                                      "the body lies far from its evidence: is it the right skeleton and unit?"));
+    outcome.kind = OutcomeKind::kDoubtful;
+  }
+  if (fit.rejected_share > kMostRejected) {
+    outcome.findings.push_back(Doubt("evidence_rejected", fit.rejected_share,
+                                     "so large a share of the evidence lies far from any pose of the body near in "
+                                     "time, and is not in the residual: is it the right skeleton, order and person?"));
     outcome.kind = OutcomeKind::kDoubtful;
   }
   if (options.method != FitMethod::kNone) {

@@ -42,15 +42,15 @@ Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skele
   if (!tracks) return Forward(tracks);
   const Expected<SkeletonTracks> seen = TracksOfClip(clip, skeleton, options.other_joints);
   if (!seen) return Forward(seen);
-  if (!clip.evidence.depth_views.empty()) {
-    const std::vector<double>& depth_s = clip.evidence.depth_views[0].time_s;
+  DepthRigReport report;
+  const Expected<Clip> audited = WithAuditedRig(clip, options.point_clouds.audit, report);
+  if (!audited) return Forward(audited);
+  if (!audited->evidence.depth_views.empty()) {
+    const std::vector<double>& depth_s = audited->evidence.depth_views[0].time_s;
     if (Status one = CheckOneClock(seen->time_s, depth_s, clip.rate.FrameTime(1), clip.id()); !one) {
       return Forward(one);
     }
   }
-  DepthRigReport report;
-  const Expected<Clip> audited = WithAuditedRig(clip, options.point_clouds.audit, report);
-  if (!audited) return Forward(audited);
   const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
   if (!clouds) return Forward(clouds);
   Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "fitting/cloud_ray_fit.h"
@@ -336,8 +337,8 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
     return KeypointsAlone(std::move(*keypoints), skeleton, "the depth images show nobody: no frame has 100 points");
   }
   keypoints->motion.skeleton = WithBarePoints(keypoints->motion.skeleton, skeleton);
-  Expected<FitResult> both =
-      FitOfBothKinds(clip, std::move(*keypoints), *clouds, views[0].time_s, options.point_clouds);
+  Expected<FitResult> both = FitOfBothKinds(clip, std::move(*keypoints), *clouds,
+                                            audited->evidence.depth_views[0].time_s, options.point_clouds);
   if (!both) return both;
   both->motion = WithoutDetectorPoints(both->motion, skeleton);
   std::vector<RigFault> faults = both->keypoints->faults;

@@ -116,16 +116,14 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
   return {};
 }
 
-/// Limbs that all views show on the other side, as RepairTracks finds them where steps and bones tell. Nothing is
-/// exchanged where the audit may not, or where files are wrong.
+/// Limbs that all views show on the other side, where steps and bones tell. Nothing is exchanged where the audit may
+/// not, or where files are wrong.
 RepairedTracks MendLimbsOfBody(const BodyTracks& found, const std::vector<double>& bones,
                                const FittingOptions& options) {
-  RepairOptions limbs;
-  limbs.collapsed = limbs.teleports = limbs.torn = limbs.merged = limbs.held = false;
-  limbs.swap_margin = options.repair.swap_margin;
-  limbs.swaps = options.repair.swaps && options.keypoints.audit.sides == AuditAction::kCorrect &&
-                !FilesAreWrong(found.report.faults);
-  return RepairTracks(found.tracks, bones, EstimateNoise(found.tracks, bones).sigma, limbs);
+  const bool may = options.repair.swaps && options.keypoints.audit.sides == AuditAction::kCorrect &&
+                   !FilesAreWrong(found.report.faults);
+  if (!may) return RepairedTracks{found.tracks, {}, {}, {}};
+  return RepairLimbs(found.tracks, bones, EstimateNoise(found.tracks, bones).sigma, options.repair.swap_margin);
 }
 
 /// Everything may be off by this, all along.
@@ -166,6 +164,8 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   const RepairedTracks repaired = MendLimbsOfBody(*found, bones, options);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
+  for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
+    fit->findings.push_back(std::move(finding));
   MarkRepaired(found->exchanged, fit->motion);
   TellOfRepairs(repaired, *fit);
   AddToCovariances(found->report.place_doubt, fit->motion);

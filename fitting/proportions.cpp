@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/limbs.h"
 #include "fitting/association/rig_diagnosis.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
@@ -89,17 +90,21 @@ namespace {
 
 constexpr double kNobodyStands = 0.25;  ///< of head to toes; people who stand, or sit, are taller in a rest pose
 
-/// Along the bones, from the end of a leg by way of the root to the head: the longest ways from the root to a joint,
-/// and to one in the middle of the body, metres.
+/// Along the bones, from the end of a leg by way of the root to the head, metres: the longest ways from the root to a
+/// joint of the legs (of a skeleton without known legs: to any), and to one in the middle of the body.
 double HeadToToes(const Skeleton& skeleton, const std::vector<double>& bone_length) {
   std::vector<double> way(skeleton.joints.size(), 0.0);
-  double longest = 0.0, middle = 0.0;
+  const Limbs limbs = LimbsOf(skeleton);
+  double longest = 0.0, leg = 0.0, middle = 0.0;
   for (int j = 1; j < skeleton.joint_count(); ++j) {
     way[j] = way[skeleton.joints[j].parent] + bone_length[j];
     longest = std::max(longest, way[j]);
     if (skeleton.joints[j].mirror == j) middle = std::max(middle, way[j]);
+    for (const Limb& limb : limbs.leg) {
+      if (j == limb.end || j == limb.tip) leg = std::max(leg, way[j]);
+    }
   }
-  return longest + middle;
+  return (leg > 0.0 ? leg : longest) + middle;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/evidence/noise.h"

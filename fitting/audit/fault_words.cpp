@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 
 namespace mocurate {

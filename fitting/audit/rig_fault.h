@@ -7,8 +7,6 @@
 
 namespace mocurate {
 
-constexpr double kDegrees = 57.29577951308232;  ///< of a radian
-
 /// Views that contradict others; corrected: they are left out.
 inline constexpr const char* kContradictingView = "views_disagree";
 

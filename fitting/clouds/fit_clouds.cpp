@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/pi.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -144,7 +145,7 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
   if (!audited) return Forward(audited);
   Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options);
   if (!clouds) return Forward(clouds);
-  Expected<FitResult> fit = FitFusedClouds(std::move(*clouds), {clip.rate, clip.evidence.depth_views[0].time_s},
+  Expected<FitResult> fit = FitFusedClouds(std::move(*clouds), {clip.rate, audited->evidence.depth_views[0].time_s},
                                            skeleton, bone_length, options);
   if (fit) TellOfRig(std::move(report), *fit);
   return fit;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 
 namespace mocurate {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/pi.h"
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
@@ -130,7 +131,7 @@ Foot FootOf(const Motion& motion, const Leg& leg, const ContactOptions& options)
 }
 
 /// 1 at 0, 0 at 1 and beyond, flat at both ends.
-double Fade(double x) { return x >= 1.0 ? 0.0 : 0.5 + 0.5 * std::cos(M_PI * x); }
+double Fade(double x) { return x >= 1.0 ? 0.0 : 0.5 + 0.5 * std::cos(kPi * x); }
 
 /// Between contacts the shift of each neighbour fades within `blend` frames.
 void FadeShifts(const std::vector<bool>& standing, double blend, std::vector<Vector3d>& shift) {
@@ -353,7 +354,7 @@ nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skelet
           {"fastest_after", rounded(removal.fastest_after)},
           {"contact_share", rounded(removal.contact_share)},
           {"largest_shift_mm", rounded(removal.largest_shift * 1e3)},
-          {"largest_turn_deg", rounded(removal.largest_turn * 180.0 / M_PI)},
+          {"largest_turn_deg", rounded(kDegrees * removal.largest_turn)},
           {"frame", removal.frame},
           {"joint", removal.joint < 0 ? std::string() : skeleton.joints[removal.joint].name},
           {"unreachable_frames", removal.unreachable}};

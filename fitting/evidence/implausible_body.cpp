@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
 #include "core/quality/median_deviation.h"
@@ -317,7 +318,9 @@ std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const J
   for (int j = 0; j < tracks.joints(); ++j) {
     std::vector<double> away;
     for (int f = 0; f < tracks.frames(); ++f) {
-      if (tracks.seen(f, j)) away.push_back((joints.at(f, j) - tracks.positions.at(f, j)).norm());
+      if (!tracks.seen(f, j)) continue;
+      const Vector3d off = joints.at(f, j) - tracks.positions.at(f, j);
+      away.push_back(tracks.precision.empty() ? off.norm() : std::sqrt(off.dot(tracks.precision_at(f, j) * off)));
     }
     const std::size_t frames = away.size();
     const double median = Median(away);
@@ -354,7 +357,7 @@ std::vector<Finding> FindJointsBeyondLimits(const Motion& motion) {
     const std::size_t frames = beyond.size();
     const double median = Median(beyond);
     if (frames < kFewestUnexplained || median <= kFarBeyondLimits) continue;
-    const double degrees = std::round(10.0 * median * 180.0 / M_PI) / 10.0;
+    const double degrees = std::round(10.0 * kDegrees * median) / 10.0;
     findings.push_back(FrameFinding("joint_beyond_limits", 0, 0, joint.name, degrees,
                                     "'" + joint.name + "' is turned " + RoundedText(degrees, 3) +
                                         " degrees farther than people turn it, in the median of " +

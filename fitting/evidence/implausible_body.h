@@ -28,7 +28,8 @@ std::optional<Finding> FindDoubtfulSize(double stature, double scale);
 
 /// "joint_unexplained" (error): a joint of the fitted body lies, in the median of 10 frames or more that show it, more
 /// than 0.2 m from where it is tracked, so that the fit gave it up for the others. Value: that median, metres. `joints`
-/// (F, J) as `tracks`.
+/// (F, J) as `tracks`. Where samples have precisions the distance is weighted by them: far along rays that hardly cross
+/// is not far off.
 std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const JointPositions& joints);
 
 /// "joint_beyond_limits" (warning): a joint is turned, in the median of 10 frames or more that observe it, more than 20

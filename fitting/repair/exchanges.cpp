@@ -90,12 +90,10 @@ class ExchangeSearch {
       if (path[begin] == 0) continue;
       int end = begin;
       while (end < tracks_.frames() && path[end] == path[begin]) ++end;
-      std::vector<int> without = path;
-      std::fill(without.begin() + begin, without.begin() + end, 0);
       LimbExchange exchange;
       exchange.frame_begin = begin;
       exchange.frame_end = end;
-      exchange.margin = StepsOf(without, begin, end) - StepsOf(path, begin, end);
+      exchange.margin = StepsOf(path, begin, end, false) - StepsOf(path, begin, end, true);
       for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
         if (Exchanged(path[begin], i)) exchange.pairs.push_back(limb_.pairs[i][0]);
       }
@@ -268,10 +266,12 @@ class ExchangeSearch {
     return best;
   }
 
-  /// Of the steps into frames [begin, end) and out of them.
-  double StepsOf(const std::vector<int>& path, int begin, int end) const {
+  /// Of the steps into frames [begin, end) and out of them, as in the path or not exchanged in these.
+  double StepsOf(const std::vector<int>& path, int begin, int end, bool exchanged) const {
+    const auto state = [&](int f) { return exchanged || f < begin || f >= end ? path[f] : 0; };
     double cost = 0.0;
-    for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f) cost += ChangeCost(f, path[f - 1], path[f]);
+    for (int f = std::max(begin, 1); f <= end && f < tracks_.frames(); ++f)
+      cost += ChangeCost(f, state(f - 1), state(f));
     return cost;
   }
 

@@ -44,8 +44,8 @@ class MergeSearch {
       }
       const bool lasts = tracks_.time_s[last] - tracks_.time_s[f] >= kShortestMerged_s;
       if (lasts && static_cast<int>(apart.size()) >= kFewestMergedFrames)
-        found.push_back(Merged(f, last + 1, Median(std::move(apart))));
-      f = last;
+        found.push_back(Merged(f, last + 1, found.empty() ? 0 : found.back().frame_end, Median(std::move(apart))));
+      f = lasts && !found.empty() ? std::max(last, found.back().frame_end - 1) : last;
     }
     return found;
   }
@@ -61,10 +61,11 @@ class MergeSearch {
     return Seen(f, 0) && Seen(f, 1) && Apart(f, upper_) <= limit && Apart(f, lower_) <= limit;
   }
 
-  /// With frames at its ends that noise alone sets farther apart.
-  MergedLimbs Merged(int begin, int end, double apart) const {
-    while (begin > 0 && Near(begin - 1, 2.0 * near_)) --begin;
-    while (end < tracks_.frames() && Near(end, 2.0 * near_)) ++end;
+  /// With the few frames at its ends that noise alone sets farther apart, not before frame `first`.
+  MergedLimbs Merged(int begin, int end, int first, double apart) const {
+    const double from_s = tracks_.time_s[begin] - kMergedGap_s, to_s = tracks_.time_s[end - 1] + kMergedGap_s;
+    while (begin > first && tracks_.time_s[begin - 1] >= from_s && Near(begin - 1, 2.0 * near_)) --begin;
+    while (end < tracks_.frames() && tracks_.time_s[end] <= to_s && Near(end, 2.0 * near_)) ++end;
     const double there = JumpsFarther(begin, -1), back = JumpsFarther(end - 1, 1);
     const bool left_went = std::max(there, back) > jump_ && std::min(there, back) > -jump_;
     const bool right_went = std::min(there, back) < -jump_ && std::max(there, back) < jump_;

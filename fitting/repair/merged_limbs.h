@@ -12,13 +12,13 @@ struct MergedLimbs {
   int frame_end = 0;
   std::vector<int> joints;  ///< that are not where they are said to be: knee or elbow and all that hangs from it, of
                             ///< the side that went over to the other, or of both where nothing tells which did
-  double distance = 0.0;    ///< metres between the sides, in the middle frame of all
+  double distance = 0.0;    ///< metres between the sides, the median of its frames
 };
 
 /// Flesh keeps both knees and both ankles apart, and both elbows and both wrists: in recorded people by 22 cm and more
 /// (arms) and 10 cm (legs side by side), while trackers that lose a limb set it on the other one. Found where both
 /// pairs (the joint below the knee or elbow stands for ankle or wrist) lie within 3 cm and twice the noise, at most 6
-/// cm, in five frames and for 0.15 s. A side that jumps there and back, beside what the other does, went over.
+/// cm, in five frames and for 0.15 s. A side that jumps there or back, beside what the other does, went over.
 /// `noise_sigma` metres per axis. Sorted by limb, then by frame.
 std::vector<MergedLimbs> FindMergedLimbs(const SkeletonTracks& tracks, double noise_sigma);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -198,6 +199,7 @@ class Repairs {
     repair.value = value;
     repair.message = std::move(message);
     ExchangeJoints(left_joints, begin, end, result_.tracks);
+    seen_often_.clear();
     for (int f = begin; f < end; ++f) {
       for (const int left : left_joints) {
         for (const int joint : {left, result_.tracks.skeleton->joints[left].mirror})
@@ -210,19 +212,27 @@ class Repairs {
   bool LeaveOut(int joint, int begin, int end) {
     SkeletonTracks& tracks = result_.tracks;
     int here = 0;
-    int all = 0;
-    for (int f = 0; f < tracks.frames(); ++f) {
-      if (!tracks.seen(f, joint)) continue;
-      ++all;
-      here += f >= begin && f < end ? 1 : 0;
-    }
-    if (here == 0 || 2 * here > all) return false;
+    for (int f = begin; f < end; ++f) here += tracks.seen(f, joint) ? 1 : 0;
+    if (here == 0) return false;
+    int& all = SeenOften(joint);
+    if (2 * here > all) return false;
     for (int f = begin; f < end; ++f) tracks.confidence[At(f, joint)] = 0.0;
+    all -= here;
     return true;
+  }
+
+  /// Frames that see a joint; counted anew after exchanges.
+  int& SeenOften(int joint) {
+    const auto of_joint = seen_often_.find(joint);
+    if (of_joint != seen_often_.end()) return of_joint->second;
+    int& often = seen_often_[joint];
+    for (int f = 0; f < result_.tracks.frames(); ++f) often += result_.tracks.seen(f, joint) ? 1 : 0;
+    return often;
   }
 
   RepairedTracks result_;
   std::vector<std::string> names_;
+  std::map<int, int> seen_often_;
 };
 
 /// Repeats without the frame that they repeat, which is as good as any.
@@ -289,6 +299,13 @@ void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, doubl
 }
 
 }  // namespace
+
+RepairedTracks RepairLimbs(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
+                           double least_margin) {
+  Repairs repairs(given);
+  MendLimbs(bone_length, noise_sigma, least_margin, repairs);
+  return repairs.Take();
+}
 
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options) {

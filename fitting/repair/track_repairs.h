@@ -42,6 +42,10 @@ struct RepairedTracks {
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options);
 
+/// Of all that the exchange of limbs alone (FindExchanges), where that of bodies is settled: keypoints of many views.
+RepairedTracks RepairLimbs(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
+                           double least_margin);
+
 /// Samples that are observed, but as the other side, are repaired. `exchanged` (F*J) or none.
 void MarkRepaired(const std::vector<bool>& exchanged, Motion& motion);
 

@@ -287,7 +287,6 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
   for (int j = 1; j < joints; ++j) {
     if (bones.samples[j] == 0) bones.length[j] *= bones.scale;
   }
-  FitUnseenChains(clips, white, skeleton, seen, bones);
   const std::vector<std::vector<int>> children = skeleton.Children();
   for (int parent = 0; parent < joints; ++parent) {
     if (seen[parent]) continue;
@@ -297,6 +296,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
     }
     if (siblings.size() >= 2) SolveSiblings(clips, white, skeleton, siblings, bones);
   }
+  FitUnseenChains(clips, white, skeleton, seen, bones);
   if (symmetric) {
     const std::vector<double> weight(bones.samples.begin(), bones.samples.end());
     MakeSymmetric(skeleton, weight, bones.length);

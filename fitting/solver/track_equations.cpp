@@ -53,7 +53,7 @@ double TrackEquations::Cost() const {
       }
       if (j == 0 || !state.active(j)) continue;
       const Eigen::Map<const Vector3d> w(state.rotation(f, j));
-      twice += w.squaredNorm() / Square(window_.RestSpread(j));
+      twice += window_.RestInformation(f, j) * w.squaredNorm();
       const auto& limits = window_.tracks.skeleton->joints[j].limits;
       for (int i = 0; limits && i < 3; ++i) {
         twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / options.limit_spread);

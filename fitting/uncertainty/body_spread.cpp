@@ -29,11 +29,6 @@ std::vector<bool> UnmeasuredBones(const SkeletonTracks& tracks, const PoseState&
   return unmeasured;
 }
 
-double SpreadOfBone(const Skeleton& skeleton, int bone) {
-  const int start = skeleton.joints[bone].parent;
-  return skeleton.joints[start].mirror == start ? kTrunkSpread : kLimbSpread;
-}
-
 /// How far a joint that no evidence turns, and that is held in the rest pose, is from it, radians.
 double HeldTurn(const PoseState& state, const std::vector<int>& children) {
   for (const int child : children) {
@@ -156,6 +151,11 @@ class BodyEquations {
 };
 
 }  // namespace
+
+double SpreadOfBone(const Skeleton& skeleton, int bone) {
+  const int start = skeleton.joints[bone].parent;
+  return skeleton.joints[start].mirror == start ? kTrunkSpread : kLimbSpread;
+}
 
 std::vector<float> CovarianceOfBody(const TrackWindow& whole) {
   std::vector<bool> unmeasured = UnmeasuredBones(whole.tracks, whole.state);

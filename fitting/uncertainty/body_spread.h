@@ -15,6 +15,7 @@ constexpr double kUnknownAngle = 3.289868133696453;  ///< variance of a uniform 
 /// off.
 inline constexpr double kTrunkSpread = 0.0055;
 inline constexpr double kLimbSpread = 0.0025;
+double SpreadOfBone(const Skeleton& skeleton, int bone);
 
 /// How far joints are from the rest pose that no evidence turns, so that they are held there: standard deviation per
 /// axis, radians, of those that carry a bone of 20 cm or more, and of wrists, ankles and necks.

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "fitting/costs/huber.h"
 #include "fitting/uncertainty/body_spread.h"
 
 namespace mocurate {
@@ -20,8 +21,10 @@ std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole) {
     const int start = joints[j].parent;
     if (!shown[j] || !shown[start]) continue;
     const Vector3d bone = *whole.state.bone(j) * joints[j].rest_offset.stableNormalized();
-    const double spread = joints[start].mirror == start ? kTrunkSpread : kLimbSpread;
-    information[start] += (bone.squaredNorm() * Matrix3d::Identity() - bone * bone.transpose()) / (spread * spread);
+    double variance = Square(SpreadOfBone(*whole.tracks.skeleton, j));
+    if (!whole.tracks.place_spread.empty())
+      variance += Square(whole.tracks.place_spread[j]) + Square(whole.tracks.place_spread[start]);
+    information[start] += (bone.squaredNorm() * Matrix3d::Identity() - bone * bone.transpose()) / variance;
   }
   std::vector<Matrix3d> spreads;
   for (const Matrix3d& of_joint : information) {

@@ -9,8 +9,8 @@ namespace mocurate {
 /// How far the frame of each joint lies from where the same rotation is on another body (3 x 3 in the joint's frame,
 /// rad^2; (J)): rotations are counted from the rest pose of a skeleton, and people's bones end elsewhere by the spreads
 /// of body_spread.h, so that the bones that start at a joint turn its frame by a spread over how far their ends lie
-/// from the axis. Of bones with both ends seen. About the only bone of a joint nothing turns it: that twist is in the
-/// prior.
+/// from the axis. Points of a tracker that are no joints lie elsewhere by their own spread too. Of bones with both ends
+/// seen. About the only bone of a joint nothing turns it: that twist is in the prior.
 std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole);
 
 }  // namespace mocurate

@@ -90,7 +90,10 @@ TEST(ExchangedBody, OfAWholeJointTrackIsAnErrorThatSaysBoth) {
   EXPECT_EQ(outcome.findings[0].severity, Severity::kError);
   EXPECT_THAT(outcome.findings[0].message, testing::HasSubstr("backwards"));
   EXPECT_THAT(outcome.findings[0].message, testing::HasSubstr("axes are mirrored"));
-  EXPECT_EQ(OutcomeOfFit(source, MistakenClip(0, 0).Fit(), FittingOptions{}).kind, OutcomeKind::kDone);
+  FitResult sound = MistakenClip(0, 0).Fit();
+  EXPECT_EQ(OutcomeOfFit(source, sound, FittingOptions{}).kind, OutcomeKind::kDone);
+  sound.rejected_share = 0.4;
+  EXPECT_EQ(OutcomeOfFit(source, sound, FittingOptions{}).kind, OutcomeKind::kDoubtful);
 }
 
 /// Keypoints of every view in frames [begin, end) under each other's names: all, or those of a limb.

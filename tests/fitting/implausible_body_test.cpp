@@ -78,6 +78,15 @@ TEST(UnexplainedJoints, AreThoseThatTheFitLeavesFarFromWhereTheyAreTracked) {
   EXPECT_NEAR(findings[0].value, 0.4, 1e-9);
 }
 
+TEST(UnexplainedJoints, AreNotThoseThatLieFarAlongRaysThatHardlyCross) {
+  PlayedTake take = BendingTake();
+  JointPositions fitted = take.tracks.positions;
+  for (int f = 0; f < take.tracks.frames(); ++f) fitted.at(f, kElbow).y() += 0.4;
+  const Matrix3d along_y = Vector3d(1.0, 0.01, 1.0).asDiagonal();
+  take.tracks.precision.assign(take.tracks.confidence.size(), along_y);
+  EXPECT_TRUE(FindUnexplainedJoints(take.tracks, fitted).empty());
+}
+
 TEST(JointsBeyondLimits, AreThoseThatTheFitTurnsFartherThanPeopleDoInMostFrames) {
   Motion motion = SmoothTake(100).truth;
   const SkeletonPtr smpl24 = *LoadSkeleton("smpl24");

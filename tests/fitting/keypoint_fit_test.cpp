@@ -119,6 +119,20 @@ TEST(KeypointFit, DetectionsOfAnotherPlaceAreRejectedAndTheirShareIsTold) {
   EXPECT_LT(fit->rejected_share, 2.1 * wrong) << "with the hand, which the wrist pulls along";
 }
 
+/// Four joints in other places throughout, in all views alike: what is left of the residual looks well.
+TEST(KeypointFit, JointsThatNoPoseExplainsAreAnErrorThoughTheResidualIsSmall) {
+  const Motion person = Swinging(60);
+  Motion elsewhere = person;
+  for (const char* name : {"left_wrist", "left_hand", "right_wrist", "right_hand"}) {
+    const int j = *person.skeleton->FindJoint(name);
+    for (int f = 0; f < 60; ++f) elsewhere.joints.at(f, j) += Vector3d(0.0, 0.7, 0.0);
+  }
+  const auto fit = FittedKeypoints(Detections(Ring(4), {elsewhere}, 4.0), person.rate, person.bone_length);
+  ASSERT_TRUE(fit) << fit.error().Message();
+  EXPECT_TRUE(std::any_of(fit->findings.begin(), fit->findings.end(),
+                          [](const Finding& finding) { return finding.code == "joint_unexplained"; }));
+}
+
 TEST(KeypointFit, KnowsThatTwoNeighbouringViewsSeeDepthBadly) {
   const Motion person = Swinging(20);
   const std::vector<Camera> ring = Ring(8);

@@ -32,6 +32,9 @@ TEST(Proportions, AreExactWithoutNoise) {
 TEST(Proportions, TheStatureIsAPersonsWhereNobodyStandsInTheRestPose) {
   const SkeletonPtr lying = *LoadSkeleton("bandai22"), standing = *LoadSkeleton("smpl24");
   EXPECT_NEAR(Stature(*lying, lying->RestBoneLengths()), 1.47, 0.1);  // every bone along x or y of its parent
+  Skeleton along_x = *standing;
+  for (Joint& joint : along_x.joints) joint.rest_offset = Vector3d(joint.rest_offset.norm(), 0.0, 0.0);
+  EXPECT_NEAR(Stature(along_x, along_x.RestBoneLengths()), 1.69, 0.05) << "to the toes, not to the hands";
   double low = 0.0, high = 0.0;
   const JointPositions rest = MakeMotion(standing, FrameRate{}, {Vector3d::Zero()},
                                          std::vector<Quaterniond>(standing->joints.size(), Quaterniond::Identity()), {})

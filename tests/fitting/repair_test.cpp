@@ -6,6 +6,7 @@
 
 #include "fitting/fit_outcome.h"
 #include "fitting/repair/exchanges.h"
+#include "fitting/repair/merged_limbs.h"
 #include "fitting/repair/torn_joints.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
@@ -223,6 +224,21 @@ TEST(Repair, OnlyTellsOfLimbsInOnePlaceMostOfTheTime) {
   ASSERT_EQ(OfCode(fit, "limbs_in_one_place").size(), 1u);
   EXPECT_EQ(OfCode(fit, "limbs_in_one_place")[0].action, "flagged");
   EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
+}
+
+/// Legs side by side are as near as noise may set what is in one place: only a tenth of a second at each end is doubted.
+TEST(Repair, LimbsInOnePlaceAreNotThoseThatAreNearEachOtherForLong) {
+  PlayedTake take = TurningTake(150);
+  MergeArms(take, 60, 80);
+  for (int f = 10; f < 140; ++f) {
+    if (f >= 60 && f < 80) continue;
+    for (const int joint : {7, 8})
+      take.tracks.positions.at(f, joint) = take.truth.joints.at(f, joint - 3) + Vector3d(0.055, 0.0, 0.0);
+  }
+  const std::vector<MergedLimbs> merged = FindMergedLimbs(take.tracks, 0.002);
+  ASSERT_EQ(merged.size(), 1u);
+  EXPECT_GE(merged[0].frame_begin, 57);
+  EXPECT_LE(merged[0].frame_end, 83);
 }
 
 TEST(Repair, LimbsThatPassEachOtherAreNotInOnePlace) {

@@ -170,6 +170,14 @@ TEST(TrackUncertainty, OfARotationHasHowFarOtherBodiesBonesTurnItsFrame) {
       EXPECT_GT(eigen.eigenvalues()[0], 0.0) << "several bones turn it about every axis";
     }
   }
+  PlayedTake beside = take;
+  beside.tracks.place_spread.assign(take.tracks.joints(), 0.0);
+  const int elbow = *skeleton.FindJoint("left_elbow"), wrist = children[elbow].front();
+  beside.tracks.place_spread[wrist] = 0.02;
+  const TrackWindow of_points{beside.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
+  const double turned = Eigen::SelfAdjointEigenSolver<Matrix3d>(FrameSpreads(of_points)[elbow]).eigenvalues()[2];
+  EXPECT_NEAR(std::sqrt(turned), std::hypot(0.02, 0.0025) / take.truth.bone_length[wrist], 1e-9)
+      << "a tracker's point that is no joint";
   PlayedTake unseen = take;
   for (int f = 0; f < 30; ++f) Hide(unseen.tracks, f, children[3].front());
   const TrackWindow without{unseen.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
