@@ -57,8 +57,9 @@ Finding Doubt(const std::string& code, double value, const std::string& message)
 }
 
 /// Of a body that depth views gave its size, or may have.
-std::optional<Finding> SizeInDoubt(const FitResult& fit, FitMethod method) {
-  if (!fit.depth_rig || method == FitMethod::kJointsAndClouds) return {};
+std::optional<Finding> SizeInDoubt(const FitResult& fit, const FittingOptions& options) {
+  const bool told = options.point_clouds.height.has_value();
+  if (!fit.depth_rig || told || options.method == FitMethod::kJointsAndClouds) return {};
   const Skeleton& skeleton = *fit.motion.skeleton;
   const double stature = Stature(skeleton, fit.motion.bone_length);
   return FindDoubtfulSize(stature, stature / Stature(skeleton, skeleton.RestBoneLengths()));
@@ -258,7 +259,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   if (options.method != FitMethod::kNone) {
     for (Finding& finding : FindJointsBeyondLimits(fit.motion)) outcome.findings.push_back(std::move(finding));
   }
-  if (auto size = SizeInDoubt(fit, options.method)) outcome.findings.push_back(std::move(*size));
+  if (auto size = SizeInDoubt(fit, options)) outcome.findings.push_back(std::move(*size));
   if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
   if (fit.depth_rig && fit.depth_rig->IsDoubtful()) outcome.kind = OutcomeKind::kDoubtful;
   for (Finding& finding : outcome.findings) {

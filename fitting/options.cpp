@@ -113,6 +113,9 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
            "ceres, or our normal equations of the same costs, several times as fast");
   v.Number("voxel_size", voxel_size, Unit::kMetre, {1e-3, 0.5}, "points are thinned to one per voxel");
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body do not pull");
+  v.OptionalNumber("height", height, Unit::kMetre, {0.3, 2.6},
+                   "of the person, standing, from crown to soles; none: measured, which takes somebody of whom a part "
+                   "is never seen for smaller");
   v.Group("outliers", outliers, "statistical outlier removal");
   v.Group("start", start, "what is known of the first pose");
   v.Group("audit", audit, "what is wrong with the rig of depth cameras, before anything is fused");

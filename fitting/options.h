@@ -132,8 +132,9 @@ struct KeypointAuditOptions : RigAuditOptions {
 /// Fit of a capsule body to fused depth views.
 struct PointCloudOptions {
   TrackSolver solver = TrackSolver::kCeres;
-  double voxel_size = 0.03;   ///< m, after fusing the views
-  double max_distance = 0.1;  ///< m from the body; farther points do not pull
+  double voxel_size = 0.03;      ///< m, after fusing the views
+  double max_distance = 0.1;     ///< m from the body; farther points do not pull
+  std::optional<double> height;  ///< m, of the person from crown to soles; none: measured from the clouds
   CloudOutlierOptions outliers;
   CloudStartOptions start;
   RigAuditOptions audit;

@@ -43,14 +43,19 @@ double HeightOfPerson(const FusedCloud& cloud, double voxel_size) {
   return HeightOf(cloud.points).height() + voxel_size;
 }
 
+/// From crown to soles, metres.
+double HeightOfRestBody(const SkeletonPtr& skeleton) {
+  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
+  PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
+  rest.Update(0, 1, false);
+  return HeightOf(body, rest, 0).height();
+}
+
 /// By the median height of clouds against that of the rest body, as if people stood in most of them.
 double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
   std::vector<double> heights;
   for (const FusedCloud& cloud : clouds) heights.push_back(HeightOfPerson(cloud, voxel_size));
-  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
-  PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
-  rest.Update(0, 1, false);
-  return std::clamp(Median(heights) / HeightOf(body, rest, 0).height(), kSmallestAgainstRest, kLargestAgainstRest);
+  return std::clamp(Median(heights) / HeightOfRestBody(skeleton), kSmallestAgainstRest, kLargestAgainstRest);
 }
 
 class SizeSearch {
@@ -236,6 +241,7 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
 
 Expected<double> ScaleFromClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
                                  const PointCloudOptions& options) {
+  if (options.height) return *options.height / HeightOfRestBody(skeleton);
   PointCloudOptions quick = options;
   quick.solver = TrackSolver::kBanded;  // the same costs
   clouds.erase(std::remove_if(clouds.begin(), clouds.end(),

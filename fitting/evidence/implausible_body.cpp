@@ -305,10 +305,12 @@ std::optional<Finding> FindDoubtfulSize(double stature, double scale) {
   finding.value = stature;
   finding.message = "the body that explains the depth views would be " + WordsOfSize(stature, scale);
   finding.message +=
-      of_people ? ". Is it a child? Somebody of whom a part is never seen, behind a desk or outside the images, is "
-                  "taken for a small person who is seen whole: then all joints are elsewhere"
-                : ". Are two people close together, is something between camera and person or touching them, or is "
-                  "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
+      of_people
+          ? ". Is it a child? Somebody of whom a part is never seen, behind a desk or outside the images, is "
+            "taken for a small person who is seen whole: then all joints are elsewhere. fitting.point_clouds.height "
+            "tells how tall they are"
+          : ". Are two people close together, is something between camera and person or touching them, or is "
+            "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
   finding.action = "flagged";
   return finding;
 }

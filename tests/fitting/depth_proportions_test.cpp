@@ -92,6 +92,17 @@ TEST_F(DepthProportions, AreThoseOfTheClipsThatCanBeUsedAndSayWhichCannot) {
   EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], scale, 1e-3);
 }
 
+TEST_F(DepthProportions, AreThoseOfTheHeightThatIsTold) {
+  StageRequest request = Request("proportions", "p1", clips_);
+  request.options["point_clouds"]["height"] = 1.2;
+  const auto low = ProportionsStage(request);
+  request.options["point_clouds"]["height"] = 1.8;
+  const auto high = ProportionsStage(request);
+  ASSERT_TRUE(low && high);
+  EXPECT_NEAR(high->summary["scale"].get<double>(), 1.05, 0.05) << "crown to soles of the rest body are 1.7 m";
+  EXPECT_NEAR(high->summary["scale"].get<double>() / low->summary["scale"].get<double>(), 1.5, 1e-3);
+}
+
 TEST_F(DepthProportions, OfNobodysSizeMakeTheClipDoubtful) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   for (const double scale : {kTaller, 2.0 * kTaller}) {

@@ -226,7 +226,8 @@ TEST(Repair, OnlyTellsOfLimbsInOnePlaceMostOfTheTime) {
   EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
 }
 
-/// Legs side by side are as near as noise may set what is in one place: only a tenth of a second at each end is doubted.
+/// Legs side by side are as near as noise may set what is in one place: only a tenth of a second at each end is
+/// doubted.
 TEST(Repair, LimbsInOnePlaceAreNotThoseThatAreNearEachOtherForLong) {
   PlayedTake take = TurningTake(150);
   MergeArms(take, 60, 80);
