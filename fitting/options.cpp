@@ -69,6 +69,8 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
          "rotations that the source recorded, or a given motion has, are evidence beside the positions");
   v.Number("rest_spread", rest_spread, Unit::kRadian, {1e-2, 1e3}, "distance of joints from the rest pose");
   v.Number("limit_spread", limit_spread, Unit::kRadian, {1e-3, 1e2}, "distance beyond a joint limit");
+  v.Number("hinge_spread", hinge_spread, Unit::kNone, {1e-3, 1e2},
+           "sine of the angle by which a shin or forearm leaves the plane in which knee or elbow swings it");
   v.Number("bone_spread", bone_spread, Unit::kMetre, {1e-4, 1.0}, "distance from the prior length of a free bone");
   v.Number("max_gap", max_gap_s, Unit::kSecond, {1e-3, 1e4}, "frames further apart are not smoothed together");
   v.List("steps", steps, "what is solved one after the other, from a closed-form pose on; none: that pose is the fit");

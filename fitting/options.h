@@ -58,6 +58,7 @@ struct JointTrackOptions {
   bool recorded_rotations = true;  ///< rotations that the source recorded are evidence beside the positions
   double rest_spread = 3.3;        ///< rad from the rest pose; holds what no evidence determines
   double limit_spread = 0.5;       ///< rad beyond a joint limit
+  double hinge_spread = 0.25;      ///< sine of the angle by which a shin or forearm leaves the plane of its hinge
   double bone_spread = 0.02;       ///< m from the prior bone length, where bones are free
   double max_gap_s = 0.5;          ///< frames further apart than this are not smoothed together
   std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit

@@ -1,5 +1,6 @@
 #include "core/motion/skeleton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -159,6 +160,16 @@ Status CheckLie(const Skeleton& s) {
 }
 
 }  // namespace
+
+std::optional<int> HingeAxis(const JointLimits& limits) {
+  constexpr double kHyperextension = 0.5, kRightAngle = 1.5708;
+  for (int i = 0; i < 3; ++i) {
+    const double less = std::min(-limits.min[i], limits.max[i]);
+    const double more = std::max(-limits.min[i], limits.max[i]);
+    if (less < kHyperextension && more > kRightAngle) return i;
+  }
+  return {};
+}
 
 std::optional<int> Skeleton::FindJoint(std::string_view searched) const {
   const std::string key = Normalised(searched);

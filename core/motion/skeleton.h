@@ -18,6 +18,10 @@ struct JointLimits {
   Vector3d max = Vector3d::Constant(3.14159265358979);
 };
 
+/// The axis about which a joint bends farther than a right angle one way and half a radian at most the other, as knees
+/// and elbows do; none: it is no hinge.
+std::optional<int> HingeAxis(const JointLimits& limits);
+
 struct Joint {
   std::string name;  ///< the skeleton's own name, e.g. "left_knee"
   int parent = -1;   ///< index below its own; -1 for the root only

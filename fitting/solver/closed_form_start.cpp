@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/base/pi.h"
 #include "core/geometry/rigid.h"
 #include "core/geometry/rotation.h"
+#include "fitting/costs/hinge_cost.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/outliers.h"
 
@@ -76,11 +78,10 @@ int FullestFrame(const SkeletonTracks& tracks) {
 
 /// Targets that spread across their common line by less than this share of their distance tell no turn about it.
 constexpr double kAcrossLine = 0.05;
-constexpr double kFarBeyondHinge = 0.35;  ///< radians beyond its limits, from which on a hinge bends the wrong way
-constexpr double kHyperextension = 0.5;   ///< radians, up to which a hinge bends the other way
-constexpr int kTwistSteps = 24;           ///< of a whole turn
-constexpr double kTwistGain = 0.02;       ///< radians nearer to the limits, for which a larger twist is taken
-constexpr double kFartherWeight = 0.1;    ///< of a target beyond another joint, which may turn itself
+constexpr double kFarOffHinge = 0.35;   ///< sine, from which on a hinge bends the wrong way
+constexpr int kTwistSteps = 24;         ///< of a whole turn
+constexpr double kTwistGain = 0.02;     ///< nearer to the hinge, for which a larger twist is taken
+constexpr double kFartherWeight = 0.1;  ///< of a target beyond another joint, which may turn itself
 
 /// What a joint's rotation is read from: below each child the nearest seen joint, and where it lies at rest.
 struct Target {
@@ -122,6 +123,7 @@ class ClosedFormPose {
         state_(state),
         seen_(tracks.SeenJoints()),
         lately_(SeenLately(tracks)),
+        hinges_(HingesOf(skeleton_)),
         targets_(skeleton_.joints.size()),
         global_(skeleton_.joints.size(), Quaterniond::Identity()),
         position_(skeleton_.joints.size(), Vector3d::Zero()) {
@@ -199,44 +201,32 @@ class ClosedFormPose {
     return (world_from_rest.rotation * above).normalized();
   }
 
-  /// Whether a joint bends far one way only, as knees and elbows.
-  static bool BendsOneWay(const JointLimits& limits) {
-    for (int i = 0; i < 3; ++i) {
-      const double less = std::min(-limits.min[i], limits.max[i]);
-      const double more = std::max(-limits.min[i], limits.max[i]);
-      if (less < kHyperextension && more > kPi / 2.0) return true;
-    }
-    return false;
-  }
-
-  /// How far beyond its limits a hinge with one seen joint below is bent, its parent turned so; radians. Negative where
+  /// How far off its hinge (OffHinge) a joint with one seen joint below is bent, its parent turned so. Negative where
   /// that cannot be told.
-  double BentBeyondHinge(const JointPositions& filled, int frame, int hinge, const Quaterniond& parent) const {
-    const auto& limits = skeleton_.joints[hinge].limits;
-    if (!limits || !BendsOneWay(*limits) || targets_[hinge].size() != 1 || !Lately(frame, hinge) ||
-        !Lately(frame, targets_[hinge][0].joint))
+  double BentOffHinge(const JointPositions& filled, int frame, int joint, const Quaterniond& parent) const {
+    if (!hinges_[joint] || targets_[joint].size() != 1 || !Lately(frame, joint) ||
+        !Lately(frame, targets_[joint][0].joint))
       return -1.0;
-    const Vector3d below = filled.at(frame, targets_[hinge][0].joint) - filled.at(frame, hinge);
-    const Vector3d bend = LogQuaternion(SwingBetween(targets_[hinge][0].rest_in_joint, parent.conjugate() * below));
-    Vector3d beyond;
-    for (int i = 0; i < 3; ++i) beyond[i] = BeyondLimit(bend[i], limits->min[i], limits->max[i]);
-    return beyond.norm();
+    const Vector3d below = filled.at(frame, targets_[joint][0].joint) - filled.at(frame, joint);
+    const Quaterniond bend = SwingBetween(targets_[joint][0].rest_in_joint, parent.conjugate() * below);
+    return OffHinge(*hinges_[joint], bend.toRotationMatrix()).norm();
   }
 
   /// The rotation of a joint whose only bone, along `bone`, ends in a hinge: twisted about that bone, which no position
-  /// of the hinge tells, where the hinge would bend far the wrong way else, as the knees of who sits cross-legged.
+  /// of the hinge tells, where the joint below would bend far off its hinge else, as the knees of who sits
+  /// cross-legged.
   Quaterniond TwistedToHinge(const JointPositions& filled, int frame, int hinge, const Vector3d& bone,
                              const Quaterniond& turned) const {
-    double least = BentBeyondHinge(filled, frame, hinge, turned);
-    if (least < kFarBeyondHinge) return turned;
+    double least = BentOffHinge(filled, frame, hinge, turned);
+    if (least < kFarOffHinge) return turned;
     Quaterniond best = turned;
     for (int step = 1; step <= kTwistSteps / 2; ++step) {
       for (const double side : {1.0, -1.0}) {
         const double angle = side * 2.0 * kPi * step / kTwistSteps;
         const Quaterniond twisted = (Quaterniond(Eigen::AngleAxisd(angle, bone)) * turned).normalized();
-        const double beyond = BentBeyondHinge(filled, frame, hinge, twisted);
-        if (beyond >= least - kTwistGain) continue;
-        least = beyond;
+        const double off = BentOffHinge(filled, frame, hinge, twisted);
+        if (off >= least - kTwistGain) continue;
+        least = off;
         best = twisted;
       }
     }
@@ -271,7 +261,8 @@ class ClosedFormPose {
   const Skeleton& skeleton_;
   PoseState& state_;
   std::vector<bool> seen_;
-  std::vector<bool> lately_;  ///< (F*J)
+  std::vector<bool> lately_;                  ///< (F*J)
+  std::vector<std::optional<Hinge>> hinges_;  ///< (J)
   std::vector<std::vector<Target>> targets_;
   std::vector<Quaterniond> global_;
   std::vector<Vector3d> position_;

@@ -11,6 +11,7 @@ namespace mocurate {
 TrackEquations::TrackEquations(const TrackWindow& window)
     : window_(window),
       size_(3),
+      hinges_(HingesOf(*window.tracks.skeleton)),
       border_(window.bones == Bones::kFree ? window.state.joints() - 1 : 0),
       below_(window.state.joints()),
       velocity_weight_(window.tracks.confidence.size(), 0.0),
@@ -58,6 +59,7 @@ double TrackEquations::Cost() const {
       for (int i = 0; limits && i < 3; ++i) {
         twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / options.limit_spread);
       }
+      if (hinges_[j]) twice += OffHinge(*hinges_[j], state.local(f, j)).squaredNorm() / Square(options.hinge_spread);
     }
   }
   for (int f = window_.first(); f + 1 < window_.end; ++f) {
@@ -203,6 +205,12 @@ void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
       diagonal(c + i, c + i) += limit;
       gradient[c + i] += limit * beyond;
     }
+    if (!hinges_[j]) continue;
+    const Vector3d w = Eigen::Map<const Vector3d>(state.rotation(frame, j));
+    const Eigen::Matrix<double, 2, 3> slopes = OffHingeSlopes(*hinges_[j], state.local(frame, j), w);
+    const double information = 1.0 / Square(window_.options.hinge_spread);
+    diagonal.block<3, 3>(c, c).noalias() += information * slopes.transpose() * slopes;
+    gradient.segment<3>(c).noalias() += information * slopes.transpose() * OffHinge(*hinges_[j], state.local(frame, j));
   }
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "fitting/costs/hinge_cost.h"
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/body_information.h"
 #include "fitting/solver/track_window.h"
@@ -68,6 +70,7 @@ class TrackEquations {
 
   const TrackWindow window_;
   int size_;
+  std::vector<std::optional<Hinge>> hinges_;  ///< (J)
   int border_;
   std::vector<int> column_;              ///< first unknown of a joint's rotation in its frame; -1: not active
   std::vector<std::vector<int>> below_;  ///< active joints at or below a joint

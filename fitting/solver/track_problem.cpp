@@ -30,6 +30,7 @@ TrackProblem::TrackProblem(const TrackWindow& window)
     : window_(window),
       state_(window.state),
       free_bones_(window.bones == Bones::kFree),
+      hinges_(HingesOf(*window.tracks.skeleton)),
       update_(window.state, window.first(), window.end),
       loss_(window.options.huber_sigmas),
       problem_(PoseProblemOptions(update_)) {
@@ -65,6 +66,10 @@ void TrackProblem::AddFrame(int frame) {
                               state_.rotation(frame, j));
     if (const auto& limits = window_.tracks.skeleton->joints[j].limits) {
       problem_.AddResidualBlock(new JointLimitCost(*limits, window_.options.limit_spread), nullptr,
+                                state_.rotation(frame, j));
+    }
+    if (hinges_[j]) {
+      problem_.AddResidualBlock(new HingeCost(*hinges_[j], window_.options.hinge_spread), nullptr,
                                 state_.rotation(frame, j));
     }
   }

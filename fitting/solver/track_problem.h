@@ -3,6 +3,10 @@
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 
+#include <optional>
+#include <vector>
+
+#include "fitting/costs/hinge_cost.h"
 #include "fitting/solver/pose_update.h"
 #include "fitting/solver/track_window.h"
 
@@ -23,6 +27,7 @@ class TrackProblem {
   const TrackWindow window_;
   PoseState& state_;
   bool free_bones_;
+  std::vector<std::optional<Hinge>> hinges_;  ///< (J)
   PoseUpdate update_;
   ceres::HuberLoss loss_;
   ceres::Problem problem_;

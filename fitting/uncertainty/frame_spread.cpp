@@ -2,14 +2,17 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <optional>
 
+#include "fitting/costs/hinge_cost.h"
 #include "fitting/costs/huber.h"
 #include "fitting/uncertainty/body_spread.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kNoLever = 1e-9;  ///< of the longest lever, squared: the axis is the only bone's
+constexpr double kNoLever = 1e-9;        ///< of the longest lever, squared: the axis is the only bone's
+constexpr double kCarryingSpread = 0.1;  ///< radians between people's carrying angles, all along the same
 
 }  // namespace
 
@@ -35,6 +38,12 @@ std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole) {
       variance[i] = std::min(1.0 / eigen.eigenvalues()[i], kUnknownAngle);
     }
     spreads.emplace_back(eigen.eigenvectors() * variance.asDiagonal() * eigen.eigenvectors().transpose());
+  }
+  const std::vector<std::optional<Hinge>> hinges = HingesOf(*whole.tracks.skeleton);
+  for (std::size_t j = 1; j < joints.size(); ++j) {
+    if (!hinges[j]) continue;
+    const Vector3d bone = joints[j].rest_offset.stableNormalized();
+    spreads[joints[j].parent] += Square(kCarryingSpread) * bone * bone.transpose();
   }
   return spreads;
 }

@@ -10,7 +10,8 @@ namespace mocurate {
 /// rad^2; (J)): rotations are counted from the rest pose of a skeleton, and people's bones end elsewhere by the spreads
 /// of body_spread.h, so that the bones that start at a joint turn its frame by a spread over how far their ends lie
 /// from the axis. Points of a tracker that are no joints lie elsewhere by their own spread too. Of bones with both ends
-/// seen. About the only bone of a joint nothing turns it: that twist is in the prior.
+/// seen. About the only bone of a joint nothing turns it (that twist is in the prior) unless that bone ends in a hinge:
+/// then by the angle at which people carry forearms and shins.
 std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole);
 
 }  // namespace mocurate

@@ -4,6 +4,7 @@
 
 #include "core/base/random.h"
 #include "fitting/costs/bone_prior_cost.h"
+#include "fitting/costs/hinge_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
 #include "fitting/costs/joint_rotation_cost.h"
@@ -247,7 +248,7 @@ TEST_P(CostJacobian, OfRestPrior) {
   EXPECT_JACOBIAN(At(cost, {state_.rotation(0, 1)}), automatic, 1e-9);
 }
 
-struct Hinge {
+struct OneSided {
   JointLimits limits;
   double weight;
   template <class T>
@@ -266,8 +267,43 @@ TEST_P(CostJacobian, OfJointLimits) {
   limits.min = Vector3d(-0.2, -0.4, 0.1);  // the third component is outside at the identity
   limits.max = Vector3d(0.3, 0.2, 0.5);
   const JointLimitCost cost(limits, 0.1);
-  const ceres::AutoDiffCostFunction<Hinge, 3, 3> automatic(new Hinge{limits, 10.0});
+  const ceres::AutoDiffCostFunction<OneSided, 3, 3> automatic(new OneSided{limits, 10.0});
   EXPECT_JACOBIAN(At(cost, {state_.rotation(0, 1)}), automatic, 1e-8);
+}
+
+TEST_P(CostJacobian, OfHinges) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  const std::vector<std::optional<Hinge>> hinges = HingesOf(*skeleton);
+  int count = 0;
+  for (const std::optional<Hinge>& hinge : hinges) {
+    if (!hinge) continue;
+    ++count;
+    const HingeCost cost(*hinge, 0.2);
+    Jacobians jacobians;
+    ResidualsOf(At(cost, {state_.rotation(0, 1)}), &jacobians);
+    EXPECT_TRUE(SameJacobians(jacobians, NumericJacobians(At(cost, {state_.rotation(0, 1)}), 1e-6), 1e-6, "numeric"));
+  }
+  EXPECT_EQ(count, 4) << "knees and elbows";
+}
+
+TEST(Hinges, LetKneesAndElbowsBendOneWayAndShinsAndForearmsTwist) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  const std::vector<std::optional<Hinge>> hinges = HingesOf(*skeleton);
+  const auto off = [&](const char* joint, const Vector3d& bend, double twist) {
+    const Hinge& hinge = *hinges[static_cast<std::size_t>(*skeleton->FindJoint(joint))];
+    return OffHinge(hinge, ExpMatrix(bend) * ExpMatrix(twist * hinge.bone));
+  };
+  for (const double twist : {-1.5, 0.0, 1.0}) {
+    for (const double bend : {0.0, 0.7, 1.5, 2.5}) {
+      EXPECT_NEAR(off("left_elbow", {0.0, -bend, 0.0}, twist).norm(), 0.0, 1e-9) << bend;
+      EXPECT_NEAR(off("right_elbow", {0.0, bend, 0.0}, twist).norm(), 0.0, 1e-9) << bend;
+      EXPECT_LT(off("left_knee", {bend, 0.0, 0.0}, twist).norm(), 0.05) << bend;
+      EXPECT_LT(off("right_knee", {bend, 0.0, 0.0}, twist).norm(), 0.05) << bend;
+    }
+    EXPECT_NEAR(off("left_elbow", {0.0, 0.8, 0.0}, twist)[1], 0.2 - std::sin(0.8), 1e-9) << "the other way";
+    EXPECT_NEAR(std::abs(off("left_elbow", {0.0, 0.0, 0.6}, twist)[0]), std::sin(0.6), 1e-9) << "to the side";
+    EXPECT_LT(off("right_knee", {-0.8, 0.0, 0.0}, twist)[1], -0.4);
+  }
 }
 
 TEST(BonePrior, IsTheWhitenedDifference) {
