@@ -21,6 +21,7 @@
 #include "ingest/format_facts.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
+#include "ingest/unnamed_files.h"
 
 namespace mocurate {
 namespace {
@@ -151,9 +152,9 @@ bool IsAssigned(const FitArguments& arguments, const std::string& option) {
                      [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
 }
 
-/// Where nothing tells who performs, each recording is of a body of its own.
-void ChooseBodies(const FitArguments& arguments, JobOptions& options) {
-  if (!arguments.source.empty() || options.ingest.source.person != kUnknownPerson) return;
+/// Where nothing tells who performs, each recording is of a body of its own. `unnamed`: nor does the recipe.
+void ChooseBodies(const FitArguments& arguments, bool unnamed, JobOptions& options) {
+  if (!(arguments.source.empty() || unnamed) || options.ingest.source.person != kUnknownPerson) return;
   if (!IsAssigned(arguments, "proportions.body_of")) options.proportions.body_of = BodyOf::kRecording;
 }
 
@@ -202,9 +203,12 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   JobOptions options = std::move(job->options);
   // Not by way of YAML: a path may hold any bytes.
   options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
+  std::optional<std::string> unnamed;
+  if (!IsStore(path)) unnamed = TakeUnnamed(IsAssigned(arguments, "ingest.source.files"), options.ingest);
+  if (unnamed) LogInfo(*unnamed);
   if (!IsStore(path)) TellOfMirror(arguments, options.ingest.source);
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
-  ChooseBodies(arguments, options);
+  ChooseBodies(arguments, unnamed.has_value(), options);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
   return options;
 }

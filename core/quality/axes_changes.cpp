@@ -15,21 +15,26 @@ constexpr double kFarTurned = 0.25;  // least step about the middle, of the body
 // Most of that step which is left once the axes are changed back; of 220 such steps in the recorded clips (frames that
 // are missing, trackers that turn a body round) 0.21 at least.
 constexpr double kNearTurned = 0.15;
-constexpr double kUsualTimes = 4.0;  // what is left, beside the clip's usual step
-constexpr double kAlikeSwap = 1.5;   // an exchange of sides leaves no more than so many times as much
-constexpr double kAlikeAxes = 1.3;   // other axes likewise
+constexpr double kUsualTimes = 4.0;   // what is left, beside the clip's usual step
+constexpr double kAlikeSwap = 1.5;    // an exchange of sides leaves no more than so many times as much
+constexpr double kAlikeAxes = 1.3;    // other axes likewise
+constexpr double kClearlyMore = 2.0;  // frames with the usual axes beside those with others
+constexpr int kLongestLost = 5;       // frames over which a body is still held against what it was
 
 /// The 47 changes of axes that are none: each axis becomes another, or itself, with either sign.
-std::vector<Matrix3d> ChangesOfAxes() {
-  std::vector<Matrix3d> changes;
-  int order[3] = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Matrix3d change = Matrix3d::Zero();
-      for (int row = 0; row < 3; ++row) change(row, order[row]) = (signs >> row & 1) != 0 ? -1.0 : 1.0;
-      if (change != Matrix3d::Identity()) changes.push_back(change);
-    }
-  } while (std::next_permutation(order, order + 3));
+const std::vector<Matrix3d>& ChangesOfAxes() {
+  static const std::vector<Matrix3d> changes = [] {
+    std::vector<Matrix3d> all;
+    int order[3] = {0, 1, 2};
+    do {
+      for (int signs = 0; signs < 8; ++signs) {
+        Matrix3d change = Matrix3d::Zero();
+        for (int row = 0; row < 3; ++row) change(row, order[row]) = (signs >> row & 1) != 0 ? -1.0 : 1.0;
+        if (change != Matrix3d::Identity()) all.push_back(change);
+      }
+    } while (std::next_permutation(order, order + 3));
+    return all;
+  }();
   return changes;
 }
 
@@ -46,65 +51,148 @@ struct StepOfBody {
     for (std::size_t i = 0; i < after.size(); ++i) sum += (after[i] - change * from[i]).squaredNorm();
     return std::sqrt(sum / static_cast<double>(after.size()));
   }
+  double Length() const { return Left(Matrix3d::Identity(), before); }
+  std::vector<double> LeftOfChanges() const {
+    std::vector<double> left;
+    for (const Matrix3d& change : ChangesOfAxes()) left.push_back(Left(change, before));
+    return left;
+  }
 };
 
-StepOfBody StepTo(const TrackedPoints& points, int f, const std::vector<int>& other_side) {
-  StepOfBody step;
-  std::vector<int> seen;
-  for (int k = 0; k < points.count(); ++k) {
-    if (points.sees(f, k) && points.sees(f - 1, k)) seen.push_back(k);
-  }
-  if (static_cast<int>(seen.size()) < kFewestTurnedPoints) return step;
-  for (const int k : seen) {
-    step.middle_before += points.at(f - 1, k) / static_cast<double>(seen.size());
-    step.middle_after += points.at(f, k) / static_cast<double>(seen.size());
-  }
-  double squares = 0.0;
-  for (const int k : seen) {
-    const int side = other_side[static_cast<std::size_t>(k)];
-    const int other = points.sees(f - 1, side) ? side : k;
-    step.before.push_back(points.at(f - 1, k) - step.middle_before);
-    step.exchanged.push_back(points.at(f - 1, other) - step.middle_before);
-    step.after.push_back(points.at(f, k) - step.middle_after);
-    squares += step.before.back().squaredNorm();
-  }
-  step.size = std::sqrt(squares / static_cast<double>(seen.size()));
-  return step;
-}
-
-std::vector<int> OtherSides(const TrackedPoints& points) {
-  std::vector<int> other(static_cast<std::size_t>(points.count()));
-  for (int k = 0; k < points.count(); ++k) other[static_cast<std::size_t>(k)] = k;
-  if (points.names.empty()) return other;
-  const LimbPairs pairs = FindLimbPairs(points.names);
-  for (const auto* limbs : {&pairs.arms, &pairs.legs}) {
-    for (const auto& [left, right] : *limbs) {
-      other[static_cast<std::size_t>(left)] = right;
-      other[static_cast<std::size_t>(right)] = left;
+class BodySteps {
+ public:
+  explicit BodySteps(const TrackedPoints& points) : points_(points), other_(static_cast<std::size_t>(points.count())) {
+    for (int k = 0; k < points.count(); ++k) other_[static_cast<std::size_t>(k)] = k;
+    if (points.names.empty()) return;
+    const LimbPairs pairs = FindLimbPairs(points.names);
+    for (const auto* limbs : {&pairs.arms, &pairs.legs}) {
+      for (const auto& [left, right] : *limbs) {
+        other_[static_cast<std::size_t>(left)] = right;
+        other_[static_cast<std::size_t>(right)] = left;
+      }
+    }
+    for (const auto& pair : pairs.face) {
+      for (const int k : pair) other_[static_cast<std::size_t>(k)] = -1;
     }
   }
-  return other;
+
+  /// Of all that both frames see; empty where that is little.
+  StepOfBody Whole(int from, int to) const { return Step(from, to, false); }
+  /// Of that what could be exchanged and what has no side: a limb whose other side is not seen says nothing of an
+  /// exchange, and a tracker may exchange limbs with the face or without.
+  StepOfBody Sides(int from, int to) const { return Step(from, to, true); }
+
+ private:
+  bool Seen(int from, int to, int k) const { return k >= 0 && points_.sees(from, k) && points_.sees(to, k); }
+  StepOfBody Step(int from, int to, bool sides) const {
+    StepOfBody step;
+    std::vector<int> seen;
+    for (int k = 0; k < points_.count(); ++k) {
+      if (Seen(from, to, k) && (!sides || Seen(from, to, other_[static_cast<std::size_t>(k)]))) seen.push_back(k);
+    }
+    if (static_cast<int>(seen.size()) < kFewestTurnedPoints) return step;
+    for (const int k : seen) {
+      step.middle_before += points_.at(from, k) / static_cast<double>(seen.size());
+      step.middle_after += points_.at(to, k) / static_cast<double>(seen.size());
+    }
+    double squares = 0.0;
+    for (const int k : seen) {
+      step.before.push_back(points_.at(from, k) - step.middle_before);
+      step.after.push_back(points_.at(to, k) - step.middle_after);
+      if (sides) step.exchanged.push_back(points_.at(from, other_[static_cast<std::size_t>(k)]) - step.middle_before);
+      squares += step.before.back().squaredNorm();
+    }
+    step.size = std::sqrt(squares / static_cast<double>(seen.size()));
+    return step;
+  }
+
+  const TrackedPoints& points_;
+  std::vector<int> other_;  ///< (K) the point of the other side, itself where there is none, -1 of a face
+};
+
+/// A step as bodies make them between frames: most points go little, though some may stray.
+bool Stays(const StepOfBody& step) {
+  if (step.empty()) return false;
+  std::vector<double> ways;
+  for (std::size_t i = 0; i < step.after.size(); ++i) ways.push_back((step.after[i] - step.before[i]).norm());
+  return Median(ways) < kFarTurned * step.size;
+}
+
+/// One of a body whose sides are exchanged.
+bool StaysExchanged(const StepOfBody& sides) {
+  return !sides.empty() && sides.Left(Matrix3d::Identity(), sides.exchanged) < kFarTurned * sides.size;
 }
 
 /// The change of axes in a step; nothing where the step is one of a body, or of something else.
-std::optional<Matrix3d> ChangeIn(const StepOfBody& step, double usual, const std::vector<Matrix3d>& changes) {
-  const double straight = step.Left(Matrix3d::Identity(), step.before);
-  if (!(straight >= kFarTurned * step.size) || step.size <= 0.0) return std::nullopt;
-  std::vector<double> left;
-  for (const Matrix3d& change : changes) left.push_back(step.Left(change, step.before));
+std::optional<Matrix3d> ChangeIn(const BodySteps& steps, int from, int to, double usual) {
+  const StepOfBody step = steps.Whole(from, to), sides = steps.Sides(from, to);
+  if (step.empty() || sides.empty() || step.size <= 0.0) return std::nullopt;
+  if (!(step.Length() >= kFarTurned * step.size)) return std::nullopt;
+  const std::vector<Matrix3d>& changes = ChangesOfAxes();
+  const std::vector<double> left = step.LeftOfChanges();
   const double least = *std::min_element(left.begin(), left.end());
-  if (least > kNearTurned * straight || least > kUsualTimes * usual + 1e-3 * step.size) return std::nullopt;
+  if (least > kNearTurned * step.Length()) return std::nullopt;
+  if (least > kUsualTimes * usual * (to - from) + 1e-3 * step.size) return std::nullopt;
   // Bodies that are alike from several sides: the world's middle tells which change it is.
   std::optional<std::size_t> best;
-  const auto jump = [&](std::size_t i) { return (step.middle_after - changes[i] * step.middle_before).norm(); };
+  const auto jump = [&](std::size_t i) { return (sides.middle_after - changes[i] * sides.middle_before).norm(); };
   for (std::size_t i = 0; i < changes.size(); ++i) {
     if (left[i] <= kAlikeAxes * least && (!best || jump(i) < jump(*best))) best = i;
   }
   // Sides that change leave a body where it is.
-  const double stays = (step.middle_after - step.middle_before).norm();
-  const double swapped = std::hypot(step.Left(Matrix3d::Identity(), step.exchanged), stays);
-  if (swapped <= kAlikeSwap * std::hypot(least, std::min(stays, jump(*best)))) return std::nullopt;
+  const double stays = (sides.middle_after - sides.middle_before).norm();
+  const double swapped = std::hypot(sides.Left(Matrix3d::Identity(), sides.exchanged), stays);
+  const double turned = std::hypot(sides.Left(changes[*best], sides.before), std::min(stays, jump(*best)));
+  if (swapped <= kAlikeSwap * turned) return std::nullopt;
   return changes[*best];
+}
+
+/// Frames in a row in which the body can be followed, and the axes of each against the first.
+struct Piece {
+  int begin = 0;
+  std::vector<Matrix3d> axes;
+};
+
+/// A frame that is no step from the last one that was, and no change of axes either (not seen, points that stray), says
+/// nothing, so that the next is held against what is known. Where that lasts, a change may be lost: another piece.
+std::vector<Piece> Follow(const BodySteps& steps, int frames, double usual) {
+  std::vector<Matrix3d> axes(static_cast<std::size_t>(frames), Matrix3d::Identity());
+  std::vector<int> begins = {0};
+  const auto of = [&](int f) -> Matrix3d& { return axes[static_cast<std::size_t>(f)]; };
+  int known = 0, other = -1;  // the last frames that told their axes: of these, and of the ones before
+  for (int f = 1; f < frames; ++f) {
+    of(f) = of(known);
+    if (steps.Whole(known, known).empty()) known = f;
+    if (const auto change = ChangeIn(steps, known, f, usual)) {
+      for (int between = known + 1; between < f; ++between) {
+        const StepOfBody part = steps.Whole(known, between);
+        if (!part.empty() && part.Left(*change, part.before) < part.Length()) of(between) = *change * of(known);
+      }
+      of(f) = *change * of(known);
+      other = known;
+      known = f;
+    } else if (Stays(steps.Whole(known, f)) || StaysExchanged(steps.Sides(known, f))) {
+      known = f;
+    } else if (other >= 0 && f - other <= kLongestLost && Stays(steps.Whole(other, f))) {
+      of(f) = of(other);
+      other = known;
+      known = f;
+    } else if (const auto next = ChangeIn(steps, f - 1, f, usual)) {
+      of(f) = *next * of(f - 1);
+      other = f - 1;
+      known = f;
+    } else if (f - known >= kLongestLost) {
+      begins.push_back(known + 1);
+      known = f;
+      other = -1;
+    }
+  }
+  std::vector<Piece> pieces;
+  for (std::size_t i = 0; i < begins.size() && frames > 0; ++i) {
+    const auto end = i + 1 < begins.size() ? axes.begin() + begins[i + 1] : axes.end();
+    pieces.push_back({begins[i], std::vector<Matrix3d>(axes.begin() + begins[i], end)});
+  }
+  return pieces;
 }
 
 std::string ChangeWords(const Matrix3d& change) {
@@ -118,50 +206,47 @@ std::string ChangeWords(const Matrix3d& change) {
   return words;
 }
 
-}  // namespace
-
-std::vector<Finding> FindAxesChanges(const TrackedPoints& points) {
-  const std::vector<int> other_side = OtherSides(points);
-  std::vector<double> lengths;
-  for (int f = 1; f < points.frames(); ++f) {
-    const StepOfBody step = StepTo(points, f, other_side);
-    if (step.empty()) continue;
-    if (const double length = step.Left(Matrix3d::Identity(), step.before); length > 0.0) lengths.push_back(length);
-  }
-  const double usual = Median(lengths);
-  const std::vector<Matrix3d> changes = ChangesOfAxes();
-  std::vector<Matrix3d> axes(static_cast<std::size_t>(points.frames()), Matrix3d::Identity());
-  bool any = false;
-  for (int f = 1; f < points.frames(); ++f) {
-    axes[static_cast<std::size_t>(f)] = axes[static_cast<std::size_t>(f) - 1];
-    const StepOfBody step = StepTo(points, f, other_side);
-    if (step.empty()) continue;
-    if (const auto change = ChangeIn(step, usual, changes)) {
-      axes[static_cast<std::size_t>(f)] = *change * axes[static_cast<std::size_t>(f) - 1];
-      any = true;
-    }
-  }
-  if (!any) return {};
+/// The frames whose axes are not those of most.
+void TellChanges(const Piece& piece, std::vector<Finding>& findings) {
+  const std::vector<Matrix3d>& axes = piece.axes;
+  const auto count = [&](const Matrix3d& one) { return std::count(axes.begin(), axes.end(), one); };
   Matrix3d most = axes[0];
-  for (const Matrix3d& candidate : axes) {
-    if (std::count(axes.begin(), axes.end(), candidate) > std::count(axes.begin(), axes.end(), most)) most = candidate;
+  for (std::size_t i = 1; i < axes.size(); ++i) {
+    if (axes[i] != axes[i - 1] && count(axes[i]) > count(most)) most = axes[i];
   }
-  std::vector<Finding> findings;
-  for (int f = 0; f < points.frames(); ++f) {
-    const Matrix3d& own = axes[static_cast<std::size_t>(f)];
-    if (own == most) continue;
-    if (f > 0 && own == axes[static_cast<std::size_t>(f) - 1]) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (axes[i] == most) continue;
+    const int f = piece.begin + static_cast<int>(i);
+    if (i > 0 && axes[i] == axes[i - 1]) {
       findings.back().frame_end = f + 1;
       continue;
     }
-    const Matrix3d change = own * most.transpose();
+    const Matrix3d change = axes[i] * most.transpose();
     const double value = change.determinant() < 0.0 ? -1.0 : 1.0;
+    const bool rare = kClearlyMore * static_cast<double>(count(axes[i])) <= static_cast<double>(count(most));
     findings.push_back(FrameFinding("axes_change", f, f + 1, "", value, ""));
-    findings.back().message = std::string("the body is ") + (value < 0.0 ? "mirrored" : "turned") +
-                              " in these frames: against the other frames " + ChangeWords(change) +
-                              "; change the axes of these frames back";
+    findings.back().message =
+        std::string("the body is ") + (value < 0.0 ? "mirrored" : "turned") +
+        " in these frames: against the other frames " + ChangeWords(change) +
+        (rare ? "; change the axes of these frames back"
+              : "; they are about as many, so that the clip does not tell which are right: change the axes of those "
+                "that are wrong");
     findings.back().severity = Severity::kError;
   }
+}
+
+}  // namespace
+
+std::vector<Finding> FindAxesChanges(const TrackedPoints& points) {
+  const BodySteps steps(points);
+  std::vector<double> lengths;
+  for (int f = 1; f < points.frames(); ++f) {
+    const StepOfBody step = steps.Whole(f - 1, f);
+    if (step.empty()) continue;
+    if (const double length = step.Length(); length > 0.0) lengths.push_back(length);
+  }
+  std::vector<Finding> findings;
+  for (const Piece& piece : Follow(steps, points.frames(), Median(lengths))) TellChanges(piece, findings);
   return findings;
 }
 

@@ -220,7 +220,7 @@ LimbPairs FindLimbPairs(const std::vector<std::string>& names) {
   for (const auto& [part, pair] : parts) {
     if (pair[0] < 0 || pair[1] < 0) continue;
     const bool face = part.find("eye") != std::string::npos || part.find("ear") == 0;
-    if (!face) (IsLeg(part) ? pairs.legs : pairs.arms).push_back(pair);
+    (face ? pairs.face : IsLeg(part) ? pairs.legs : pairs.arms).push_back(pair);
   }
   return pairs;
 }

@@ -18,6 +18,7 @@ struct SwapLimits {
 struct LimbPairs {
   std::vector<std::array<int, 2>> arms;  ///< shoulder, elbow, wrist, hand ...
   std::vector<std::array<int, 2>> legs;  ///< hip, knee, ankle, foot ...
+  std::vector<std::array<int, 2>> face;  ///< eye, ear
 };
 LimbPairs FindLimbPairs(const std::vector<std::string>& names);
 

@@ -206,6 +206,69 @@ TEST_F(FitVerbs, RecordingsOfNobodyKnownAreBodiesOfTheirOwn) {
   EXPECT_EQ(pooled.Json()["shared_bodies"].begin().value(), static_cast<int>(pooled.Json()["clips"].size()));
 }
 
+/// The recording is then called as the file, and all else of the declaration holds: units, axes, rate, skeleton.
+TEST_F(FitVerbs, FilesOfASetThatWereRenamedAreFittedAsOfSomebodyUnknown) {
+  struct Renamed {
+    const char *file, *name, *source, *beside;
+  };
+  for (const Renamed& one : {Renamed{"ntu/S001C001P001R001A011.skeleton", "x.skeleton", "", ""},
+                             Renamed{"ntu/S001C001P001R001A011.skeleton", "x.skeleton", "ntu", ""},
+                             Renamed{"kinect/kard/a14_s02_e01_realworld.txt", "x.txt", "kard", ""},
+                             Renamed{"kinect/msr_action3d/a01_s01_e01_skeleton3D.txt", "x.txt", "msr_action3d", ""},
+                             Renamed{"kinect/utkinect/carry_s01_e01.txt", "x.txt", "utkinect", ""},
+                             Renamed{"kinect/florence3d/a01_s1_id1.txt", "x.txt", "florence3d", ""},
+                             Renamed{"hdm05/01/HDM_bd_depositFloorR_001_120.amc", "x.amc", "hdm05", "hdm05/HDM_bd.asf"},
+                             Renamed{"bvh/bandai1/dataset-1_bye_feminine_001.bvh", "x.bvh", "bandai1", ""}}) {
+    SCOPED_TRACE(std::string(one.file) + " " + one.source);
+    const fs::path folder = folder_ / (std::string("of_") + one.source);
+    fs::create_directories(folder);
+    fs::copy_file(data_ / one.file, folder / one.name, fs::copy_options::overwrite_existing);
+    if (*one.beside != 0) fs::copy_file(data_ / one.beside, folder / fs::path(one.beside).filename());
+    std::vector<std::string> more = {"--skeleton", "smpl24", "--force"};
+    if (*one.source != 0) more.insert(more.end(), {"--source", one.source});
+    const std::string named = *one.source != 0 ? one.source : "fit";
+    const bool of_folder = named == "ntu" || named == "kard";
+    for (const fs::path& path : {folder, folder / one.name}) {
+      if (path == folder && !of_folder) continue;
+      const Result result = Fit(path, more);
+      ASSERT_NE(result.exit_code, 3) << result.err;
+      EXPECT_THAT(result.err, HasSubstr("neither who performs nor what"));
+      const std::string skeleton = *one.beside != 0 ? "its skeleton to be HDM_bd.asf" : "";
+      EXPECT_THAT(result.err, HasSubstr(skeleton));
+      const Dataset fitted = Fitted();
+      ASSERT_EQ(fitted.clips.size(), 1u);
+      EXPECT_THAT(fitted.clips[0].id(), ::testing::StartsWith(named + "/unknown/x#0-"));
+      EXPECT_EQ(fitted.clips[0].label, "");
+    }
+    const JointPositions unnamed = Fitted().clips.at(0).motion->joints;
+    if (*one.source == 0 || *one.beside != 0) continue;  // long, or of another source
+    ASSERT_NE(Fit(data_ / one.file, more).exit_code, 3);
+    const JointPositions own = Fitted().clips.at(0).motion->joints;
+    ASSERT_EQ(own.frames, unnamed.frames);
+    for (std::size_t i = 0; i < own.xyz.size(); ++i) {
+      ASSERT_NEAR(own.xyz[i], unnamed.xyz[i], 1e-6) << i;
+    }
+  }
+}
+
+TEST_F(FitVerbs, APatternThatIsToldForOneFileNeedsNoFields) {
+  fs::copy_file(data_ / "ntu/S001C001P001R001A011.skeleton", folder_ / "x.skeleton");
+  const Result result =
+      Fit(folder_ / "x.skeleton", {"--skeleton", "smpl24", "--set", "ingest.source.files='{recording}.skeleton'"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Fitted().clips.at(0).identity.person, "unknown");
+}
+
+/// A run is of a set, and wants its names.
+TEST_F(FitVerbs, ARunOfRenamedFilesEndsAsBefore) {
+  fs::copy_file(kard(), folder_ / "x.txt");
+  const Result result =
+      RunProgram(folder_, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "--set",
+                           "ingest.path=" + folder_.path().string(), "-o", (folder_ / "run").string()});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("no file matches the pattern"));
+}
+
 TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {
   const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "ntu14", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
