@@ -14,7 +14,8 @@ constexpr int kFewestCentrePoints = 3;
 double Middle(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));  // the same along the axis turned round
 }
 
 }  // namespace
