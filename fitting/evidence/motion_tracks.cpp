@@ -99,6 +99,24 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
   return tracks;
 }
 
+namespace {
+
+/// Confidences tell samples of a clip from each other; how far off all of them are the samples tell themselves. So that
+/// which nine tenths do not exceed counts as 1, whatever scale a tracker has for them.
+void RelateConfidences(SkeletonTracks& tracks) {
+  std::vector<double> there;
+  for (const double confidence : tracks.confidence) {
+    if (confidence > 0.0) there.push_back(confidence);
+  }
+  if (there.empty()) return;
+  const auto high = there.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(there.size() - 1));
+  std::nth_element(there.begin(), high, there.end());
+  const double usual = *high;
+  for (double& confidence : tracks.confidence) confidence = std::min(1.0, confidence / usual);
+}
+
+}  // namespace
+
 Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton, OtherJoints other,
                                       std::vector<std::string>* left_out) {
   Expected<JointTracks> given;
@@ -126,6 +144,7 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   }
   Expected<SkeletonTracks> mapped = MapTracks(*tracks, skeleton);
   if (!mapped) return tl::unexpected<Error>(Of(clip, mapped.error()));
+  RelateConfidences(*mapped);
   mapped->place_spread = PlaceSpreads(points, *skeleton);
   if (left_out != nullptr) *left_out = std::move(unknown);
   return mapped;

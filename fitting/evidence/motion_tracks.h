@@ -15,8 +15,8 @@ namespace mocurate {
 Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skeleton);
 
 /// What a clip says of the joints of `skeleton`: its tracks, else the joints of its given motion. Names of tracks that
-/// are left out go to `left_out`. Errors of MapTracks and TracksOfMotion, with the clip's id; kInconsistent for a clip
-/// that has neither.
+/// are left out go to `left_out`. Confidences are counted against that of the surest tenth of the samples, which has 1.
+/// Errors of MapTracks and TracksOfMotion, with the clip's id; kInconsistent for a clip that has neither.
 Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton, OtherJoints other,
                                       std::vector<std::string>* left_out = nullptr);
 

@@ -91,6 +91,22 @@ TEST(FitOfClip, FlagsASkeletonThatDoesNotBelongToItsEvidence) {
   EXPECT_EQ(outcome.findings.back().code, "large_residual");
 }
 
+TEST(FitOfClip, DoesNotDependOnTheScaleOfConfidences) {
+  PlayedTake take = SmoothTake(40);
+  AddNoise(take.tracks, 0.02, 5);
+  for (int f = 0; f < 40; ++f) take.tracks.confidence[static_cast<std::size_t>(f) * take.tracks.joints() + 3] = 0.5;
+  Clip clip;
+  clip.rate = FrameRate{30, 1};
+  clip.evidence.tracks = AsSource(take.tracks);
+  const auto whole = FitTracksOfClip(clip, TestSkeleton(), {}, FittingOptions{});
+  for (double& confidence : clip.evidence.tracks->confidence) confidence *= 0.05;
+  const auto scaled = FitTracksOfClip(clip, TestSkeleton(), {}, FittingOptions{});
+  ASSERT_TRUE(whole && scaled);
+  EXPECT_NEAR(scaled->noise_sigma, whole->noise_sigma, 1e-9);
+  for (std::size_t i = 0; i < whole->motion.joints.xyz.size(); ++i)
+    ASSERT_NEAR(scaled->motion.joints.xyz[i], whole->motion.joints.xyz[i], 1e-6);
+}
+
 TEST(FittingOptions, SayThemselvesAndAreReadBack) {
   FittingOptions options;
   options.method = FitMethod::kPointClouds;
