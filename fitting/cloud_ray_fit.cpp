@@ -65,6 +65,7 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   const bool stated = !fit.motion.position_cov.empty();
   const std::vector<double> error =
       BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
+  const std::vector<Vector3d> body_turn = BodyTurns(*fit.motion.skeleton, fit.motion.bone_length, error);
   std::vector<double> residuals;
   const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
@@ -92,7 +93,7 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
         std::vector<bool> shown;
         for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
         WidenUnseen(shown, *uncertainty, of_body);
-        uncertain.Set(f, *uncertainty, of_body);
+        uncertain.Set(f, *uncertainty, of_body, body_turn);
       }
     }
     for (const CloudMatch& match : MatchPoints(body, state, f, cloud, cloud_options.max_distance))

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/motion/limbs.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_problem.h"
 #include "fitting/costs/huber.h"
@@ -20,6 +21,54 @@ constexpr int kWideMatchings = 4;  ///< look farther than the later ones
 constexpr int kSolverSteps = 4;    ///< between two matchings
 constexpr double kRelativeTolerance = 1e-4;
 constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
+constexpr double kYields = 0.05;         ///< m that flesh of a thigh and a chest or an arm may overlap
+constexpr int kPlacesOfLeg = 5;          ///< of each capsule of a leg, that are looked at
+
+double DistanceToSegment(const Vector3d& point, const CapsuleEnds& segment) {
+  const Vector3d along = segment.end - segment.begin;
+  const double square = along.squaredNorm();
+  const double at = square > 0.0 ? std::clamp((point - segment.begin).dot(along) / square, 0.0, 1.0) : 0.0;
+  return (point - segment.begin - at * along).norm();
+}
+
+/// Chest, neck, head and arms: all that hangs from the chest. (J)
+std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
+  std::vector<bool> of_it(skeleton.joints.size(), false);
+  if (limbs.chest < 1) return of_it;
+  of_it[limbs.chest] = true;
+  for (int j = limbs.chest + 1; j < skeleton.joint_count(); ++j) of_it[j] = of_it[skeleton.joints[j].parent];
+  return of_it;
+}
+
+/// What it costs that knees, shins and feet stand where chest, head or arms are: nobody's do, and where the points do
+/// not show them they would be folded there to explain the upper body a little better.
+double LegsInUpperBody(const FleshBody& body, const PoseState& state, int frame) {
+  const Limbs limbs = LimbsOf(*body.skeleton);
+  const std::vector<bool> upper = UpperBody(*body.skeleton, limbs);
+  double cost = 0.0;
+  for (const FleshCapsule& leg : body.capsules) {
+    bool thigh = false, lower = false;
+    for (const Limb& limb : limbs.leg) {
+      thigh = thigh || (limb.known() && leg.frame == limb.root && leg.end_joint == limb.middle);
+      lower = lower || (limb.known() && (leg.frame == limb.middle || leg.frame == limb.end));
+    }
+    if (!thigh && !lower) continue;
+    const CapsuleEnds ends = EndsOf(leg, state, frame);
+    double deepest = 0.0;
+    for (int i = 0; i < kPlacesOfLeg; ++i) {
+      const double along = static_cast<double>(i) / (kPlacesOfLeg - 1);
+      const double at = thigh ? 0.5 + 0.5 * along : along;
+      const Vector3d place = (1.0 - at) * ends.begin + at * ends.end;
+      for (const FleshCapsule& above : body.capsules) {
+        if (!upper[above.frame]) continue;
+        const double apart = DistanceToSegment(place, EndsOf(above, state, frame));
+        deepest = std::max(deepest, leg.radius + above.radius - apart - kYields);
+      }
+    }
+    cost += 0.5 * Square(deepest / kComparedSigma);
+  }
+  return cost;
+}
 
 ceres::Solver::Options DenseSolverOptions() {
   ceres::Solver::Options solver;
@@ -106,7 +155,8 @@ double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state
   const double huber = share * options.huber_sigmas;
   const double cost = CloudEquations(body, state, {frame, cloud, matches, weight, huber, {}, {}}, options).Cost();
   const double of_a_far_point = 0.5 * HuberValue(std::pow(weight * options.max_distance, 2), huber);
-  return cost + of_a_far_point * (cloud.size() - static_cast<double>(matches.size()));
+  return cost + of_a_far_point * (cloud.size() - static_cast<double>(matches.size())) +
+         LegsInUpperBody(body, state, frame);
 }
 
 double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,

@@ -41,7 +41,7 @@ double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseSt
                     double max_distance);
 
 /// What a pose costs on its own: distances of all points weighted with one sigma, those of points without a match at
-/// their limit, and the priors. Compares poses of one cloud. Needs Update.
+/// their limit, the priors, and legs that stand within the upper body. Compares poses of one cloud. Needs Update.
 double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
                 const PointCloudOptions& options);
 

@@ -3,6 +3,9 @@
 #include <array>
 #include <utility>
 
+#include "fitting/costs/huber.h"
+#include "fitting/uncertainty/frame_spread.h"
+
 namespace mocurate {
 namespace {
 
@@ -33,6 +36,16 @@ std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
     }
   }
   return errors;
+}
+
+std::vector<Vector3d> BodyTurns(const Skeleton& skeleton, const std::vector<double>& bone_length,
+                                const std::vector<double>& body_error) {
+  std::vector<double> variance(body_error.size(), 0.0);
+  for (std::size_t j = 1; j < variance.size(); ++j)
+    variance[j] = Square(body_error[j]) + Square(body_error[skeleton.joints[j].parent]);
+  std::vector<Vector3d> turns;
+  for (const Matrix3d& turn : TurnsByBones(skeleton, bone_length, variance)) turns.emplace_back(turn.diagonal());
+  return turns;
 }
 
 }  // namespace mocurate

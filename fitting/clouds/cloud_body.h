@@ -18,4 +18,9 @@ inline CapsuleEnds EndsOf(const FleshCapsule& capsule, const PoseState& state, i
 /// bodies have other shapes (`bench_fit_clouds`).
 std::vector<double> BodyErrors(const Skeleton& skeleton, double scale);
 
+/// How far such errors turn the frames of joints, all along: variances about the axes of the joint's frame (rad^2;
+/// (J)). `body_error` (J) as above.
+std::vector<Vector3d> BodyTurns(const Skeleton& skeleton, const std::vector<double>& bone_length,
+                                const std::vector<double>& body_error);
+
 }  // namespace mocurate

@@ -61,6 +61,7 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
   const Motion& motion = result.motion;
   UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
   const std::vector<double> body_error = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  const std::vector<Vector3d> body_turn = BodyTurns(*motion.skeleton, motion.bone_length, body_error);
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (track.outcomes[f].iterations == 0) continue;
     FrameFit fit;
@@ -75,7 +76,7 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
       seen.push_back(motion.state[at] == JointState::kObserved);
     }
     WidenUnseen(seen, *uncertainty, of_body);
-    uncertain.Set(f, *uncertainty, of_body);
+    uncertain.Set(f, *uncertainty, of_body, body_turn);
   }
   uncertain.Write(result.motion);
   return {};

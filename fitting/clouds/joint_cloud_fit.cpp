@@ -14,6 +14,8 @@
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/stop_request.h"
+#include "fitting/uncertainty/body_spread.h"
+#include "fitting/uncertainty/frame_spread.h"
 
 namespace mocurate {
 namespace {
@@ -210,6 +212,16 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
   result.findings.push_back(std::move(finding));
 }
 
+/// How far joints' frames are turned between bodies whose bones tracks have measured, about their axes. (J), rad^2
+std::vector<Vector3d> TurnsOfMeasuredBody(const Motion& motion) {
+  const Skeleton& skeleton = *motion.skeleton;
+  std::vector<double> variance(skeleton.joints.size(), 0.0);
+  for (int j = 1; j < skeleton.joint_count(); ++j) variance[j] = Square(SpreadOfBone(skeleton, j));
+  std::vector<Vector3d> turns;
+  for (const Matrix3d& turn : TurnsByBones(skeleton, motion.bone_length, variance)) turns.emplace_back(turn.diagonal());
+  return turns;
+}
+
 }  // namespace
 
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
@@ -292,6 +304,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   FitResult result = tracks;
   ReportDisagreement(factor, result);
   UncertainMotion uncertain(motion);
+  const std::vector<Vector3d> body_turn = TurnsOfMeasuredBody(motion);
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -303,7 +316,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);
     for (Matrix3d& covariance : uncertainty->position) covariance *= kSharedErrors;
-    uncertain.Replace(f, *uncertainty, turned);
+    uncertain.Replace(f, *uncertainty, turned, body_turn);
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
       residuals.push_back(std::abs(match.distance));
     }

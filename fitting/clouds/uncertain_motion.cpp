@@ -43,19 +43,21 @@ void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, cons
   }
 }
 
-void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error) {
+void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
+                          const std::vector<Vector3d>& body_turn) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j] + body_error[j] * body_error[j] * Matrix3d::Identity());
-    SetRotation(at, uncertainty.rotation[j], uncertainty.observed[j]);
+    SetRotation(at, uncertainty.rotation[j] + body_turn[j], uncertainty.observed[j]);
   }
 }
 
-void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned) {
+void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned,
+                              const std::vector<Vector3d>& body_turn) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j]);
-    if (turned[j]) SetRotation(at, uncertainty.rotation[j], uncertainty.observed[j]);
+    if (turned[j]) SetRotation(at, uncertainty.rotation[j] + body_turn[j], uncertainty.observed[j]);
   }
 }
 

@@ -16,10 +16,13 @@ class UncertainMotion {
   /// Begins with the uncertainty of another motion.
   explicit UncertainMotion(const Motion& motion);
 
-  /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own.
-  void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error);
+  /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own,
+  /// and `body_turn` (J, rad^2) how far that turns its frame (BodyTurns).
+  void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
+           const std::vector<Vector3d>& body_turn);
   /// Takes a frame's uncertainty over; of joints that are not `turned` (J) rotations stay as known as they were.
-  void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned);
+  void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned,
+               const std::vector<Vector3d>& body_turn);
   void Write(Motion& motion) const;
 
  private:

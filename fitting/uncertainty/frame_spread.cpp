@@ -16,36 +16,47 @@ constexpr double kCarryingSpread = 0.1;  ///< radians between people's carrying 
 
 }  // namespace
 
-std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole) {
-  const std::vector<bool> shown = whole.tracks.SeenJoints();
-  const std::vector<Joint>& joints = whole.tracks.skeleton->joints;
-  std::vector<Matrix3d> information(joints.size(), Matrix3d::Zero());
-  for (int j = 1; j < whole.state.joints(); ++j) {
-    const int start = joints[j].parent;
-    if (!shown[j] || !shown[start]) continue;
-    const Vector3d bone = *whole.state.bone(j) * joints[j].rest_offset.stableNormalized();
-    double variance = Square(SpreadOfBone(*whole.tracks.skeleton, j));
-    if (!whole.tracks.place_spread.empty())
-      variance += Square(whole.tracks.place_spread[j]) + Square(whole.tracks.place_spread[start]);
-    information[start] += (bone.squaredNorm() * Matrix3d::Identity() - bone * bone.transpose()) / variance;
+std::vector<Matrix3d> TurnsByBones(const Skeleton& skeleton, const std::vector<double>& bone_length,
+                                   const std::vector<double>& variance) {
+  std::vector<Matrix3d> information(skeleton.joints.size(), Matrix3d::Zero());
+  for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
+    if (!(variance[j] > 0.0)) continue;
+    const Vector3d bone = bone_length[j] * skeleton.joints[j].rest_offset.stableNormalized();
+    information[skeleton.joints[j].parent] +=
+        (bone.squaredNorm() * Matrix3d::Identity() - bone * bone.transpose()) / variance[j];
   }
-  std::vector<Matrix3d> spreads;
+  std::vector<Matrix3d> turns;
   for (const Matrix3d& of_joint : information) {
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(of_joint);
-    Vector3d variance = Vector3d::Zero();
+    Vector3d turn = Vector3d::Zero();
     for (int i = 0; i < 3; ++i) {
       if (eigen.eigenvalues()[i] <= kNoLever * eigen.eigenvalues()[2]) continue;
-      variance[i] = std::min(1.0 / eigen.eigenvalues()[i], kUnknownAngle);
+      turn[i] = std::min(1.0 / eigen.eigenvalues()[i], kUnknownAngle);
     }
-    spreads.emplace_back(eigen.eigenvectors() * variance.asDiagonal() * eigen.eigenvectors().transpose());
+    turns.emplace_back(eigen.eigenvectors() * turn.asDiagonal() * eigen.eigenvectors().transpose());
   }
-  const std::vector<std::optional<Hinge>> hinges = HingesOf(*whole.tracks.skeleton);
-  for (std::size_t j = 1; j < joints.size(); ++j) {
+  const std::vector<std::optional<Hinge>> hinges = HingesOf(skeleton);
+  for (std::size_t j = 1; j < hinges.size(); ++j) {
     if (!hinges[j]) continue;
-    const Vector3d bone = joints[j].rest_offset.stableNormalized();
-    spreads[joints[j].parent] += Square(kCarryingSpread) * bone * bone.transpose();
+    const Vector3d bone = skeleton.joints[j].rest_offset.stableNormalized();
+    turns[skeleton.joints[j].parent] += Square(kCarryingSpread) * bone * bone.transpose();
   }
-  return spreads;
+  return turns;
+}
+
+std::vector<Matrix3d> FrameSpreads(const TrackWindow& whole) {
+  const std::vector<bool> shown = whole.tracks.SeenJoints();
+  const Skeleton& skeleton = *whole.tracks.skeleton;
+  std::vector<double> length(shown.size(), 0.0), variance(shown.size(), 0.0);
+  for (int j = 1; j < whole.state.joints(); ++j) {
+    const int start = skeleton.joints[j].parent;
+    length[j] = *whole.state.bone(j);
+    if (!shown[j] || !shown[start]) continue;
+    variance[j] = Square(SpreadOfBone(skeleton, j));
+    if (!whole.tracks.place_spread.empty())
+      variance[j] += Square(whole.tracks.place_spread[j]) + Square(whole.tracks.place_spread[start]);
+  }
+  return TurnsByBones(skeleton, length, variance);
 }
 
 }  // namespace mocurate
