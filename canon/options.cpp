@@ -62,8 +62,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 12, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 9, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 13, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 10, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

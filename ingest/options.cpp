@@ -203,7 +203,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
 
 StageDeclaration IngestDeclaration() { return {"ingest", 35, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration TruthDeclaration() { return {"truth", 1, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate
