@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/pi.h"
+#include "core/motion/limbs.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -20,6 +21,7 @@ constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at
 constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone's capsule, at the joint
 constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
+constexpr double kHardlyEver = 0.1;  ///< share of the frames
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
 /// Points near each joint: of the capsules that end at it or move with it, those on the third at its end. The knee's
@@ -86,6 +88,36 @@ void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
   std::vector<bool> without;
   for (const auto& outcome : track.outcomes) without.push_back(outcome.iterations == 0);
   ReportFramesWithout(without, "too few depth points", "pose of the frame before, or after, kept", result.findings);
+}
+
+/// Tells of arms and legs that the views hardly ever show: what a fit says of them is a guess, and of what they hang
+/// from little is known.
+void ReportUnseenLimbs(FitResult& result) {
+  const Motion& motion = result.motion;
+  const Limbs limbs = LimbsOf(*motion.skeleton);
+  std::string names;
+  int unseen = 0;
+  for (const auto* pair : {&limbs.arm, &limbs.leg}) {
+    for (const Limb& limb : *pair) {
+      if (!limb.known()) continue;
+      int shown = 0;
+      for (int f = 0; f < motion.frame_count(); ++f) {
+        const auto at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(limb.middle);
+        shown += motion.state[at] == JointState::kObserved ? 1 : 0;
+      }
+      if (shown > kHardlyEver * motion.frame_count()) continue;
+      names += (unseen++ > 0 ? ", " : "") + motion.skeleton->joints[limb.middle].name;
+    }
+  }
+  if (unseen == 0) return;
+  Finding finding;
+  finding.code = "limb_never_seen";
+  finding.value = unseen;
+  finding.message = "the views hardly ever show " + names +
+                    " and what hangs from there: that is a guess, what it hangs from is unsure, and the person may be "
+                    "taller than this body";
+  finding.action = "inferred; tell fitting.point_clouds.height and start.posture where they are known";
+  result.findings.push_back(finding);
 }
 
 /// Tells of points that were taken for the room, and of points of the person that the body does not reach.
@@ -174,6 +206,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   ReportDoubt(*track, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
+  ReportUnseenLimbs(result);
   ReportPointsOffTheBody(*track, options.max_distance, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {
