@@ -12,6 +12,7 @@
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/store/store.h"
+#include "fitting/clouds/fit_clouds.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
 #include "tests/fitting/cloud_scene.h"
@@ -101,6 +102,38 @@ TEST_F(DepthProportions, AreThoseOfTheHeightThatIsTold) {
   ASSERT_TRUE(low && high);
   EXPECT_NEAR(high->summary["scale"].get<double>(), 1.05, 0.05) << "crown to soles of the rest body are 1.7 m";
   EXPECT_NEAR(high->summary["scale"].get<double>() / low->summary["scale"].get<double>(), 1.5, 1e-3);
+}
+
+/// Behind a desk: the legs are guessed, and that is told.
+TEST_F(DepthProportions, LegsThatNoViewShowsAreTold) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  std::vector<double> bones = skeleton->RestBoneLengths();
+  for (double& bone : bones) bone *= kTaller;
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  options.start.posture = StartPosture::kStanding;
+  const auto told = [&] {
+    const auto fit = FitClouds(clips_[0], skeleton, bones, options);
+    EXPECT_TRUE(fit) << fit.error().Message();
+    std::string message;
+    for (const Finding& finding : fit->findings) {
+      if (finding.code == "limb_never_seen") message = finding.message;
+    }
+    return message;
+  };
+  EXPECT_EQ(told(), "");
+  for (const DepthView& view : clips_[0].evidence.depth_views) {
+    auto image = ReadDepthImage(view.files[0]);
+    ASSERT_TRUE(image);
+    const auto hips = view.camera.ProjectWorld({0.1, 0.05, -0.05});
+    ASSERT_TRUE(hips);
+    for (int row = static_cast<int>(hips->y()); row < image->height; ++row) {
+      for (int column = 0; column < image->width; ++column)
+        image->values[static_cast<std::size_t>(row) * image->width + column] = 0;
+    }
+    ASSERT_TRUE(WriteDepthImage(*image, view.files[0]));
+  }
+  EXPECT_THAT(told(), HasSubstr("left_knee, right_knee"));
 }
 
 TEST_F(DepthProportions, OfNobodysSizeMakeTheClipDoubtful) {
