@@ -88,6 +88,7 @@ std::vector<double> RoundedLengths(std::vector<double> lengths) {
 
 namespace {
 
+constexpr double kLargestFlesh = 20.0;  ///< deviations
 constexpr double kNobodyStands = 0.25;  ///< of head to toes; people who stand, or sit, are taller in a rest pose
 
 /// Along the bones, from the end of a leg by way of the root to the head, metres: the longest ways from the root to a
@@ -141,7 +142,12 @@ nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) 
     directions[name] = {tenths_of_mm(direction.x()) / 1e4, tenths_of_mm(direction.y()) / 1e4,
                         tenths_of_mm(direction.z()) / 1e4};
   }
+  nlohmann::json flesh = nlohmann::json::array();
+  for (const double component : person.skeleton->flesh) {
+    if (person.skeleton->flesh != FleshShape{}) flesh.push_back(std::round(component * 1e3) / 1e3);
+  }
   return {{"person", person.person},
+          {"flesh", flesh},
           {"skeleton", person.skeleton->name},
           {"bone_length_m", lengths},
           {"rest_direction", directions},
@@ -173,6 +179,18 @@ Status TakeDirections(const nlohmann::json& directions, Skeleton& skeleton, cons
     rest = RoundedDirection(offset.normalized() * rest.norm());
   }
   return {};
+}
+
+Status TakeFlesh(const nlohmann::json& flesh, Skeleton& skeleton, const std::string& where) {
+  bool numbers = flesh.is_array() && (flesh.empty() || flesh.size() == skeleton.flesh.size());
+  for (std::size_t k = 0; numbers && k < flesh.size(); ++k) {
+    numbers = flesh[k].is_number() && std::abs(flesh[k].get<double>()) <= kLargestFlesh;
+    if (numbers) skeleton.flesh[k] = flesh[k].get<double>();
+  }
+  if (numbers) return {};
+  return Fail(ErrorCode::kMalformed,
+              "'flesh' " + flesh.dump() + " is not " + std::to_string(kShapeComponents) + " numbers of deviations",
+              where, "run the stage proportions again");
 }
 
 /// A bone that nobody has: most often of another unit.
@@ -225,12 +243,16 @@ Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, co
 Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr& skeleton, const std::string& where) {
   Expected<std::vector<double>> lengths = BoneLengthsFromJson(json, *skeleton, where);
   if (!lengths) return Forward(lengths);
-  const auto directions = json.find("rest_direction");
-  if (directions == json.end() || !directions->is_object() || directions->empty())
-    return PersonBody{skeleton, *std::move(lengths)};
   auto own = std::make_shared<Skeleton>(*skeleton);
-  if (Status taken = TakeDirections(*directions, *own, where); !taken) return Forward(taken);
-  return PersonBody{std::move(own), *std::move(lengths)};
+  const auto directions = json.find("rest_direction");
+  if (directions != json.end() && directions->is_object()) {
+    if (Status taken = TakeDirections(*directions, *own, where); !taken) return Forward(taken);
+  }
+  if (const auto flesh = json.find("flesh"); flesh != json.end()) {
+    if (Status taken = TakeFlesh(*flesh, *own, where); !taken) return Forward(taken);
+  }
+  const bool is_same = own->flesh == skeleton->flesh && (directions == json.end() || directions->empty());
+  return PersonBody{is_same ? skeleton : SkeletonPtr(std::move(own)), *std::move(lengths)};
 }
 
 }  // namespace mocurate

@@ -37,7 +37,8 @@ Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& cli
 /// Lengths in whole 0.1 mm.
 std::vector<double> RoundedLengths(std::vector<double> lengths);
 
-/// {"person", "skeleton", "bone_length_m": {joint: m}, "rest_direction": {joint: [x, y, z]} of joints where it is not
+/// {"person", "flesh": the skeleton's, [] where it is not known, "skeleton", "bone_length_m": {joint: m},
+/// "rest_direction": {joint: [x, y, z]} of joints where it is not
 ///  `rest`'s, "samples": {joint: n}, "bone_spread_mm": {joint: mm}, "clips", "frames", "scale", "stature_m"}
 nlohmann::json ProportionsJson(const Proportions& proportions, const Skeleton& rest);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -11,6 +12,7 @@
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/evidence/tracker_points.h"
+#include "fitting/fit_outcome.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/body_size.h"
@@ -27,6 +29,8 @@ Finding NothingFrom(const Clip& clip, const Error& error) {
   finding.action = "left out";
   return finding;
 }
+
+constexpr double kSizesApart = 0.08;  ///< of the logarithm of a size: tracks and clouds are not of one body
 
 /// A person's clips and the ids behind them.
 struct PersonClips {
@@ -65,7 +69,49 @@ Status TakeSizeOfClouds(const std::vector<Clip>& clips, const SkeletonPtr& skele
   if (!body) return Forward(body);
   for (const auto& [clip, error] : body->nothing_from) findings.push_back(NothingFrom(clips[clip], error));
   person.scale = body->scale;
+  person.skeleton = body->skeleton;
   person.bone_length = RoundedLengths(std::move(body->bone_length));
+  return {};
+}
+
+/// Takes body and flesh of a person whose tracks have told the poses from the clouds; where these say nothing, or show
+/// somebody of another size, the tracks' body stays, and that is said.
+Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, const SkeletonPtr& skeleton,
+                      const ProportionsOptions& options, Proportions& person, std::vector<Finding>& findings) {
+  std::vector<Motion> motions;
+  std::vector<Clip> posed;
+  for (std::size_t i = 0; i < seen.tracks.size(); ++i) {
+    const auto clip =
+        std::find_if(clips.begin(), clips.end(), [&](const Clip& candidate) { return candidate.id() == seen.ids[i]; });
+    if (clip == clips.end() || clip->evidence.depth_views.empty()) continue;
+    const Expected<FitResult> fit =
+        RepairAndFit(seen.tracks[i], clip->rate, person.bone_length, RepairOptions{}, options.joint_tracks);
+    if (!fit) return Forward(fit);
+    motions.push_back(fit->motion);
+    posed.push_back(*clip);
+  }
+  if (posed.empty()) return {};
+  const Expected<BodyFromClouds> body = MeasurePosedBody(posed, motions, person.scale, skeleton, options.point_clouds);
+  if (!body && body.error().code == ErrorCode::kInterrupted) return Forward(body);
+  if (!body) {
+    findings.push_back(NothingFrom(posed.front(), body.error()));
+    return {};
+  }
+  for (const auto& [clip, error] : body->nothing_from) findings.push_back(NothingFrom(posed[clip], error));
+  const double ratio = body->scale / person.scale;
+  if (std::abs(std::log(ratio)) > kSizesApart) {
+    Finding finding;
+    finding.clip = posed.front().id();
+    finding.code = "kinds_of_other_sizes";
+    finding.value = ratio;
+    finding.message = "the body in the depth views is " + RoundedText(ratio, 3) + " times as large as the tracks'";
+    finding.action = "the tracks' body kept; check depth_unit, cameras and which joints the tracks name";
+    findings.push_back(finding);
+    return {};
+  }
+  person.scale = body->scale;
+  person.skeleton = body->skeleton;
+  person.bone_length = RoundedLengths(body->bone_length);
   return {};
 }
 
@@ -87,6 +133,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   PersonClips clips;
   std::vector<Clip> cloud_clips;
   std::vector<Clip> keypoint_clips;
+  std::vector<Clip> tracked_clips;
   std::set<std::string> points;
   SkeletonPtr tracked = *skeleton;
   std::vector<std::string> ids;
@@ -111,6 +158,9 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     if (tracks) {
       clips.tracks.push_back(std::move(*tracks));
       clips.ids.push_back(clip->id());
+      if (options->method != FitMethod::kJointsAndClouds) continue;
+      ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+      tracked_clips.push_back(std::move(*clip));
       continue;
     }
     outcome.findings.push_back(NothingFrom(*clip, tracks.error()));
@@ -137,6 +187,11 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   if (!cloud_clips.empty()) {
     const Status sized = TakeSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, *person, outcome.findings);
     if (!sized) return Forward(sized);
+  }
+  // The tracker's own points are on no template: bones of a skeleton with these stay the tracks'.
+  if (!tracked_clips.empty() && tracked == *skeleton && HasTemplateFlesh(**skeleton)) {
+    const Status both = TakeBodyOfBoth(tracked_clips, clips, *skeleton, *options, *person, outcome.findings);
+    if (!both) return Forward(both);
   }
   person->person = request.item;
   person->clips = std::move(ids);

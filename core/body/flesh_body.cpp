@@ -1,11 +1,14 @@
 #include "core/body/flesh_body.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/body/flesh_shape.h"
 
 namespace mocurate {
 namespace {
@@ -27,16 +30,25 @@ const std::array<const char*, 9> kReplacedBones = {"spine1",       "spine2",   "
 /// body) at their heights; ends of head, hands and feet reach its landmarks.
 const std::vector<TemplateCapsule>& Template() {
   static const std::vector<TemplateCapsule> capsules = {
-      {"pelvis", "pelvis", {-0.065, -0.02, 0.001}, {0.065, -0.02, 0.001}, 0.102},
-      {"spine1", "spine1", {-0.05, -0.025, 0.057}, {0.05, -0.025, 0.057}, 0.1},
-      {"spine2", "spine2", {-0.045, 0.017, 0.059}, {0.045, 0.017, 0.059}, 0.087},
-      {"spine3", "spine3", {-0.045, 0.05, 0.055}, {0.045, 0.05, 0.055}, 0.096},
-      {"spine3", "spine3", {-0.08, 0.15, 0.044}, {0.08, 0.15, 0.044}, 0.101},
-      {"spine3", "spine3", {-0.07, 0.223, 0.029}, {0.07, 0.223, 0.029}, 0.09},
-      {"neck", "head", {0.0, 0.0, 0.016}, {0.0, 0.0, -0.02}, 0.058},
-      {"head", "head", {0.0, -0.01, 0.015}, {0.0, 0.06, 0.002}, 0.086},
-      {"?_hip", "?_hip", {0.0, -0.03, 0.005}, {-0.005, -0.12, 0.012}, 0.088},
-      {"?_ankle", "?_ankle", {0.0, -0.04, -0.015}, {0.0, -0.04, -0.02}, 0.031},
+      {"pelvis", "pelvis", {-0.0662, -0.0112, 0.0039}, {0.0662, -0.0112, 0.0039}, 0.1017},
+      {"spine1", "spine1", {-0.0477, -0.0176, 0.0593}, {0.0477, -0.0176, 0.0593}, 0.1014},
+      {"spine2", "spine2", {-0.0405, 0.0125, 0.0593}, {0.0405, 0.0125, 0.0593}, 0.0897},
+      {"spine3", "spine3", {-0.0389, 0.0437, 0.0573}, {0.0389, 0.0437, 0.0573}, 0.098},
+      {"spine3", "spine3", {-0.0636, 0.1349, 0.0527}, {0.0636, 0.1349, 0.0527}, 0.0994},
+      {"spine3", "spine3", {-0.0768, 0.2161, 0.0271}, {0.0768, 0.2161, 0.0271}, 0.0927},
+      {"neck", "head", {0, -0.0005, 0.0166}, {0, 0.0011, -0.0143}, 0.0547},
+      {"?_ankle", "?_ankle", {0.0039, -0.0386, -0.0138}, {0.0032, -0.0375, -0.0176}, 0.0298},
+      {"head", "head", {0, 0.0534, -0.0075}, {0, 0.0643, 0.0103}, 0.0789},
+      {"head", "head", {0, -0.0079, 0.0385}, {0, 0.0524, 0.0393}, 0.0659},
+      {"?_hip", "?_hip", {-0.0138, -0.0239, 0.0217}, {-0.0068, -0.2009, 0.0305}, 0.0828},
+      {"?_knee", "?_knee", {0.0087, -0.0373, -0.0182}, {0.0105, -0.1938, -0.024}, 0.0538},
+      {"?_ankle", "?_ankle", {0.012, -0.031, 0.0206}, {0.0179, -0.0552, 0.133}, 0.0261},
+      {"?_shoulder", "?_shoulder", {-0.0004, -0.0203, 0.005}, {0.0187, -0.0117, 0.0002}, 0.0567},
+      {"?_elbow", "?_elbow", {-0.0178, 0.002, 0.0095}, {0.0945, -0.0013, 0.0018}, 0.0363},
+      {"?_wrist", "?_wrist", {0.0001, -0.0033, -0.0032}, {0.097, -0.0205, -0.0218}, 0.0188},
+      {"?_wrist", "?_wrist", {0.0288, -0.0001, 0.031}, {0.0854, -0.0224, 0.0774}, 0.0127},
+      {"?_wrist", "?_wrist", {0.1026, -0.0096, 0.0233}, {0.1577, -0.0282, 0.0208}, 0.0186},
+      {"?_wrist", "?_wrist", {0.1011, -0.0123, -0.0152}, {0.1522, -0.0298, -0.0113}, 0.0168},
   };
   return capsules;
 }
@@ -51,13 +63,13 @@ struct MovedBone {
 
 const std::vector<MovedBone>& MovedBones() {
   static const std::vector<MovedBone> bones = {
-      {"?_knee", {-0.005, -0.05, 0.02}, {-0.005, 0.0, 0.012}, 0.07},
-      {"?_ankle", {0.007, -0.02, -0.022}, {0.004, 0.035, -0.014}, 0.048},
-      {"?_foot", {0.0, -0.02, 0.015}, {0.002, 0.018, 0.025}, 0.031},
-      {"?_shoulder", {0.0, -0.01, -0.004}, {0.0, -0.006, -0.003}, 0.064},
-      {"?_elbow", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.044},
-      {"?_wrist", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.033},
-      {"?_hand", {0.0, -0.004, 0.006}, {0.055, -0.004, 0.006}, 0.032},
+      {"?_knee", {-0.0046, -0.1681, 0.0481}, {-0.0064, 0.0343, 0}, 0.0616},
+      {"?_ankle", {0.0105, -0.2455, -0.011}, {0.0075, 0.0454, -0.0062}, 0.0356},
+      {"?_foot", {0.0035, -0.0088, 0.0117}, {-0.0147, -0.0023, 0.029}, 0.0292},
+      {"?_shoulder", {-0.0023, -0.0128, -0.0001}, {-0.0017, -0.0201, -0.0065}, 0.0626},
+      {"?_elbow", {0.0562, 0.0006, -0.0011}, {-0.0303, -0.0014, 0.0043}, 0.0408},
+      {"?_wrist", {0.1287, -0.001, 0.0024}, {-0.0216, -0.0007, -0.0014}, 0.0272},
+      {"?_hand", {0.0165, 0.001, 0.011}, {-0.0149, -0.0042, 0.0182}, 0.0217},
   };
   return bones;
 }
@@ -81,7 +93,67 @@ int Find(const Skeleton& skeleton, const std::string& name) {
   return -1;
 }
 
-bool HasTemplateJoints(const Skeleton& skeleton) {
+void AddBones(const Skeleton& skeleton, bool has_template, FleshBody& body) {
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    bool is_wanted = joint.radius > 0.0;
+    for (const char* replaced : kReplacedBones) is_wanted = is_wanted && !(has_template && joint.name == replaced);
+    if (!is_wanted) continue;
+    FleshCapsule capsule;
+    capsule.frame = joint.parent;
+    capsule.end_joint = j;
+    capsule.radius = joint.radius;
+    for (std::size_t i = 0; has_template && i < MovedBones().size(); ++i) {
+      const MovedBone& bone = MovedBones()[i];
+      const CapsuleChange change = ChangeOfBone(i, skeleton.flesh);
+      for (const bool right : {false, true}) {
+        if (joint.name != Sided(bone.end_joint, right)) continue;
+        capsule.begin_offset = Mirrored(bone.begin_offset + change.begin, right);
+        capsule.end_offset = Mirrored(bone.end_offset + change.end, right);
+        capsule.radius = bone.radius + change.radius;
+      }
+    }
+    body.capsules.push_back(capsule);
+  }
+}
+
+void AddTemplate(const Skeleton& skeleton, FleshBody& body) {
+  for (std::size_t i = 0; i < Template().size(); ++i) {
+    const TemplateCapsule& part = Template()[i];
+    const CapsuleChange change = ChangeOfPart(i, skeleton.flesh);
+    const bool is_sided = part.frame[0] == '?';
+    for (const bool right : {false, true}) {
+      if (right && !is_sided) continue;
+      FleshCapsule capsule;
+      capsule.frame = Find(skeleton, Sided(part.frame, right));
+      capsule.end_joint = Find(skeleton, Sided(part.end_joint, right));
+      capsule.begin_offset = Mirrored(part.begin_offset + change.begin, right);
+      capsule.end_offset = Mirrored(part.end_offset + change.end, right);
+      capsule.radius = part.radius + change.radius;
+      body.capsules.push_back(capsule);
+    }
+  }
+}
+
+void PairMirrors(const Skeleton& skeleton, std::vector<FleshCapsule>& capsules) {
+  for (std::size_t i = 0; i < capsules.size(); ++i) {
+    const FleshCapsule& one = capsules[i];
+    capsules[i].mirror = static_cast<int>(i);
+    for (std::size_t k = 0; k < capsules.size(); ++k) {
+      const FleshCapsule& other = capsules[k];
+      if (one.frame == other.frame || skeleton.joints[one.frame].mirror != other.frame) continue;
+      if (skeleton.joints[one.end_joint].mirror != other.end_joint) continue;
+      if (other.begin_offset == Mirrored(one.begin_offset, true) &&
+          other.end_offset == Mirrored(one.end_offset, true)) {
+        capsules[i].mirror = static_cast<int>(k);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+bool HasTemplateFlesh(const Skeleton& skeleton) {
   for (const bool right : {false, true}) {
     for (const TemplateCapsule& capsule : Template()) {
       if (Find(skeleton, Sided(capsule.frame, right)) < 0 || Find(skeleton, Sided(capsule.end_joint, right)) < 0) {
@@ -95,61 +167,9 @@ bool HasTemplateJoints(const Skeleton& skeleton) {
   return true;
 }
 
-void AddBones(const Skeleton& skeleton, bool has_template, FleshBody& body) {
-  for (int j = 1; j < skeleton.joint_count(); ++j) {
-    const Joint& joint = skeleton.joints[j];
-    bool is_wanted = joint.radius > 0.0;
-    for (const char* replaced : kReplacedBones) is_wanted = is_wanted && !(has_template && joint.name == replaced);
-    if (!is_wanted) continue;
-    FleshCapsule capsule;
-    capsule.frame = joint.parent;
-    capsule.end_joint = j;
-    capsule.radius = joint.radius;
-    for (const MovedBone& bone : MovedBones()) {
-      for (const bool right : {false, true}) {
-        if (!has_template || joint.name != Sided(bone.end_joint, right)) continue;
-        capsule.begin_offset = Mirrored(bone.begin_offset, right);
-        capsule.end_offset = Mirrored(bone.end_offset, right);
-        capsule.radius = bone.radius;
-      }
-    }
-    body.capsules.push_back(capsule);
-  }
-}
-
-void AddTemplate(const Skeleton& skeleton, FleshBody& body) {
-  for (const TemplateCapsule& part : Template()) {
-    const bool is_sided = part.frame[0] == '?';
-    for (const bool right : {false, true}) {
-      if (right && !is_sided) continue;
-      FleshCapsule capsule;
-      capsule.frame = Find(skeleton, Sided(part.frame, right));
-      capsule.end_joint = Find(skeleton, Sided(part.end_joint, right));
-      capsule.begin_offset = Mirrored(part.begin_offset, right);
-      capsule.end_offset = Mirrored(part.end_offset, right);
-      capsule.radius = part.radius;
-      body.capsules.push_back(capsule);
-    }
-  }
-}
-
-void PairMirrors(const Skeleton& skeleton, std::vector<FleshCapsule>& capsules) {
-  for (std::size_t i = 0; i < capsules.size(); ++i) {
-    capsules[i].mirror = static_cast<int>(i);
-    for (std::size_t k = 0; k < capsules.size(); ++k) {
-      if (k == i || skeleton.joints[capsules[i].frame].mirror != capsules[k].frame) continue;
-      if (capsules[i].frame == capsules[k].frame) continue;
-      if (skeleton.joints[capsules[i].end_joint].mirror == capsules[k].end_joint)
-        capsules[i].mirror = static_cast<int>(k);
-    }
-  }
-}
-
-}  // namespace
-
 FleshBody FleshBody::Make(SkeletonPtr skeleton, double scale, double radius_scale) {
   FleshBody body;
-  const bool has_template = HasTemplateJoints(*skeleton);
+  const bool has_template = HasTemplateFlesh(*skeleton);
   AddBones(*skeleton, has_template, body);
   if (has_template) AddTemplate(*skeleton, body);
   PairMirrors(*skeleton, body.capsules);
@@ -200,23 +220,36 @@ double BodyScale(const Skeleton& skeleton, const std::vector<double>& bone_lengt
 
 std::string RadiiText(const FleshBody& body) {
   std::string text;
-  for (const FleshCapsule& capsule : body.capsules) {
+  const auto append = [&](double value, double unit) {
     if (!text.empty()) text += ' ';
-    text += FormatDouble(std::round(capsule.radius * 1e4) / 1e4);
-  }
+    text += FormatDouble(std::round(value / unit) * unit);
+  };
+  for (const FleshCapsule& capsule : body.capsules) append(capsule.radius, 1e-4);
+  if (body.skeleton->flesh == FleshShape{}) return text;
+  for (const double component : body.skeleton->flesh) append(component, 1e-3);
   return text;
 }
 
 std::optional<FleshBody> BodyFromRadii(SkeletonPtr skeleton, const std::vector<double>& bone_length,
                                        const std::string& radii) {
+  std::vector<double> numbers;
+  for (const std::string_view word : SplitBlanks(radii)) {
+    const std::optional<double> number = ParseDouble(word);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+  }
   const double scale = BodyScale(*skeleton, bone_length);
+  const std::size_t capsules = FleshBody::Make(skeleton, scale, 1.0).capsules.size();
+  if (numbers.size() != capsules && numbers.size() != capsules + kShapeComponents) return std::nullopt;
+  if (numbers.size() > capsules) {
+    auto own = std::make_shared<Skeleton>(*skeleton);
+    std::copy(numbers.begin() + static_cast<std::ptrdiff_t>(capsules), numbers.end(), own->flesh.begin());
+    skeleton = std::move(own);
+  }
   FleshBody body = FleshBody::Make(std::move(skeleton), scale, 1.0);
-  const std::vector<std::string_view> words = SplitBlanks(radii);
-  if (words.size() != body.capsules.size()) return std::nullopt;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::optional<double> radius = ParseDouble(words[i]);
-    if (!radius || !(*radius > 0.0)) return std::nullopt;
-    body.capsules[i].radius = *radius;
+  for (std::size_t i = 0; i < capsules; ++i) {
+    if (!(numbers[i] > 0.0)) return std::nullopt;
+    body.capsules[i].radius = numbers[i];
   }
   return body;
 }

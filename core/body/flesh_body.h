@@ -49,13 +49,16 @@ CapsuleEnds EndsOf(const FleshCapsule& capsule, const Matrix3d& world_from_frame
 std::vector<PosedCapsule> PosedCapsules(const FleshBody& body, const Vector3d* joints,
                                         const Quaterniond* world_from_joint);
 
-/// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated: what Clip::provenance keeps of a fitted body
-/// (key kCapsuleRadii).
+/// Whether the skeleton has SMPL's joints, whose flesh the CC0 template tells and Skeleton::flesh changes.
+bool HasTemplateFlesh(const Skeleton& skeleton);
+
+/// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated, and where it is known the skeleton's flesh to
+/// 0.001: what Clip::provenance keeps of a fitted body (key kCapsuleRadii).
 inline constexpr const char* kCapsuleRadii = "capsule_radii";
 std::string RadiiText(const FleshBody& body);
 
-/// The body that such a text was written of: Make at the scale of the bone lengths (J), with those radii. Empty for a
-/// text that does not give one positive radius per capsule.
+/// The body that such a text was written of: Make at the scale of the bone lengths (J), with those radii and that
+/// flesh. Empty for a text that does not give one positive radius per capsule.
 std::optional<FleshBody> BodyFromRadii(SkeletonPtr skeleton, const std::vector<double>& bone_length,
                                        const std::string& radii);
 

@@ -10,21 +10,21 @@ namespace mocurate {
 namespace {
 
 /// Of joints that are not named.
-constexpr double kBodyError = 0.0107;
-constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0138},
-                                                                         {"spine1", 0.0062},
-                                                                         {"spine2", 0.0049},
-                                                                         {"spine3", 0.0044},
-                                                                         {"neck", 0.0058},
-                                                                         {"head", 0.0049},
-                                                                         {"collar", 0.0049},
-                                                                         {"hip", 0.0147},
-                                                                         {"knee", 0.0098},
-                                                                         {"ankle", 0.0111},
-                                                                         {"foot", 0.0147},
-                                                                         {"shoulder", 0.0107},
-                                                                         {"wrist", 0.0111},
-                                                                         {"hand", 0.0196}}};
+constexpr double kBodyError = 0.0044;
+constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0024},
+                                                                         {"spine1", 0.0023},
+                                                                         {"spine2", 0.0022},
+                                                                         {"spine3", 0.0024},
+                                                                         {"neck", 0.0028},
+                                                                         {"head", 0.0020},
+                                                                         {"collar", 0.0022},
+                                                                         {"hip", 0.0030},
+                                                                         {"knee", 0.0034},
+                                                                         {"ankle", 0.0032},
+                                                                         {"foot", 0.0045},
+                                                                         {"shoulder", 0.0044},
+                                                                         {"wrist", 0.0062},
+                                                                         {"hand", 0.0112}}};
 
 }  // namespace
 

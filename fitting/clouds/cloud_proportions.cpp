@@ -8,11 +8,14 @@
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/cloud_size.h"
 #include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/joint_cloud_fit.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kFramesOfClip = 9;  ///< of each clip, evenly spread
+constexpr int kFramesOfClip = 9;          ///< of each clip, evenly spread
+constexpr std::size_t kPosedClouds = 16;  ///< that a body is measured in where poses are known, at most
+constexpr int kFewestPosedPoints = 100;
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;
@@ -24,31 +27,87 @@ Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointClou
 /// Errors that say nothing about the clip.
 bool EndsAll(ErrorCode code) { return code == ErrorCode::kInterrupted || code == ErrorCode::kInternal; }
 
-}  // namespace
-
-Expected<BodyFromClouds> MeasureBodyInClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton,
-                                             const PointCloudOptions& options) {
-  BodyFromClouds body;
+/// Clouds of clips one after another; of clips that say nothing why.
+struct CloudsOfClips {
   std::vector<FusedCloud> clouds;
+  std::vector<std::size_t> clip;  ///< (clouds)
+  std::vector<int> frame;         ///< (clouds) of the clip
+  std::vector<std::pair<std::size_t, Error>> nothing_from;
+};
+
+Expected<CloudsOfClips> SomeCloudsOf(const std::vector<Clip>& clips, const PointCloudOptions& options) {
+  CloudsOfClips some;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     Expected<std::vector<FusedCloud>> of_clip = SomeCloudsOf(clips[i], options);
     if (!of_clip && EndsAll(of_clip.error().code)) return Forward(of_clip);
     if (!of_clip) {
-      body.nothing_from.emplace_back(i, of_clip.error());
+      some.nothing_from.emplace_back(i, of_clip.error());
       continue;
     }
-    clouds.insert(clouds.end(), std::make_move_iterator(of_clip->begin()), std::make_move_iterator(of_clip->end()));
+    const auto available = static_cast<int>(clips[i].evidence.depth_views[0].files.size());
+    const auto count = static_cast<int>(of_clip->size());
+    for (int k = 0; k < count; ++k) {
+      some.clouds.push_back(std::move((*of_clip)[static_cast<std::size_t>(k)]));
+      some.clip.push_back(i);
+      some.frame.push_back(FrameOfFew(k, count, available));
+    }
   }
-  if (!clips.empty() && body.nothing_from.size() == clips.size()) {
-    Error error = body.nothing_from.front().second;
+  if (!clips.empty() && some.nothing_from.size() == clips.size()) {
+    Error error = some.nothing_from.front().second;
     error.where = clips.front().id() + (error.where.empty() ? "" : ": " + error.where);
     return tl::unexpected<Error>(std::move(error));
   }
-  const Expected<double> scale = ScaleFromClouds(std::move(clouds), skeleton, options);
-  if (!scale) return Forward(scale);
-  body.scale = *scale;
-  body.bone_length = skeleton->RestBoneLengths();
-  for (double& length : body.bone_length) length *= *scale;
+  return some;
+}
+
+BodyFromClouds MeasuredBody(const ShapedPerson& person, const SkeletonPtr& skeleton) {
+  BodyFromClouds body;
+  body.scale = person.scale;
+  body.skeleton = WithShape(skeleton, person.shape);
+  body.bone_length = body.skeleton->RestBoneLengths();
+  for (double& length : body.bone_length) length *= person.scale;
+  return body;
+}
+
+}  // namespace
+
+Expected<BodyFromClouds> MeasureBodyInClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton,
+                                             const PointCloudOptions& options) {
+  Expected<CloudsOfClips> some = SomeCloudsOf(clips, options);
+  if (!some) return Forward(some);
+  const Expected<ShapedPerson> person = PersonFromClouds(std::move(some->clouds), skeleton, options);
+  if (!person) return Forward(person);
+  BodyFromClouds body = MeasuredBody(*person, skeleton);
+  body.nothing_from = std::move(some->nothing_from);
+  return body;
+}
+
+Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const std::vector<Motion>& motions,
+                                          double scale, const SkeletonPtr& skeleton, const PointCloudOptions& options) {
+  Expected<CloudsOfClips> some = SomeCloudsOf(clips, options);
+  if (!some) return Forward(some);
+  const FleshBody flesh = FleshBody::Make(skeleton, scale, 1.0);
+  std::vector<PoseState> states;
+  for (const Motion& motion : motions) states.push_back(StateOf(motion, flesh));
+  ShapedPerson person;
+  person.scale = scale;
+  std::vector<FusedCloud> clouds;
+  const std::size_t stride = (some->clouds.size() + kPosedClouds - 1) / kPosedClouds;
+  for (std::size_t i = 0; i < some->clouds.size(); i += stride) {
+    const Motion& motion = motions[some->clip[i]];
+    if (some->clouds[i].size() < kFewestPosedPoints || some->frame[i] >= motion.frame_count()) continue;
+    person.poses.push_back(states[some->clip[i]].FrameParameters(some->frame[i]));
+    clouds.push_back(std::move(some->clouds[i]));
+  }
+  if (!clouds.empty()) {
+    PointCloudOptions quick = options;
+    quick.solver = TrackSolver::kBanded;  // the same costs
+    Expected<ShapedPerson> shaped = FitShape(clouds, skeleton, std::move(person), quick);
+    if (!shaped) return Forward(shaped);
+    person = *std::move(shaped);
+  }
+  BodyFromClouds body = MeasuredBody(person, skeleton);
+  body.nothing_from = std::move(some->nothing_from);
   return body;
 }
 

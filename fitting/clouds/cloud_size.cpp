@@ -239,24 +239,32 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
 
 }  // namespace
 
-Expected<double> ScaleFromClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
-                                 const PointCloudOptions& options) {
-  if (options.height) return *options.height / HeightOfRestBody(skeleton);
+Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
+                                        const PointCloudOptions& options) {
+  ShapedPerson person;
+  if (options.height) {
+    person.scale = *options.height / HeightOfRestBody(skeleton);
+    return person;
+  }
   PointCloudOptions quick = options;
   quick.solver = TrackSolver::kBanded;  // the same costs
   clouds.erase(std::remove_if(clouds.begin(), clouds.end(),
                               [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; }),
                clouds.end());
-  if (clouds.empty()) return 1.0;
+  if (clouds.empty()) return person;
   const double from_height = ScaleFromHeight(skeleton, clouds, options.voxel_size);
   const bool few = clouds.size() <= kFewClouds;
   const std::vector<FusedCloud> chosen = OfAllHeights(std::move(clouds), kClouds);
   const SizeSearch search(skeleton, chosen, quick);
   const Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
   if (!best) return Forward(best);
-  if (few) return best->scale;
+  person.scale = best->scale;
+  person.poses = best->poses;
+  if (HasTemplateFlesh(*skeleton)) return FitShape(chosen, skeleton, std::move(person), quick);
+  if (few) return person;
   std::vector<double> ratios = search.HeightRatios(*best);
-  return ratios.empty() ? best->scale : best->scale * Median(ratios);
+  if (!ratios.empty()) person.scale *= Median(ratios);
+  return person;
 }
 
 }  // namespace mocurate

@@ -263,8 +263,8 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
   std::vector<FusedCloud> clouds;
   for (int i = 0; i < count; ++i) {
     if (Status on = GoOnUnlessStopped("fusion of depth views"); !on) return Forward(on);
-    const auto f = static_cast<int>(static_cast<long long>(i) * available / count);
-    Expected<FusedCloud> cloud = FuseViews(views, f, {options.voxel_size, options.outliers});
+    Expected<FusedCloud> cloud =
+        FuseViews(views, FrameOfFew(i, count, available), {options.voxel_size, options.outliers});
     if (!cloud) return Forward(cloud);
     clouds.push_back(PersonPoints(*cloud, options.voxel_size));
   }

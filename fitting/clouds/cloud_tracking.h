@@ -22,6 +22,10 @@ struct CloudTrack {
 /// with views of unequal length or of stamps that do not increase.
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options);
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames);
+/// The frame that cloud `i` of `count` was fused from.
+inline int FrameOfFew(int i, int count, int available) {
+  return static_cast<int>(static_cast<long long>(i) * available / count);
+}
 
 /// Finds the first pose by trying several, measures the radii there, then follows frame after frame and looks for the
 /// pose anew after 0.4 s without points; frames that are

@@ -13,8 +13,8 @@ namespace {
 constexpr int kFleshRounds = 3;
 constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right size
 constexpr double kFleshPatchPoints = 10.0;  ///< that share it
-constexpr double kUsualOffset = 0.02;       ///< m, of an end from the template's
-constexpr double kUsualRadius = 0.01;       ///< m
+constexpr double kUsualOffset = 0.006;      ///< m, of an end from the template's
+constexpr double kUsualRadius = 0.003;      ///< m
 constexpr double kThinnest = 0.5;           ///< of a radius before
 
 /// Changes of a capsule: begin (3) and end (3) in the joint's frame, radius.

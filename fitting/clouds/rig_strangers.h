@@ -5,6 +5,7 @@
 
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/seen_rig.h"
+#include "fitting/options.h"
 
 namespace mocurate {
 

@@ -127,11 +127,13 @@ SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<st
 
 SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& skeleton) {
   if (std::equal(skeleton->joints.begin(), skeleton->joints.end(), body->joints.begin(),
-                 [](const Joint& a, const Joint& b) { return a.rest_offset == b.rest_offset; })) {
+                 [](const Joint& a, const Joint& b) { return a.rest_offset == b.rest_offset; }) &&
+      skeleton->flesh == body->flesh) {
     return skeleton;
   }
   auto own = std::make_shared<Skeleton>(*skeleton);
   for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = body->joints[j].rest_offset;
+  own->flesh = body->flesh;
   return own;
 }
 

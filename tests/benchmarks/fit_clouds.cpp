@@ -138,6 +138,28 @@ Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, cons
   return {};
 }
 
+/// As the stage proportions does for joints_and_clouds.
+Status TakeBodyOfBoth(const std::vector<CloudTake>& takes, const SkeletonPtr& skeleton,
+                      const PointCloudOptions& options, Proportions& person) {
+  std::vector<Clip> clips;
+  std::vector<Motion> motions;
+  JointTrackOptions track_options;
+  track_options.solver = TrackSolver::kBanded;
+  for (const CloudTake& take : takes) {
+    const auto fit =
+        RepairAndFit(take.clip.tracks, take.clip.truth.rate, person.bone_length, RepairOptions{}, track_options);
+    if (!fit) return Forward(fit);
+    motions.push_back(fit->motion);
+    clips.emplace_back();
+    clips.back().evidence = take.evidence;
+  }
+  const auto body = MeasurePosedBody(clips, motions, person.scale, skeleton, options);
+  if (!body) return Forward(body);
+  person.skeleton = body->skeleton;
+  person.bone_length = body->bone_length;
+  return {};
+}
+
 /// Takes of one person each, or of one still each.
 std::vector<std::vector<CloudTake>> ByPerson(const std::vector<CloudTake>& takes, bool stills) {
   std::map<std::string, std::vector<CloudTake>> people;
@@ -186,6 +208,8 @@ int main(int argc, char** argv) {
       const auto estimated = EstimateProportions(tracks, skeleton, ProportionsOptions{});
       if (!estimated) return std::fprintf(stderr, "%s\n", estimated.error().Message().c_str()), 1;
       person = *estimated;
+      if (Status both = TakeBodyOfBoth(of_person, skeleton, options, person); !both)
+        return std::fprintf(stderr, "%s\n", both.error().Message().c_str()), 1;
     }
     for (const CloudTake& take : of_person) {
       auto clouds = Fuse(take.evidence.depth_views, options, spent);
@@ -198,8 +222,8 @@ int main(int argc, char** argv) {
       if (given.count("hidden") != 0) Hide(static_cast<int>(given["hidden"]), take.clip.truth, *clouds);
       const int seen_again = HideMiddleFrames(static_cast<int>(given["gap"]), *clouds);
       const double begin = CpuSeconds();
-      const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s}, skeleton,
-                                      bones->bone_length, options);
+      const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s},
+                                      bones->skeleton, bones->bone_length, options);
       spent.fit += CpuSeconds() - begin;
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
       FitScore one;

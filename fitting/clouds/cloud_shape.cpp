@@ -1,0 +1,215 @@
+#include "fitting/clouds/cloud_shape.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "core/body/flesh_shape.h"
+#include "core/geometry/rotation.h"
+#include "fitting/clouds/capsule_fit.h"
+#include "fitting/clouds/cloud_equations.h"
+#include "fitting/clouds/cloud_match.h"
+#include "fitting/costs/huber.h"
+#include "fitting/stop_request.h"
+
+namespace mocurate {
+namespace {
+
+constexpr int kUnknowns = 1 + kShapeComponents;  ///< logarithm of the scale, then the shape
+constexpr int kRounds = 10;
+constexpr double kSettledStep = 0.02;  ///< deviations
+constexpr double kLongestStep = 1.0;   ///< deviations, of a round
+constexpr double kUsualScale = 0.15;   ///< deviation of the logarithm of the scale from where it was found
+constexpr double kFleshSigma = 0.01;   ///< m; error of capsules of the right shape
+constexpr double kTinyStep = 1e-3;     ///< of finite differences
+
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+/// A body of one size and shape, in one pose after another.
+struct Figure {
+  SkeletonPtr skeleton;
+  FleshBody body;
+  PoseState state;
+
+  Figure(const SkeletonPtr& rest, double scale, const FleshShape& shape, double radius_scale, int frames)
+      : skeleton(WithShape(rest, shape)),
+        body(FleshBody::Make(skeleton, scale, radius_scale)),
+        state(*skeleton, frames, Lengths(scale), body.MovingJoints()) {}
+
+  std::vector<double> Lengths(double scale) const {
+    std::vector<double> lengths = skeleton->RestBoneLengths();
+    for (double& length : lengths) length *= scale;
+    return lengths;
+  }
+};
+
+/// Where a matched point's nearest place on the axis of its capsule is.
+struct OnCapsule {
+  Vector3d nearest;
+  Vector3d away;  ///< from there to the point
+  double distance = 0.0;
+};
+
+OnCapsule PlaceOn(const FleshCapsule& capsule, const CapsuleEnds& ends, const Vector3d& point) {
+  const Vector3d axis = ends.end - ends.begin;
+  const double square = axis.squaredNorm();
+  const double at = square > 0.0 ? std::clamp((point - ends.begin).dot(axis) / square, 0.0, 1.0) : 0.0;
+  OnCapsule on;
+  on.nearest = ends.begin + at * axis;
+  on.away = point - on.nearest;
+  on.distance = on.away.norm() - capsule.radius;
+  return on;
+}
+
+std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud& cloud,
+                              const std::vector<CloudMatch>& matches) {
+  std::vector<CapsuleEnds> ends;
+  for (const FleshCapsule& capsule : figure.body.capsules) ends.push_back(EndsOf(capsule, figure.state, frame));
+  std::vector<double> distances;
+  for (const CloudMatch& match : matches) {
+    distances.push_back(
+        PlaceOn(figure.body.capsules[match.capsule], ends[match.capsule], cloud.points.col(match.point)).distance);
+  }
+  return distances;
+}
+
+/// Derivatives of the weighted distance of a matched point in the unknowns of a frame's equations.
+void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const CloudMatch& match,
+                 const CloudEquations& equations, double weight, Eigen::MatrixXd::RowXpr row) {
+  const PoseState& state = figure.state;
+  const FleshCapsule& capsule = figure.body.capsules[match.capsule];
+  const OnCapsule on = PlaceOn(capsule, EndsOf(capsule, state, frame), cloud.points.col(match.point));
+  if (on.away.norm() == 0.0) return;  // on the axis: no direction
+  const Vector3d normal = weight * on.away.normalized();
+  row.head<3>() = -normal.transpose();
+  const auto turn = [&](int joint) {
+    const int column = equations.column(joint);
+    if (column < 0) return;
+    const Vector3d lever = on.nearest - state.position(frame, joint);
+    row.segment<3>(column) = normal.transpose() * Hat(lever) * state.lever(frame, joint);
+  };
+  for (const int joint : state.path(capsule.frame)) turn(joint);
+  turn(capsule.frame);
+}
+
+class ShapeFit {
+ public:
+  ShapeFit(const std::vector<FusedCloud>& clouds, SkeletonPtr skeleton, ShapedPerson person,
+           const PointCloudOptions& options)
+      : clouds_(clouds), skeleton_(std::move(skeleton)), options_(options), person_(std::move(person)) {}
+
+  /// Another round; how far it went, in deviations.
+  Expected<double> Step() {
+    Figure figure = At(Unknowns::Zero(), static_cast<int>(clouds_.size()));
+    Information information = Information::Zero();
+    Unknowns right = Unknowns::Zero();
+    for (int f = 0; f < static_cast<int>(clouds_.size()); ++f) {
+      if (Status on = GoOnUnlessStopped("shape of a person in depth views"); !on) return Forward(on);
+      figure.state.SetFrameParameters(f, person_.poses[f]);
+      const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
+      const auto fitted = FitCloudFrame(figure.body, clouds_[f], fit, figure.state, options_);
+      if (!fitted) return Forward(fitted);
+      person_.poses[f] = figure.state.FrameParameters(f);
+      AddFrame(f, std::max(kFleshSigma, fitted->sigma), figure, information, right);
+    }
+    information /= static_cast<double>(clouds_.size());
+    right /= static_cast<double>(clouds_.size());
+    information(0, 0) += 1.0 / Square(kUsualScale);
+    right[0] -= moved_ / Square(kUsualScale);
+    for (int k = 0; k < kShapeComponents; ++k) {
+      information(1 + k, 1 + k) += 1.0;
+      right[1 + k] -= person_.shape[k];
+    }
+    Unknowns step = information.ldlt().solve(right);
+    const double longest = step.tail<kShapeComponents>().cwiseAbs().maxCoeff();
+    if (longest > kLongestStep) step *= kLongestStep / longest;
+    person_.scale *= std::exp(step[0]);
+    moved_ += step[0];
+    for (int k = 0; k < kShapeComponents; ++k) person_.shape[k] += step[1 + k];
+    return std::max(step.tail<kShapeComponents>().cwiseAbs().maxCoeff(), std::abs(step[0]) / kUsualScale);
+  }
+
+  const ShapedPerson& person() const { return person_; }
+
+ private:
+  Figure At(const Unknowns& change, int frames) const {
+    FleshShape shape = person_.shape;
+    for (int k = 0; k < kShapeComponents; ++k) shape[k] += change[1 + k];
+    return {skeleton_, person_.scale * std::exp(change[0]), shape, options_.capsule_radius_scale, frames};
+  }
+
+  /// Gauss-Newton, the frame's pose eliminated.
+  void AddFrame(int f, double sigma, Figure& figure, Information& information, Unknowns& right) const {
+    const FusedCloud& cloud = clouds_[f];
+    figure.state.Update(f, f + 1, true);
+    const std::vector<CloudMatch> matches = MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance);
+    const double share = PatchShare(options_.voxel_size);
+    const double weight = share / sigma;
+    const double huber = share * options_.huber_sigmas;
+    CloudEquations equations(figure.body, figure.state, {f, cloud, matches, weight, huber, {}, {}}, options_);
+    equations.Linearise();
+    const auto size = equations.matrix().rows();
+    const auto count = static_cast<Eigen::Index>(matches.size());
+    Eigen::MatrixXd by_pose = Eigen::MatrixXd::Zero(count, size);
+    Eigen::VectorXd residual(count);
+    const std::vector<double> distances = Distances(figure, f, cloud, matches);
+    for (Eigen::Index i = 0; i < count; ++i)
+      FillPoseRow(f, figure, cloud, matches[i], equations, weight, by_pose.row(i));
+    Eigen::MatrixXd by_shape(count, kUnknowns);
+    for (int k = 0; k < kUnknowns; ++k) {
+      Unknowns change = Unknowns::Zero();
+      change[k] = kTinyStep;
+      Figure other = At(change, 1);
+      other.state.SetFrameParameters(0, figure.state.FrameParameters(f));
+      other.state.Update(0, 1, false);
+      const std::vector<double> there = Distances(other, 0, cloud, matches);
+      for (Eigen::Index i = 0; i < count; ++i) by_shape(i, k) = weight * (there[i] - distances[i]) / kTinyStep;
+    }
+    for (Eigen::Index i = 0; i < count; ++i) {
+      residual[i] = weight * distances[i];
+      const double root = std::sqrt(HuberSlope(Square(residual[i]), huber));
+      residual[i] *= root;
+      by_pose.row(i) *= root;
+      by_shape.row(i) *= root;
+    }
+    const Eigen::MatrixXd cross = by_pose.transpose() * by_shape;
+    const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
+    if (factor.info() != Eigen::Success) return;  // nothing holds the pose: nothing is told
+    information += by_shape.transpose() * by_shape - cross.transpose() * factor.solve(cross);
+    right -= by_shape.transpose() * residual - cross.transpose() * factor.solve(equations.gradient());
+  }
+
+  const std::vector<FusedCloud>& clouds_;
+  SkeletonPtr skeleton_;
+  const PointCloudOptions& options_;
+  ShapedPerson person_;
+  double moved_ = 0.0;  ///< logarithm of the scale against where it was found
+};
+
+}  // namespace
+
+SkeletonPtr WithShape(const SkeletonPtr& skeleton, const FleshShape& shape) {
+  if (shape == FleshShape{} || !HasTemplateFlesh(*skeleton)) return skeleton;
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  for (Joint& joint : own->joints) {
+    if (joint.parent >= 0) joint.rest_offset += OffsetChange(joint.name, shape);
+  }
+  own->flesh = shape;
+  return own;
+}
+
+Expected<ShapedPerson> FitShape(const std::vector<FusedCloud>& clouds, const SkeletonPtr& skeleton, ShapedPerson person,
+                                const PointCloudOptions& options) {
+  ShapeFit fit(clouds, skeleton, std::move(person), options);
+  for (int round = 0; round < kRounds; ++round) {
+    const Expected<double> step = fit.Step();
+    if (!step) return Forward(step);
+    if (*step < kSettledStep) break;
+  }
+  return fit.person();
+}
+
+}  // namespace mocurate

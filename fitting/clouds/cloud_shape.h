@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/motion/skeleton.h"
+#include "fitting/clouds/depth_fusion.h"
+#include "fitting/options.h"
+
+namespace mocurate {
+
+/// A person's size and flesh, and their poses in some clouds.
+struct ShapedPerson {
+  double scale = 1.0;                      ///< against the rest skeleton
+  FleshShape shape{};                      ///< against the template of that size
+  std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud
+};
+
+/// The skeleton with the directions of bones and the flesh of that shape; lengths of rest offsets are those of a person
+/// of the skeleton's size. Another skeleton than one with SMPL's joints stays as it is.
+SkeletonPtr WithShape(const SkeletonPtr& skeleton, const FleshShape& shape);
+
+/// From a size and poses that explain the clouds about: size and shape are fitted together with the poses, which are
+/// eliminated (a profile: what another pose explains as well tells nothing of the body). The shape is held to people's
+/// usual ones. However many clouds, they count as one: what capsules are off is the same in all of them. Errors of
+/// FitCloudFrame; kInterrupted.
+Expected<ShapedPerson> FitShape(const std::vector<FusedCloud>& clouds, const SkeletonPtr& skeleton, ShapedPerson person,
+                                const PointCloudOptions& options);
+
+}  // namespace mocurate
