@@ -215,8 +215,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 31, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 32, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 46, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 47, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -56,9 +56,9 @@ double LegsInUpperBody(const FleshBody& body, const PoseState& state, int frame)
     const CapsuleEnds ends = EndsOf(leg, state, frame);
     double deepest = 0.0;
     for (int i = 0; i < kPlacesOfLeg; ++i) {
-      const double along = static_cast<double>(i) / (kPlacesOfLeg - 1);
-      const double at = thigh ? 0.5 + 0.5 * along : along;
+      const double at = static_cast<double>(i) / (kPlacesOfLeg - 1);
       const Vector3d place = (1.0 - at) * ends.begin + at * ends.end;
+      if (thigh && (place - state.position(frame, leg.frame)).norm() < 0.5 * *state.bone(leg.end_joint)) continue;
       for (const FleshCapsule& above : body.capsules) {
         if (!upper[above.frame]) continue;
         const double apart = DistanceToSegment(place, EndsOf(above, state, frame));

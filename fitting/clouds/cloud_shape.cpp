@@ -18,14 +18,15 @@ namespace mocurate {
 namespace {
 
 constexpr int kUnknowns = 1 + kShapeComponents;  ///< logarithm of the scale, then the shape
-constexpr int kRounds = 10;
-constexpr double kSettledStep = 0.02;  ///< deviations
-constexpr double kLongestStep = 1.0;   ///< deviations, of a round
-constexpr double kUsualScale = 0.15;   ///< deviation of the logarithm of the scale from where it was found
-constexpr double kFleshSigma = 0.01;   ///< m; error of capsules of the right shape
-constexpr double kTinyStep = 1e-3;     ///< of finite differences
+constexpr int kShapeRounds = 10;
+constexpr double kSettledStep = 0.02;   ///< deviations
+constexpr double kLongestStep = 1.0;    ///< deviations, of a round
+constexpr double kUsualScale = 0.15;    ///< deviation of the logarithm of the scale from where it was found
+constexpr double kFleshSigma = 0.01;    ///< m; error of capsules of the right shape
+constexpr double kErrorsShared = 0.25;  ///< weight: real flesh differs in ways that capsules share along a whole limb
+constexpr double kTinyStep = 1e-3;      ///< of finite differences
 
-using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using ShapeUnknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 /// A body of one size and shape, in one pose after another.
@@ -53,7 +54,7 @@ struct OnCapsule {
   double distance = 0.0;
 };
 
-OnCapsule PlaceOn(const FleshCapsule& capsule, const CapsuleEnds& ends, const Vector3d& point) {
+OnCapsule NearestOn(const FleshCapsule& capsule, const CapsuleEnds& ends, const Vector3d& point) {
   const Vector3d axis = ends.end - ends.begin;
   const double square = axis.squaredNorm();
   const double at = square > 0.0 ? std::clamp((point - ends.begin).dot(axis) / square, 0.0, 1.0) : 0.0;
@@ -71,7 +72,7 @@ std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud&
   std::vector<double> distances;
   for (const CloudMatch& match : matches) {
     distances.push_back(
-        PlaceOn(figure.body.capsules[match.capsule], ends[match.capsule], cloud.points.col(match.point)).distance);
+        NearestOn(figure.body.capsules[match.capsule], ends[match.capsule], cloud.points.col(match.point)).distance);
   }
   return distances;
 }
@@ -81,7 +82,7 @@ void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const
                  const CloudEquations& equations, double weight, Eigen::MatrixXd::RowXpr row) {
   const PoseState& state = figure.state;
   const FleshCapsule& capsule = figure.body.capsules[match.capsule];
-  const OnCapsule on = PlaceOn(capsule, EndsOf(capsule, state, frame), cloud.points.col(match.point));
+  const OnCapsule on = NearestOn(capsule, EndsOf(capsule, state, frame), cloud.points.col(match.point));
   if (on.away.norm() == 0.0) return;  // on the axis: no direction
   const Vector3d normal = weight * on.away.normalized();
   row.head<3>() = -normal.transpose();
@@ -103,9 +104,9 @@ class ShapeFit {
 
   /// Another round; how far it went, in deviations.
   Expected<double> Step() {
-    Figure figure = At(Unknowns::Zero(), static_cast<int>(clouds_.size()));
+    Figure figure = At(ShapeUnknowns::Zero(), static_cast<int>(clouds_.size()));
     Information information = Information::Zero();
-    Unknowns right = Unknowns::Zero();
+    ShapeUnknowns right = ShapeUnknowns::Zero();
     for (int f = 0; f < static_cast<int>(clouds_.size()); ++f) {
       if (Status on = GoOnUnlessStopped("shape of a person in depth views"); !on) return Forward(on);
       figure.state.SetFrameParameters(f, person_.poses[f]);
@@ -115,15 +116,15 @@ class ShapeFit {
       person_.poses[f] = figure.state.FrameParameters(f);
       AddFrame(f, std::max(kFleshSigma, fitted->sigma), figure, information, right);
     }
-    information /= static_cast<double>(clouds_.size());
-    right /= static_cast<double>(clouds_.size());
+    information *= kErrorsShared / static_cast<double>(clouds_.size());
+    right *= kErrorsShared / static_cast<double>(clouds_.size());
     information(0, 0) += 1.0 / Square(kUsualScale);
     right[0] -= moved_ / Square(kUsualScale);
     for (int k = 0; k < kShapeComponents; ++k) {
       information(1 + k, 1 + k) += 1.0;
       right[1 + k] -= person_.shape[k];
     }
-    Unknowns step = information.ldlt().solve(right);
+    ShapeUnknowns step = information.ldlt().solve(right);
     const double longest = step.tail<kShapeComponents>().cwiseAbs().maxCoeff();
     if (longest > kLongestStep) step *= kLongestStep / longest;
     person_.scale *= std::exp(step[0]);
@@ -135,14 +136,14 @@ class ShapeFit {
   const ShapedPerson& person() const { return person_; }
 
  private:
-  Figure At(const Unknowns& change, int frames) const {
+  Figure At(const ShapeUnknowns& change, int frames) const {
     FleshShape shape = person_.shape;
     for (int k = 0; k < kShapeComponents; ++k) shape[k] += change[1 + k];
     return {skeleton_, person_.scale * std::exp(change[0]), shape, options_.capsule_radius_scale, frames};
   }
 
   /// Gauss-Newton, the frame's pose eliminated.
-  void AddFrame(int f, double sigma, Figure& figure, Information& information, Unknowns& right) const {
+  void AddFrame(int f, double sigma, Figure& figure, Information& information, ShapeUnknowns& right) const {
     const FusedCloud& cloud = clouds_[f];
     figure.state.Update(f, f + 1, true);
     const std::vector<CloudMatch> matches = MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance);
@@ -160,7 +161,7 @@ class ShapeFit {
       FillPoseRow(f, figure, cloud, matches[i], equations, weight, by_pose.row(i));
     Eigen::MatrixXd by_shape(count, kUnknowns);
     for (int k = 0; k < kUnknowns; ++k) {
-      Unknowns change = Unknowns::Zero();
+      ShapeUnknowns change = ShapeUnknowns::Zero();
       change[k] = kTinyStep;
       Figure other = At(change, 1);
       other.state.SetFrameParameters(0, figure.state.FrameParameters(f));
@@ -204,7 +205,7 @@ SkeletonPtr WithShape(const SkeletonPtr& skeleton, const FleshShape& shape) {
 Expected<ShapedPerson> FitShape(const std::vector<FusedCloud>& clouds, const SkeletonPtr& skeleton, ShapedPerson person,
                                 const PointCloudOptions& options) {
   ShapeFit fit(clouds, skeleton, std::move(person), options);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kShapeRounds; ++round) {
     const Expected<double> step = fit.Step();
     if (!step) return Forward(step);
     if (*step < kSettledStep) break;

@@ -90,7 +90,8 @@ TEST_F(DepthProportions, AreThoseOfTheClipsThatCanBeUsedAndSayWhichCannot) {
   const double scale = measured->summary["scale"];
   EXPECT_NEAR(scale, kTaller, 0.06);
   const double knee = measured->summary["bone_length_m"]["left_knee"];
-  EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], scale, 1e-3);
+  EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], kTaller, 0.06);
+  EXPECT_EQ(measured->summary["flesh"].size(), static_cast<std::size_t>(kShapeComponents));
 }
 
 TEST_F(DepthProportions, AreThoseOfTheHeightThatIsTold) {
