@@ -30,7 +30,8 @@ Finding NothingFrom(const Clip& clip, const Error& error) {
   return finding;
 }
 
-constexpr double kSizesApart = 0.08;  ///< of the logarithm of a size: tracks and clouds are not of one body
+constexpr double kSizesApart = 0.08;   ///< of the logarithm of a size: tracks and clouds are not of one body
+constexpr double kNobodysFlesh = 3.5;  ///< deviations of a component
 
 /// A person's clips and the ids behind them.
 struct PersonClips {
@@ -99,12 +100,16 @@ Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, c
   }
   for (const auto& [clip, error] : body->nothing_from) findings.push_back(NothingFrom(posed[clip], error));
   const double ratio = body->scale / person.scale;
-  if (std::abs(std::log(ratio)) > kSizesApart) {
+  double unusual = 0.0;
+  for (const double component : body->skeleton->flesh) unusual = std::max(unusual, std::abs(component));
+  if (std::abs(std::log(ratio)) > kSizesApart || unusual > kNobodysFlesh) {
     Finding finding;
     finding.clip = posed.front().id();
     finding.code = "kinds_of_other_sizes";
     finding.value = ratio;
-    finding.message = "the body in the depth views is " + RoundedText(ratio, 3) + " times as large as the tracks'";
+    finding.message = "the body in the depth views is " + RoundedText(ratio, 3) +
+                      " times as large as the tracks', its flesh up to " + RoundedText(unusual, 2) +
+                      " deviations from usual people's";
     finding.action = "the tracks' body kept; check depth_unit, cameras and which joints the tracks name";
     findings.push_back(finding);
     return {};

@@ -201,7 +201,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 35, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 36, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

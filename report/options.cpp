@@ -30,12 +30,12 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 13, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 14, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 4, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 5, "mocurate-annotate", ClipLimits()}; }
 
-StageDeclaration ClipVideoDeclaration() { return {"clip_video", 2, "mocurate-video", ClipLimits()}; }
+StageDeclaration ClipVideoDeclaration() { return {"clip_video", 3, "mocurate-video", ClipLimits()}; }
 
-StageDeclaration PictureDeclaration() { return {"picture", 3, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration PictureDeclaration() { return {"picture", 4, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

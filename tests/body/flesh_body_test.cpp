@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "tests/body/stick_figure.h"
 
 namespace mocurate {
@@ -42,6 +44,43 @@ TEST(FleshBody, ComesBackFromTheTextOfItsRadii) {
   for (std::size_t i = 0; i < body.capsules.size(); ++i) {
     EXPECT_NEAR(read->capsules[i].radius, body.capsules[i].radius, 5e-5 + 1e-12);
     EXPECT_LT((read->capsules[i].end_offset - body.capsules[i].end_offset).norm(), 1e-12);
+  }
+}
+
+TEST(FleshBody, ComesBackWithItsFlesh) {
+  auto own = std::make_shared<Skeleton>(**LoadSkeleton("smpl24"));
+  const FleshBody usual = FleshBody::Make(own, 1.1, 1.0);
+  own->flesh = {1.5, -0.5, 0.25, 2.0, -1.0};
+  std::vector<double> bones = own->RestBoneLengths();
+  for (double& bone : bones) bone *= 1.1;
+  const FleshBody body = FleshBody::Make(own, 1.1, 1.0);
+  const auto read = BodyFromRadii(*LoadSkeleton("smpl24"), bones, RadiiText(body));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->skeleton->flesh, own->flesh);
+  double moved = 0.0;
+  for (std::size_t i = 0; i < body.capsules.size(); ++i) {
+    EXPECT_LT((read->capsules[i].begin_offset - body.capsules[i].begin_offset).norm(), 1e-12);
+    moved = std::max(moved, (usual.capsules[i].begin_offset - body.capsules[i].begin_offset).norm());
+  }
+  EXPECT_GT(moved, 0.005) << "another person's flesh lies elsewhere";
+}
+
+TEST(FleshBody, HasEveryCapsuleOfASideOnTheOtherSideToo) {
+  auto own = std::make_shared<Skeleton>(**LoadSkeleton("smpl24"));
+  own->flesh = {1.0, 1.0, 1.0, 1.0, 1.0};
+  const FleshBody body = FleshBody::Make(own, 1.0, 1.0);
+  const Vector3d mirror(-1.0, 1.0, 1.0);
+  for (std::size_t i = 0; i < body.capsules.size(); ++i) {
+    const FleshCapsule& one = body.capsules[i];
+    const FleshCapsule& other = body.capsules[static_cast<std::size_t>(one.mirror)];
+    EXPECT_EQ(other.mirror, static_cast<int>(i));
+    EXPECT_EQ(own->joints[one.frame].mirror, other.frame);
+    const bool is_sided = own->joints[one.frame].mirror != one.frame;
+    EXPECT_EQ(one.mirror != static_cast<int>(i), is_sided);
+    if (!is_sided) continue;
+    EXPECT_EQ(other.begin_offset, one.begin_offset.cwiseProduct(mirror));
+    EXPECT_EQ(other.end_offset, one.end_offset.cwiseProduct(mirror));
+    EXPECT_EQ(other.radius, one.radius);
   }
 }
 
