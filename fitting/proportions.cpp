@@ -144,7 +144,7 @@ nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) 
   }
   nlohmann::json flesh = nlohmann::json::array();
   for (const double component : person.skeleton->flesh) {
-    if (person.skeleton->flesh != FleshShape{}) flesh.push_back(std::round(component * 1e3) / 1e3);
+    if (person.skeleton->flesh != FleshShape{}) flesh.push_back(std::round(component * 1e3) / 1e3 + 0.0);
   }
   return {{"person", person.person},
           {"flesh", flesh},
@@ -188,9 +188,10 @@ Status TakeFlesh(const nlohmann::json& flesh, Skeleton& skeleton, const std::str
     if (numbers) skeleton.flesh[k] = flesh[k].get<double>();
   }
   if (numbers) return {};
-  return Fail(ErrorCode::kMalformed,
-              "'flesh' " + flesh.dump() + " is not " + std::to_string(kShapeComponents) + " numbers of deviations",
-              where, "run the stage proportions again");
+  return Fail(
+      ErrorCode::kMalformed,
+      "'flesh' " + flesh.dump() + " is not " + std::to_string(kShapeComponents) + " numbers, deviations from -20 to 20",
+      where, "run the stage proportions again");
 }
 
 /// A bone that nobody has: most often of another unit.

@@ -43,8 +43,8 @@ std::vector<double> RoundedLengths(std::vector<double> lengths);
 nlohmann::json ProportionsJson(const Proportions& proportions, const Skeleton& rest);
 
 /// The body of a proportions artifact on `skeleton`; landmarks that it does not name have rest length times the
-/// person's scale. Error kInconsistent for another skeleton or a missing joint, kMalformed for what is no length or
-/// direction.
+/// person's scale. Error kInconsistent for another skeleton or a missing joint, kMalformed for what is no length,
+/// direction or flesh.
 Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr& skeleton, const std::string& where);
 
 /// Height of the rest pose with these bones: highest minus lowest joint, metres. Of a rest pose in which nobody stands

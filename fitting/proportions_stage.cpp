@@ -6,8 +6,10 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/body/flesh_body.h"
 #include "core/store/store.h"
 #include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
@@ -75,25 +77,37 @@ Status TakeSizeOfClouds(const std::vector<Clip>& clips, const SkeletonPtr& skele
   return {};
 }
 
-/// Takes body and flesh of a person whose tracks have told the poses from the clouds; where these say nothing, or show
-/// somebody of another size, the tracks' body stays, and that is said.
+/// Takes bones and flesh of a person whose tracks have told the poses from the clouds. Where clouds say nothing, or
+/// show somebody of another size, the tracks' body stays, and that is said.
 Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, const SkeletonPtr& skeleton,
                       const ProportionsOptions& options, Proportions& person, std::vector<Finding>& findings) {
+  if (options.point_clouds.height) return {};
+  JointTrackOptions quick = options.joint_tracks;
+  quick.uncertainty = false;
   std::vector<Motion> motions;
   std::vector<Clip> posed;
   for (std::size_t i = 0; i < seen.tracks.size(); ++i) {
     const auto clip =
         std::find_if(clips.begin(), clips.end(), [&](const Clip& candidate) { return candidate.id() == seen.ids[i]; });
     if (clip == clips.end() || clip->evidence.depth_views.empty()) continue;
-    const Expected<FitResult> fit =
-        RepairAndFit(seen.tracks[i], clip->rate, person.bone_length, RepairOptions{}, options.joint_tracks);
-    if (!fit) return Forward(fit);
-    motions.push_back(fit->motion);
+    const SkeletonTracks tracks = OnBody(seen.tracks[i], person.skeleton);
+    const std::vector<double>& depth_s = clip->evidence.depth_views[0].time_s;
+    if (Status one = CheckOneClock(tracks.time_s, depth_s, clip->rate.FrameTime(1), clip->id()); !one) {
+      findings.push_back(NothingFrom(*clip, one.error()));
+      continue;
+    }
+    const Expected<FitResult> fit = RepairAndFit(tracks, clip->rate, person.bone_length, RepairOptions{}, quick);
+    if (!fit && EndsAll(fit.error().code)) return Forward(fit);
+    if (!fit) {
+      findings.push_back(NothingFrom(*clip, fit.error()));
+      continue;
+    }
+    motions.push_back(WithoutDetectorPoints(fit->motion, skeleton));
     posed.push_back(*clip);
   }
   if (posed.empty()) return {};
   const Expected<BodyFromClouds> body = MeasurePosedBody(posed, motions, person.scale, skeleton, options.point_clouds);
-  if (!body && body.error().code == ErrorCode::kInterrupted) return Forward(body);
+  if (!body && EndsAll(body.error().code)) return Forward(body);
   if (!body) {
     findings.push_back(NothingFrom(posed.front(), body.error()));
     return {};
@@ -114,9 +128,16 @@ Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, c
     findings.push_back(finding);
     return {};
   }
+  // The body's own joints come first; points that a tracker or detector has beside them stay where they were.
+  auto own = std::make_shared<Skeleton>(*person.skeleton);
+  own->flesh = body->skeleton->flesh;
+  const std::vector<double> lengths = RoundedLengths(body->bone_length);
+  for (int j = 0; j < skeleton->joint_count(); ++j) {
+    own->joints[j].rest_offset = body->skeleton->joints[j].rest_offset;
+    person.bone_length[j] = lengths[j];
+  }
   person.scale = body->scale;
-  person.skeleton = body->skeleton;
-  person.bone_length = RoundedLengths(body->bone_length);
+  person.skeleton = std::move(own);
   return {};
 }
 
@@ -193,9 +214,10 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     const Status sized = TakeSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, *person, outcome.findings);
     if (!sized) return Forward(sized);
   }
-  // The tracker's own points are on no template: bones of a skeleton with these stay the tracks'.
-  if (!tracked_clips.empty() && tracked == *skeleton && HasTemplateFlesh(**skeleton)) {
-    const Status both = TakeBodyOfBoth(tracked_clips, clips, *skeleton, *options, *person, outcome.findings);
+  if (HasTemplateFlesh(**skeleton) && !clips.tracks.empty()) {
+    const std::vector<Clip>& with_depth =
+        options->method == FitMethod::kKeypointsAndClouds ? keypoint_clips : tracked_clips;
+    const Status both = TakeBodyOfBoth(with_depth, clips, *skeleton, *options, *person, outcome.findings);
     if (!both) return Forward(both);
   }
   person->person = request.item;

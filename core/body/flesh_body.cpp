@@ -220,13 +220,13 @@ double BodyScale(const Skeleton& skeleton, const std::vector<double>& bone_lengt
 
 std::string RadiiText(const FleshBody& body) {
   std::string text;
-  const auto append = [&](double value, double unit) {
+  const auto append = [&](double value, double per_unit) {
     if (!text.empty()) text += ' ';
-    text += FormatDouble(std::round(value / unit) * unit);
+    text += FormatDouble(std::round(value * per_unit) / per_unit + 0.0);  // no -0
   };
-  for (const FleshCapsule& capsule : body.capsules) append(capsule.radius, 1e-4);
+  for (const FleshCapsule& capsule : body.capsules) append(capsule.radius, 1e4);
   if (body.skeleton->flesh == FleshShape{}) return text;
-  for (const double component : body.skeleton->flesh) append(component, 1e-3);
+  for (const double component : body.skeleton->flesh) append(component, 1e3);
   return text;
 }
 

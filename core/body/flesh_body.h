@@ -26,9 +26,9 @@ struct FleshBody {
   SkeletonPtr skeleton;
   std::vector<FleshCapsule> capsules;
 
-  /// One capsule per bone with the radius of its end; the trunk, hands, feet and head of a skeleton with SMPL's joints
-  /// get the cross-sections of the CC0 body template that its rest pose is taken from. Offsets and radii are scaled by
-  /// `scale`, radii also by `radius_scale`.
+  /// One capsule per bone with the radius of its end; of a skeleton with SMPL's joints (HasTemplateFlesh) the capsules
+  /// of the CC0 body template that its rest pose is taken from, several per limb, with the person's Skeleton::flesh.
+  /// Offsets and radii are scaled by `scale`, radii also by `radius_scale`.
   static FleshBody Make(SkeletonPtr skeleton, double scale, double radius_scale);
 
   /// (J) joints that turn a capsule.

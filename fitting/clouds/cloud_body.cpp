@@ -9,6 +9,10 @@
 namespace mocurate {
 namespace {
 
+/// Where the flesh is not known (a height that is told, a tracker's own points, other skeletons) all are so many times
+/// as large: bodies are the template's then.
+constexpr double kUnknownFlesh = 3.0;
+
 /// Of joints that are not named.
 constexpr double kBodyError = 0.0044;
 constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0024},
@@ -29,6 +33,7 @@ constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvi
 }  // namespace
 
 std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
+  if (skeleton.flesh == FleshShape{}) scale *= kUnknownFlesh;
   std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);
   for (const auto& [name, error] : kBodyErrors) {
     for (const char* side : {"", "left_", "right_"}) {

@@ -14,8 +14,9 @@ inline CapsuleEnds EndsOf(const FleshCapsule& capsule, const PoseState& state, i
 }
 
 /// (J) how far joints of this body usually are from those of the person whose surface it lies on, metres, standard
-/// deviation per axis: bones and flesh are the template's, scaled by one height. Measured on synthetic people whose
-/// bodies have other shapes (`bench_fit_clouds`).
+/// deviation per axis: of size and flesh as clouds tell them (FitShape), or, where the skeleton's flesh is not known,
+/// of the template's scaled by one height. Measured on synthetic people whose bodies have other shapes
+/// (`bench_fit_clouds`).
 std::vector<double> BodyErrors(const Skeleton& skeleton, double scale);
 
 /// How far such errors turn the frames of joints, all along: variances about the axes of the joint's frame (rad^2;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/cloud_size.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -16,6 +17,8 @@ namespace {
 constexpr int kFramesOfClip = 9;          ///< of each clip, evenly spread
 constexpr std::size_t kPosedClouds = 16;  ///< that a body is measured in where poses are known, at most
 constexpr int kFewestPosedPoints = 100;
+constexpr double kScaleOfTracks = 0.04;  ///< deviation of the logarithm of a size that tracks tell
+constexpr double kNearShare = 0.5;       ///< of the points within reach of the body, or they are of somebody else
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;
@@ -23,9 +26,6 @@ Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointClou
   if (!audited) return Forward(audited);
   return FuseClip(*audited, options, kFramesOfClip);
 }
-
-/// Errors that say nothing about the clip.
-bool EndsAll(ErrorCode code) { return code == ErrorCode::kInterrupted || code == ErrorCode::kInternal; }
 
 /// Clouds of clips one after another; of clips that say nothing why.
 struct CloudsOfClips {
@@ -89,24 +89,41 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
   const FleshBody flesh = FleshBody::Make(skeleton, scale, 1.0);
   std::vector<PoseState> states;
   for (const Motion& motion : motions) states.push_back(StateOf(motion, flesh));
+  std::vector<std::pair<std::size_t, std::size_t>> usable;  // which of its clip, cloud: few are taken of all clips
+  for (std::size_t i = 0, of_clip = 0; i < some->clouds.size(); ++i) {
+    of_clip = i > 0 && some->clip[i] == some->clip[i - 1] ? of_clip + 1 : 0;
+    const bool is_posed = some->frame[i] < motions[some->clip[i]].frame_count();
+    if (is_posed && some->clouds[i].size() >= kFewestPosedPoints) usable.emplace_back(of_clip, i);
+  }
+  std::sort(usable.begin(), usable.end());
   ShapedPerson person;
   person.scale = scale;
+  person.scale_spread = kScaleOfTracks;
   std::vector<FusedCloud> clouds;
-  const std::size_t stride = (some->clouds.size() + kPosedClouds - 1) / kPosedClouds;
-  for (std::size_t i = 0; i < some->clouds.size(); i += stride) {
-    const Motion& motion = motions[some->clip[i]];
-    if (some->clouds[i].size() < kFewestPosedPoints || some->frame[i] >= motion.frame_count()) continue;
-    person.poses.push_back(states[some->clip[i]].FrameParameters(some->frame[i]));
+  const std::size_t count = std::min(usable.size(), kPosedClouds);
+  double near = 0.0, all = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = usable[(2 * k + 1) * usable.size() / (2 * count)].second;
+    const PoseState& state = states[some->clip[i]];
+    person.poses.push_back(state.FrameParameters(some->frame[i]));
+    near +=
+        static_cast<double>(MatchPoints(flesh, state, some->frame[i], some->clouds[i], options.max_distance).size());
+    all += some->clouds[i].size();
     clouds.push_back(std::move(some->clouds[i]));
   }
-  if (!clouds.empty()) {
-    PointCloudOptions quick = options;
-    quick.solver = TrackSolver::kBanded;  // the same costs
-    Expected<ShapedPerson> shaped = FitShape(clouds, skeleton, std::move(person), quick);
-    if (!shaped) return Forward(shaped);
-    person = *std::move(shaped);
+  if (near < kNearShare * all || clouds.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                clouds.empty() ? "no depth image shows " + std::to_string(kFewestPosedPoints) +
+                                     " points of the person at the times of the other evidence"
+                               : "only " + std::to_string(std::lround(100.0 * near / all)) +
+                                     " % of the depth points lie near the body of the other evidence",
+                clips.front().id(), "are both of one person, one clock and one world?");
   }
-  BodyFromClouds body = MeasuredBody(person, skeleton);
+  PointCloudOptions quick = options;
+  quick.solver = TrackSolver::kBanded;  // the same costs
+  const Expected<ShapedPerson> shaped = FitShape(clouds, skeleton, std::move(person), quick);
+  if (!shaped) return Forward(shaped);
+  BodyFromClouds body = MeasuredBody(*shaped, skeleton);
   body.nothing_from = std::move(some->nothing_from);
   return body;
 }

@@ -9,6 +9,9 @@
 
 namespace mocurate {
 
+/// Errors that say nothing about a clip.
+inline bool EndsAll(ErrorCode code) { return code == ErrorCode::kInterrupted || code == ErrorCode::kInternal; }
+
 /// A person's body as the depth views of their clips tell it.
 struct BodyFromClouds {
   double scale = 1.0;               ///< against the rest skeleton

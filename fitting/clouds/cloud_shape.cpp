@@ -19,12 +19,12 @@ namespace {
 
 constexpr int kUnknowns = 1 + kShapeComponents;  ///< logarithm of the scale, then the shape
 constexpr int kShapeRounds = 10;
-constexpr double kSettledStep = 0.02;   ///< deviations
-constexpr double kLongestStep = 1.0;    ///< deviations, of a round
-constexpr double kUsualScale = 0.15;    ///< deviation of the logarithm of the scale from where it was found
-constexpr double kFleshSigma = 0.01;    ///< m; error of capsules of the right shape
-constexpr double kErrorsShared = 0.25;  ///< weight: real flesh differs in ways that capsules share along a whole limb
-constexpr double kTinyStep = 1e-3;      ///< of finite differences
+constexpr double kSettledStep = 0.02;     ///< deviations
+constexpr double kLongestStep = 1.0;      ///< deviations, of a round
+constexpr double kLargestScaling = 0.05;  ///< of the logarithm of the scale, of a round
+constexpr double kFleshSigma = 0.01;      ///< m; error of capsules of the right shape
+constexpr double kErrorsShared = 0.25;    ///< weight: real flesh differs in ways that capsules share along a whole limb
+constexpr double kTinyStep = 1e-3;        ///< of finite differences
 
 using ShapeUnknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -118,8 +118,8 @@ class ShapeFit {
     }
     information *= kErrorsShared / static_cast<double>(clouds_.size());
     right *= kErrorsShared / static_cast<double>(clouds_.size());
-    information(0, 0) += 1.0 / Square(kUsualScale);
-    right[0] -= moved_ / Square(kUsualScale);
+    information(0, 0) += 1.0 / Square(person_.scale_spread);
+    right[0] -= moved_ / Square(person_.scale_spread);
     for (int k = 0; k < kShapeComponents; ++k) {
       information(1 + k, 1 + k) += 1.0;
       right[1 + k] -= person_.shape[k];
@@ -127,10 +127,11 @@ class ShapeFit {
     ShapeUnknowns step = information.ldlt().solve(right);
     const double longest = step.tail<kShapeComponents>().cwiseAbs().maxCoeff();
     if (longest > kLongestStep) step *= kLongestStep / longest;
+    if (std::abs(step[0]) > kLargestScaling) step *= kLargestScaling / std::abs(step[0]);
     person_.scale *= std::exp(step[0]);
     moved_ += step[0];
     for (int k = 0; k < kShapeComponents; ++k) person_.shape[k] += step[1 + k];
-    return std::max(step.tail<kShapeComponents>().cwiseAbs().maxCoeff(), std::abs(step[0]) / kUsualScale);
+    return std::max(step.tail<kShapeComponents>().cwiseAbs().maxCoeff(), std::abs(step[0]) / person_.scale_spread);
   }
 
   const ShapedPerson& person() const { return person_; }

@@ -12,12 +12,14 @@ namespace mocurate {
 /// A person's size and flesh, and their poses in some clouds.
 struct ShapedPerson {
   double scale = 1.0;                      ///< against the rest skeleton
+  double scale_spread = 0.15;              ///< deviation of the logarithm of the scale: how well it was known before
   FleshShape shape{};                      ///< against the template of that size
-  std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud
+  std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud, about
 };
 
 /// The skeleton with the directions of bones and the flesh of that shape; lengths of rest offsets are those of a person
-/// of the skeleton's size. Another skeleton than one with SMPL's joints stays as it is.
+/// of the skeleton's size. `skeleton`: a named one, without flesh of its own. Another skeleton than one with SMPL's
+/// joints stays as it is.
 SkeletonPtr WithShape(const SkeletonPtr& skeleton, const FleshShape& shape);
 
 /// From a size and poses that explain the clouds about: size and shape are fitted together with the poses, which are

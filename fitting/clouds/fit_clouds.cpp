@@ -11,6 +11,7 @@
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
+#include "fitting/clouds/limb_search.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/frames_without_evidence.h"
 
@@ -18,27 +19,31 @@ namespace mocurate {
 namespace {
 
 constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at a joint make it observed
-constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone's capsule, at the joint
+constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone, at the joint
 constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
 constexpr double kHardlyEver = 0.1;  ///< share of the frames
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
-/// Points near each joint: of the capsules that end at it or move with it, those on the third at its end. The knee's
-/// third of a shin shows no ankle.
+/// Points near each joint: on the flesh of a joint with a single child those within a third of the bone from either,
+/// along the bone; of another joint (hands, head, trunk) all that move with it. The knee's third of a shin shows no
+/// ankle.
 std::vector<int> PointsOfJoints(const FleshBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
                                 const std::vector<CloudMatch>& matches) {
+  const auto children = body.skeleton->Children();
   std::vector<int> points(body.skeleton->joints.size(), 0);
   for (const CloudMatch& match : matches) {
     const FleshCapsule& capsule = body.capsules[match.capsule];
-    if (capsule.end_joint == capsule.frame) {
+    const int child = capsule.end_joint != capsule.frame ? capsule.end_joint : OnlyChild(children, capsule.frame);
+    if (child < 0) {
       ++points[capsule.frame];
       continue;
     }
-    const CapsuleEnds ends = EndsOf(capsule, state, frame);
-    const double place = ClosestOnCapsule(ends.begin, ends.end, capsule.radius, cloud.points.col(match.point)).fraction;
+    const Vector3d& begin = state.position(frame, capsule.frame);
+    const Vector3d bone = state.position(frame, child) - begin;
+    const double place = bone.dot(cloud.points.col(match.point) - begin) / std::max(1e-12, bone.squaredNorm());
     if (place < kOwnShare) ++points[capsule.frame];
-    if (place > 1.0 - kOwnShare) ++points[capsule.end_joint];
+    if (place > 1.0 - kOwnShare) ++points[child];
   }
   return points;
 }

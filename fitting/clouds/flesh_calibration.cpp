@@ -13,6 +13,7 @@ namespace {
 constexpr int kFleshRounds = 3;
 constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right size
 constexpr double kFleshPatchPoints = 10.0;  ///< that share it
+constexpr double kUnknownFactor = 3.0;      ///< where the person's shape is not known
 constexpr double kUsualOffset = 0.006;      ///< m, of an end from the template's
 constexpr double kUsualRadius = 0.003;      ///< m
 constexpr double kThinnest = 0.5;           ///< of a radius before
@@ -39,9 +40,9 @@ double PlaceOn(const CapsuleEnds& ends, const Vector3d& point) {
 }
 
 /// `now`: what has been changed already, which the prior counts from the template.
-void AddPriors(const Change& now, Sums& sums) {
+void AddPriors(const Change& now, double factor, Sums& sums) {
   for (int i = 0; i < 7; ++i) {
-    const double usual = i < 6 ? kUsualOffset : kUsualRadius;
+    const double usual = factor * (i < 6 ? kUsualOffset : kUsualRadius);
     sums.matrix(i, i) += 1.0 / (usual * usual);
     sums.right[i] -= now[i] / (usual * usual);
   }
@@ -49,13 +50,13 @@ void AddPriors(const Change& now, Sums& sums) {
 
 /// All points of a capsule share the error of its pose: however many there are, they tell no more of the flesh than
 /// that. Returns the share of the flesh's usual variance that is left.
-double SharePosesInError(double pose_variance, Sums& sums) {
+double SharePosesInError(double pose_variance, double usual, Sums& sums) {
   const double information =
       (sums.matrix.topLeftCorner<6, 6>().trace() + 2.0 * sums.matrix.block<3, 3>(0, 3).trace()) / 3.0;
   const double factor = 1.0 / (1.0 + information * pose_variance);
   sums.matrix *= factor;
   sums.right *= factor;
-  return 1.0 / (1.0 + kUsualOffset * kUsualOffset * factor * information);
+  return 1.0 / (1.0 + usual * usual * factor * information);
 }
 
 }  // namespace
@@ -63,6 +64,7 @@ double SharePosesInError(double pose_variance, Sums& sums) {
 double CalibrateFlesh(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
                       double max_distance, const std::vector<double>& pose_variance, FleshBody& body) {
   double left = 1.0;
+  const double unknown = body.skeleton->flesh == FleshShape{} ? kUnknownFactor : 1.0;
   const double weight = 1.0 / (kFleshPatchPoints * kPointError * kPointError * std::max<double>(1.0, frames.size()));
   std::vector<Change> changed(body.capsules.size(), Change::Zero());
   for (int round = 0; round < kFleshRounds; ++round) {
@@ -91,8 +93,8 @@ double CalibrateFlesh(const std::vector<FusedCloud>& clouds, const PoseState& st
       FleshCapsule& capsule = body.capsules[c];
       const double variance = 0.5 * (pose_variance[static_cast<std::size_t>(capsule.frame)] +
                                      pose_variance[static_cast<std::size_t>(capsule.end_joint)]);
-      left += SharePosesInError(variance, sums[c]) / static_cast<double>(sums.size());
-      AddPriors(changed[c], sums[c]);
+      left += SharePosesInError(variance, unknown * kUsualOffset, sums[c]) / static_cast<double>(sums.size());
+      AddPriors(changed[c], unknown, sums[c]);
       const Change step = sums[c].matrix.ldlt().solve(sums[c].right);
       changed[c] += step;
       capsule.begin_offset += step.head<3>();

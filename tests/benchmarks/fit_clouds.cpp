@@ -146,8 +146,8 @@ Status TakeBodyOfBoth(const std::vector<CloudTake>& takes, const SkeletonPtr& sk
   JointTrackOptions track_options;
   track_options.solver = TrackSolver::kBanded;
   for (const CloudTake& take : takes) {
-    const auto fit =
-        RepairAndFit(take.clip.tracks, take.clip.truth.rate, person.bone_length, RepairOptions{}, track_options);
+    const auto fit = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
+                                  RepairOptions{}, track_options);
     if (!fit) return Forward(fit);
     motions.push_back(fit->motion);
     clips.emplace_back();

@@ -37,9 +37,8 @@ void Print(const char* name, const FitScore& score, double seconds) {
       score.frames / seconds);
 }
 
-Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr& body,
-           const std::vector<double>& bones, const std::vector<double>& cloud_bones, FittingOptions options,
-           Scores& scores) {
+Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr& body, std::vector<double> bones,
+           const BodyFromClouds& in_clouds, FittingOptions options, Scores& scores) {
   Clip clip;
   clip.identity.recording = take.clip.name;
   clip.rate = take.clip.truth.rate;
@@ -50,11 +49,17 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   if (!keypoints) return Forward(keypoints);
   scores.seconds_keypoints += CpuSeconds() - begin;
   begin = CpuSeconds();
-  const auto clouds = FitClouds(clip, skeleton, cloud_bones, options.point_clouds);
+  const auto clouds = FitClouds(clip, in_clouds.skeleton, in_clouds.bone_length, options.point_clouds);
   if (!clouds) return Forward(clouds);
   scores.seconds_clouds += CpuSeconds() - begin;
   begin = CpuSeconds();
-  const auto both = FitKeypointsAndClouds(clip, skeleton, body, bones, options);
+  auto own = std::make_shared<Skeleton>(*body);  // as the stage proportions does
+  own->flesh = in_clouds.skeleton->flesh;
+  for (int j = 0; j < skeleton->joint_count(); ++j) {
+    own->joints[j].rest_offset = in_clouds.skeleton->joints[j].rest_offset;
+    bones[j] = in_clouds.bone_length[j];
+  }
+  const auto both = FitKeypointsAndClouds(clip, skeleton, own, bones, options);
   if (!both) return Forward(both);
   scores.seconds_both += CpuSeconds() - begin;
   FitScore k, c, b;
@@ -136,8 +141,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "person %d: bones off %.1f mm by keypoints, %.1f mm by clouds\n", person,
                      1e3 * off_keypoints / joints, 1e3 * off_clouds / joints);
       }
-      const Status fitted =
-          Fit(take, skeleton, body, proportions->bone_length, cloud_bones->bone_length, options, scores);
+      const Status fitted = Fit(take, skeleton, body, proportions->bone_length, *cloud_bones, options, scores);
       if (!fitted) std::fprintf(stderr, "%s: %s\n", take.clip.name.c_str(), fitted.error().Message().c_str());
     }
   }

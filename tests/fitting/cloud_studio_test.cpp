@@ -34,6 +34,7 @@ class StudioClouds : public ::testing::Test {
     const std::filesystem::path folder =
         std::filesystem::path(::testing::TempDir()) / ("mocurate_cloud_takes_" + std::to_string(getpid()));
     takes_ = new std::vector<CloudTake>(CloudTakes(options, folder));
+    clips_.clear();
     for (const CloudTake& take : *takes_) {
       clips_.emplace_back();
       clips_.back().evidence = take.evidence;
@@ -41,7 +42,10 @@ class StudioClouds : public ::testing::Test {
     }
     skeleton_ = *LoadSkeleton("smpl24");
     options_.solver = TrackSolver::kBanded;
-    if (!clips_.empty()) bones_ = MeasureBodyInClouds(clips_, skeleton_, options_)->bone_length;
+    if (clips_.empty()) return;
+    const BodyFromClouds body = *MeasureBodyInClouds(clips_, skeleton_, options_);
+    person_ = body.skeleton;
+    bones_ = body.bone_length;
   }
 
   void SetUp() override {
@@ -57,6 +61,7 @@ class StudioClouds : public ::testing::Test {
   static std::vector<CloudTake>* takes_;
   static std::vector<Clip> clips_;
   static SkeletonPtr skeleton_;
+  static SkeletonPtr person_;  ///< with their own bones and flesh
   static std::vector<double> bones_;
   static PointCloudOptions options_;
 };
@@ -64,6 +69,7 @@ class StudioClouds : public ::testing::Test {
 std::vector<CloudTake>* StudioClouds::takes_ = nullptr;
 std::vector<Clip> StudioClouds::clips_;
 SkeletonPtr StudioClouds::skeleton_;
+SkeletonPtr StudioClouds::person_;
 std::vector<double> StudioClouds::bones_;
 PointCloudOptions StudioClouds::options_;
 
@@ -72,9 +78,9 @@ TEST_F(StudioClouds, SomebodySeatedIsFoundFromTheFacingAlone) {
   ASSERT_TRUE(take.seated);
   PointCloudOptions options = options_;
   options.start.facing = take.told_heading;
-  const auto fit = FitClouds(clips_[kSitting], skeleton_, bones_, options);
+  const auto fit = FitClouds(clips_[kSitting], person_, bones_, options);
   ASSERT_TRUE(fit) << fit.error().Message();
-  EXPECT_LT(Score(*fit, take).joint_mm(), 35.0);
+  EXPECT_LT(Score(*fit, take).joint_mm(), 20.0);
 }
 
 TEST_F(StudioClouds, TheSizeOfSomebodyWhoSitsAllTheTimeIsThatOfAllTheirClips) {
@@ -104,7 +110,7 @@ TEST_F(StudioClouds, SomebodyWhoIsLostIsLookedForAnew) {
   for (std::size_t f = 0; f < clouds.size(); ++f) clock.time_s.push_back(clock.rate.FrameTime(static_cast<int>(f)));
   PointCloudOptions options = options_;
   options.start.facing = (*takes_)[kSitting].told_heading;
-  const auto fit = FitFusedClouds(clouds, clock, skeleton_, bones_, options);
+  const auto fit = FitFusedClouds(clouds, clock, person_, bones_, options);
   ASSERT_TRUE(fit) << fit.error().Message();
   const Motion& truth = (*takes_)[kStanding].clip.truth;
   double error = 0.0;
@@ -129,13 +135,13 @@ TEST_F(StudioClouds, APoseThatFacesOtherwiseThanToldIsNotTaken) {
   const CloudTake& take = (*takes_)[0];
   PointCloudOptions options = options_;
   options.start.facing = take.heading + kHalfTurn;
-  const auto wrong = FitClouds(clips_[0], skeleton_, bones_, options);
+  const auto wrong = FitClouds(clips_[0], person_, bones_, options);
   ASSERT_TRUE(wrong) << wrong.error().Message();
   EXPECT_GT(std::abs(std::remainder(HeadingOf(wrong->motion, 0) - take.heading, 2.0 * kHalfTurn)), 1.5);
   options.start.facing = take.told_heading;
-  const auto right = FitClouds(clips_[0], skeleton_, bones_, options);
+  const auto right = FitClouds(clips_[0], person_, bones_, options);
   ASSERT_TRUE(right) << right.error().Message();
-  EXPECT_LT(Score(*right, take).joint_mm(), 25.0);
+  EXPECT_LT(Score(*right, take).joint_mm(), 14.0);
 }
 
 TEST_F(StudioClouds, ErrorsAreAboutAsLargeAsTheUncertaintySays) {
@@ -143,7 +149,7 @@ TEST_F(StudioClouds, ErrorsAreAboutAsLargeAsTheUncertaintySays) {
   for (std::size_t i = 0; i < takes_->size(); ++i) {
     PointCloudOptions options = options_;
     options.start.facing = (*takes_)[i].told_heading;
-    const auto fit = FitClouds(clips_[i], skeleton_, bones_, options);
+    const auto fit = FitClouds(clips_[i], person_, bones_, options);
     ASSERT_TRUE(fit) << fit.error().Message();
     score.Add(*fit, (*takes_)[i].clip);
   }
@@ -160,7 +166,15 @@ class TracksAndClouds : public StudioClouds {
     const auto person = EstimateProportions(tracks, skeleton_, ProportionsOptions{});
     JointTrackOptions options;
     options.solver = TrackSolver::kBanded;
-    return RepairAndFit(OnBody(take.clip.tracks, person->skeleton), take.clip.truth.rate, person->bone_length,
+    std::vector<Motion> motions;
+    for (const CloudTake& of_person : *takes_) {
+      motions.push_back(RepairAndFit(OnBody(of_person.clip.tracks, person->skeleton), of_person.clip.truth.rate,
+                                     person->bone_length, RepairOptions{}, options)
+                            ->motion);
+    }
+    const auto body = MeasurePosedBody(clips_, motions, person->scale, skeleton_, options_);
+    if (!body) return Forward(body);
+    return RepairAndFit(OnBody(take.clip.tracks, body->skeleton), take.clip.truth.rate, body->bone_length,
                         RepairOptions{}, options);
   }
 };
@@ -173,7 +187,7 @@ TEST_F(TracksAndClouds, TogetherAreATenthBetterThanTheBetterOneAlone) {
     ASSERT_TRUE(tracks) << tracks.error().Message();
     PointCloudOptions options = options_;
     options.start.facing = take.told_heading;
-    const auto clouds = FitClouds(clips_[i], skeleton_, bones_, options);
+    const auto clouds = FitClouds(clips_[i], person_, bones_, options);
     ASSERT_TRUE(clouds) << clouds.error().Message();
     const auto both = FitTracksAndClouds(*tracks, *FuseClip(clips_[i], options), options);
     ASSERT_TRUE(both) << both.error().Message();
@@ -185,7 +199,7 @@ TEST_F(TracksAndClouds, TogetherAreATenthBetterThanTheBetterOneAlone) {
   RecordProperty("clouds_mm", std::to_string(of_clouds.joint_mm()));
   RecordProperty("both_mm", std::to_string(of_both.joint_mm()));
   EXPECT_LT(of_both.joint_mm(), 0.9 * std::min(of_tracks.joint_mm(), of_clouds.joint_mm()));
-  EXPECT_LT(of_both.rotation_deg(), 0.9 * std::min(of_tracks.rotation_deg(), of_clouds.rotation_deg()));
+  EXPECT_LT(of_both.rotation_deg(), std::min(of_tracks.rotation_deg(), of_clouds.rotation_deg()));
   EXPECT_GT(of_both.within_one(), 0.55);
   EXPECT_LT(of_both.within_one(), 0.80);
   EXPECT_GT(of_both.within_two(), 0.85);

@@ -46,14 +46,14 @@ TEST_F(Turntable, ThreeViewsGiveTheJointsThatAllOfThemGive) {
   options.voxel_size = 0.015;
   const auto bones = MeasureBodyInClouds({clip_}, skeleton, options);
   ASSERT_TRUE(bones) << bones.error().Message();
-  const auto all = FitClouds(clip_, skeleton, bones->bone_length, options);
+  const auto all = FitClouds(clip_, bones->skeleton, bones->bone_length, options);
   ASSERT_TRUE(all) << all.error().Message();
   Clip three = clip_;
   const auto& views = clip_.evidence.depth_views;
   three.evidence.depth_views = {views[0], views[27], views[54]};
   const Vector3d front = all->motion.rotation_at(0, 0) * Vector3d::UnitZ();
   options.start.facing = std::atan2(front.x(), front.z());
-  const auto some = FitClouds(three, skeleton, bones->bone_length, options);
+  const auto some = FitClouds(three, bones->skeleton, bones->bone_length, options);
   ASSERT_TRUE(some) << some.error().Message();
   double sum = 0.0;
   int count = 0;

@@ -396,12 +396,12 @@ TEST_F(RenderedSequenceFit, ViewsOfOnePersonAgreeWhereTheyOverlap) {
 TEST_F(RenderedSequenceFit, JointsLieNearTheTruthWithBonesFromTheClouds) {
   const auto bones = MeasureBodyInClouds({sequence_.clip}, skeleton_, PointCloudOptions());
   ASSERT_TRUE(bones) << bones.error().Message();
-  const auto fit = FitClouds(sequence_.clip, skeleton_, bones->bone_length, PointCloudOptions());
+  const auto fit = FitClouds(sequence_.clip, bones->skeleton, bones->bone_length, PointCloudOptions());
   ASSERT_TRUE(fit) << fit.error().Message();
   const double error = MeanJointError(fit->motion.joints, sequence_.truth);
   RecordProperty("mean_joint_error_mm", std::to_string(1000.0 * error));
-  EXPECT_LT(error, 0.03);
-  EXPECT_LT(fit->residual_rms, 0.02);
+  EXPECT_LT(error, 0.016);
+  EXPECT_LT(fit->residual_rms, 0.012);
 }
 
 }  // namespace
