@@ -67,7 +67,8 @@ Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path) {
   if (Status there = Exists(path, "depth image"); !there) return Forward(there);
   open3d::geometry::Image image;
   if (!ReadPng(path, image)) {
-    return Fail(ErrorCode::kUnreadable, "no PNG image, or a damaged one", path.string());
+    return Fail(ErrorCode::kUnreadable, "no PNG image, or a damaged one", path.string(),
+                "copy it again from where it came, or leave the clip out");
   }
   if (image.num_of_channels_ != 1 || image.bytes_per_channel_ != 2) {
     return Fail(ErrorCode::kMalformed,

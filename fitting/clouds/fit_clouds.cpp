@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/pi.h"
+#include "core/base/text.h"
 #include "core/motion/limbs.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_match.h"
@@ -22,7 +23,8 @@ constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at
 constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone, at the joint
 constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
-constexpr double kHardlyEver = 0.1;  ///< share of the frames
+constexpr double kContradictingShare = 0.15;  ///< of the points; a told height is wrong then
+constexpr double kHardlyEver = 0.1;           ///< share of the frames
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
 /// Points near each joint: on the flesh of a joint with a single child those within a third of the bone from either,
@@ -126,7 +128,7 @@ void ReportUnseenLimbs(FitResult& result) {
 }
 
 /// Tells of points that were taken for the room, and of points of the person that the body does not reach.
-void ReportPointsOffTheBody(const CloudTrack& track, double max_distance, FitResult& result) {
+void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
   double room = 0.0;
   double far = 0.0;
   double all = 0.0;
@@ -135,7 +137,8 @@ void ReportPointsOffTheBody(const CloudTrack& track, double max_distance, FitRes
     const FusedCloud& cloud = track.clouds[f];
     all += cloud.size() + cloud.left_out;
     room += cloud.left_out;
-    far += cloud.size() - static_cast<double>(MatchPoints(track.body, track.state, f, cloud, max_distance).size());
+    far +=
+        cloud.size() - static_cast<double>(MatchPoints(track.body, track.state, f, cloud, options.max_distance).size());
   }
   const auto report = [&](double points, double share, const char* code, const char* message, const char* action) {
     if (points <= share * all) return;
@@ -149,6 +152,15 @@ void ReportPointsOffTheBody(const CloudTrack& track, double max_distance, FitRes
   report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or stand apart from the person",
          "left out");
   report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body", "flagged");
+  if (!options.height || far <= kContradictingShare * all) return;
+  Finding finding;
+  finding.code = "height_contradicted";
+  finding.severity = Severity::kError;
+  finding.value = *options.height;
+  finding.message = "a body of the height that is told, " + RoundedText(*options.height, 3) + " m, leaves " +
+                    std::to_string(std::lround(100.0 * far / all)) + " % of the person's points unexplained";
+  finding.action = "flagged; check fitting.point_clouds.height, or leave it out";
+  result.findings.push_back(finding);
 }
 
 /// A body of capsules looks much the same from the front and from the back.
@@ -212,7 +224,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
   ReportUnseenLimbs(result);
-  ReportPointsOffTheBody(*track, options.max_distance, result);
+  ReportPointsOffTheBody(*track, options, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {
     result.iterations += outcome.iterations;

@@ -105,6 +105,26 @@ TEST_F(DepthProportions, AreThoseOfTheHeightThatIsTold) {
   EXPECT_NEAR(high->summary["scale"].get<double>() / low->summary["scale"].get<double>(), 1.5, 1e-3);
 }
 
+TEST_F(DepthProportions, AHeightThatThePointsContradictIsAnError) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  for (const double scale : {kTaller, 0.5}) {
+    std::vector<double> bones = skeleton->RestBoneLengths();
+    for (double& bone : bones) bone *= scale;
+    options.height = 1.7 * scale;
+    const auto fit = FitClouds(clips_[0], skeleton, bones, options);
+    ASSERT_TRUE(fit) << fit.error().Message();
+    const auto told = std::find_if(fit->findings.begin(), fit->findings.end(),
+                                   [](const Finding& finding) { return finding.code == "height_contradicted"; });
+    ASSERT_EQ(told != fit->findings.end(), scale < 1.0);
+    if (told == fit->findings.end()) continue;
+    EXPECT_EQ(told->severity, Severity::kError);
+    EXPECT_THAT(told->message, HasSubstr("0.85 m"));
+    EXPECT_THAT(told->action, HasSubstr("fitting.point_clouds.height"));
+  }
+}
+
 /// Behind a desk: the legs are guessed, and that is told.
 TEST_F(DepthProportions, LegsThatNoViewShowsAreTold) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
