@@ -18,7 +18,7 @@ constexpr int kFramesOfClip = 9;          ///< of each clip, evenly spread
 constexpr std::size_t kPosedClouds = 16;  ///< that a body is measured in where poses are known, at most
 constexpr int kFewestPosedPoints = 100;
 constexpr double kScaleOfTracks = 0.04;  ///< deviation of the logarithm of a size that tracks tell
-constexpr double kNearShare = 0.5;       ///< of the points within reach of the body, or they are of somebody else
+constexpr double kNearPosesShare = 0.5;  ///< of the points within reach of the body, or they are of somebody else
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;
@@ -111,7 +111,7 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
     all += some->clouds[i].size();
     clouds.push_back(std::move(some->clouds[i]));
   }
-  if (near < kNearShare * all || clouds.empty()) {
+  if (near < kNearPosesShare * all || clouds.empty()) {
     return Fail(ErrorCode::kInconsistent,
                 clouds.empty() ? "no depth image shows " + std::to_string(kFewestPosedPoints) +
                                      " points of the person at the times of the other evidence"
