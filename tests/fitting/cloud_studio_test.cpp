@@ -160,19 +160,23 @@ TEST_F(StudioClouds, ErrorsAreAboutAsLargeAsTheUncertaintySays) {
 
 class TracksAndClouds : public StudioClouds {
  protected:
-  Expected<FitResult> FitTracks(const CloudTake& take) {
+  static Expected<BodyFromClouds> BodyOfBothKinds(const JointTrackOptions& options) {
     std::vector<SkeletonTracks> tracks;
     for (const CloudTake& of_person : *takes_) tracks.push_back(of_person.clip.tracks);
     const auto person = EstimateProportions(tracks, skeleton_, ProportionsOptions{});
-    JointTrackOptions options;
-    options.solver = TrackSolver::kBanded;
     std::vector<Motion> motions;
     for (const CloudTake& of_person : *takes_) {
       motions.push_back(RepairAndFit(OnBody(of_person.clip.tracks, person->skeleton), of_person.clip.truth.rate,
                                      person->bone_length, RepairOptions{}, options)
                             ->motion);
     }
-    const auto body = MeasurePosedBody(clips_, motions, person->scale, skeleton_, options_);
+    return MeasurePosedBody(clips_, motions, person->scale, skeleton_, options_);
+  }
+
+  Expected<FitResult> FitTracks(const CloudTake& take) {
+    JointTrackOptions options;
+    options.solver = TrackSolver::kBanded;
+    static const Expected<BodyFromClouds> body = BodyOfBothKinds(options);
     if (!body) return Forward(body);
     return RepairAndFit(OnBody(take.clip.tracks, body->skeleton), take.clip.truth.rate, body->bone_length,
                         RepairOptions{}, options);
