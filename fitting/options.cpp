@@ -215,7 +215,7 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 32, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 33, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration FittingDeclaration() { return {"fitting", 47, "mocurate-annotate", SolverLimits()}; }
 

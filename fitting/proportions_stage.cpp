@@ -128,16 +128,9 @@ Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, c
     findings.push_back(finding);
     return {};
   }
-  // The body's own joints come first; points that a tracker or detector has beside them stay where they were.
-  auto own = std::make_shared<Skeleton>(*person.skeleton);
-  own->flesh = body->skeleton->flesh;
-  const std::vector<double> lengths = RoundedLengths(body->bone_length);
-  for (int j = 0; j < skeleton->joint_count(); ++j) {
-    own->joints[j].rest_offset = body->skeleton->joints[j].rest_offset;
-    person.bone_length[j] = lengths[j];
-  }
+  TakeBody(*body, person.skeleton, person.bone_length);
+  person.bone_length = RoundedLengths(std::move(person.bone_length));
   person.scale = body->scale;
-  person.skeleton = std::move(own);
   return {};
 }
 

@@ -26,8 +26,8 @@ struct TemplateCapsule {
 const std::array<const char*, 9> kReplacedBones = {"spine1",       "spine2",   "spine3",    "neck", "left_collar",
                                                    "right_collar", "left_hip", "right_hip", "head"};
 
-/// Cross-sections of the trunk are as wide and as deep as those of the template mesh (mean of the male and the female
-/// body) at their heights; ends of head, hands and feet reach its landmarks.
+/// Where the flesh of the CC0 template (mean of the male and the female body) lies in people who move: begun as its
+/// cross-sections at rest, then moved to the points of posed people (`bench_flesh_template`).
 const std::vector<TemplateCapsule>& Template() {
   static const std::vector<TemplateCapsule> capsules = {
       {"pelvis", "pelvis", {-0.0662, -0.0112, 0.0039}, {0.0662, -0.0112, 0.0039}, 0.1017},
@@ -53,7 +53,7 @@ const std::vector<TemplateCapsule>& Template() {
   return capsules;
 }
 
-/// Ends of bone capsules moved off the joints: calves lie behind their bones, fingers and toes beyond the last joint.
+/// Capsules of bones whose ends lie off the joints; those of limbs are the lower part, above it is one of Template().
 struct MovedBone {
   const char* end_joint;
   Vector3d begin_offset;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -45,25 +46,26 @@ std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
 double LegsInUpperBody(const FleshBody& body, const PoseState& state, int frame) {
   const Limbs limbs = LimbsOf(*body.skeleton);
   const std::vector<bool> upper = UpperBody(*body.skeleton, limbs);
+  std::vector<std::pair<CapsuleEnds, double>> above;  // and radius
+  for (const FleshCapsule& capsule : body.capsules) {
+    if (upper[capsule.frame]) above.emplace_back(EndsOf(capsule, state, frame), capsule.radius);
+  }
   double cost = 0.0;
   for (const FleshCapsule& leg : body.capsules) {
-    bool thigh = false, lower = false;
+    std::optional<double> beyond;  // m from the joint it moves with: the upper half of a thigh may be anywhere
     for (const Limb& limb : limbs.leg) {
-      thigh = thigh || (limb.known() && leg.frame == limb.root && leg.end_joint == limb.middle);
-      lower = lower || (limb.known() && (leg.frame == limb.middle || leg.frame == limb.end));
+      if (limb.known() && leg.frame == limb.root) beyond = 0.5 * *state.bone(limb.middle);
+      if (limb.known() && (leg.frame == limb.middle || leg.frame == limb.end)) beyond = 0.0;
     }
-    if (!thigh && !lower) continue;
+    if (!beyond) continue;
     const CapsuleEnds ends = EndsOf(leg, state, frame);
     double deepest = 0.0;
     for (int i = 0; i < kPlacesOfLeg; ++i) {
       const double at = static_cast<double>(i) / (kPlacesOfLeg - 1);
       const Vector3d place = (1.0 - at) * ends.begin + at * ends.end;
-      if (thigh && (place - state.position(frame, leg.frame)).norm() < 0.5 * *state.bone(leg.end_joint)) continue;
-      for (const FleshCapsule& above : body.capsules) {
-        if (!upper[above.frame]) continue;
-        const double apart = DistanceToSegment(place, EndsOf(above, state, frame));
-        deepest = std::max(deepest, leg.radius + above.radius - apart - kYields);
-      }
+      if ((place - state.position(frame, leg.frame)).norm() < *beyond) continue;
+      for (const auto& [segment, radius] : above)
+        deepest = std::max(deepest, leg.radius + radius - DistanceToSegment(place, segment) - kYields);
     }
     cost += 0.5 * Square(deepest / kComparedSigma);
   }

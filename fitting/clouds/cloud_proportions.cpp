@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
+#include <memory>
+#include <utility>
 
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_rig_audit.h"
@@ -126,6 +127,16 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
   BodyFromClouds body = MeasuredBody(*shaped, skeleton);
   body.nothing_from = std::move(some->nothing_from);
   return body;
+}
+
+void TakeBody(const BodyFromClouds& in_clouds, SkeletonPtr& skeleton, std::vector<double>& bone_length) {
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  own->flesh = in_clouds.skeleton->flesh;
+  for (int j = 0; j < in_clouds.skeleton->joint_count(); ++j) {
+    own->joints[j].rest_offset = in_clouds.skeleton->joints[j].rest_offset;
+    bone_length[j] = in_clouds.bone_length[j];
+  }
+  skeleton = std::move(own);
 }
 
 }  // namespace mocurate

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/body/capsule_body.h"
 #include "core/body/flesh_shape.h"
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/capsule_fit.h"
@@ -47,32 +48,15 @@ struct Figure {
   }
 };
 
-/// Where a matched point's nearest place on the axis of its capsule is.
-struct OnCapsule {
-  Vector3d nearest;
-  Vector3d away;  ///< from there to the point
-  double distance = 0.0;
-};
-
-OnCapsule NearestOn(const FleshCapsule& capsule, const CapsuleEnds& ends, const Vector3d& point) {
-  const Vector3d axis = ends.end - ends.begin;
-  const double square = axis.squaredNorm();
-  const double at = square > 0.0 ? std::clamp((point - ends.begin).dot(axis) / square, 0.0, 1.0) : 0.0;
-  OnCapsule on;
-  on.nearest = ends.begin + at * axis;
-  on.away = point - on.nearest;
-  on.distance = on.away.norm() - capsule.radius;
-  return on;
-}
-
 std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud& cloud,
                               const std::vector<CloudMatch>& matches) {
   std::vector<CapsuleEnds> ends;
   for (const FleshCapsule& capsule : figure.body.capsules) ends.push_back(EndsOf(capsule, figure.state, frame));
   std::vector<double> distances;
   for (const CloudMatch& match : matches) {
-    distances.push_back(
-        NearestOn(figure.body.capsules[match.capsule], ends[match.capsule], cloud.points.col(match.point)).distance);
+    const CapsuleEnds& of_capsule = ends[match.capsule];
+    distances.push_back(SignedDistance(of_capsule.begin, of_capsule.end, figure.body.capsules[match.capsule].radius,
+                                       cloud.points.col(match.point)));
   }
   return distances;
 }
@@ -82,14 +66,15 @@ void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const
                  const CloudEquations& equations, double weight, Eigen::MatrixXd::RowXpr row) {
   const PoseState& state = figure.state;
   const FleshCapsule& capsule = figure.body.capsules[match.capsule];
-  const OnCapsule on = NearestOn(capsule, EndsOf(capsule, state, frame), cloud.points.col(match.point));
-  if (on.away.norm() == 0.0) return;  // on the axis: no direction
-  const Vector3d normal = weight * on.away.normalized();
+  const CapsuleEnds ends = EndsOf(capsule, state, frame);
+  const CapsulePoint on = ClosestOnCapsule(ends.begin, ends.end, capsule.radius, cloud.points.col(match.point));
+  const Vector3d on_axis = on.point - capsule.radius * on.normal;
+  const Vector3d normal = weight * on.normal;
   row.head<3>() = -normal.transpose();
   const auto turn = [&](int joint) {
     const int column = equations.column(joint);
     if (column < 0) return;
-    const Vector3d lever = on.nearest - state.position(frame, joint);
+    const Vector3d lever = on_axis - state.position(frame, joint);
     row.segment<3>(column) = normal.transpose() * Hat(lever) * state.lever(frame, joint);
   };
   for (const int joint : state.path(capsule.frame)) turn(joint);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -25,8 +26,11 @@ constexpr std::array<double, 3> kStartFactors = {0.85, 1.0, 1.3};
 constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};
 constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
 constexpr std::size_t kLimbsOfScales = 4;                                 ///< the cheapest, whose limbs are looked for
-constexpr int kRadiusFits = 3;                                            ///< of poses, radii measured between them
-constexpr double kWideStep = 0.03;                                        ///< of the logarithm of the scale
+constexpr std::array<double, 3> kFactorsOfLimbs = {0.93, 1.0, 1.07};      ///< on the best scale of stances
+constexpr double kMuchWorse = 1.3;  ///< cost per point against that of the cloud that is explained best
+constexpr const char* kWork = "size of a person in depth views";
+constexpr int kRadiusFits = 3;      ///< of poses, radii measured between them
+constexpr double kWideStep = 0.03;  ///< of the logarithm of the scale
 constexpr double kNarrowStep = 0.015;
 constexpr int kSteps = 12;              ///< downhill, at most
 constexpr double kStraightLegs = 0.97;  ///< height of a hip above its ankle as a share of thigh and shin
@@ -68,12 +72,53 @@ class SizeSearch {
     PosedSize size{scale, 0.0, {}};
     const FleshBody body = BodyOf(scale);
     for (const FusedCloud& cloud : clouds_) {
-      if (Status on = GoOnUnlessStopped("size of a person in depth views"); !on) return Forward(on);
+      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
       PoseState state = PosesOf(body, 1, scale);
       const auto start = FindStart(body, cloud, 0, options_, state, search);
       if (!start) return Forward(start);
       size.cost += start->cost;
       size.poses.push_back(state.FrameParameters(0));
+    }
+    return size;
+  }
+
+  /// A body of this scale in poses near those of another size, its limbs looked for.
+  Expected<PosedSize> LookForLimbs(double scale, const PosedSize& near) const {
+    PosedSize size{scale, 0.0, {}};
+    const FleshBody body = BodyOf(scale);
+    PoseState state = PosesOf(body, 1, scale);
+    for (std::size_t c = 0; c < clouds_.size(); ++c) {
+      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
+      state.SetFrameParameters(0, near.poses[c]);
+      const auto cost = SearchLimbs(body, clouds_[c], 0, options_, state);
+      if (!cost) return Forward(cost);
+      size.cost += *cost;
+      size.poses.push_back(state.FrameParameters(0));
+    }
+    return size;
+  }
+
+  /// Where a pose explains its cloud much worse than others do theirs, one is looked for from nothing; the cheaper
+  /// stays.
+  Expected<PosedSize> StartWorstAgain(PosedSize size) const {
+    const FleshBody body = BodyOf(size.scale);
+    PoseState state = PosesOf(body, 1, size.scale);
+    std::vector<double> costs;
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t c = 0; c < clouds_.size(); ++c) {
+      state.SetFrameParameters(0, size.poses[c]);
+      state.Update(0, 1, false);
+      costs.push_back(PoseCost(body, clouds_[c], state, 0, options_));
+      least = std::min(least, costs[c] / clouds_[c].size());
+    }
+    for (std::size_t c = 0; c < clouds_.size(); ++c) {
+      if (costs[c] < kMuchWorse * least * clouds_[c].size()) continue;
+      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
+      const auto start = FindStart(body, clouds_[c], 0, options_, state, StartSearch::kStancesAndLimbs);
+      if (!start) return Forward(start);
+      if (start->cost >= costs[c]) continue;
+      size.cost += start->cost - costs[c];
+      size.poses[c] = state.FrameParameters(0);
     }
     return size;
   }
@@ -125,7 +170,7 @@ class SizeSearch {
     PoseState state = PosesOf(body, frames, scale);
     for (int f = 0; f < frames; ++f) state.SetFrameParameters(f, poses[f]);
     for (int round = 0; round < kRadiusFits; ++round) {
-      if (Status on = GoOnUnlessStopped("size of a person in depth views"); !on) return Forward(on);
+      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
       if (round > 0) CalibrateRadii(clouds_, state, 0, frames, options_.max_distance, body);
       for (int f = 0; f < frames; ++f) {
         const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
@@ -208,15 +253,23 @@ std::vector<PosedSize> Scales(const Factors& factors, double from_height) {
   return sizes;
 }
 
-/// Of clouds of which some show a pose that tells a size.
+/// Of clouds of which some show a pose that tells a size. Stances alone take arms before the chest for a thicker one,
+/// and a larger body with it: limbs are looked for at sizes around the best.
 Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   std::vector<PosedSize> sizes = Scales(kStartFactors, from_height);
-  const auto improve = [&](const PosedSize& size) -> Expected<PosedSize> {
+  const auto stances = [&](const PosedSize& size) -> Expected<PosedSize> {
     const Expected<PosedSize> start = search.StartAt(size.scale, StartSearch::kStances);
     return start ? search.Downhill(*start, kWideStep) : start;
   };
-  if (Status ok = ImproveEach(sizes, 1, improve); !ok) return Forward(ok);
-  return search.Downhill(sizes[0], kNarrowStep);
+  if (Status ok = ImproveEach(sizes, 1, stances); !ok) return Forward(ok);
+  std::vector<PosedSize> with_limbs = Scales(kFactorsOfLimbs, sizes[0].scale);
+  const auto limbs = [&](const PosedSize& size) -> Expected<PosedSize> {
+    const Expected<PosedSize> found = search.LookForLimbs(size.scale, sizes[0]);
+    return found ? search.Downhill(*found, kWideStep) : found;
+  };
+  if (Status ok = ImproveEach(with_limbs, 1, limbs); !ok) return Forward(ok);
+  const Expected<PosedSize> again = search.StartWorstAgain(std::move(with_limbs[0]));
+  return again ? search.Downhill(*again, kNarrowStep) : again;
 }
 
 /// Of clouds that may all show somebody who squats, or is seen in part: more sizes, and limbs are looked for. The

@@ -16,6 +16,7 @@
 #include "fitting/clouds/view_registration.h"
 #include "fitting/evidence/noise.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/cloud_scene.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
@@ -74,10 +75,7 @@ int main(int argc, char** argv) {
   CloudTakeOptions wanted;
   wanted.frames = 15;
   wanted.seed = 907;
-  if (argc > 1) wanted.clips = std::atoi(argv[1]);
-  if (argc > 2) wanted.frames = std::atoi(argv[2]);
-  if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
-  const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_clouds";
+  const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_fit_clouds", wanted);
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   const std::vector<RigTake> takes = TakesOf(static_cast<int>(given["rig"]), wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no clips: set MOCURATE_TEST_DATA\n"), 2;

@@ -5,8 +5,8 @@
 // name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
 // 30 mm RMS of noise, alone and together with the clouds), gap (frames in the middle in which nobody is
 // seen, and errors after them), stills (1: the frame in the middle of each clip is all that is known of its person),
-// hidden (a joint's number: no view shows what lies within
-// 0.2 m of it; what is stated of it is told).
+// alone (1: each clip is all that is known of its person), hidden (a joint's number: no view shows what lies within 0.2
+// m of it; what is stated of it is told).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -21,6 +21,7 @@
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/fit_score.h"
 
@@ -155,16 +156,15 @@ Status TakeBodyOfBoth(const std::vector<CloudTake>& takes, const SkeletonPtr& sk
   }
   const auto body = MeasurePosedBody(clips, motions, person.scale, skeleton, options);
   if (!body) return Forward(body);
-  person.skeleton = body->skeleton;
-  person.bone_length = body->bone_length;
+  TakeBody(*body, person.skeleton, person.bone_length);
   return {};
 }
 
-/// Takes of one person each, or of one still each.
-std::vector<std::vector<CloudTake>> ByPerson(const std::vector<CloudTake>& takes, bool stills) {
+/// Takes of one person each, or one take each.
+std::vector<std::vector<CloudTake>> ByPerson(const std::vector<CloudTake>& takes, bool alone) {
   std::map<std::string, std::vector<CloudTake>> people;
   for (const CloudTake& take : takes) {
-    people[std::to_string(take.clip.subject) + (stills ? take.clip.name : "")].push_back(take);
+    people[std::to_string(take.clip.subject) + (alone ? take.clip.name : "")].push_back(take);
   }
   std::vector<std::vector<CloudTake>> by_person;
   for (auto& [name, of_person] : people) by_person.push_back(std::move(of_person));
@@ -179,10 +179,7 @@ int main(int argc, char** argv) {
   CloudTakeOptions wanted;
   PointCloudOptions options;
   options.solver = TrackSolver::kBanded;
-  if (argc > 1) wanted.clips = std::atoi(argv[1]);
-  if (argc > 2) wanted.frames = std::atoi(argv[2]);
-  if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
-  const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_clouds";
+  const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_fit_clouds", wanted);
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   for (const auto& [name, value] : given) Set(name, value, options, wanted);
   const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
@@ -193,7 +190,7 @@ int main(int argc, char** argv) {
   FitScore after_gap;
   MixScore mix;
   double points = 0.0, iterations = 0.0;
-  for (const std::vector<CloudTake>& of_person : ByPerson(takes, wanted.stills)) {
+  for (const std::vector<CloudTake>& of_person : ByPerson(takes, wanted.stills || given["alone"] != 0.0)) {
     std::vector<Clip> clips;
     for (const CloudTake& take : of_person) {
       clips.emplace_back();

@@ -15,6 +15,7 @@
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/mixed_takes.h"
 
@@ -53,12 +54,8 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   if (!clouds) return Forward(clouds);
   scores.seconds_clouds += CpuSeconds() - begin;
   begin = CpuSeconds();
-  auto own = std::make_shared<Skeleton>(*body);  // as the stage proportions does
-  own->flesh = in_clouds.skeleton->flesh;
-  for (int j = 0; j < skeleton->joint_count(); ++j) {
-    own->joints[j].rest_offset = in_clouds.skeleton->joints[j].rest_offset;
-    bones[j] = in_clouds.bone_length[j];
-  }
+  SkeletonPtr own = body;
+  TakeBody(in_clouds, own, bones);  // as the stage proportions does
   const auto both = FitKeypointsAndClouds(clip, skeleton, own, bones, options);
   if (!both) return Forward(both);
   scores.seconds_both += CpuSeconds() - begin;
@@ -86,10 +83,7 @@ int main(int argc, char** argv) {
   CloudTakeOptions wanted;
   MixedTakeOptions mixed;
   mixed.rig.kind = RigKind::kPhspd;
-  if (argc > 1) wanted.clips = std::atoi(argv[1]);
-  if (argc > 2) wanted.frames = std::atoi(argv[2]);
-  if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
-  const std::filesystem::path folder = argc > 4 ? argv[4] : "/tmp/bench_fit_keypoints_clouds";
+  const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_fit_keypoints_clouds", wanted);
   for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
     if (name == "views") mixed.views = static_cast<int>(value);
     if (name == "noise") mixed.keypoints.noise = value;

@@ -15,6 +15,7 @@
 #include "fitting/clouds/flesh_calibration.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/person_points.h"
+#include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/cloud_takes.h"
 
 namespace mocurate {
@@ -140,10 +141,8 @@ int main(int argc, char** argv) {
   using namespace mocurate;
   CloudTakeOptions wanted;
   wanted.frames = 30;
-  if (argc > 1) wanted.clips = std::atoi(argv[1]);
-  if (argc > 2) wanted.frames = std::atoi(argv[2]);
-  if (argc > 3) wanted.seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
-  const std::vector<CloudTake> takes = CloudTakes(wanted, argc > 4 ? argv[4] : "/tmp/bench_flesh_template");
+  const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_flesh_template", wanted);
+  const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);

@@ -43,6 +43,18 @@ inline SkeletonPtr PlainSkeleton() {
   return plain;
 }
 
+/// Somebody `scale` times as large as the rest skeleton, who stands still with arms held apart.
+inline Motion StandingStill(const SkeletonPtr& skeleton, double scale, const FrameRate& rate, int frames) {
+  std::vector<double> bones = skeleton->RestBoneLengths();
+  for (double& bone : bones) bone *= scale;
+  std::vector<Quaterniond> pose(skeleton->joints.size(), Quaterniond::Identity());
+  pose[*skeleton->FindJoint("left_shoulder")] = ExpQuaternion({0.0, 0.0, -0.9});
+  pose[*skeleton->FindJoint("right_shoulder")] = ExpQuaternion({0.0, 0.0, 0.7});
+  std::vector<Quaterniond> rotations;
+  for (int f = 0; f < frames; ++f) rotations.insert(rotations.end(), pose.begin(), pose.end());
+  return MakeMotion(skeleton, rate, std::vector<Vector3d>(frames, {0.1, 0.05, -0.05}), rotations, bones);
+}
+
 /// Draws a motion through three cameras into 16-bit PNG files in millimetres, in `folder`.
 inline Expected<Clip> RenderClip(const Motion& motion, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);

@@ -163,13 +163,7 @@ class BodyOfBoth : public ::testing::Test {
     folder_ = std::filesystem::path(::testing::TempDir()) / ("mocurate_body_of_both_" + std::to_string(getpid()));
     std::filesystem::remove_all(folder_);
     const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-    std::vector<Quaterniond> rotation(skeleton->joints.size(), Quaterniond::Identity());
-    rotation[*skeleton->FindJoint("left_shoulder")] = ExpQuaternion({0.0, 0.0, -0.9});
-    rotation[*skeleton->FindJoint("right_shoulder")] = ExpQuaternion({0.0, 0.0, 0.7});
-    std::vector<Quaterniond> rotations;
-    for (int f = 0; f < 4; ++f) rotations.insert(rotations.end(), rotation.begin(), rotation.end());
-    const Motion still = MakeMotion(skeleton, FrameRate{12, 1}, std::vector<Vector3d>(4, {0.1, 0.05, -0.05}), rotations,
-                                    skeleton->RestBoneLengths());
+    const Motion still = StandingStill(skeleton, 1.0, FrameRate{12, 1}, 4);
     Expected<Clip> clip = RenderClip(still, folder_ / "depth");
     ASSERT_TRUE(clip) << clip.error().Message();
     clip_ = *std::move(clip);

@@ -183,9 +183,11 @@ class TracksAndClouds : public StudioClouds {
   }
 };
 
+/// Rotations are a tenth better in 60 clips of 15 frames (bench_fit_clouds with mix=1), not in nine of 8: their errors
+/// are those of one body, which both kinds share.
 TEST_F(TracksAndClouds, TogetherAreATenthBetterThanTheBetterOneAlone) {
   FitScore of_tracks, of_clouds, of_both;
-  for (std::size_t i = 0; i < takes_->size(); i += 2) {
+  for (std::size_t i = 0; i < takes_->size(); ++i) {
     const CloudTake& take = (*takes_)[i];
     const auto tracks = FitTracks(take);
     ASSERT_TRUE(tracks) << tracks.error().Message();
@@ -203,7 +205,7 @@ TEST_F(TracksAndClouds, TogetherAreATenthBetterThanTheBetterOneAlone) {
   RecordProperty("clouds_mm", std::to_string(of_clouds.joint_mm()));
   RecordProperty("both_mm", std::to_string(of_both.joint_mm()));
   EXPECT_LT(of_both.joint_mm(), 0.9 * std::min(of_tracks.joint_mm(), of_clouds.joint_mm()));
-  EXPECT_LT(of_both.rotation_deg(), std::min(of_tracks.rotation_deg(), of_clouds.rotation_deg()));
+  EXPECT_LT(of_both.rotation_deg(), 0.98 * std::min(of_tracks.rotation_deg(), of_clouds.rotation_deg()));
   EXPECT_GT(of_both.within_one(), 0.55);
   EXPECT_LT(of_both.within_one(), 0.80);
   EXPECT_GT(of_both.within_two(), 0.85);

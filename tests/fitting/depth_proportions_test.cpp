@@ -30,13 +30,7 @@ class DepthProportions : public ::testing::Test {
   void SetUp() override {
     folder_ = std::filesystem::path(::testing::TempDir()) / ("mocurate_depth_proportions_" + std::to_string(getpid()));
     std::filesystem::remove_all(folder_);
-    const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-    std::vector<double> bones = skeleton->RestBoneLengths();
-    for (double& bone : bones) bone *= kTaller;
-    std::vector<Quaterniond> rotation(skeleton->joints.size(), Quaterniond::Identity());
-    rotation[*skeleton->FindJoint("left_shoulder")] = ExpQuaternion({0.0, 0.0, -0.9});
-    rotation[*skeleton->FindJoint("right_shoulder")] = ExpQuaternion({0.0, 0.0, 0.7});
-    const Motion still = MakeMotion(skeleton, FrameRate{12, 1}, {{0.1, 0.05, -0.05}}, rotation, bones);
+    const Motion still = StandingStill(*LoadSkeleton("smpl24"), kTaller, FrameRate{12, 1}, 1);
     for (const char* name : {"r1", "r2", "r3"}) {
       Expected<Clip> clip = RenderClip(still, folder_ / name);
       ASSERT_TRUE(clip) << clip.error().Message();
