@@ -24,7 +24,8 @@ constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone, at the joint
 constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
 constexpr double kContradictingShare = 0.15;  ///< of the points; a told height is wrong then
-constexpr double kHardlyEver = 0.1;           ///< share of the frames
+constexpr double kGuess = 0.03;      ///< m that poses seen from one side are off; nothing of them counts as observed
+constexpr double kHardlyEver = 0.1;  ///< share of the frames
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
 /// Points near each joint: on the flesh of a joint with a single child those within a third of the bone from either,
@@ -56,10 +57,12 @@ void Measure(const CloudTrack& track, const PointCloudOptions& options, FitResul
   const double area = options.voxel_size * options.voxel_size;
   for (int f = 0; f < track.state.frames(); ++f) {
     const bool is_fitted = track.outcomes[f].iterations > 0;
+    const bool is_guess = ErrorOfOneSide(track.clouds[f]) > kGuess;
     std::vector<CloudMatch> matches;
     if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
     for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches)) {
-      result.motion.state.push_back(points * area >= kObservingArea ? JointState::kObserved : JointState::kInferred);
+      const bool seen = !is_guess && points * area >= kObservingArea;
+      result.motion.state.push_back(seen ? JointState::kObserved : JointState::kInferred);
     }
     for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
   }
@@ -85,7 +88,10 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
       seen.push_back(motion.state[at] == JointState::kObserved);
     }
     WidenUnseen(seen, *uncertainty, of_body);
-    uncertain.Set(f, *uncertainty, of_body, body_turn);
+    const double of_side = ErrorOfOneSide(track.clouds[f]);
+    for (double& error : of_body) error = std::hypot(error, of_side);
+    uncertain.Set(f, *uncertainty, of_body,
+                  of_side > 0.0 ? BodyTurns(*motion.skeleton, motion.bone_length, of_body) : body_turn);
   }
   uncertain.Write(result.motion);
   return {};
@@ -124,6 +130,21 @@ void ReportUnseenLimbs(FitResult& result) {
                     " and what hangs from there: that is a guess, what it hangs from is unsure, and the person may be "
                     "taller than this body";
   finding.action = "inferred; tell fitting.point_clouds.height and start.posture where they are known";
+  result.findings.push_back(finding);
+}
+
+/// Tells of frames in which somebody far away is seen from one side alone.
+void ReportOneSide(const CloudTrack& track, FitResult& result) {
+  Finding finding;
+  finding.value =
+      static_cast<double>(std::count_if(track.clouds.begin(), track.clouds.end(),
+                                        [](const FusedCloud& cloud) { return ErrorOfOneSide(cloud) > kGuess; }));
+  if (finding.value == 0.0) return;
+  finding.code = "seen_from_one_side";
+  finding.message = "in " + Counted(static_cast<int>(finding.value), "frame") +
+                    " what the views show of the person is one side, as flat as from afar: trunk and legs there may be "
+                    "10 cm and more off";
+  finding.action = "inferred, stated deviations widened";
   result.findings.push_back(finding);
 }
 
@@ -224,6 +245,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
   ReportUnseenLimbs(result);
+  ReportOneSide(*track, result);
   ReportPointsOffTheBody(*track, options, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {

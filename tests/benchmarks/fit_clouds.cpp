@@ -209,7 +209,9 @@ int main(int argc, char** argv) {
         return std::fprintf(stderr, "%s\n", both.error().Message().c_str()), 1;
     }
     for (const CloudTake& take : of_person) {
-      auto clouds = Fuse(take.evidence.depth_views, options, spent);
+      std::vector<DepthView> views = take.evidence.depth_views;
+      if (given.count("views") != 0) views.resize(std::min(views.size(), static_cast<std::size_t>(given["views"])));
+      auto clouds = Fuse(views, options, spent);
       if (!clouds) return std::fprintf(stderr, "%s\n", clouds.error().Message().c_str()), 1;
       for (const FusedCloud& cloud : *clouds) points += cloud.size();
       if (wanted.stills && (*clouds)[0].size() < kFewPointsOfStill) continue;  // walked out of the cameras' sight
@@ -229,9 +231,11 @@ int main(int argc, char** argv) {
       if (seen_again > 0) after_gap.Add(*fit, take.clip, seen_again, fit->motion.frame_count());
       iterations += fit->iterations;
       const double size = bones->bone_length[4] / take.clip.truth.bone_length[4];
-      std::fprintf(stderr, "%-24s %s %3d frames %6.1f mm %5.1f deg, residual %4.1f mm, thigh %4.2f of the truth\n",
-                   take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(),
-                   one.rotation_deg(), 1e3 * fit->residual_rms, size);
+      std::fprintf(
+          stderr,
+          "%-24s %s %3d frames %6.1f mm %5.1f deg, residual %4.1f mm, thigh %4.2f of the truth, %4.1f, %4.1f %%\n",
+          take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(), one.rotation_deg(),
+          1e3 * fit->residual_rms, size, 1e2 * one.within_one(), 1e2 * one.within_two());
       if (!copies.empty()) {
         const Status mixed = AddMix(take, copies, person, options, mix);
         if (!mixed) return std::fprintf(stderr, "%s\n", mixed.error().Message().c_str()), 1;

@@ -9,6 +9,7 @@
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
+#include "fitting/clouds/uncertain_motion.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "tests/fitting/cloud_takes.h"
@@ -142,6 +143,44 @@ TEST_F(StudioClouds, APoseThatFacesOtherwiseThanToldIsNotTaken) {
   const auto right = FitClouds(clips_[0], person_, bones_, options);
   ASSERT_TRUE(right) << right.error().Message();
   EXPECT_LT(Score(*right, take).joint_mm(), 14.0);
+}
+
+/// One camera from near; then its surface as flat as noise makes it from afar.
+TEST_F(StudioClouds, OneSideIsLessSureThanTwoAndAGuessWhereItIsFlat) {
+  Clip clip = clips_[0];
+  const auto spread = [](const Motion& motion) {
+    double variance = 0.0;
+    for (std::size_t i = 0; i < motion.position_cov.size(); i += 6) variance += motion.position_cov[i];
+    return std::sqrt(6.0 * variance / static_cast<double>(motion.position_cov.size()));
+  };
+  const auto fit_of = [&](std::vector<FusedCloud> clouds) {
+    PointCloudOptions options = options_;
+    options.start.facing = (*takes_)[0].told_heading;
+    return *FitFusedClouds(std::move(clouds), {clip.rate, clip.evidence.depth_views[0].time_s}, person_, bones_,
+                           options);
+  };
+  const auto told = [](const FitResult& fit) {
+    return std::any_of(fit.findings.begin(), fit.findings.end(),
+                       [](const Finding& finding) { return finding.code == "seen_from_one_side"; });
+  };
+  const std::vector<FusedCloud> all = *FuseClip(clip, options_);
+  clip.evidence.depth_views.resize(1);
+  std::vector<FusedCloud> one = *FuseClip(clip, options_);
+  EXPECT_LT(ErrorOfOneSide(all[0]), 0.001);
+  EXPECT_GT(ErrorOfOneSide(one[0]), 0.002);
+  EXPECT_EQ(ErrorOfOneSide(FusedCloud{}), 0.0);
+  const FitResult of_all = fit_of(all), of_one = fit_of(one);
+  EXPECT_FALSE(told(of_all) || told(of_one));
+  EXPECT_GT(spread(of_one.motion), 1.2 * spread(of_all.motion));
+  for (FusedCloud& cloud : one) {
+    const Vector3d mean = cloud.normals.rowwise().mean().normalized();
+    for (int i = 0; i < cloud.size(); ++i)
+      cloud.normals.col(i) = (0.5 * cloud.normals.col(i) + 0.5 * mean).normalized();
+  }
+  const FitResult flat = fit_of(one);
+  EXPECT_TRUE(told(flat));
+  EXPECT_GT(spread(flat.motion), 0.04);
+  for (const JointState state : flat.motion.state) EXPECT_EQ(state, JointState::kInferred);
 }
 
 TEST_F(StudioClouds, ErrorsAreAboutAsLargeAsTheUncertaintySays) {
