@@ -65,7 +65,7 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   const bool stated = !fit.motion.position_cov.empty();
   const std::vector<double> error =
       BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
-  const std::vector<Vector3d> body_turn = BodyTurns(*fit.motion.skeleton, fit.motion.bone_length, error);
+  std::vector<double> error_of_side(clouds.size(), 0.0);  // of frames without rays
   std::vector<double> residuals;
   const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
@@ -73,6 +73,8 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
     const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
     const auto at = static_cast<std::size_t>(f);
     if (cloud.size() < 100) continue;
+    const double of_side = ErrorOfOneSide(cloud);
+    if (rays.person[at] < 0) error_of_side[at] = of_side;
     if (rays.person[at] >= 0) {
       FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
       if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
@@ -92,6 +94,10 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
         std::vector<double> of_body = error;
         std::vector<bool> shown;
         for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
+        for (std::size_t j = 0; j < joints; ++j) {
+          if (!shown[j]) of_body[j] = std::hypot(of_body[j], of_side);
+        }
+        const std::vector<Vector3d> body_turn = BodyTurns(*fit.motion.skeleton, fit.motion.bone_length, of_body);
         WidenUnseen(shown, *uncertainty, of_body);
         uncertain.Set(f, *uncertainty, of_body, body_turn);
       }
@@ -103,6 +109,10 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   fit.motion = MotionOf(state, given.skeleton, given.rate);
   fit.motion.state = given.state;
   if (stated) uncertain.Write(fit.motion);
+  fit.findings.erase(std::remove_if(fit.findings.begin(), fit.findings.end(),
+                                    [](const Finding& finding) { return finding.code == kOneSideSeen; }),
+                     fit.findings.end());
+  ReportOneSide(error_of_side, fit.findings);
   SetResiduals(std::move(residuals), fit);
   return {};
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/body/capsule_body.h"
 #include "core/motion/limbs.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_problem.h"
@@ -24,13 +25,6 @@ constexpr double kRelativeTolerance = 1e-4;
 constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
 constexpr double kYields = 0.05;         ///< m that flesh of a thigh and a chest or an arm may overlap
 constexpr int kPlacesOfLeg = 5;          ///< of each capsule of a leg, that are looked at
-
-double DistanceToSegment(const Vector3d& point, const CapsuleEnds& segment) {
-  const Vector3d along = segment.end - segment.begin;
-  const double square = along.squaredNorm();
-  const double at = square > 0.0 ? std::clamp((point - segment.begin).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (point - segment.begin - at * along).norm();
-}
 
 /// Chest, neck, head and arms: all that hangs from the chest. (J)
 std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
@@ -54,7 +48,8 @@ double LegsInUpperBody(const FleshBody& body, const PoseState& state, int frame)
   for (const FleshCapsule& leg : body.capsules) {
     std::optional<double> beyond;  // m from the joint it moves with: the upper half of a thigh may be anywhere
     for (const Limb& limb : limbs.leg) {
-      if (limb.known() && leg.frame == limb.root) beyond = 0.5 * *state.bone(limb.middle);
+      if (limb.known() && leg.frame == limb.root)
+        beyond = 0.5 * (state.position(frame, limb.middle) - state.position(frame, limb.root)).norm();
       if (limb.known() && (leg.frame == limb.middle || leg.frame == limb.end)) beyond = 0.0;
     }
     if (!beyond) continue;
@@ -65,7 +60,7 @@ double LegsInUpperBody(const FleshBody& body, const PoseState& state, int frame)
       const Vector3d place = (1.0 - at) * ends.begin + at * ends.end;
       if ((place - state.position(frame, leg.frame)).norm() < *beyond) continue;
       for (const auto& [segment, radius] : above)
-        deepest = std::max(deepest, leg.radius + radius - DistanceToSegment(place, segment) - kYields);
+        deepest = std::max(deepest, leg.radius - SignedDistance(segment.begin, segment.end, radius, place) - kYields);
     }
     cost += 0.5 * Square(deepest / kComparedSigma);
   }

@@ -34,7 +34,8 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
                                           double scale, const SkeletonPtr& skeleton, const PointCloudOptions& options);
 
 /// Gives a person of other evidence the bones and flesh that clouds tell. The joints of `in_clouds` come first in
-/// `skeleton`; points that a tracker or detector has beside them stay where they were. `bone_length` (J) metres.
+/// `skeleton`; points that a tracker or detector has beside them stay where they were. `bone_length` (J of `skeleton`)
+/// metres, all given.
 void TakeBody(const BodyFromClouds& in_clouds, SkeletonPtr& skeleton, std::vector<double>& bone_length);
 
 }  // namespace mocurate

@@ -60,6 +60,7 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const Fused
       const Matrix3d& jacobian = state.right_jacobian(fit.frame, j);
       variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
     }
+    uncertainty.prior.push_back(prior);
     uncertainty.rotation.emplace_back(variance.cwiseMin(prior));
     uncertainty.observed.emplace_back((1.0 - variance.array() / prior).cwiseMax(0.0));
   }

@@ -11,6 +11,7 @@ struct CloudUncertainty {
   std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2
   std::vector<Vector3d> rotation;  ///< (J) variance about the joint's own axes, rad^2
   std::vector<Vector3d> observed;  ///< (J) 1 - posterior / prior variance of the rotation
+  std::vector<double> prior;       ///< (J) variance of the rotation before anything was seen, rad^2
 };
 
 /// From the inverse of the Gauss-Newton matrix of the frame's terms at the pose in the state, which is a minimum;

@@ -24,8 +24,7 @@ constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone, at the joint
 constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
 constexpr double kContradictingShare = 0.15;  ///< of the points; a told height is wrong then
-constexpr double kGuess = 0.03;      ///< m that poses seen from one side are off; nothing of them counts as observed
-constexpr double kHardlyEver = 0.1;  ///< share of the frames
+constexpr double kHardlyEver = 0.1;           ///< share of the frames
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
 /// Points near each joint: on the flesh of a joint with a single child those within a third of the bone from either,
@@ -51,29 +50,37 @@ std::vector<int> PointsOfJoints(const FleshBody& body, const PoseState& state, i
   return points;
 }
 
+/// What the views show of a track's frames.
+struct Shown {
+  std::vector<bool> joint;            ///< (F*J) enough points lie on it
+  std::vector<double> error_of_side;  ///< (F) ErrorOfOneSide, m; 0 where nothing was fitted
+};
+
 /// Residuals and joint states in one pass over all frames.
-void Measure(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
+Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
+  Shown shown;
   std::vector<double> residuals;
   const double area = options.voxel_size * options.voxel_size;
   for (int f = 0; f < track.state.frames(); ++f) {
     const bool is_fitted = track.outcomes[f].iterations > 0;
-    const bool is_guess = ErrorOfOneSide(track.clouds[f]) > kGuess;
     std::vector<CloudMatch> matches;
     if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
+    shown.error_of_side.push_back(is_fitted ? ErrorOfOneSide(track.clouds[f]) : 0.0);
     for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches)) {
-      const bool seen = !is_guess && points * area >= kObservingArea;
-      result.motion.state.push_back(seen ? JointState::kObserved : JointState::kInferred);
+      shown.joint.push_back(points * area >= kObservingArea);
+      const bool is_observed = shown.joint.back() && shown.error_of_side.back() <= kGuessedError;
+      result.motion.state.push_back(is_observed ? JointState::kObserved : JointState::kInferred);
     }
     for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
   }
   SetResiduals(std::move(residuals), result);
+  return shown;
 }
 
-Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
+Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOptions& options, FitResult& result) {
   const Motion& motion = result.motion;
   UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
-  const std::vector<double> body_error = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
-  const std::vector<Vector3d> body_turn = BodyTurns(*motion.skeleton, motion.bone_length, body_error);
+  const std::vector<double> usual = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (track.outcomes[f].iterations == 0) continue;
     FrameFit fit;
@@ -81,17 +88,12 @@ Status AddUncertainty(CloudTrack& track, const PointCloudOptions& options, FitRe
     auto uncertainty =
         UncertaintyOfFrame(track.body, track.clouds[f], fit, track.outcomes[f].sigma, track.state, options);
     if (!uncertainty) return Forward(uncertainty);
-    std::vector<double> of_body = body_error;
-    std::vector<bool> seen;
-    for (int j = 0; j < motion.joint_count(); ++j) {
-      const auto at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
-      seen.push_back(motion.state[at] == JointState::kObserved);
-    }
-    WidenUnseen(seen, *uncertainty, of_body);
-    const double of_side = ErrorOfOneSide(track.clouds[f]);
-    for (double& error : of_body) error = std::hypot(error, of_side);
-    uncertain.Set(f, *uncertainty, of_body,
-                  of_side > 0.0 ? BodyTurns(*motion.skeleton, motion.bone_length, of_body) : body_turn);
+    std::vector<double> body_error = usual;
+    for (double& error : body_error) error = std::hypot(error, shown.error_of_side[f]);
+    const std::vector<Vector3d> body_turn = BodyTurns(*motion.skeleton, motion.bone_length, body_error);
+    const auto begin = shown.joint.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count();
+    WidenUnseen({begin, begin + motion.joint_count()}, *uncertainty, body_error);
+    uncertain.Set(f, *uncertainty, body_error, body_turn);
   }
   uncertain.Write(result.motion);
   return {};
@@ -105,7 +107,7 @@ void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
 
 /// Tells of arms and legs that the views hardly ever show: what a fit says of them is a guess, and of what they hang
 /// from little is known.
-void ReportUnseenLimbs(FitResult& result) {
+void ReportUnseenLimbs(const Shown& shown, FitResult& result) {
   const Motion& motion = result.motion;
   const Limbs limbs = LimbsOf(*motion.skeleton);
   std::string names;
@@ -113,12 +115,12 @@ void ReportUnseenLimbs(FitResult& result) {
   for (const auto* pair : {&limbs.arm, &limbs.leg}) {
     for (const Limb& limb : *pair) {
       if (!limb.known()) continue;
-      int shown = 0;
+      int frames = 0;
       for (int f = 0; f < motion.frame_count(); ++f) {
         const auto at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(limb.middle);
-        shown += motion.state[at] == JointState::kObserved ? 1 : 0;
+        frames += shown.joint[at] ? 1 : 0;
       }
-      if (shown > kHardlyEver * motion.frame_count()) continue;
+      if (frames > kHardlyEver * motion.frame_count()) continue;
       names += (unseen++ > 0 ? ", " : "") + motion.skeleton->joints[limb.middle].name;
     }
   }
@@ -130,21 +132,6 @@ void ReportUnseenLimbs(FitResult& result) {
                     " and what hangs from there: that is a guess, what it hangs from is unsure, and the person may be "
                     "taller than this body";
   finding.action = "inferred; tell fitting.point_clouds.height and start.posture where they are known";
-  result.findings.push_back(finding);
-}
-
-/// Tells of frames in which somebody far away is seen from one side alone.
-void ReportOneSide(const CloudTrack& track, FitResult& result) {
-  Finding finding;
-  finding.value =
-      static_cast<double>(std::count_if(track.clouds.begin(), track.clouds.end(),
-                                        [](const FusedCloud& cloud) { return ErrorOfOneSide(cloud) > kGuess; }));
-  if (finding.value == 0.0) return;
-  finding.code = "seen_from_one_side";
-  finding.message = "in " + Counted(static_cast<int>(finding.value), "frame") +
-                    " what the views show of the person is one side, as flat as from afar: trunk and legs there may be "
-                    "10 cm and more off";
-  finding.action = "inferred, stated deviations widened";
   result.findings.push_back(finding);
 }
 
@@ -237,15 +224,15 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   FitResult result;
   result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
-  Measure(*track, options, result);
+  const Shown shown = Measure(*track, options, result);
   if (options.uncertainty) {
-    if (Status added = AddUncertainty(*track, options, result); !added) return Forward(added);
+    if (Status added = AddUncertainty(*track, shown, options, result); !added) return Forward(added);
   }
   ReportDoubt(*track, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
-  ReportUnseenLimbs(result);
-  ReportOneSide(*track, result);
+  ReportUnseenLimbs(shown, result);
+  ReportOneSide(shown.error_of_side, result.findings);
   ReportPointsOffTheBody(*track, options, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {

@@ -83,12 +83,13 @@ std::vector<double> MeanVariance(const Motion& motion, const std::vector<int>& f
 /// Factor on the weight of points that makes poses of the clouds alone as uncertain as they are wrong: the squared
 /// distance of their joints from the tracks', less the variance of the tracks, and no less than what is not known of
 /// the flesh (the share `unknown` of its `usual` variance, m^2), against the variance that they claim. With poses of
-/// the clouds `alone` the tracks may be wrong too: no more than the usual is blamed on the flesh.
+/// the clouds `alone` the tracks may be wrong too: no more than the usual, and what one side leaves open, is blamed on
+/// them.
 Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedCloud>& clouds,
                                const std::vector<int>& frames, const FleshBody& body, PoseState state,
                                const PoseState* alone, const std::vector<bool>& known, double unknown, double usual,
                                const PointCloudOptions& options) {
-  std::vector<double> apart, claimed, of_tracks;
+  std::vector<double> apart, claimed, of_tracks, of_side;
   for (const int f : frames) {
     if (Status on = GoOnUnlessStopped("fit of joints and depth views"); !on) return Forward(on);
     if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
@@ -105,19 +106,20 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
       apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
       claimed.push_back(uncertainty->position[j].trace());
       of_tracks.push_back(CovarianceAt(motion.position_cov, at).trace());
+      of_side.push_back(3.0 * std::pow(ErrorOfOneSide(clouds[f]), 2));
     }
   }
   if (apart.empty()) return 1.0;
   const double least = unknown * usual;
   double real = std::max({Median(apart) - Median(of_tracks), 0.1 * Median(apart), least});
-  if (alone != nullptr) real = std::min(real, kMostBlame * usual);
+  if (alone != nullptr) real = std::min(real, kMostBlame * usual + Median(of_side));
   return std::clamp(std::sqrt(Median(claimed) / real), kLeastTrust, 1.0);
 }
 
 /// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where a joint lies farther
 /// off in most frames than both explain, the tracks claim too much. (J) at least 1.
-std::vector<double> Overclaimed(const Motion& motion, const std::vector<int>& frames, const FleshBody& body,
-                                PoseState alone) {
+std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedCloud>& clouds,
+                                const std::vector<int>& frames, const FleshBody& body, PoseState alone) {
   const std::vector<double> error = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
   std::vector<double> factor(static_cast<std::size_t>(motion.joint_count()), 1.0);
   alone.SetActive(body.MovingJoints());
@@ -127,7 +129,9 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<int>& fr
     for (const int f : frames) {
       const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
       const double of_body = error[static_cast<std::size_t>(j)];
-      const Matrix3d both = CovarianceAt(motion.position_cov, at) + of_body * of_body * Matrix3d::Identity();
+      const double of_side = ErrorOfOneSide(clouds[static_cast<std::size_t>(f)]);
+      const Matrix3d both =
+          CovarianceAt(motion.position_cov, at) + (of_body * of_body + of_side * of_side) * Matrix3d::Identity();
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
       squares.push_back(apart.dot(both.ldlt().solve(apart)));
     }
@@ -299,7 +303,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
 
   const std::vector<bool> turned = body.MovingJoints();
   std::vector<double> factor(known.size(), 1.0);
-  if (alone != nullptr) factor = Overclaimed(motion, shown, body, *alone);
+  if (alone != nullptr) factor = Overclaimed(motion, clouds, shown, body, *alone);
   for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
   FitResult result = tracks;
   ReportDisagreement(factor, result);

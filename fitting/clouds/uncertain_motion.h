@@ -18,7 +18,7 @@ class UncertainMotion {
   explicit UncertainMotion(const Motion& motion);
 
   /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own,
-  /// and `body_turn` (J, rad^2) how far that turns its frame (BodyTurns).
+  /// and `body_turn` (J, rad^2) how far that turns its frame (BodyTurns). No rotation is less known than beforehand.
   void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
            const std::vector<Vector3d>& body_turn);
   /// Takes a frame's uncertainty over; of joints that are not `turned` (J) rotations stay as known as they were.
@@ -43,8 +43,18 @@ void WidenUnseen(const std::vector<bool>& seen, CloudUncertainty& uncertainty, s
 /// How far joints are off, beside pose and body, where points show one side of the person: standard deviation per axis,
 /// metres. By the length of the mean of the points' normals: 0 all around, 0.3 to 0.6 of three views, 0.7 to 0.78 of
 /// one (pi/4 of a limb whose pixels count alike). Above that the surface is seen as flat, far away: how it curves,
-/// which tells where a limb's axis lies and which way a trunk faces, is lost in the noise.
+/// which tells where a limb's axis lies and which way a trunk faces, is lost in the noise. Of Kinect-like pixels and
+/// voxels of a few centimetres.
 double ErrorOfOneSide(const FusedCloud& cloud);
+
+/// That is so much, in metres, that a pose seen from one side is a guess, and nothing of it counts as observed.
+inline constexpr double kGuessedError = 0.03;
+
+/// Code of the finding of such frames.
+inline constexpr const char* kOneSideSeen = "seen_from_one_side";
+
+/// Tells of frames whose error of one side (F, metres; 0 where nothing was fitted) makes them guesses.
+void ReportOneSide(const std::vector<double>& error_of_side, std::vector<Finding>& findings);
 
 /// Root mean square, 95th percentile and robust spread of distances (m, absolute).
 void SetResiduals(std::vector<double> distances, FitResult& result);
