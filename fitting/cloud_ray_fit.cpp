@@ -65,7 +65,8 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   const bool stated = !fit.motion.position_cov.empty();
   const std::vector<double> error =
       BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
-  std::vector<double> error_of_side(clouds.size(), 0.0);  // of frames without rays
+  const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
+  std::vector<double> little_seen(clouds.size(), 0.0);  // m, of frames without rays
   std::vector<double> residuals;
   const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
@@ -73,8 +74,8 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
     const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
     const auto at = static_cast<std::size_t>(f);
     if (cloud.size() < 100) continue;
-    const double of_side = ErrorOfOneSide(cloud);
-    if (rays.person[at] < 0) error_of_side[at] = of_side;
+    const double unseen = ErrorOfLittleSeen(cloud, cloud_options.voxel_size, scale);
+    if (rays.person[at] < 0) little_seen[at] = unseen;
     if (rays.person[at] >= 0) {
       FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
       if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
@@ -95,7 +96,7 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
         std::vector<bool> shown;
         for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
         for (std::size_t j = 0; j < joints; ++j) {
-          if (!shown[j]) of_body[j] = std::hypot(of_body[j], of_side);
+          if (!shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
         }
         const std::vector<Vector3d> body_turn = BodyTurns(*fit.motion.skeleton, fit.motion.bone_length, of_body);
         WidenUnseen(shown, *uncertainty, of_body);
@@ -110,9 +111,9 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   fit.motion.state = given.state;
   if (stated) uncertain.Write(fit.motion);
   fit.findings.erase(std::remove_if(fit.findings.begin(), fit.findings.end(),
-                                    [](const Finding& finding) { return finding.code == kOneSideSeen; }),
+                                    [](const Finding& finding) { return finding.code == kLittleSeen; }),
                      fit.findings.end());
-  ReportOneSide(error_of_side, fit.findings);
+  ReportLittleSeen(little_seen, fit.findings);
   SetResiduals(std::move(residuals), fit);
   return {};
 }

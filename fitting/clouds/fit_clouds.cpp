@@ -14,6 +14,7 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/limb_search.h"
 #include "fitting/clouds/uncertain_motion.h"
+#include "fitting/costs/huber.h"
 #include "fitting/frames_without_evidence.h"
 
 namespace mocurate {
@@ -52,8 +53,9 @@ std::vector<int> PointsOfJoints(const FleshBody& body, const PoseState& state, i
 
 /// What the views show of a track's frames.
 struct Shown {
-  std::vector<bool> joint;            ///< (F*J) enough points lie on it
-  std::vector<double> error_of_side;  ///< (F) ErrorOfOneSide, m; 0 where nothing was fitted
+  std::vector<bool> joint;       ///< (F*J) enough points lie on it
+  std::vector<double> error;     ///< (F) ErrorOfLittleSeen, m; 0 where nothing was fitted
+  std::vector<double> residual;  ///< (F) root mean square, m; 0 where nothing was fitted
 };
 
 /// Residuals and joint states in one pass over all frames.
@@ -61,17 +63,23 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
   Shown shown;
   std::vector<double> residuals;
   const double area = options.voxel_size * options.voxel_size;
+  const double scale = BodyScale(*result.motion.skeleton, result.motion.bone_length);
   for (int f = 0; f < track.state.frames(); ++f) {
     const bool is_fitted = track.outcomes[f].iterations > 0;
     std::vector<CloudMatch> matches;
     if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
-    shown.error_of_side.push_back(is_fitted ? ErrorOfOneSide(track.clouds[f]) : 0.0);
+    shown.error.push_back(is_fitted ? ErrorOfLittleSeen(track.clouds[f], options.voxel_size, scale) : 0.0);
     for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches)) {
       shown.joint.push_back(points * area >= kObservingArea);
-      const bool is_observed = shown.joint.back() && shown.error_of_side.back() <= kGuessedError;
+      const bool is_observed = shown.joint.back() && shown.error.back() <= kGuessedError;
       result.motion.state.push_back(is_observed ? JointState::kObserved : JointState::kInferred);
     }
-    for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
+    double squares = 0.0;
+    for (const CloudMatch& match : matches) {
+      residuals.push_back(std::abs(match.distance));
+      squares += Square(match.distance);
+    }
+    shown.residual.push_back(std::sqrt(squares / std::max(1.0, static_cast<double>(matches.size()))));
   }
   SetResiduals(std::move(residuals), result);
   return shown;
@@ -89,7 +97,7 @@ Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOpt
         UncertaintyOfFrame(track.body, track.clouds[f], fit, track.outcomes[f].sigma, track.state, options);
     if (!uncertainty) return Forward(uncertainty);
     std::vector<double> body_error = usual;
-    for (double& error : body_error) error = std::hypot(error, shown.error_of_side[f]);
+    for (double& error : body_error) error = std::hypot(BodyErrorFactor(shown.residual[f]) * error, shown.error[f]);
     const std::vector<Vector3d> body_turn = BodyTurns(*motion.skeleton, motion.bone_length, body_error);
     const auto begin = shown.joint.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count();
     WidenUnseen({begin, begin + motion.joint_count()}, *uncertainty, body_error);
@@ -232,7 +240,8 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
   ReportUnseenLimbs(shown, result);
-  ReportOneSide(shown.error_of_side, result.findings);
+  ReportLittleSeen(shown.error, result.findings);
+  ReportPoorlyExplained(shown.residual, result.findings);
   ReportPointsOffTheBody(*track, options, result);
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {

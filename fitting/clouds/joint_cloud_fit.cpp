@@ -89,7 +89,8 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
                                const std::vector<int>& frames, const FleshBody& body, PoseState state,
                                const PoseState* alone, const std::vector<bool>& known, double unknown, double usual,
                                const PointCloudOptions& options) {
-  std::vector<double> apart, claimed, of_tracks, of_side;
+  const double scale = BodyScale(*motion.skeleton, motion.bone_length);
+  std::vector<double> apart, claimed, of_tracks, unseen;
   for (const int f : frames) {
     if (Status on = GoOnUnlessStopped("fit of joints and depth views"); !on) return Forward(on);
     if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
@@ -106,21 +107,23 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
       apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
       claimed.push_back(uncertainty->position[j].trace());
       of_tracks.push_back(CovarianceAt(motion.position_cov, at).trace());
-      of_side.push_back(3.0 * std::pow(ErrorOfOneSide(clouds[f]), 2));
+      unseen.push_back(3.0 * std::pow(ErrorOfLittleSeen(clouds[f], options.voxel_size, scale), 2));
     }
   }
   if (apart.empty()) return 1.0;
   const double least = unknown * usual;
   double real = std::max({Median(apart) - Median(of_tracks), 0.1 * Median(apart), least});
-  if (alone != nullptr) real = std::min(real, kMostBlame * usual + Median(of_side));
+  if (alone != nullptr) real = std::min(real, kMostBlame * usual + Median(unseen));
   return std::clamp(std::sqrt(Median(claimed) / real), kLeastTrust, 1.0);
 }
 
 /// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where a joint lies farther
 /// off in most frames than both explain, the tracks claim too much. (J) at least 1.
 std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedCloud>& clouds,
-                                const std::vector<int>& frames, const FleshBody& body, PoseState alone) {
-  const std::vector<double> error = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+                                const std::vector<int>& frames, const FleshBody& body, double voxel_size,
+                                PoseState alone) {
+  const double scale = BodyScale(*motion.skeleton, motion.bone_length);
+  const std::vector<double> error = BodyErrors(*motion.skeleton, scale);
   std::vector<double> factor(static_cast<std::size_t>(motion.joint_count()), 1.0);
   alone.SetActive(body.MovingJoints());
   alone.Update(0, alone.frames(), false);
@@ -129,9 +132,9 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedClo
     for (const int f : frames) {
       const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
       const double of_body = error[static_cast<std::size_t>(j)];
-      const double of_side = ErrorOfOneSide(clouds[static_cast<std::size_t>(f)]);
+      const double unseen = ErrorOfLittleSeen(clouds[static_cast<std::size_t>(f)], voxel_size, scale);
       const Matrix3d both =
-          CovarianceAt(motion.position_cov, at) + (of_body * of_body + of_side * of_side) * Matrix3d::Identity();
+          CovarianceAt(motion.position_cov, at) + (of_body * of_body + unseen * unseen) * Matrix3d::Identity();
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
       squares.push_back(apart.dot(both.ldlt().solve(apart)));
     }
@@ -303,7 +306,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
 
   const std::vector<bool> turned = body.MovingJoints();
   std::vector<double> factor(known.size(), 1.0);
-  if (alone != nullptr) factor = Overclaimed(motion, clouds, shown, body, *alone);
+  if (alone != nullptr) factor = Overclaimed(motion, clouds, shown, body, options.voxel_size, *alone);
   for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
   FitResult result = tracks;
   ReportDisagreement(factor, result);
