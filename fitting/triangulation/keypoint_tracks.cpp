@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kFewPoints = 0.02;    ///< share of the frames times keypoints: less is nothing to fit
 constexpr double kPoorPoints = 0.4;    ///< worth a warning
+constexpr double kContradicted = 0.1;  ///< of the keypoints that three views and more detect, that are not found
 constexpr double kUnevenDepth = 6.0;   ///< of the standard deviations along the worst and the best direction
 constexpr double kSeldomFound = 0.05;  ///< of the frames; a keypoint found less often counts as never found
 
@@ -96,6 +97,31 @@ void TellOfContradiction(const std::vector<RigView>& rig, const AssociatedPerson
   found.findings.push_back(Tell("views_contradict", Severity::kWarning, agreeing,
                                 "of " + RoundedText(showing, 2) + " views that show somebody only " +
                                     RoundedText(agreeing, 2) + " agree on this person (mean over the frames)",
+                                "flagged"));
+}
+
+/// Share of the keypoints that three views and more detect of which no two detections meet in a point.
+double ContradictedShare(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
+                         double min_confidence) {
+  double detected = 0.0;
+  double lost = 0.0;
+  for (std::size_t i = 0; i < points.confidence.size(); ++i) {
+    const auto seen = std::count_if(views.begin(), views.end(), [&](const ViewKeypoints& view) {
+      return view.confidence[i] > 0.0 && view.confidence[i] >= min_confidence;
+    });
+    if (seen < 3) continue;
+    detected += 1.0;
+    lost += points.confidence[i] > 0.0 ? 0.0 : 1.0;
+  }
+  return detected > 0.0 ? lost / detected : 0.0;
+}
+
+void TellOfContradictedPoints(double share, KeypointTracks& found) {
+  if (share <= kContradicted) return;
+  found.report.doubtful = true;
+  found.findings.push_back(Tell("keypoints_contradict", Severity::kWarning, share,
+                                "of the keypoints that three views and more detect " + std::to_string(Percent(share)) +
+                                    " % meet in no point: do all cameras show the same take of the same person?",
                                 "flagged"));
 }
 
@@ -344,6 +370,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   TellOfPeople(rig, take, evidence.subject, found.findings);
   TellOfContradiction(rig, person, found);
   TellOfCameras(found.report, UnseenShares(person), options.triangulation.outlier, found.findings);
+  TellOfContradictedPoints(ContradictedShare(views, points, options.triangulation.min_confidence), found);
   TellOfPoints(points, found);
   found.tracks.time_s = take.time_s;
   found.tracks.positions = std::move(points.positions);

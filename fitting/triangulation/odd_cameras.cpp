@@ -9,7 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSeldomShown = 0.5;  ///< of a camera's frames without the person: worth a warning
+constexpr double kSeldomShown = 0.5;    ///< of a camera's frames without the person: worth a warning
+constexpr double kNotableShare = 0.15;  ///< of a camera's keypoints left out, and
+constexpr double kNotableRatio = 4.0;   ///< times that of any other camera: worth a warning
 
 Finding WarningOfCamera(const std::string& code, double value, const std::string& message, const std::string& action) {
   Finding finding;
@@ -19,6 +21,10 @@ Finding WarningOfCamera(const std::string& code, double value, const std::string
   finding.message = message;
   finding.action = action;
   return finding;
+}
+
+double ShareLeftOut(const CameraAgreement& camera) {
+  return camera.detections > 0 ? static_cast<double>(camera.left_out) / camera.detections : 0.0;
 }
 
 std::string PercentOf(double share) { return std::to_string(std::lround(100.0 * share)); }
@@ -49,8 +55,20 @@ void TellOfCameras(const KeypointReport& report, const std::vector<double>& unse
           "camera " + name + " shows nothing of the person in " + PercentOf(unseen[v]) + " % of its frames",
           "fitted without it there"));
     }
+    const double share = ShareLeftOut(camera);
+    double others = 0.0;
+    for (const CameraAgreement& other : report.cameras) {
+      if (&other != &camera) others = std::max(others, ShareLeftOut(other));
+    }
+    if (!camera.disagrees && report.cameras.size() > 2 && share > kNotableShare && share > kNotableRatio * others) {
+      findings.push_back(WarningOfCamera("camera_disagrees_in_part", share,
+                                         "camera " + name + " disagrees with the others in part: " + PercentOf(share) +
+                                             " % of its keypoints lie more than " + RoundedText(outlier, 3) +
+                                             " px off, of another one at most " + PercentOf(others) +
+                                             " %; does it show the same take of the same person, all along?",
+                                         "those left out"));
+    }
     if (!camera.disagrees) continue;
-    const double share = static_cast<double>(camera.left_out) / camera.detections;
     findings.push_back(WarningOfCamera("camera_disagrees", camera.median_px,
                                        "camera " + name + " disagrees with the others: " + PercentOf(share) +
                                            " % of its keypoints lie more than " + RoundedText(outlier, 3) +

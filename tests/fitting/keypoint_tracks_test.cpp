@@ -117,6 +117,43 @@ TEST(KeypointTracks, NameACameraThatWasMovedAndPutItWhereItStands) {
   EXPECT_LT(MeanError(found->tracks, person), 0.02);
 }
 
+/// Cameras whose every second keypoint is that of a frame far away, as where they show another take of the person.
+Evidence WithAnotherTake(const Evidence& evidence, std::size_t cameras) {
+  Evidence other = evidence;
+  const std::size_t row = 3 * evidence.keypoint_names.size();
+  for (std::size_t c = 0; c < cameras; ++c) {
+    const std::vector<double>& given = evidence.keypoint_views[c].values;
+    for (std::size_t i = 0; i < given.size(); i += 6) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double moved = k == 0 ? 90.0 + 60.0 * static_cast<double>(c) : 0.0;  // px, past what counts as far off
+        other.keypoint_views[c].values[i + k] = given[(i + 10 * row) % given.size() + k] + moved;
+      }
+    }
+  }
+  return other;
+}
+
+TEST(KeypointTracks, TellOfACameraThatDisagreesInPartAndOfCamerasThatContradict) {
+  const Evidence sound = Detections(Ring(4), {Swinging(30)}, 2.0);
+  KeypointFitOptions options;
+  options.audit.moved = options.audit.clocks = options.audit.exchanged = options.audit.sides = AuditAction::kOff;
+  const auto good = TriangulateKeypoints(sound, SmplBody(), options);
+  ASSERT_TRUE(good) << good.error().Message();
+  EXPECT_EQ(FindingWithCode(*good, "camera_disagrees_in_part"), nullptr);
+  EXPECT_EQ(FindingWithCode(*good, "keypoints_contradict"), nullptr);
+  const auto one = TriangulateKeypoints(WithAnotherTake(sound, 1), SmplBody(), options);
+  ASSERT_TRUE(one) << one.error().Message();
+  const Finding* in_part = FindingWithCode(*one, "camera_disagrees_in_part");
+  ASSERT_NE(in_part, nullptr);
+  EXPECT_THAT(in_part->message, HasSubstr("cam1"));
+  EXPECT_NEAR(in_part->value, 0.5, 0.1);
+  EXPECT_EQ(FindingWithCode(*one, "keypoints_contradict"), nullptr);
+  const auto three = TriangulateKeypoints(WithAnotherTake(sound, 3), SmplBody(), options);
+  ASSERT_TRUE(three) << three.error().Message();
+  ASSERT_NE(FindingWithCode(*three, "keypoints_contradict"), nullptr);
+  EXPECT_TRUE(three->report.doubtful);
+}
+
 /// Wrists that only the turned camera and one other see would lie decimetres off.
 TEST(KeypointTracks, AreNotFoundFromACameraThatDisagreesAndOneOther) {
   const Motion person = Swinging(30);
