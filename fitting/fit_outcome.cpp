@@ -23,6 +23,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kLargeResidual = 0.15;  ///< metres RMS; beyond, skeleton and evidence hardly belong together
+constexpr double kMostGuessed = 0.3;     ///< share of the frames
 constexpr double kMostRejected = 0.25;   ///< share of samples; trackers lose 2 to 10 %
 constexpr double kNoFit = 0.3;           ///< metres, median of the joints: beyond, nothing is explained
 constexpr double kNoFitOfStature = 0.25;
@@ -236,6 +237,20 @@ Status CheckExplained(const FitResult& fit, const std::string& where) {
               where, "is it the right unit, order of joints and skeleton, and this person's clip?");
 }
 
+/// Share of the frames in which no joint is observed or repaired: all of the person is filled in there. 0 where joints
+/// have no states.
+double GuessedShare(const Motion& motion) {
+  if (motion.state.empty()) return 0.0;
+  const auto joints = static_cast<std::ptrdiff_t>(motion.joint_count());
+  int guessed = 0;
+  for (auto frame = motion.state.begin(); frame != motion.state.end(); frame += joints) {
+    guessed += std::none_of(frame, frame + joints, [](JointState state) {
+      return state == JointState::kObserved || state == JointState::kRepaired;
+    });
+  }
+  return static_cast<double>(guessed) / motion.frame_count();
+}
+
 StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options) {
   StageOutcome outcome;
   outcome.findings = fit.findings;
@@ -254,6 +269,13 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
     outcome.findings.push_back(Doubt("evidence_rejected", fit.rejected_share,
                                      "so large a share of the evidence lies far from any pose of the body near in "
                                      "time, and is not in the residual: is it the right skeleton, order and person?"));
+    outcome.kind = OutcomeKind::kDoubtful;
+  }
+  if (const double share = GuessedShare(fit.motion); share > kMostGuessed) {
+    outcome.findings.push_back(Doubt("mostly_guessed", share,
+                                     "in " + std::to_string(std::lround(100.0 * share)) +
+                                         " % of the frames nothing of the person is observed; leave them out, or train "
+                                         "with the joints' states"));
     outcome.kind = OutcomeKind::kDoubtful;
   }
   if (options.method != FitMethod::kNone) {

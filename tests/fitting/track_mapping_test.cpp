@@ -91,6 +91,25 @@ TEST(FitOfClip, FlagsASkeletonThatDoesNotBelongToItsEvidence) {
   EXPECT_EQ(outcome.findings.back().code, "large_residual");
 }
 
+TEST(FitOfClip, IsDoubtfulWhereHardlyAnythingOfThePersonIsObserved) {
+  PlayedTake take = SmoothTake(40);
+  for (const int hidden : {10, 16}) {
+    std::fill_n(take.tracks.confidence.begin() + 12 * take.tracks.joints(), hidden * take.tracks.joints(), 0.0);
+    Clip clip;
+    clip.rate = FrameRate{30, 1};
+    clip.evidence.tracks = AsSource(take.tracks);
+    const auto fit = FitTracksOfClip(clip, TestSkeleton(), {}, FittingOptions{});
+    ASSERT_TRUE(fit) << fit.error().Message();
+    const StageOutcome outcome = OutcomeOfFit(clip, *fit, FittingOptions{});
+    const auto told = std::find_if(outcome.findings.begin(), outcome.findings.end(),
+                                   [](const Finding& finding) { return finding.code == "mostly_guessed"; });
+    ASSERT_EQ(told != outcome.findings.end(), hidden > 12) << hidden << " of 40 frames";
+    if (hidden <= 12) continue;
+    EXPECT_NEAR(told->value, hidden / 40.0, 1e-9);
+    EXPECT_EQ(outcome.kind, OutcomeKind::kDoubtful);
+  }
+}
+
 TEST(FitOfClip, DoesNotDependOnTheScaleOfConfidences) {
   PlayedTake take = SmoothTake(40);
   AddNoise(take.tracks, 0.02, 5);
