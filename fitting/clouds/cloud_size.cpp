@@ -281,15 +281,15 @@ Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   if (Status ok = ImproveEach(sizes, 1, stances); !ok) return Forward(ok);
   std::vector<PosedSize> with_limbs = Scales(kFactorsOfLimbs, sizes[0].scale);
   const auto limbs = [&](const PosedSize& size) -> Expected<PosedSize> {
-    const Expected<PosedSize> found = search.LookForLimbs(size.scale, sizes[0]);
+    Expected<PosedSize> found = search.LookForLimbs(size.scale, sizes[0]);
     return found ? search.Downhill(*found, kWideStep) : found;
   };
   if (Status ok = ImproveEach(with_limbs, 1, limbs); !ok) return Forward(ok);
-  const Expected<PosedSize> found = search.Downhill(with_limbs[0], kNarrowStep);
+  Expected<PosedSize> found = search.Downhill(with_limbs[0], kNarrowStep);
   if (!found) return found;
-  const Expected<PosedSize> started = search.StartWorstAgain(*found);
+  Expected<PosedSize> started = search.StartWorstAgain(*found);
   if (!started) return started;
-  const Expected<PosedSize> again = search.Downhill(*started, kNarrowStep);
+  Expected<PosedSize> again = search.Downhill(*started, kNarrowStep);
   return !again || again->cost < found->cost ? again : found;
 }
 
