@@ -13,6 +13,7 @@
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/fit_clouds.h"
+#include "fitting/clouds/frame_doubt.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/evidence/detector_points.h"
@@ -63,10 +64,10 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   PoseState state = StateOf(fit.motion, body);
   UncertainMotion uncertain(fit.motion);
   const bool stated = !fit.motion.position_cov.empty();
-  const std::vector<double> error =
-      BodyErrors(*fit.motion.skeleton, BodyScale(*fit.motion.skeleton, fit.motion.bone_length));
   const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
+  const std::vector<double> error = BodyErrors(*fit.motion.skeleton, scale);
   std::vector<double> little_seen(clouds.size(), 0.0);  // m, of frames without rays
+  std::vector<double> residual(clouds.size(), 0.0);     // m, root mean square
   std::vector<double> residuals;
   const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
@@ -95,7 +96,10 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
         std::vector<double> of_body = error;
         std::vector<bool> shown;
         for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
+        const double factor =
+            BodyErrorFactor(ResidualOf(MatchPoints(body, state, f, cloud, cloud_options.max_distance)));
         for (std::size_t j = 0; j < joints; ++j) {
+          of_body[j] *= factor;
           if (!shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
         }
         const std::vector<Vector3d> body_turn = BodyTurns(*fit.motion.skeleton, fit.motion.bone_length, of_body);
@@ -103,17 +107,21 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
         uncertain.Set(f, *uncertainty, of_body, body_turn);
       }
     }
-    for (const CloudMatch& match : MatchPoints(body, state, f, cloud, cloud_options.max_distance))
-      residuals.push_back(std::abs(match.distance));
+    const std::vector<CloudMatch> matches = MatchPoints(body, state, f, cloud, cloud_options.max_distance);
+    for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
+    residual[at] = ResidualOf(matches);
   }
   const Motion given = std::move(fit.motion);
   fit.motion = MotionOf(state, given.skeleton, given.rate);
   fit.motion.state = given.state;
   if (stated) uncertain.Write(fit.motion);
   fit.findings.erase(std::remove_if(fit.findings.begin(), fit.findings.end(),
-                                    [](const Finding& finding) { return finding.code == kLittleSeen; }),
+                                    [](const Finding& finding) {
+                                      return finding.code == kLittleSeen || finding.code == kPoorlyExplained;
+                                    }),
                      fit.findings.end());
   ReportLittleSeen(little_seen, fit.findings);
+  ReportPoorlyExplained(residual, fit.findings);
   SetResiduals(std::move(residuals), fit);
   return {};
 }

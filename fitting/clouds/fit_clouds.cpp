@@ -12,9 +12,9 @@
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
+#include "fitting/clouds/frame_doubt.h"
 #include "fitting/clouds/limb_search.h"
 #include "fitting/clouds/uncertain_motion.h"
-#include "fitting/costs/huber.h"
 #include "fitting/frames_without_evidence.h"
 
 namespace mocurate {
@@ -74,12 +74,8 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
       const bool is_observed = shown.joint.back() && shown.error.back() <= kGuessedError;
       result.motion.state.push_back(is_observed ? JointState::kObserved : JointState::kInferred);
     }
-    double squares = 0.0;
-    for (const CloudMatch& match : matches) {
-      residuals.push_back(std::abs(match.distance));
-      squares += Square(match.distance);
-    }
-    shown.residual.push_back(std::sqrt(squares / std::max(1.0, static_cast<double>(matches.size()))));
+    for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
+    shown.residual.push_back(ResidualOf(matches));
   }
   SetResiduals(std::move(residuals), result);
   return shown;

@@ -10,6 +10,7 @@
 #include "core/geometry/symmetric.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/flesh_calibration.h"
+#include "fitting/clouds/frame_doubt.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"

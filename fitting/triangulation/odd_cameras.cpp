@@ -23,10 +23,6 @@ Finding WarningOfCamera(const std::string& code, double value, const std::string
   return finding;
 }
 
-double ShareLeftOut(const CameraAgreement& camera) {
-  return camera.detections > 0 ? static_cast<double>(camera.left_out) / camera.detections : 0.0;
-}
-
 std::string PercentOf(double share) { return std::to_string(std::lround(100.0 * share)); }
 
 }  // namespace
@@ -55,11 +51,8 @@ void TellOfCameras(const KeypointReport& report, const std::vector<double>& unse
           "camera " + name + " shows nothing of the person in " + PercentOf(unseen[v]) + " % of its frames",
           "fitted without it there"));
     }
-    const double share = ShareLeftOut(camera);
-    double others = 0.0;
-    for (const CameraAgreement& other : report.cameras) {
-      if (&other != &camera) others = std::max(others, ShareLeftOut(other));
-    }
+    const double share = camera.left_out_share();
+    const double others = MostLeftOutElsewhere(report.cameras, v);
     if (!camera.disagrees && report.cameras.size() > 2 && share > kNotableShare && share > kNotableRatio * others) {
       findings.push_back(WarningOfCamera("camera_disagrees_in_part", share,
                                          "camera " + name + " disagrees with the others in part: " + PercentOf(share) +

@@ -192,19 +192,22 @@ std::vector<Matrix3d> RelativePrecision(const std::vector<Matrix3d>& covariance,
 }
 
 void NameTheOddOnes(std::vector<CameraAgreement>& cameras) {
-  const auto share = [](const CameraAgreement& camera) {
-    return camera.detections > 0 ? static_cast<double>(camera.left_out) / camera.detections : 0.0;
-  };
-  for (CameraAgreement& camera : cameras) {
-    double others = 0.0;
-    for (const CameraAgreement& other : cameras) {
-      if (&other != &camera) others = std::max(others, share(other));
-    }
-    camera.disagrees = cameras.size() > 2 && share(camera) > kOddShare && share(camera) > kOddRatio * others;
+  for (std::size_t v = 0; v < cameras.size(); ++v) {
+    const double share = cameras[v].left_out_share();
+    cameras[v].disagrees =
+        cameras.size() > 2 && share > kOddShare && share > kOddRatio * MostLeftOutElsewhere(cameras, v);
   }
 }
 
 }  // namespace
+
+double MostLeftOutElsewhere(const std::vector<CameraAgreement>& cameras, std::size_t own) {
+  double most = 0.0;
+  for (std::size_t v = 0; v < cameras.size(); ++v) {
+    if (v != own) most = std::max(most, cameras[v].left_out_share());
+  }
+  return most;
+}
 
 TriangulationView::TriangulationView(const Camera& calibrated)
     : camera(calibrated),

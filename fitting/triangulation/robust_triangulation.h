@@ -66,7 +66,12 @@ struct CameraAgreement {
   int left_out = 0;        ///< of them further off than the limit
   double median_px = 0.0;  ///< median distance of all of them from the point that the agreeing views gave
   bool disagrees = false;  ///< most are left out, at least four times the share of the other cameras
+
+  double left_out_share() const { return detections > 0 ? static_cast<double>(left_out) / detections : 0.0; }
 };
+
+/// The largest share that any camera but the `own` one has left out.
+double MostLeftOutElsewhere(const std::vector<CameraAgreement>& cameras, std::size_t own);
 
 struct TriangulatedTracks {
   JointPositions positions;         ///< (F,K,3) world; 0 where not found

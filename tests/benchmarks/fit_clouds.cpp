@@ -5,7 +5,8 @@
 // name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
 // 30 mm RMS of noise, alone and together with the clouds), gap (frames in the middle in which nobody is
 // seen, and errors after them), stills (1: the frame in the middle of each clip is all that is known of its person),
-// alone (1: each clip is all that is known of its person), hidden (a joint's number: no view shows what lies within 0.2
+// alone (1: each clip is all that is known of its person), views (bodies are known from all views, poses from so many
+// of them, one at least), hidden (a joint's number: no view shows what lies within 0.2
 // m of it; what is stated of it is told).
 #include <algorithm>
 #include <cstdio>
@@ -183,7 +184,7 @@ int main(int argc, char** argv) {
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   for (const auto& [name, value] : given) Set(name, value, options, wanted);
   const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
-  if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
+  if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_DATA\n"), 2;
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   Spent spent;
   FitScore all;
@@ -210,7 +211,8 @@ int main(int argc, char** argv) {
     }
     for (const CloudTake& take : of_person) {
       std::vector<DepthView> views = take.evidence.depth_views;
-      if (given.count("views") != 0) views.resize(std::min(views.size(), static_cast<std::size_t>(given["views"])));
+      if (given.count("views") != 0)
+        views.resize(std::clamp<std::size_t>(static_cast<std::size_t>(given["views"]), 1, views.size()));
       auto clouds = Fuse(views, options, spent);
       if (!clouds) return std::fprintf(stderr, "%s\n", clouds.error().Message().c_str()), 1;
       for (const FusedCloud& cloud : *clouds) points += cloud.size();
