@@ -14,10 +14,10 @@ if [ ${#benchmarks[@]} -eq 0 ]; then
   echo "benchmark.sh: no benchmark is named '$name'; there are: $(cd tests/benchmarks && basename -s .cpp *.cpp | xargs)" >&2
   exit 2
 fi
-if [ -d ../shared/data ] && [ -z "${MOCURATE_TEST_DATA:-}" ]; then
-  export MOCURATE_TEST_DATA="$PWD/build/test-data"
-  mkdir -p "$MOCURATE_TEST_DATA"
-  bash ../shared/data/unpack.sh "$MOCURATE_TEST_DATA" >/dev/null
+if [ -d ../shared/data ] && [ -z "${MOCURATE_DATA:-}" ]; then
+  export MOCURATE_DATA="$PWD/build/test-data"
+  mkdir -p "$MOCURATE_DATA"
+  bash ../shared/data/unpack.sh "$MOCURATE_DATA" >/dev/null
 fi
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 cmake --preset benchmark

@@ -6,9 +6,9 @@ scripts/install.sh tests
 preset=${1:-asan}
 shift || true
 if [ -d ../shared/data ]; then
-  export MOCURATE_TEST_DATA="$PWD/build/test-data"
-  mkdir -p "$MOCURATE_TEST_DATA"
-  bash ../shared/data/unpack.sh "$MOCURATE_TEST_DATA" >/dev/null
+  export MOCURATE_DATA="$PWD/build/test-data"
+  mkdir -p "$MOCURATE_DATA"
+  bash ../shared/data/unpack.sh "$MOCURATE_DATA" >/dev/null
   export MOCURATE_GOLDENS="$(cd ../shared/goldens && pwd)"
 fi
 # A crash of a library is a signal there too: readers that are tried with damaged files tell it from an answer.

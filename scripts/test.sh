@@ -5,9 +5,9 @@ cd "$(dirname "$0")/.."
 scripts/install.sh tests
 
 if [ -d ../shared/data ]; then
-  export MOCURATE_TEST_DATA="$PWD/build/test-data"
-  mkdir -p "$MOCURATE_TEST_DATA"
-  bash ../shared/data/unpack.sh "$MOCURATE_TEST_DATA" >/dev/null
+  export MOCURATE_DATA="$PWD/build/test-data"
+  mkdir -p "$MOCURATE_DATA"
+  bash ../shared/data/unpack.sh "$MOCURATE_DATA" >/dev/null
   export MOCURATE_GOLDENS="$(cd ../shared/goldens && pwd)"
 else
   echo "test.sh: ../shared/data is not here: tests on recorded data will be skipped and say so"
@@ -20,7 +20,7 @@ log=build/test/ctest.log
 status=0
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1  # tests run side by side
 ctest --test-dir build/test --output-on-failure -j "$(nproc)" "$@" 2>&1 | tee "$log" || status=$?
-if [ -n "${MOCURATE_TEST_DATA:-}" ] && grep -E '\*\*\*Skipped|\(Skipped\)' "$log"; then
+if [ -n "${MOCURATE_DATA:-}" ] && grep -E '\*\*\*Skipped|\(Skipped\)' "$log"; then
   echo "test.sh: the tests above were skipped although ../shared/data is here: that is a failure" >&2
   exit 1
 fi

@@ -219,8 +219,8 @@ TEST(LeftHandedDeclaredRightHanded, ASyntheticCaptureIsFlaggedFromItsMotionAndNo
 }
 
 TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const Folder folder;
   fs::create_directories(folder / "kard");
   for (const char* clip : {"a12_s01_e01", "a12_s01_e02", "a17_s01_e01", "a17_s01_e02", "a18_s01_e01", "a18_s01_e02"}) {
@@ -253,8 +253,8 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
 class MistakenDeclaration : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("MOCURATE_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    const char* data = std::getenv("MOCURATE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
     fs::create_directories(folder_ / "kard");
     for (const char* clip :
          {"a01_s01_e01", "a03_s02_e01", "a12_s01_e01", "a12_s01_e02", "a17_s01_e01", "a17_s01_e02", "a18_s01_e01",

@@ -26,8 +26,8 @@ using ::testing::HasSubstr;
 class FitVerbs : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-    data_ = std::getenv("MOCURATE_TEST_DATA");
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
+    data_ = std::getenv("MOCURATE_DATA");
   }
 
   Result Fit(const fs::path& path, std::vector<std::string> more) {

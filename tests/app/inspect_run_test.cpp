@@ -73,8 +73,8 @@ TEST(InspectRun, AFolderOfRunsNamesThemAndTheirFilesAreKnown) {
 }
 
 TEST(Comparison, NeverCostsTheFittedDatasetAndIsSaidBeforeTheWork) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const Folder folder;
   fs::create_directories(folder / "kard");
   for (const char* clip : {"a12_s01_e01", "a17_s01_e01"}) {

@@ -47,8 +47,8 @@ double LargestBoneSpread(const Motion& motion) {
 class Reannotation : public testing::TestWithParam<RecordedSet> {};
 
 TEST_P(Reannotation, GivesClipsOfConstantBonesAndAPageForEach) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const RecordedSet& set = GetParam();
   const Folder folder;
   CopyMatching(fs::path(data) / set.folder, std::regex(set.files), folder / "files");

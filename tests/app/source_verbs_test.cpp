@@ -27,8 +27,8 @@ using ::testing::Not;
 class Declarations : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-    data_ = std::getenv("MOCURATE_TEST_DATA");
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
+    data_ = std::getenv("MOCURATE_DATA");
   }
 
   /// Writes the declaration of some files of a recorded set, each at its place; gives what is to be filled in.
@@ -357,8 +357,8 @@ TEST(DoctorOfASource, KnowsEveryRecipeAndSaysWhereEachComesFrom) {
 }
 
 TEST(DoctorOfASource, IsContentWithAFolderThatHasItAll) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const Folder folder;
   const Result result = RunProgram(folder, {"doctor", "--source", "kard"});
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -73,15 +73,15 @@ TEST(ConfigInclude, EmbeddedFilesAreFoundByName) {
   const std::vector<std::string> paths = ResourcePaths();
   if (paths.empty()) GTEST_SKIP() << "nothing is embedded";
   const std::string name = paths.front();
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) ::setenv("MOCURATE_TEST_DATA", "data", 1);  // embedded configurations may refer to it
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) ::setenv("MOCURATE_DATA", "data", 1);  // embedded configurations may refer to it
   const ScratchFolder folder;
   ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: resource:" + name + "\nown: 1\n"));
   const auto node = LoadConfig(folder / "main.yaml");
   ASSERT_TRUE(node) << node.error().Message();
   EXPECT_GT(node->mapping.size(), 1u);
   EXPECT_TRUE(LoadConfig("resource:" + name));
-  if (data == nullptr) ::unsetenv("MOCURATE_TEST_DATA");
+  if (data == nullptr) ::unsetenv("MOCURATE_DATA");
   ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: resource:" + name + "x\n"));
   EXPECT_THAT(LoadMessage(folder), HasSubstr("no such embedded file (resource:" + name + "x) (did you mean '" + name));
 }

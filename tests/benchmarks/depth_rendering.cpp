@@ -1,5 +1,5 @@
 // Depth images per second of one core: capsules and the skinned body, Kinect v2's image, with and without the sensor's
-// errors and PNG. The skinned body needs MOCURATE_TEST_DATA. Usage: bench_depth_rendering [REPEATS]
+// errors and PNG. The skinned body needs MOCURATE_DATA. Usage: bench_depth_rendering [REPEATS]
 
 #include <cstdlib>
 #include <optional>
@@ -50,7 +50,7 @@ int Run(int repeats) {
   if (!capsules) return std::fprintf(stderr, "%s\n", capsules.error().Message().c_str()), 1;
   Measure("capsules", capsules->front(), false, repeats);
   Measure("capsules, sensor, PNG", capsules->front(), true, repeats);
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) return 0;
   const auto body = ReadBodyTemplate(std::filesystem::path(data) / "body_cc0/body_cc0.h5");
   if (!body) return std::fprintf(stderr, "%s\n", body.error().Message().c_str()), 1;

@@ -34,7 +34,7 @@ struct RigTake {
 
 std::vector<RigTake> TakesOf(int rig, CloudTakeOptions wanted, const std::filesystem::path& folder) {
   std::vector<RigTake> takes;
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) return takes;
   if (rig == 1) {
     for (int begin = 0; begin + wanted.frames <= 48; begin += wanted.frames) {
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_fit_clouds", wanted);
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   const std::vector<RigTake> takes = TakesOf(static_cast<int>(given["rig"]), wanted, folder);
-  if (takes.empty()) return std::fprintf(stderr, "no clips: set MOCURATE_TEST_DATA\n"), 2;
+  if (takes.empty()) return std::fprintf(stderr, "no clips: set MOCURATE_DATA\n"), 2;
   double seconds = 0.0;
   int found = 0, wrong = 0, faulty = 0, audited_clips = 0, refused = 0;
   std::vector<double> before_mm, after_mm, before_deg, after_deg, loss, loss_after;

@@ -9,7 +9,7 @@
 #include "tests/fitting/track_problems.h"
 
 // Frames per second of one core and what they buy. Needs the reference problems (MOCURATE_REFERENCE, or beside
-// MOCURATE_GOLDENS) and the unpacked data (MOCURATE_TEST_DATA). Run with OPENBLAS_NUM_THREADS=1.
+// MOCURATE_GOLDENS) and the unpacked data (MOCURATE_DATA). Run with OPENBLAS_NUM_THREADS=1.
 namespace mocurate {
 namespace {
 
@@ -94,7 +94,7 @@ void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, Track
 
 void RegisterAll() {
   const std::filesystem::path problems = ReferenceFolder();
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  const char* data = std::getenv("MOCURATE_DATA");
   for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
     for (const double tolerance : {1e-4, 1e-6}) {
       const std::string method =

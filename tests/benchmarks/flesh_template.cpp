@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
   wanted.frames = 30;
   const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_flesh_template", wanted);
   const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
-  if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
+  if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_DATA\n"), 2;
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
   const PointCloudOptions options;

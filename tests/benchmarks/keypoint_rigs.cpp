@@ -42,7 +42,7 @@ double ErrorOf(const SkeletonTracks& tracks, const Motion& truth) {
 
 std::vector<RigTake> TrialTakes(int frames, int every) {
   std::vector<RigTake> takes;
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) return takes;
   for (const char* trial : {"single", "two"}) {
     const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", trial);

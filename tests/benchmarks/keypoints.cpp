@@ -238,9 +238,9 @@ int main(int argc, char** argv) {
   }
   std::optional<BodyTemplate> shapes;
   if (body_25) {
-    const char* data = std::getenv("MOCURATE_TEST_DATA");
+    const char* data = std::getenv("MOCURATE_DATA");
     auto read = ReadBodyTemplate(std::filesystem::path(data != nullptr ? data : "") / "body_cc0/body_cc0.h5");
-    if (!read) return std::fprintf(stderr, "no body: set MOCURATE_TEST_DATA\n"), 2;
+    if (!read) return std::fprintf(stderr, "no body: set MOCURATE_DATA\n"), 2;
     shapes = std::move(*read);
   }
   auto takes = Perform(static_cast<int>(argument(1, 60)), static_cast<int>(argument(2, 4)), detector,

@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   studio.actions = {"throw", "sit_down", "hand_waving", "kick_something"};
   studio.tracker = KinectTracker();
   studio.rig.clock_offset_s = 0.1;
-  if (const char* data = std::getenv("MOCURATE_TEST_DATA")) studio.body = fs::path(data) / "body_cc0" / "body_cc0.h5";
+  if (const char* data = std::getenv("MOCURATE_DATA")) studio.body = fs::path(data) / "body_cc0" / "body_cc0.h5";
   const fs::path folder = argc > 3 ? argv[3] : "/tmp/bench_ntu_depth";
   if (!fs::exists(folder)) {
     if (!WriteStudioLayout(studio, folder / "set", 1)) return 1;

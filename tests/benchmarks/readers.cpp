@@ -1,4 +1,4 @@
-// bench_readers FOLDER make: a folder per set of files below FOLDER, recorded ones from $MOCURATE_TEST_DATA, others
+// bench_readers FOLDER make: a folder per set of files below FOLDER, recorded ones from $MOCURATE_DATA, others
 // made. bench_readers FOLDER SET|all [REPEATS]: every file of a set, already in memory, through its reader; a JSON line
 // each. bench_readers FOLDER SET memory: every file of a set from the disk, one at a time; a JSON line with the peak
 // memory. readers.py reads the same folders with NumPy and Python, compare_readers.py runs both sides.
@@ -52,7 +52,7 @@ bool ReadTable(const std::string& bytes, int rows_per_frame) {
 
 struct Set {
   const char* name;
-  const char* recorded;  ///< folder below $MOCURATE_TEST_DATA; null: made
+  const char* recorded;  ///< folder below $MOCURATE_DATA; null: made
   const char* ending;
   Read read;
 };
@@ -197,8 +197,8 @@ std::vector<std::pair<std::string, std::string>> Made(const std::string& set) {
 }
 
 int Make(const fs::path& folder) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) return std::fprintf(stderr, "MOCURATE_TEST_DATA is not set\n"), 1;
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) return std::fprintf(stderr, "MOCURATE_DATA is not set\n"), 1;
   for (const Set& set : kSets) {
     const fs::path own = folder / set.name;
     fs::remove_all(own);

@@ -1,5 +1,5 @@
 // How the studio's people move beside recorded ones: a Markdown table of speeds, jerk and joint ranges per class.
-// Needs the unpacked data (MOCURATE_TEST_DATA). Usage: bench_studio_realism [SEED]
+// Needs the unpacked data (MOCURATE_DATA). Usage: bench_studio_realism [SEED]
 
 #include <unistd.h>
 
@@ -187,8 +187,8 @@ constexpr const char* kTracked[] = {"walk",       "high_arm_wave", "two_hand_wav
                                     "drink",      "phone_call",    "sit_down",      "stand_up"};
 
 int Run(std::int64_t seed) {
-  const char* unpacked = std::getenv("MOCURATE_TEST_DATA");
-  if (unpacked == nullptr) return std::fprintf(stderr, "MOCURATE_TEST_DATA is not set\n"), 1;
+  const char* unpacked = std::getenv("MOCURATE_DATA");
+  if (unpacked == nullptr) return std::fprintf(stderr, "MOCURATE_DATA is not set\n"), 1;
   const std::string data = unpacked;
   const fs::path scratch = fs::temp_directory_path() / ("studio_realism_" + std::to_string(getpid()));
   fs::create_directories(scratch);

@@ -108,8 +108,8 @@ TEST(BodySpread, CoversWhereTheUnseenJointsOfOtherBodiesAre) {
 
 /// Of bodies between the man and the woman, all brought to the skeleton's size.
 TEST(BodySpread, IsWhatTheShapesOfTheTemplateDifferBy) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "no shapes: set MOCURATE_TEST_DATA";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "no shapes: set MOCURATE_DATA";
   const auto body = ReadBodyTemplate(std::filesystem::path(data) / "body_cc0" / "body_cc0.h5");
   ASSERT_TRUE(body.has_value()) << body.error().Message();
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");

@@ -131,8 +131,8 @@ TEST(WithShape, KeepsTheSizeAndSkeletonsThatHaveNoTemplate) {
 
 /// Bones of the man and the woman that the components were found in.
 TEST(FleshShape, ExplainsBonesOfManAndWoman) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto body = ReadBodyTemplate(std::filesystem::path(data) / "body_cc0" / "body_cc0.h5");
   ASSERT_TRUE(body) << body.error().Message();
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");

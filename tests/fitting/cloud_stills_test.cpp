@@ -49,8 +49,8 @@ Expected<Still> ReadStill(const std::filesystem::path& folder, const std::string
 
 /// Each still is all that is known of its person.
 TEST(RenderedStills, AreFittedOneByOneWithoutKnowingTheFacing) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(data) / "clouds" / "rendered_body";
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   PointCloudOptions options;
@@ -78,8 +78,8 @@ TEST(RenderedStills, AreFittedOneByOneWithoutKnowingTheFacing) {
 
 /// One moment of three views tells not which camera is wrong, but that one is.
 TEST(RenderedStills, SurfacesTellThatTheDepthsOfOneCameraAreATenthTooLong) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(data) / "clouds" / "rendered_body";
   for (const char* name : {"male_tpose", "female_walk_noisy", "child_arms_down"}) {
     const auto still = ReadStill(folder, name);

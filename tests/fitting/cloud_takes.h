@@ -56,10 +56,10 @@ inline SkeletonTracks AtFrames(const SkeletonTracks& tracks, const std::vector<i
   return at;
 }
 
-/// The body's depth, with the sensor's errors, as PNG files in `folder`. Empty without MOCURATE_TEST_DATA's body.
+/// The body's depth, with the sensor's errors, as PNG files in `folder`. Empty without MOCURATE_DATA's body.
 inline std::vector<CloudTake> CloudTakes(const CloudTakeOptions& options, const std::filesystem::path& folder) {
   std::vector<CloudTake> takes;
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) return takes;
   const auto body = ReadBodyTemplate(std::filesystem::path(data) / "body_cc0" / "body_cc0.h5");
   if (!body) return takes;

@@ -17,8 +17,8 @@ namespace {
 class Turntable : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("MOCURATE_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    const char* data = std::getenv("MOCURATE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
     const std::filesystem::path folder = std::filesystem::path(data) / "rgbd100" / "views";
     auto views = TurntableViews(folder);
     ASSERT_TRUE(views) << views.error().Message();

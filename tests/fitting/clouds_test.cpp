@@ -367,8 +367,8 @@ TEST(CloudFit, StampsThatDoNotIncreaseAreRefusedWithTheFrame) {
 class RenderedSequenceFit : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("MOCURATE_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    const char* data = std::getenv("MOCURATE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
     auto read = ReadRenderedSequence(std::filesystem::path(data) / "clouds" / "rendered_seq", 10);
     ASSERT_TRUE(read) << read.error().Message();
     sequence_ = std::move(*read);

@@ -345,7 +345,7 @@ TEST(DepthRigInARoom, ThatIsWellIsLeftAlone) {
   options.frames = 12;
   options.room = true;
   const std::vector<CloudTake> takes = CloudTakes(options, RigFolder("room"));
-  if (takes.empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (takes.empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   for (const CloudTake& take : takes) ExpectLeftAlone(take.evidence.depth_views);
 }
 
@@ -373,8 +373,8 @@ TEST_F(NoisyDepthRig, ExchangedFilesAreExchangedBackAndAMovedCameraIsPutBack) {
 }
 
 TEST(RealDepthRig, OneOfTheRenderedSequencesCamerasIsPutBack) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto read = ReadRenderedSequence(std::filesystem::path(data) / "clouds" / "rendered_seq", 24);
   ASSERT_TRUE(read) << read.error().Message();
   const std::vector<DepthView>& good = read->clip.evidence.depth_views;
@@ -390,8 +390,8 @@ TEST(RealDepthRig, OneOfTheRenderedSequencesCamerasIsPutBack) {
 }
 
 TEST(RealDepthRig, OneOfEightyViewsOfATurningPersonIsPutBack) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto good = TurntableViews(std::filesystem::path(data) / "rgbd100" / "views");
   ASSERT_TRUE(good) << good.error().Message();
   ExpectLeftAlone(*good);

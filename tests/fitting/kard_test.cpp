@@ -11,8 +11,8 @@ namespace {
 class Kard : public testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("MOCURATE_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA (unpacked data) is not set";
+    const char* data = std::getenv("MOCURATE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA (unpacked data) is not set";
     auto skeleton = LoadSkeleton("openni16");
     ASSERT_TRUE(skeleton.has_value()) << skeleton.error().Message();
     skeleton_ = *skeleton;

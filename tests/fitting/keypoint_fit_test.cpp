@@ -302,8 +302,8 @@ LengthAgreement CompareLengths(const std::vector<double>& ours, const std::vecto
 }
 
 TEST(KeypointFit, FlexionOfARecordedTrialFollowsOpenSims) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto folder = std::filesystem::path(data) / "pose2sim";
   const auto fit = FittedKeypoints(ReadPose2Sim(folder, "single"), FrameRate{60, 1});
   ASSERT_TRUE(fit) << fit.error().Message();

@@ -13,7 +13,7 @@
 
 namespace mocurate {
 
-/// Takes of 12 frames, with a Kinect's errors; skipped without MOCURATE_TEST_DATA's body.
+/// Takes of 12 frames, with a Kinect's errors; skipped without MOCURATE_DATA's body.
 template <std::uint64_t seed, int clips>
 class NoisyDepthTakes : public testing::Test {
  protected:
@@ -28,7 +28,7 @@ class NoisyDepthTakes : public testing::Test {
   }
 
   void SetUp() override {
-    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (takes_->empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 
   static const std::vector<CloudTake>& takes() { return *takes_; }

@@ -228,8 +228,8 @@ TEST(RigAudit, StandsInOneLineOfProvenance) {
 class AlteredTrial : public testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("MOCURATE_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    const char* data = std::getenv("MOCURATE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
     folder_ = std::filesystem::path(data) / "pose2sim";
     evidence_ = ReadPose2Sim(folder_, "single");
   }

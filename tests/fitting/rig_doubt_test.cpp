@@ -74,8 +74,8 @@ TEST(Confidence, IsNoneInWhatOnlyRoundingTellsApart) {
 
 /// Both recorded trials of one rig, whose third camera stands elsewhere.
 TEST(RigDoubt, PiecesOfRecordedTrialsInventNoMoves) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   int third = 0;
   for (const char* trial : {"single", "two"}) {
     const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", trial);
@@ -107,8 +107,8 @@ void Delay(KeypointView& view, int frames) {
 
 /// Somebody walks before a rig whose third camera stands elsewhere: a clock and a place look alike there.
 TEST(RigDoubt, ADelayedCameraOfARecordedTrialIsOffByWhatIsSaid) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", "single");
   for (const std::size_t late : {0u, 1u, 3u}) {
     Evidence evidence = whole;
@@ -163,8 +163,8 @@ TEST(RigDoubt, AMirroredImageIsNamedAndTurnedBackAndNoMovedCamera) {
 
 /// Bystanders whom no other view sees hide how much better the rig agrees.
 TEST(RigDoubt, AMirroredImageOfARecordedTrialWithBystandersIsNamed) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   for (const char* trial : {"single", "two"}) {
     const Evidence whole = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", trial);
     for (std::size_t v = 0; v < 4; ++v) {

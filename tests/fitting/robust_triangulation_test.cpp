@@ -163,8 +163,8 @@ std::vector<ViewKeypoints> ReadTrial(const std::filesystem::path& rig, const std
 }
 
 TEST(TriangulateViews, FindsThePersonOfARecordedTrialAndTheCameraThatDisagrees) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   int frames = 0;
   const auto views = ReadTrial(std::filesystem::path(data) / "pose2sim", "single", frames);
   const TriangulatedTracks tracks = TriangulateViews(views, frames, 25, {});

@@ -90,14 +90,14 @@ inline Script AtTwiceTheRate(Script script) {
 }
 
 /// Clips of `subjects` people, all 12 classes each; with `variants` all 34. Bodies are shapes of body_cc0
-/// (MOCURATE_TEST_DATA), or smpl24 with other proportions where that is not there. 30 Hz, or 15 Hz.
+/// (MOCURATE_DATA), or smpl24 with other proportions where that is not there. 30 Hz, or 15 Hz.
 inline std::vector<StudioClip> StudioClips(std::uint64_t seed, int subjects, bool variants,
                                            const StudioClipErrors& errors, double rate_hz = 30.0) {
   std::vector<StudioClip> clips;
   const auto skeleton = LoadSkeleton("smpl24");
   if (!skeleton) return clips;
   std::optional<BodyTemplate> body;
-  if (const char* data = std::getenv("MOCURATE_TEST_DATA")) {
+  if (const char* data = std::getenv("MOCURATE_DATA")) {
     if (auto read = ReadBodyTemplate(std::filesystem::path(data) / "body_cc0" / "body_cc0.h5")) body = std::move(*read);
   }
   StudioOptions options;

@@ -212,8 +212,8 @@ TEST(Amass, AShapeFileHoldsNoMotion) {
 }
 
 TEST(Amass, ThePublishedSampleIsReadWhole) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto bytes = ReadFile(std::filesystem::path(data) / "amass_babel/amass_sample.npz");
   ASSERT_TRUE(bytes) << bytes.error().Message();
   const auto amass = ParseAmass(*bytes, "amass_sample.npz");

@@ -96,7 +96,7 @@ TEST(BvhByAssimp, ReadsJointsFramesRateAndPlacesAsWeWroteThem) { ExpectAssimpRea
 
 TEST(BvhByAssimp, ReadsARecordedClipThatWeWroteAgain) {
   const std::filesystem::path folder = RecordedData("bvh/bandai1");
-  if (folder.empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA has no bvh/bandai1";
+  if (folder.empty()) GTEST_SKIP() << "MOCURATE_DATA has no bvh/bandai1";
   const auto files = FilesEndingIn(folder, ".bvh");
   ASSERT_FALSE(files.empty());
   ExpectAssimpReads(ParseBvh(Bytes(files[0]), "clip").value(), 1e-2);

@@ -200,8 +200,8 @@ struct Fact {
 class BvhExporters : public ::testing::TestWithParam<Fact> {};
 
 TEST_P(BvhExporters, ReadsAsItsFactsSay) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const Fact& fact = GetParam();
   const auto bvh = ParseBvh(ReadAll(std::string(data) + "/bvh/misc/" + fact.file), fact.file);
   ASSERT_TRUE(bvh) << bvh.error().Message();

@@ -15,9 +15,9 @@
 
 namespace mocurate {
 
-/// Below $MOCURATE_TEST_DATA; empty where the variable is not set or the set is not there.
+/// Below $MOCURATE_DATA; empty where the variable is not set or the set is not there.
 inline std::filesystem::path RecordedData(const std::string& below) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
+  const char* data = std::getenv("MOCURATE_DATA");
   const std::filesystem::path path = std::filesystem::path(data != nullptr ? data : "") / below;
   return data != nullptr && std::filesystem::exists(path) ? path : std::filesystem::path();
 }

@@ -15,7 +15,7 @@ namespace mocurate::test {
 
 /// The bytes of a recorded file; the test is skipped by the caller when empty.
 inline std::string RecordedFile(const std::string& path) {
-  const char* folder = std::getenv("MOCURATE_TEST_DATA");
+  const char* folder = std::getenv("MOCURATE_DATA");
   if (folder == nullptr) return {};
   const auto bytes = ReadFile(std::filesystem::path(folder) / path);
   return bytes ? *bytes : std::string();
@@ -23,7 +23,7 @@ inline std::string RecordedFile(const std::string& path) {
 
 #define MOCURATE_RECORDED(variable, path)                            \
   const std::string variable = ::mocurate::test::RecordedFile(path); \
-  if (variable.empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA has no " << (path)
+  if (variable.empty()) GTEST_SKIP() << "MOCURATE_DATA has no " << (path)
 
 /// The message of a failed parse; "parsed" when it did not fail.
 using MessageOf = std::function<std::string(const std::string& bytes)>;

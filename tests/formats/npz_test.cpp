@@ -126,8 +126,8 @@ TEST(Npz, WhatIsUnpackedIsBounded) {
 }
 
 TEST(Npz, APackedArchiveIsRead) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto bytes = ReadFile(std::filesystem::path(data) / "pose2sim/reference_3d_own_dlt.npz");
   ASSERT_TRUE(bytes) << bytes.error().Message();
   const auto npz = ParseNpz(*bytes, "reference");

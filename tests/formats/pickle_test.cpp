@@ -255,8 +255,8 @@ TEST(Pickle, AMissingKeyOrAWrongKindIsNamedByItsPath) {
 }
 
 TEST(Pickle, TheCamerasOfPhspdAreRead) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   for (const char* file : {"CamParams0906.pkl", "CamParams0909.pkl"}) {
     const auto bytes = ReadFile(std::filesystem::path(data) / "cameras/phspd" / file);
     ASSERT_TRUE(bytes) << bytes.error().Message();

@@ -10,8 +10,8 @@ namespace mocurate {
 namespace {
 
 TEST(Calibration, OfAPublishedRigIsReadAsRigidCamerasAroundTheSubject) {
-  const char* folder = std::getenv("MOCURATE_TEST_DATA");
-  if (folder == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA (folder of the test data) is not set";
+  const char* folder = std::getenv("MOCURATE_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "MOCURATE_DATA (folder of the test data) is not set";
   std::ifstream stream(std::string(folder) + "/pose2sim/calib_converted.json");
   ASSERT_TRUE(stream.good());
   const nlohmann::json rig = nlohmann::json::parse(stream);

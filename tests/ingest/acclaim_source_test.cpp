@@ -16,7 +16,7 @@ constexpr double kAcclaimMetres = 0.0254 / 0.45;  // per unit of the files
 class Acclaim : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 };
 

@@ -75,7 +75,7 @@ TEST(BabelSegments, AreSortedCutAtTheEndAndLeftOutWhereTheyCannotBe) {
 class AmassSource : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     const auto read = ReadFile(TestData() + "/amass_babel/amass_sample.npz");
     ASSERT_TRUE(read);
     bytes_ = *read;

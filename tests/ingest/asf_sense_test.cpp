@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 class AsfSense : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
     skeleton_ = Cmu("01.asf");
     Written("01_01.amc", Cmu("01_01.amc"));

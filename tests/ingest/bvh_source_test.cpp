@@ -132,7 +132,7 @@ TEST(BvhSource, AJointThatTheSkeletonDoesNotKnowIsRefused) {
 }
 
 TEST(BvhSource, AllOfBandai2IsReadToAMicrometre) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto discovery = Discover(Declared("bandai2"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 120u);
@@ -159,7 +159,7 @@ TEST(BvhSource, AllOfBandai2IsReadToAMicrometre) {
 }
 
 TEST(BvhSource, APersonWhoStandsStillIsOnTheSameSkeletonAsOneWhoMoves) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto discovery = Discover(Declared("bandai2"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   const auto bytes = ReadFile(discovery->items[0].inputs[0].path);
@@ -182,7 +182,7 @@ TEST(BvhSource, APersonWhoStandsStillIsOnTheSameSkeletonAsOneWhoMoves) {
 }
 
 TEST(BvhSource, OtherExportersAreReadOnTheirOwnSkeletons) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   IngestOptions options = SmallSource("misc", "");
   options.path = TestData() + "/bvh/misc";
   options.source.files = "{file_name}.bvh";
@@ -209,7 +209,7 @@ TEST(BvhSource, OtherExportersAreReadOnTheirOwnSkeletons) {
 }
 
 TEST(BvhSource, AMirroredPersonOnATreeOfItsOwnIsFlagged) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   IngestOptions options = Declared("bandai2");
   options.path = FreshFolder("bandai_mirrored");
   const auto bytes = ReadFile(TestData() + "/bvh/misc/olafhaag_walk01.bvh");

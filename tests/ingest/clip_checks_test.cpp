@@ -106,7 +106,7 @@ std::vector<std::string> Repeated(const std::string& source, const std::vector<s
 class RecordedSets : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 };
 

@@ -31,7 +31,7 @@ using Json = nlohmann::json;
 class ContradictingFiles : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
   }
   static std::string Recorded(const std::string& name) { return *ReadFile(TestData() + "/" + name); }

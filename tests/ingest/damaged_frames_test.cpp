@@ -27,7 +27,7 @@ constexpr int kFrame = 40;
 class DamagedFrames : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
   }
   static std::string Recorded() { return *ReadFile(TestData() + "/bvh/bandai1/" + kTake); }

@@ -27,7 +27,7 @@ using Json = nlohmann::json;
 class DamagedMocap : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
   }
   static std::string Recorded(const std::string& path) { return *ReadFile(TestData() + "/" + path); }

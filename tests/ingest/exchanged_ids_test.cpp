@@ -89,7 +89,7 @@ TEST(ExchangedIds, OneWhoJumpsAndTwoWhoStandInOneAnotherExchangeNothing) {
 }
 
 TEST(ExchangedIds, AreGivenBackByARunAndToldByAnInspectionOfRecordedPeople) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const char* const name = "S001C003P008R002A058.skeleton";
   const auto recorded = ParseNtuSkeleton(*ReadFile(TestData() + "/ntu/" + name), name);
   ASSERT_TRUE(recorded);

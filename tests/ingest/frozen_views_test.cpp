@@ -48,7 +48,7 @@ TEST(FrozenViews, ImagesWithoutDepthAreBlankAndOthersAreNot) {
 }
 
 TEST(FrozenViews, OfKeypointsAreToldByARunAndAnInspection) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   IngestOptions options = Declared("pose2sim_single");
   const std::filesystem::path from = options.path, folder = FreshFolder("frozen_view");
   std::filesystem::copy_file(from / "Calib.qca.txt", folder / "Calib.qca.txt");

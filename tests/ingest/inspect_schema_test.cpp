@@ -111,7 +111,7 @@ SchemaCheck Schema() {
 }
 
 TEST(InspectSchema, HoldsOfAllRecordedDataWithAndWithoutASource) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   SchemaCheck schema = Schema();
   const Json all = InspectPath(TestData(), std::nullopt);
   EXPECT_GT(all.at("clips").size(), 1000u);

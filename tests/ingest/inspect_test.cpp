@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 fs::path DataFolder() {
-  const char* folder = std::getenv("MOCURATE_TEST_DATA");
+  const char* folder = std::getenv("MOCURATE_DATA");
   return folder == nullptr ? fs::path() : fs::path(folder);
 }
 
 #define NEEDS_DATA() \
-  if (DataFolder().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set"
+  if (DataFolder().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set"
 
 /// Share of clips whose field is told, and told as expected.
 struct Score {

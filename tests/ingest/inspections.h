@@ -36,10 +36,10 @@ inline void ExpectFrame(const nlohmann::json& clip, const nlohmann::json& units,
 class RecordedFormats : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
   static nlohmann::json Look(const std::string& path) {
-    return InspectPath(std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / path, std::nullopt);
+    return InspectPath(std::filesystem::path(std::getenv("MOCURATE_DATA")) / path, std::nullopt);
   }
 };
 

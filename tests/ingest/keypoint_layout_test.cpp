@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 /// The files of one camera of a trial, in order.
 std::vector<OpenPoseFrame> ReadFrames(const std::string& trial, int camera) {
-  const std::filesystem::path folder = std::filesystem::path(std::getenv("MOCURATE_TEST_DATA")) / "pose2sim" / trial /
+  const std::filesystem::path folder = std::filesystem::path(std::getenv("MOCURATE_DATA")) / "pose2sim" / trial /
                                        ("cam0" + std::to_string(camera) + "_json");
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
@@ -65,7 +65,7 @@ std::vector<OpenPosePerson> Reordered(const std::vector<OpenPosePerson>& people,
 class Trials : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 };
 

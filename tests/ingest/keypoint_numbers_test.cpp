@@ -71,7 +71,7 @@ TEST(KeypointNumbers, ASinglePointThatIsSurerThanSureIsNotSeen) {
 }
 
 TEST(KeypointNumbers, ARunAndAnInspectionNameTheFile) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   IngestOptions options = Declared("pose2sim_single");
   const std::filesystem::path from = options.path, folder = FreshFolder("keypoint_far");
   std::filesystem::copy(from / "single", folder / "single", std::filesystem::copy_options::recursive);

@@ -55,7 +55,7 @@ Vector3d At(const JointTracks& tracks, const std::string& name, int frame) {
 class KinectTables : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 };
 

@@ -109,7 +109,7 @@ TEST(LibraryReaders, ArchivesOfArrays) {
 }
 
 TEST(LibraryReaders, TheBodyFile) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::filesystem::path folder = FreshFolder("body");
   const std::string whole = ReadFile(TestData() + "/body_cc0/body_cc0.h5").value();
   ExpectAnswers(whole, [&](const std::string& bytes) {

@@ -76,7 +76,7 @@ TEST_F(ExchangedLimbs, OfStudioClipsAsTheyAreNothingIsToldAndOfExchangedOnesTheT
 class ExchangedKard : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
   }
 };
@@ -100,7 +100,7 @@ TEST_F(ExchangedKard, AKneeAndItsAnkleAreToldByARunAndAnInspection) {
 }
 
 TEST(ShuffledJoints, OfRecordedTablesAreInNoKnownOrder) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   constexpr std::size_t kJoints = 15;
   std::mt19937 random(3);
   const fs::path folder = FreshFolder("shuffled");

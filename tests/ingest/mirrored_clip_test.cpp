@@ -19,14 +19,14 @@ using Json = nlohmann::json;
 class MirroredClip : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
   }
 
   /// UTKinect's `count` first clips; of the one named `mirrored` x is negated.
   Json LookAt(std::size_t count, const std::string& mirrored) {
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(fs::path(std::getenv("MOCURATE_TEST_DATA")) / "kinect/utkinect")) {
+    for (const auto& entry : fs::directory_iterator(fs::path(std::getenv("MOCURATE_DATA")) / "kinect/utkinect")) {
       if (DisplayPath(entry.path().filename()).rfind("carry", 0) == 0) files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());

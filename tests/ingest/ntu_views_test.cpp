@@ -263,7 +263,7 @@ TEST_F(NtuViews, OfTwoPeopleEachIsThemselvesInEveryCamera) {
 }
 
 TEST_F(NtuViews, AFileThatIsAsTheRealOnesGivesItsIntrinsicsAndItsClip) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::string name = "S001C003P008R002A058.skeleton";
   const auto bytes = ReadFile(TestData() + "/ntu/" + name);
   ASSERT_TRUE(bytes);

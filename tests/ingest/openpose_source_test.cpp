@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 class Pose2Sim : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 };
 

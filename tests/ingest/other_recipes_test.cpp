@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 constexpr double kCmuUnit = 0.0254 / 0.45;
 
 TEST(CmuExpmap, RecordedPeopleAreUprightAndWalkForwardsAtAWalkersSpeed) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto discovery = Discover(Declared("cmu_expmap"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   std::map<std::string, int> frames;
@@ -122,7 +122,7 @@ TEST(Cmu8, ClassesStandInATableAndAMotionThatItDoesNotNameIsToldOf) {
 }
 
 TEST(Bandai1, AllOfItIsReadOnTheTreeOfTheSecondSet) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto discovery = Discover(Declared("bandai1"));
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 74u);
@@ -143,7 +143,7 @@ TEST(Bandai1, AllOfItIsReadOnTheTreeOfTheSecondSet) {
 }
 
 TEST(Ntu13, OtherActionsAreLeftOutByRule) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::filesystem::path folder = FreshFolder("ntu13");
   for (const auto& [from, to] : std::map<std::string, std::string>{{"S001C001P001R001A011", "S001C001P001R001A006"},
                                                                    {"S002C001P003R001A003", "S002C001P003R001A102"},

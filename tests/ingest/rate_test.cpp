@@ -23,8 +23,8 @@ class MarkedRates : public WrittenFormats {
  protected:
   void SetUp() override {
     WrittenFormats::SetUp();
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
-    data_ = std::getenv("MOCURATE_TEST_DATA");
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
+    data_ = std::getenv("MOCURATE_DATA");
   }
 
   /// A recorded BVH with another Frame Time, inspected.

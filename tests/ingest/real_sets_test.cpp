@@ -134,7 +134,7 @@ std::vector<Outcome> LookAtAll() {
   std::map<std::string, Json> inspections;
   std::set<std::string> seen;
   for (const RealSet& set : RealSets()) {
-    const fs::path folder = fs::path(std::getenv("MOCURATE_TEST_DATA")) / set.folder;
+    const fs::path folder = fs::path(std::getenv("MOCURATE_DATA")) / set.folder;
     if (inspections.count(set.folder) == 0) inspections[set.folder] = InspectPath(folder, std::nullopt);
     Outcome outcome;
     outcome.set = &set;
@@ -187,7 +187,7 @@ std::string DocumentOf(const std::vector<Outcome>& outcomes) {
       "What is true is in `tests/ingest/real_sets_test.cpp`, which fails where an answer is wrong, or missing without "
       "a "
       "reason.\n"
-      "`MOCURATE_TEST_DATA=DATA MOCURATE_REGENERATE=1 test_ingest --gtest_filter='RealSets*'` makes this page again; "
+      "`MOCURATE_DATA=DATA MOCURATE_REGENERATE=1 test_ingest --gtest_filter='RealSets*'` makes this page again; "
       "numbers behind values are clips.\n"
       "`facing` is a habit of each clip, of which no truth is known: it is not judged.\n\n"
       "| set | files | clips | frames | units | up | handedness | rate, Hz | facing | true? |\n"
@@ -245,7 +245,7 @@ std::string DocumentOf(const std::vector<Outcome>& outcomes) {
 }
 
 TEST(RealSets, NoAnswerIsWrongAndNoneIsMissingWithoutAReason) {
-  if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::vector<Outcome> outcomes = LookAtAll();
   for (const Outcome& outcome : outcomes) {
     EXPECT_GT(outcome.clips, 0) << outcome.set->name;

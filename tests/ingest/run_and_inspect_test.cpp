@@ -61,7 +61,7 @@ TEST(RunAndInspect, APathOfTheRootInCentimetresIsToldOfAmassByBoth) {
 }
 
 TEST_F(RecordedFormats, NumbersThatAreNoPersonsCostTheirJointAndAreToldByBoth) {
-  const fs::path recorded = fs::path(std::getenv("MOCURATE_TEST_DATA")) / "kinect/kard/a01_s01_e01_realworld.txt";
+  const fs::path recorded = fs::path(std::getenv("MOCURATE_DATA")) / "kinect/kard/a01_s01_e01_realworld.txt";
   for (const auto& [row, code] :
        {std::pair<std::string, std::string>{"1e300 4 5", "number_too_large"}, {"1e300 nan inf", "not_a_number"}}) {
     IngestOptions options = Declared("kard");

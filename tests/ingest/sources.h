@@ -19,7 +19,7 @@ namespace mocurate {
 
 /// The folder of unpacked test data, or empty.
 inline std::string TestData() {
-  const char* folder = std::getenv("MOCURATE_TEST_DATA");
+  const char* folder = std::getenv("MOCURATE_DATA");
   return folder == nullptr ? std::string() : std::string(folder);
 }
 

@@ -27,7 +27,7 @@ Vector3d VectorOf(const nlohmann::json& json) {
 
 /// An independent rendering of the skinned body, with its pose and cameras beside it: README of the recorded data.
 TEST(Rendering, TheSkinnedBodyIsWhatAnIndependentRendererSaw) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(TestData()) / "clouds/rendered_body";
   const auto body = ReadBodyTemplate(std::filesystem::path(TestData()) / "body_cc0/body_cc0.h5");
   ASSERT_TRUE(body) << body.error().Message();
@@ -78,7 +78,7 @@ Person Standing(const BodyTemplate* body = nullptr) {
 }
 
 TEST(Rendering, SkinAndCapsulesAreTheSamePersonWithinAFewCentimetres) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto body = ReadBodyTemplate(std::filesystem::path(TestData()) / "body_cc0/body_cc0.h5");
   ASSERT_TRUE(body);
   const Person skinned = Standing(&*body);

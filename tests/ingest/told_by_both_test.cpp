@@ -51,7 +51,7 @@ TEST(ToldByBoth, PeopleWithAnotherNumberOfKeypointsAreCounted) {
 }
 
 TEST(ToldByBoth, AConfidenceOfMsrThatIsNoneIsAnErrorOfItsFile) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const char* const name = "a01_s01_e01_skeleton3D.txt";
   const std::filesystem::path folder = FreshFolder("msr_confidence");
   std::string text = *ReadFile(std::filesystem::path(TestData()) / "kinect/msr_action3d" / name);
@@ -125,7 +125,7 @@ TEST(ToldByBoth, AMemberBesideTheMotionThatWouldRunSomethingIsAWarning) {
 }
 
 TEST(ToldByBoth, ADamagedTableOfExponentialMapsIsNamedAsSuchWithItsRow) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   std::filesystem::path sound;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(TestData() + "/cmu/expmap")) {
     if (entry.is_regular_file() && (sound.empty() || entry.path() < sound)) sound = entry.path();

@@ -31,7 +31,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 class Arrays : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
     options_.path = folder_;
     SourceOptions& source = options_.source;

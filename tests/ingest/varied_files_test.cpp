@@ -106,14 +106,14 @@ std::string Changed(const std::string& text, const TableSet& set, const Change& 
 class VariedFiles : public WrittenFormats {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
     WrittenFormats::SetUp();
   }
 
   /// Every so-many-th file of a set.
   static std::vector<fs::path> FilesOf(const std::string& folder, const std::string& ending, std::size_t wanted) {
     std::vector<fs::path> files, chosen;
-    for (const auto& entry : fs::directory_iterator(fs::path(std::getenv("MOCURATE_TEST_DATA")) / folder)) {
+    for (const auto& entry : fs::directory_iterator(fs::path(std::getenv("MOCURATE_DATA")) / folder)) {
       if (entry.is_regular_file() && entry.path().extension() == ending) files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());

@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 class RecordedViews : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 
   /// Reads the first image of a view where its source has it.

@@ -40,7 +40,7 @@ void ExpectSense(const Calibration& calibration, const std::string& reading, con
 class RecordedRigs : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("MOCURATE_TEST_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+    if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
 };
 

@@ -88,8 +88,8 @@ TEST(Skeletons, HandAndFootOfOpenNiAreWristAndAnkle) {
 }
 
 TEST(Skeletons, BandaisOffsetsAreThoseOfItsFiles) {
-  const char* data = std::getenv("MOCURATE_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "MOCURATE_TEST_DATA is not set";
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(data) / "bvh" / "bandai2";
   const std::string text = ReadFile(folder / "dataset-2_walk_normal_001.bvh").value_or("");
   ASSERT_FALSE(text.empty()) << folder;

@@ -27,7 +27,7 @@ int Browse(const SmallRun& run, const std::string& what) {
 
 TEST(ReportInABrowser, PlayersStandAndThePageIsNotBlank) {
   if (!std::filesystem::exists(kChromium)) {
-    if (std::getenv("MOCURATE_TEST_DATA") != nullptr) FAIL() << kChromium << " is missing: install chromium";
+    if (std::getenv("MOCURATE_DATA") != nullptr) FAIL() << kChromium << " is missing: install chromium";
     GTEST_SKIP() << kChromium << " is missing";
   }
   SmallRun run;

@@ -37,7 +37,7 @@ class StoreWithH5py : public ::testing::Test {
  protected:
   void SetUp() override {
     if (Python("-c 'import h5py'").status == 0) return;
-    if (std::getenv("MOCURATE_TEST_DATA") != nullptr) FAIL() << "python3-h5py is not installed";
+    if (std::getenv("MOCURATE_DATA") != nullptr) FAIL() << "python3-h5py is not installed";
     GTEST_SKIP() << "python3-h5py is not installed";
   }
 };
