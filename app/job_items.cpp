@@ -265,9 +265,8 @@ std::vector<Finding> NoteLeftOutOfSet(const ItemResult& assembled, std::vector<C
     clip.assembled.item = clip.item;
     outcome.kind = OutcomeKind::kLeftOut;
     if (item->contains("threshold")) outcome.summary["threshold"] = item->at("threshold");
-    outcome.error = Error{ErrorCode::kInconsistent, outcome.findings.back().message, clip.item,
-                          "export it in the rest pose of the others, or fit one skeleton to the joints of all: "
-                          "fitting.method joint_tracks"};
+    outcome.error =
+        Error{ErrorCode::kInconsistent, outcome.findings.back().message, clip.item, item->value("hint", std::string())};
     whole.push_back(clip.assembled);
   }
   LogLeftOut(whole);

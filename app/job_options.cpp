@@ -1,5 +1,7 @@
 #include "app/job_options.h"
 
+#include <algorithm>
+
 namespace mocurate {
 
 void PipelineOptions::Declare(OptionVisitor& v) {
@@ -38,6 +40,12 @@ void JobOptions::Declare(OptionVisitor& v) {
 void ResolveDefaults(JobOptions& options) {
   for (std::string* skeleton : {&options.proportions.skeleton, &options.fitting.skeleton, &options.canon.skeleton}) {
     if (skeleton->empty()) *skeleton = options.skeleton;
+  }
+  std::vector<std::string>& order = options.assemble.label_order;
+  if (order.empty() && options.assemble.classes.empty()) {
+    for (const auto& [text, label] : options.ingest.source.labels) {
+      if (std::find(order.begin(), order.end(), label) == order.end()) order.push_back(label);
+    }
   }
   if (options.evaluate.split.empty()) options.evaluate.split = options.train.recogniser.split;
 }

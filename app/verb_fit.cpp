@@ -11,7 +11,9 @@
 #include "app/job_checks.h"
 #include "app/main_job.h"
 #include "app/recipes.h"
+#include "app/scratch_folder.h"
 #include "app/verbs.h"
+#include "canon/recipes/classes.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
@@ -27,26 +29,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder for the run's own files, removed with all it holds.
-class ScratchFolder {
- public:
-  /// Empty path when it cannot be made.
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "mocurate-fit-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// How the files are declared, and what is still unknown of them.
 struct Declared {
@@ -214,7 +196,7 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
 }
 
 /// The fits of a run as one dataset, sorted by id.
-Expected<Dataset> Gather(const StageReport& fits) {
+Expected<Dataset> Gather(const StageReport& fits, const std::vector<std::string>& label_order) {
   Dataset whole;
   whole.created_by = CreatedBy();
   whole.recipe = "mocurate fit";
@@ -228,11 +210,9 @@ Expected<Dataset> Gather(const StageReport& fits) {
     std::move(part->findings.begin(), part->findings.end(), std::back_inserter(whole.findings));
   }
   std::sort(whole.clips.begin(), whole.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
-  for (const Clip& clip : whole.clips) {
-    if (!clip.label.empty() && whole.LabelIndex(clip.label) < 0) whole.labels.push_back({clip.label, ""});
-  }
-  std::sort(whole.labels.begin(), whole.labels.end(),
-            [](const LabelName& a, const LabelName& b) { return a.name < b.name; });
+  std::set<std::string> labels;
+  for (const Clip& clip : whole.clips) labels.insert(clip.label);
+  whole.labels = OrderedLabels(label_order, labels);
   return whole;
 }
 
@@ -287,8 +267,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   settings.progress = !common.quiet;
   settings.tell_failures = false;
   if (settings.run_folder.empty()) {
-    return Fail(ErrorCode::kCannotWrite, "no folder for what the run needs in between can be made",
-                DisplayPath(fs::temp_directory_path(unknown)), "free space there, or set TMPDIR");
+    return ScratchFolder::Missing();
   }
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);
@@ -300,7 +279,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
       fits != result->stages.end() && std::any_of(fits->items.begin(), fits->items.end(),
                                                   [](const ItemResult& item) { return !item.artifact.empty(); });
   if (!any) return tl::unexpected<Error>(FirstFailure(*result));
-  const Expected<Dataset> whole = Gather(*fits);
+  const Expected<Dataset> whole = Gather(*fits, options->assemble.label_order);
   if (!whole) return Forward(whole);
   if (Status written = WriteDataset(*whole, arguments.output); !written) return written;
   if (common.json) {

@@ -49,10 +49,31 @@ void SplitOptions::Declare(OptionVisitor& v) {
   v.Number("validation_share", validation_share, Unit::kNone, {0.0, 1.0},
            "share of the recordings (or drawn groups) that select");
   v.Integer("seed", seed, {}, "of the drawing");
+  v.Integer("min_train_frames", min_train_frames, {0.0, 1e6}, "shorter clips do not train; 0: no limit");
+}
+
+void ClassOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of the class");
+  v.Texts("from", from, "labels of clips that the class takes, beside its own name");
+  v.Texts("fine", fine, "its fine labels, in the order of their indices");
+  v.OptionalNumber("clips", clips, Unit::kNone, {0.0, {}}, "clips it is expected to have; another number is a finding");
+}
+
+void ExpectedCounts::Declare(OptionVisitor& v) {
+  v.OptionalNumber("clips", clips, Unit::kNone, {0.0, {}}, "clips of the dataset");
+  v.OptionalNumber("frames", frames, Unit::kNone, {0.0, {}}, "frames of all clips");
+  v.OptionalNumber("persons", persons, Unit::kNone, {0.0, {}}, "persons of the dataset");
 }
 
 void AssembleOptions::Declare(OptionVisitor& v) {
   v.Text("recipe", recipe, "how the set was made, in words");
+  v.List(
+      "classes", classes,
+      "classes in the order of their indices, absent ones included; clips of other labels are excluded; empty: every "
+      "label is a class");
+  v.Texts("label_order", label_order,
+          "order of the classes where none are listed; empty: that of ingest.source.labels, else by name");
+  v.Group("expected", expected, "counts of the published set; other numbers are a finding");
   v.List("splits", splits, "train, validation and test parts");
 }
 
@@ -62,8 +83,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 13, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 10, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 14, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 11, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,12 +69,35 @@ struct SplitOptions {
   double test_share = 0.2;
   double validation_share = 0.1;
   std::int64_t seed = 1;
+  std::int64_t min_train_frames = 0;  ///< shorter clips do not train (ACTOR's UESTC: 45)
+
+  void Declare(OptionVisitor& v);
+};
+
+/// One class of a dataset; its index is its position in the list.
+struct ClassOptions {
+  std::string name;
+  std::vector<std::string> from;  ///< labels of clips that it takes, beside its own name
+  std::vector<std::string> fine;  ///< its fine labels, in order
+  std::optional<double> clips;    ///< how many it is expected to have
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Counts that a published set is known to have.
+struct ExpectedCounts {
+  std::optional<double> clips;
+  std::optional<double> frames;
+  std::optional<double> persons;
 
   void Declare(OptionVisitor& v);
 };
 
 struct AssembleOptions {
   std::string recipe;  ///< free text that says how the set was made
+  std::vector<ClassOptions> classes;
+  std::vector<std::string> label_order;  ///< where no classes are listed
+  ExpectedCounts expected;
   std::vector<SplitOptions> splits;
 
   void Declare(OptionVisitor& v);

@@ -8,8 +8,8 @@
 
 #include "canon/audit/nearest_neighbour.h"
 #include "canon/frames/facing.h"
-#include "canon/frames/tracks.h"
 #include "canon/options.h"
+#include "canon/recipes/classes.h"
 #include "canon/splits/splits.h"
 #include "canon/trim/trim.h"
 #include "core/base/file.h"
@@ -18,6 +18,7 @@
 #include "core/base/version.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
+#include "core/motion/tracks.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -101,11 +102,6 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, Clip clip,
   return kept;
 }
 
-bool SameTree(const Skeleton& a, const Skeleton& b) {
-  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
-                    [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
-}
-
 /// How far the rest poses of two skeletons of the same tree are turned against each other at a joint, radians, at most:
 /// what rotations are counted from. A bone alone at its joint is turned by the angle between its directions; of
 /// several, whose directions among themselves are the person's, counts what a common turn would bring nearer.
@@ -146,18 +142,6 @@ bool SameButRest(const Skeleton& a, const Skeleton& b) {
              });
 }
 
-/// `skeleton` with the rest offsets of another of the same tree.
-SkeletonPtr WithRestOf(const Skeleton& skeleton, const Skeleton& other) {
-  auto own = std::make_shared<Skeleton>(skeleton);
-  for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = other.joints[j].rest_offset;
-  return own;
-}
-
-bool SameRest(const Skeleton& a, const Skeleton& b) {
-  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
-                    [](const Joint& x, const Joint& y) { return x.rest_offset == y.rest_offset; });
-}
-
 constexpr double kSameRestPose = 5e-3;  // radians
 
 /// A clip that cannot stand in one dataset with the others.
@@ -194,7 +178,7 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
                        return a.second < b.second;
                      })->first;
   const bool one_rest = std::all_of(dataset.clips.begin(), dataset.clips.end(), [&](const Clip& clip) {
-    return SameRest(*clip.motion->rest_pose(), *dataset.skeleton);
+    return SameRestOffsets(*clip.motion->rest_pose(), *dataset.skeleton);
   });
   const bool is_name = dataset.skeleton->name.find_first_of("/.") == std::string::npos;  // of no file
   if (const auto built_in = one_rest || !is_name ? Expected<SkeletonPtr>() : LoadSkeleton(dataset.skeleton->name);
@@ -218,15 +202,15 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
                             FormatDouble(std::round(apart * 1800.0 / kPi) / 10.0) + " degrees elsewhere"));
       continue;
     }
-    const bool shared = motion.joints_only() || SameRest(*motion.skeleton, *dataset.skeleton);
-    motion.skeleton = shared ? dataset.skeleton : WithRestOf(*dataset.skeleton, *motion.skeleton);
+    const bool shared = motion.joints_only() || SameRestOffsets(*motion.skeleton, *dataset.skeleton);
+    motion.skeleton = shared ? dataset.skeleton : WithRestOffsetsOf(*dataset.skeleton, *motion.skeleton);
     motion.counted_from = shared ? nullptr : dataset.skeleton;
     kept.push_back(std::move(clip));
   }
   dataset.clips = std::move(kept);
 }
 
-/// By item: whether nothing of it is kept, and which findings say why clips of it are left out.
+/// By item: whether nothing of it is kept, which findings say why clips of it are excluded, and the way out.
 nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, const std::vector<Clip>& kept,
                             const std::vector<Finding>& findings) {
   nlohmann::json items = nlohmann::json::object();
@@ -234,7 +218,11 @@ nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, c
     nlohmann::json& item = items[item_of.at(findings[i].clip)];
     item["whole"] = true;
     item["findings"].push_back(i);
-    if (findings[i].value > 0.0) item["threshold"] = kSameRestPose;
+    const bool label = findings[i].code == kLabelNotListed;
+    if (!label && findings[i].value > 0.0) item["threshold"] = kSameRestPose;
+    item["hint"] = label ? "add the label to assemble.classes"
+                         : "export it in the rest pose of the others, or fit one skeleton to the joints of all: "
+                           "fitting.method joint_tracks";
   }
   for (const Clip& clip : kept) {
     if (const auto item = items.find(item_of.at(clip.id())); item != items.end()) (*item)["whole"] = false;
@@ -315,6 +303,7 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
 Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   const auto options = OptionsFromJson<AssembleOptions>(request.options, "assemble");
   if (!options) return Forward(options);
+  if (Status classes = CheckClasses(*options); !classes) return Forward(classes);
   Dataset dataset;
   dataset.created_by = CreatedBy();
   dataset.recipe = options->recipe;
@@ -348,12 +337,14 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   SortById(dataset.clips);
   StageOutcome outcome;
   UniteSkeletons(dataset, outcome.findings);
+  ApplyClasses(*options, dataset, outcome.findings);
+  if (dataset.clips.empty()) {
+    return Fail(ErrorCode::kInconsistent, "no clip is of a listed class; " + outcome.findings.back().message,
+                "assemble.classes", "list the labels that the source declares");
+  }
   const nlohmann::json left_out = LeftOutOfSet(item_of, dataset.clips, outcome.findings);
   FindMixedRates(dataset, outcome.findings);
-  std::set<std::string> names;
-  for (const Clip& clip : dataset.clips) names.insert(clip.label);
-  names.erase("");
-  for (const std::string& name : names) dataset.labels.push_back({name, ""});
+  for (Finding& finding : CompareWithExpected(*options, dataset)) outcome.findings.push_back(std::move(finding));
 
   outcome.summary = {
       {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
@@ -372,7 +363,9 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     }
     dataset.splits.push_back(std::move(*split));
   }
-  if (!outcome.findings.empty()) outcome.kind = OutcomeKind::kDoubtful;
+  const bool suspect = std::any_of(outcome.findings.begin(), outcome.findings.end(),
+                                   [](const Finding& finding) { return finding.severity != Severity::kInfo; });
+  if (suspect) outcome.kind = OutcomeKind::kDoubtful;
   dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   if (Status written = WriteDataset(dataset, request.output); !written) return Forward(written);
   return outcome;

@@ -1,5 +1,5 @@
-# Writes every YAML file below ROOT into one C++ initialiser list: {"path", "text"}, ...
-file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*.yaml)
+# Writes every YAML and CSV file below ROOT into one C++ initialiser list: {"path", "text"}, ...
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*.yaml ${ROOT}/*.csv)
 list(SORT files)
 set(text "")
 foreach(file ${files})

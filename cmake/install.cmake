@@ -7,7 +7,7 @@ foreach(worker mocurate-annotate mocurate-video mocurate-learn)
     install(TARGETS ${worker} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/mocurate)
   endif()
 endforeach()
-install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/mocurate/configs FILES_MATCHING PATTERN "*.yaml")
+install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/mocurate/configs FILES_MATCHING PATTERN "*.yaml" PATTERN "*.csv")
 
 set(core_libraries base config geometry motion motion_yaml quality body formats store pipeline)
 set(installed mocurate_settings mocurate_hdf5 mocurate_zip mocurate_zlib)

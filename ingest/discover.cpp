@@ -28,9 +28,10 @@ Status CheckFields(const SourceOptions& source, const NamePattern& pattern) {
   std::vector<std::string> known = pattern.FieldNames();
   known.insert(known.end(), {"file", "body"});
   const std::tuple<const char*, const std::string*, const std::string*> texts[] = {
-      {"person", &source.person, &untold.person}, {"recording", &source.recording, &untold.recording},
-      {"label", &source.label, &untold.label},    {"session", &source.session, &untold.session},
-      {"view", &source.view, &untold.view},       {"style", &source.style, &untold.style}};
+      {"person", &source.person, &untold.person},    {"recording", &source.recording, &untold.recording},
+      {"label", &source.label, &untold.label},       {"fine_label", &source.fine_label, &untold.fine_label},
+      {"session", &source.session, &untold.session}, {"view", &source.view, &untold.view},
+      {"style", &source.style, &untold.style}};
   for (const auto& [option, text, by_default] : texts) {
     if (*text == *by_default) continue;
     for (const std::string& field : FieldsOf(*text)) {
@@ -120,6 +121,14 @@ std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source
     ItemSpec one = item;
     one.item += RecordingSuffix(clip.id);
     one.options["array"] = clip.id;
+    if (!clip.label.empty() && !one.options.contains("told_label")) {
+      const Expected<std::string> label = LabelOf(source, clip.label, file.name + clip.id);
+      if (!label) {
+        left_out.push_back(LeftOutFile(file.name + clip.id, source, true, label.error()));
+        continue;
+      }
+      one.options["told_label"] = *label;
+    }
     if (clip.joints == wanted) {
       items.push_back(std::move(one));
       continue;

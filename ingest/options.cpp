@@ -82,6 +82,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Number(
       "least_confidence", least_confidence, Unit::kNone, {0.0, 1.0},
       "joint_table: a joint that has a position counts at least so much, where the file says 0 of followed joints");
+  v.Numbers("lie_bone_lengths", lie_bone_lengths, Unit::kNone, {0.0, 1e6},
+            "npy: bone length of each joint, 0 for the root, in the file's unit: the array holds Action2Motion's Lie "
+            "parameters (root translation, then a rotation vector per joint) instead of positions");
   v.Number("max_slide", max_slide, Unit::kMetre, {0.0, 1.0},
            "bvh: most that a joint may slide along its bone; more is refused");
   v.Text("depth_files", depth_files,
@@ -112,10 +115,12 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("person", person, "who performs, from the fields of the name; {body} tells several people of a file apart");
   v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
   v.Text("label", label, "what is performed, from the fields of the name");
+  v.Text("fine_label", fine_label, "the same in finer classes, or nothing");
   v.Text("session", session, "recording session, from the fields of the name");
   v.Text("view", view, "camera or view, from the fields of the name");
   v.Text("style", style, "style of the performance, from the fields of the name");
   v.TextMap("labels", labels, "names of the labels");
+  v.TextMap("fine_labels", fine_labels, "names of the fine labels; one that is not listed keeps its text");
   v.Choice("other_labels", other_labels,
            {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}, {"keep", OtherLabels::kKeep}},
            "what becomes of a file whose label is not listed under `labels`; keep: its label is as the text says");
@@ -202,6 +207,7 @@ void IngestOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration IngestDeclaration() { return {"ingest", 36, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

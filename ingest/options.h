@@ -122,8 +122,9 @@ struct SourceOptions {
   double least_confidence = 0.0;                                   ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kReport;
   MissingValue missing = MissingValue::kNone;
-  double max_slide = 0.002;  ///< bvh: metres a bone may change its length before the clip is refused
-  std::string depth_files;   ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together; openpose
+  std::vector<double> lie_bone_lengths;  ///< npy: (J) in the file's unit; the array holds Lie parameters
+  double max_slide = 0.002;              ///< bvh: metres a bone may change its length before the clip is refused
+  std::string depth_files;  ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together; openpose
   double depth_unit = 0.001;  ///< of those: metres per step of a depth value
   std::string mask_files;     ///< depth_views: "views/{camera}_mask.jpg"; the person in the image of the same fields
   std::vector<std::string> calibration;  ///< openpose, depth_views: below the folder; {camera}: one per camera
@@ -135,10 +136,12 @@ struct SourceOptions {
   std::string person = "{person}";
   std::string recording = "{file}";  ///< {file}: the path without its ending, '/' as '.'
   std::string label = "{action}";
+  std::string fine_label;  ///< finer than `label`: "{action}{fine}"; empty: there is none
   std::string session;
   std::string view;
   std::string style;
-  std::map<std::string, std::string> labels;  ///< label text -> name
+  std::map<std::string, std::string> labels;       ///< label text -> name
+  std::map<std::string, std::string> fine_labels;  ///< fine label text -> name
   OtherLabels other_labels = OtherLabels::kError;
   std::map<std::string, std::string> roles;    ///< person -> role
   std::map<std::string, std::string> exclude;  ///< recording -> why its file is left out
@@ -205,6 +208,7 @@ int BodiesOf(const SourceOptions& source, const std::string& label);
 Expected<double> MetresPerUnit(const std::string& units);
 
 StageDeclaration IngestDeclaration();
+StageDeclaration MotionsDeclaration();
 StageDeclaration DuplicatesDeclaration();
 StageDeclaration TruthDeclaration();
 StageDeclaration CaptureDeclaration();

@@ -93,7 +93,7 @@ std::optional<std::string> TakeUnnamed(bool told, IngestOptions& options) {
     lacking.emplace_back("what");
   }
   if (Lacks(*pattern, source.recording)) source.recording = SourceOptions().recording;
-  for (std::string* text : {&source.session, &source.view, &source.style, &source.frames_in_name}) {
+  for (std::string* text : {&source.fine_label, &source.session, &source.view, &source.style, &source.frames_in_name}) {
     if (Lacks(*pattern, *text)) text->clear();
   }
   std::string skeleton;

@@ -109,12 +109,21 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   split.name = options.name;
   split.rule = RuleText(met, drawn);
   std::vector<Part> parts;
+  long long too_short = 0;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
     const Part part = PartOf(met, GroupOf(options.by, clip), clip);
     parts.push_back(part);
     const int row = static_cast<int>(i);
+    if (part == Part::kTrain && clip.motion->frame_count() < options.min_train_frames) {
+      ++too_short;
+      continue;
+    }
     (part == Part::kTrain ? split.train : part == Part::kTest ? split.test : split.validation).push_back(row);
+  }
+  if (too_short > 0) {
+    split.rule += "; " + Counted(too_short, "training clip") + " shorter than " +
+                  Counted(options.min_train_frames, "frame") + " left aside";
   }
   split.leak_check = LeakCheck(options.by, dataset, parts);
   return split;

@@ -100,7 +100,8 @@ void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files
 
 struct Clip {
   ClipIdentity identity;
-  std::string label;  ///< of the whole clip, or empty
+  std::string label;       ///< of the whole clip, or empty
+  std::string fine_label;  ///< finer than `label`, or empty
   std::vector<Segment> segments;
   FrameRate rate;
   Evidence evidence;

@@ -247,4 +247,20 @@ Status Skeleton::Check() const {
   return lie ? CheckLie(*this) : Status{};
 }
 
+bool SameTree(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
+}
+
+bool SameRestOffsets(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    [](const Joint& x, const Joint& y) { return x.rest_offset == y.rest_offset; });
+}
+
+SkeletonPtr WithRestOffsetsOf(const Skeleton& skeleton, const Skeleton& other) {
+  auto own = std::make_shared<Skeleton>(skeleton);
+  for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = other.joints[j].rest_offset;
+  return own;
+}
+
 }  // namespace mocurate

@@ -85,6 +85,13 @@ struct Skeleton {
 
 using SkeletonPtr = std::shared_ptr<const Skeleton>;
 
+/// Whether two skeletons have the same joint names and parents.
+bool SameTree(const Skeleton& a, const Skeleton& b);
+/// Whether two skeletons of one tree have the same rest offsets.
+bool SameRestOffsets(const Skeleton& a, const Skeleton& b);
+/// `skeleton` with the rest offsets of another of the same tree.
+SkeletonPtr WithRestOffsetsOf(const Skeleton& skeleton, const Skeleton& other);
+
 /// A skeleton of configs/skeletons/ by name ("smpl24", "humanact12", "ntu25", "ntu18", "cmu20", "cmu31", "kinect20",
 /// "openni15", "openni16", "bandai22", "a2m21", "ntu14"), or a YAML file by path. Needs yaml (defined in
 /// skeleton_yaml.cpp, target mocurate_motion_yaml).

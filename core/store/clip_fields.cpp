@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -137,6 +138,10 @@ void PackClips(const std::vector<const Clip*>& clips, Content& content) {
       clips, "/clips/role", [](const Clip& c) { return c.role; }, content);
   PutTexts(
       clips, "/clips/label", [](const Clip& c) { return c.label; }, content);
+  if (std::any_of(clips.begin(), clips.end(), [](const Clip* c) { return !c->fine_label.empty(); })) {
+    PutTexts(
+        clips, "/clips/fine_label", [](const Clip& c) { return c.fine_label; }, content);
+  }
   PutTexts(
       clips, "/clips/rate", [](const Clip& c) { return TextOfRate(c.rate); }, content);
   PutTexts(
@@ -161,6 +166,7 @@ std::vector<Clip> UnpackClips(const Content& content) {
     clip.identity = IdentityOf(content, row);
     clip.role = content.Values<std::string>("/clips/role")[row];
     clip.label = content.Values<std::string>("/clips/label")[row];
+    if (content.Has("/clips/fine_label")) clip.fine_label = content.Values<std::string>("/clips/fine_label")[row];
     clip.rate = *FrameRate::Parse(content.Values<std::string>("/clips/rate")[row]);
     clip.provenance = ProvenanceFrom(content.Values<std::string>("/clips/provenance")[row]);
     clip.evidence_sha256 = content.Values<std::string>("/clips/evidence_sha256")[row];

@@ -21,7 +21,6 @@ Skeleton UnpackSkeleton(const Content& content, const std::string& prefix);
 bool SameSkeleton(const Skeleton& a, const Skeleton& b);
 /// Whether they do but for their rest offsets, which a file keeps of each clip.
 bool SameButRestOffsets(const Skeleton& a, const Skeleton& b);
-bool SameRestOffsets(const Skeleton& a, const Skeleton& b);
 /// The skeleton with the rest offsets of a row of /clips/rest_offset; `skeleton` itself where they are its own.
 SkeletonPtr WithRestOffsets(const Content& content, const std::string& prefix, std::size_t row,
                             const SkeletonPtr& skeleton);

@@ -194,11 +194,6 @@ bool SameSkeleton(const Skeleton& a, const Skeleton& b) {
   return first.fields == second.fields;
 }
 
-bool SameRestOffsets(const Skeleton& a, const Skeleton& b) {
-  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
-                    [](const Joint& x, const Joint& y) { return x.rest_offset == y.rest_offset; });
-}
-
 bool SameButRestOffsets(const Skeleton& a, const Skeleton& b) {
   if (a.joints.size() != b.joints.size()) return false;
   Skeleton alike = a;

@@ -22,18 +22,22 @@ Status InFile(Status status, const std::filesystem::path& path) {
 }
 
 void PackLabels(const Dataset& dataset, Content& content) {
-  std::vector<std::string> names;
-  std::vector<std::string> parents;
   std::vector<std::int32_t> classes;
-  for (const LabelName& label : dataset.labels) {
+  for (const Clip& clip : dataset.clips) classes.push_back(dataset.LabelIndex(clip.label));
+  content.Put("/labels/name", {dataset.labels.size()}, dataset.labels);
+  content.Put("/clips/class", {dataset.clips.size()}, std::move(classes));
+  if (dataset.fine_labels.empty()) return;
+  std::vector<std::string> names;
+  std::vector<std::int32_t> parents, fine;
+  for (const FineLabel& label : dataset.fine_labels) {
     names.push_back(label.name);
     parents.push_back(label.parent);
   }
-  for (const Clip& clip : dataset.clips) classes.push_back(dataset.LabelIndex(clip.label));
-  const std::uint64_t L = names.size();
-  content.Put("/labels/name", {L}, std::move(names));
-  content.Put("/labels/parent", {L}, std::move(parents));
-  content.Put("/clips/class", {dataset.clips.size()}, std::move(classes));
+  for (const Clip& clip : dataset.clips) fine.push_back(dataset.FineLabelIndex(clip.fine_label));
+  const std::uint64_t N = names.size();
+  content.Put("/fine_labels/name", {N}, std::move(names));
+  content.Put("/fine_labels/parent", {N}, std::move(parents));
+  content.Put("/clips/fine_class", {dataset.clips.size()}, std::move(fine));
 }
 
 Status PackSplits(const std::vector<Split>& splits, Content& content) {
@@ -145,7 +149,14 @@ Expected<SkeletonPtr> CheckedSkeleton(const Content& content, const std::string&
 
 int Dataset::LabelIndex(const std::string& label) const {
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (labels[i].name == label) return static_cast<int>(i);
+    if (labels[i] == label) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int Dataset::FineLabelIndex(const std::string& label) const {
+  for (std::size_t i = 0; i < fine_labels.size(); ++i) {
+    if (fine_labels[i].name == label) return static_cast<int>(i);
   }
   return -1;
 }
@@ -194,11 +205,11 @@ Expected<Dataset> ReadDataset(const std::filesystem::path& path) {
   dataset.clips = store::UnpackClips(*content);
   std::vector<Motion> motions = store::UnpackMotions(*content, "", *skeleton);
   for (std::size_t i = 0; i < motions.size(); ++i) dataset.clips[i].motion = std::move(motions[i]);
-  if (content->Has("/labels/name")) {
-    const auto& names = content->Values<std::string>("/labels/name");
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      dataset.labels.push_back({names[i], content->Values<std::string>("/labels/parent")[i]});
-    }
+  if (content->Has("/labels/name")) dataset.labels = content->Values<std::string>("/labels/name");
+  if (content->Has("/fine_labels/name")) {
+    const auto& names = content->Values<std::string>("/fine_labels/name");
+    const auto& parents = content->Values<std::int32_t>("/fine_labels/parent");
+    for (std::size_t i = 0; i < names.size(); ++i) dataset.fine_labels.push_back({names[i], parents[i]});
   }
   dataset.splits = UnpackSplits(*content);
   dataset.findings = UnpackFindings(*content);

@@ -21,18 +21,19 @@ struct Split {
   std::string leak_check;  ///< "ok: no person in two parts", or what leaks
 };
 
-/// Coarse/fine label hierarchy; parent is empty for a coarse label.
-struct LabelName {
+/// A fine label and the class that it is part of.
+struct FineLabel {
   std::string name;
-  std::string parent;
+  int parent = 0;  ///< position in Dataset::labels
 };
 
 /// A Dataset or MotionSet: clips with motion, one skeleton, either all with rotations or all joints only.
 struct Dataset {
   SkeletonPtr skeleton;
   bool joints_only = false;
-  std::vector<Clip> clips;        ///< sorted by id; evidence not stored here
-  std::vector<LabelName> labels;  ///< class index = position
+  std::vector<Clip> clips;             ///< sorted by id; evidence not stored here
+  std::vector<std::string> labels;     ///< classes; class index = position, a class may have no clip
+  std::vector<FineLabel> fine_labels;  ///< of Clip::fine_label, in the order of their classes
   std::vector<Split> splits;
   std::vector<Finding> findings;
   std::string recipe;
@@ -41,6 +42,8 @@ struct Dataset {
 
   /// Position of a label; -1 when it is not there.
   int LabelIndex(const std::string& label) const;
+  /// Position of a fine label; -1 when it is not there.
+  int FineLabelIndex(const std::string& label) const;
   /// Null when there is none of that name.
   const Split* FindSplit(const std::string& name) const;
 };

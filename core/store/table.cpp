@@ -129,6 +129,8 @@ void AddClips(std::vector<Field>& fields, const std::string& rows) {
       .Add("provenance", kText, {rows}, "", JsonTexts(), "JSON object of texts; bytes that are not UTF-8 as \\xNN")
       .Add("evidence_sha256", kText, {rows}, "", Anything(),
            "of what the evidence was read from (source file, depth images), or empty");
+  Group(fields, "/clips", Presence::kOptional)
+      .Add("fine_label", kText, {rows}, "", Anything(), "finer label of the whole clip, or empty");
   Group(fields, "/segments", Presence::kGroup)
       .Add("clip", kI4, {"S"}, "", RowOf("/clips/id"), "row of the clip")
       .Add("begin_s", kF8, {"S"}, "s", Finite(), "from the clip's first frame")
@@ -146,9 +148,13 @@ void AddDatasetParts(std::vector<Field>& fields) {
       .Add("recipe", kText, {}, "", Anything(), "configuration that made the file");
   Group(fields, "/clips", kAlways)
       .Add("class", kI4, {"C"}, "", ClassOfLabel(), "row of the clip's label in /labels, -1 if it is not there");
+  Group(fields, "/clips", Presence::kOptional)
+      .Add("fine_class", kI4, {"C"}, "", RowOf("/fine_labels/name", true), "row in /fine_labels, -1 without one");
   Group(fields, "/labels", Presence::kGroup)
-      .Add("name", kText, {"L"}, "", UniqueNames(), "class index is the position")
-      .Add("parent", kText, {"L"}, "", Anything(), "coarser label, or empty");
+      .Add("name", kText, {"L"}, "", UniqueNames(), "classes in the recipe's order; class index is the position");
+  Group(fields, "/fine_labels", Presence::kGroup)
+      .Add("name", kText, {"P"}, "", UniqueNames(), "fine labels; fine class index is the position")
+      .Add("parent", kI4, {"P"}, "", RowOf("/labels/name"), "class that the fine label is part of");
   Group(fields, "/splits/*", Presence::kGroup)
       .Add("train", kI4, {"*"}, "", SplitRows(), "clip rows")
       .Add("validation", kI4, {"*"}, "", SplitRows(), "clip rows")
@@ -250,7 +256,36 @@ Schema MakeTruthSchema() {
   return schema;
 }
 
+Schema MakeFeatureSchema() {
+  Schema schema{
+      "mocurate-features/1", "What a recogniser says of a set of motions: what metrics are computed from.", "", {}};
+  Group(schema.fields, "", kAlways)
+      .Add("@schema", kText, {}, "", EqualTo(schema.name), "what this file is")
+      .Add("@units", kText, {}, "", EqualTo("m s rad"), "units of all fields that name no other")
+      .Add("@content_sha256", kText, {}, "", Sha256Digits(false), "of all other fields of this table, see below")
+      .Add("features", kF4, {"X", "Z"}, "", Finite(), "of each motion: the layer before the logits")
+      .Add("logits", kF4, {"X", "B"}, "", Finite(), "of each motion and class")
+      .Add("label", kI4, {"X"}, "", RowOf("/classes", true), "class that the motion is meant to be, -1 if not known")
+      .Add("clip", kText, {"X"}, "", Anything(), "clip id")
+      .Add("classes", kText, {"B"}, "", UniqueNames(), "of the recogniser; class index is the position")
+      .Add("pass_begin", kI8, {"O"}, "", AtLeast(0), "first row of each pass over the set; passes draw anew")
+      .Add("about", kText, {}, "", JsonTexts(), "JSON: extractor, weights, draws");
+  Group(schema.fields, "/quality", kOptional)
+      .Add("foot_skate", kF8, {"X"}, "m/s", Finite(), "horizontal speed of the feet while they are on the floor")
+      .Add("floor_penetration", kF8, {"X"}, "m", Finite(), "mean depth of the lowest foot below the floor")
+      .Add("jerk", kF8, {"X"}, "m/s^3", Finite(), "root mean square third derivative of joint positions")
+      .Add("bone_spread", kF8, {"X"}, "m", Finite(), "standard deviation of bone lengths over time, mean of the bones")
+      .Add("limit_violations", kF8, {"X"}, "", InRange(0, 1), "share of rotations beyond the joint limits")
+      .Add("frozen_share", kF8, {"X"}, "", InRange(0, 1), "share of frames equal to the one before");
+  return schema;
+}
+
 }  // namespace
+
+const Schema& FeatureSchema() {
+  static const Schema schema = MakeFeatureSchema();
+  return schema;
+}
 
 const Schema& DatasetSchema() {
   static const Schema schema = MakeDatasetSchema();
@@ -267,7 +302,9 @@ const Schema& TruthSchema() {
   return schema;
 }
 
-std::vector<const Schema*> AllSchemas() { return {&DatasetSchema(), &EvidenceSchema(), &TruthSchema()}; }
+std::vector<const Schema*> AllSchemas() {
+  return {&DatasetSchema(), &EvidenceSchema(), &TruthSchema(), &FeatureSchema()};
+}
 
 std::vector<std::pair<std::string, std::string>> Symbols() {
   return {{"C", "clips"},
@@ -275,6 +312,7 @@ std::vector<std::pair<std::string, std::string>> Symbols() {
           {"J", "joints"},
           {"S", "segments"},
           {"L", "labels"},
+          {"P", "fine labels"},
           {"N", "findings"},
           {"M", "landmarks"},
           {"R", "given reflections"},
@@ -289,6 +327,10 @@ std::vector<std::pair<std::string, std::string>> Symbols() {
           {"W", "views with keypoints"},
           {"I", "images of all views with keypoints"},
           {"U", "people of all these images"},
+          {"X", "scored motions"},
+          {"Z", "features of a motion"},
+          {"B", "classes of the recogniser"},
+          {"O", "passes over the motions"},
           {"*", "any number"}};
 }
 

@@ -58,6 +58,7 @@ struct Schema {
 const Schema& DatasetSchema();
 const Schema& EvidenceSchema();
 const Schema& TruthSchema();
+const Schema& FeatureSchema();
 std::vector<const Schema*> AllSchemas();
 
 /// What the symbols of the shapes mean, for the document.

@@ -77,6 +77,10 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   Expected<std::string> label = told_elsewhere ? Expected<std::string>() : LabelOf(source, text, relative_name);
   if (!label) return Forward(label);
   named.label = std::move(*label);
+  named.fine_label = FillFields(source.fine_label, named.fields);
+  if (const auto fine = source.fine_labels.find(named.fine_label); fine != source.fine_labels.end()) {
+    named.fine_label = fine->second;
+  }
   const auto role = source.roles.find(person);
   if (role != source.roles.end()) named.role = role->second;
   return named;

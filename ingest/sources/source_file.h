@@ -22,6 +22,7 @@ struct NamedFile {
   NameFields fields;      ///< of the pattern, plus "file"
   ClipIdentity identity;  ///< without the span of frames
   std::string label;
+  std::string fine_label;
   std::string style;
   std::string role;
   int bodies = 1;  ///< people in the file

@@ -40,7 +40,7 @@ inline Dataset SetOf(std::vector<Clip> clips) {
   dataset.skeleton = Skeleton15();
   dataset.joints_only = true;
   dataset.clips = std::move(clips);
-  dataset.labels = {{"a", ""}, {"b", ""}};
+  dataset.labels = {"a", "b"};
   return dataset;
 }
 

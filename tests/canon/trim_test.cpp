@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canon/frames/tracks.h"
 #include "canon/options.h"
 #include "canon/trim/trim.h"
 #include "core/base/random.h"
+#include "core/motion/tracks.h"
 #include "tests/canon/moving_clips.h"
 
 namespace mocurate {

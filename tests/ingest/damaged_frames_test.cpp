@@ -150,6 +150,7 @@ TEST_F(DamagedFrames, NumbersBeyondAnyPersonCostTheirFrameOfAnArray) {
   options.source.recording = "{clip}";
   options.source.label = "";
   options.source.labels.clear();
+  options.source.fine_label.clear();
   options.source.session.clear();
   options.source.frames_in_name.clear();
   options.source.roles.clear();

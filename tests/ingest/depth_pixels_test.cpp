@@ -210,8 +210,7 @@ class Surface {
 };
 
 TEST_F(RecordedDepth, NoiseFreeRenderingsLieOnThePosedBody) {
-  const auto body =
-      ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0" / "body_cc0.h5");
+  const auto body = ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0" / "body_cc0.h5");
   ASSERT_TRUE(body) << body.error().Message();
   for (const std::string name : {"male_tpose", "male_wave", "female_squat", "child_arms_down"}) {
     const Json truth = Json::parse(RecordedFile("clouds/rendered_body/" + name + ".json"));
@@ -251,8 +250,7 @@ TEST_F(RecordedDepth, NoiseFreeRenderingsLieOnThePosedBody) {
 }
 
 TEST_F(RecordedDepth, BodiesOfTheTemplateHaveTheirHeights) {
-  const std::filesystem::path file =
-      std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0" / "body_cc0.h5";
+  const std::filesystem::path file = std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0" / "body_cc0.h5";
   const auto body = ReadBodyTemplate(file);
   ASSERT_TRUE(body) << body.error().Message();
   for (const auto& [name, height] : {std::pair{"male", 1.737}, {"female", 1.595}, {"child", 1.366}}) {

@@ -136,7 +136,9 @@ inline Dataset MakeDataset() {
   AddOptionalFields(*dataset.clips[0].motion);
   AddOptionalFields(*dataset.clips[2].motion);
   dataset.clips[1].label = "run";
-  dataset.labels = {{"locomotion", ""}, {"run", "locomotion"}, {"walk", "locomotion"}};
+  dataset.clips[1].fine_label = "jog";
+  dataset.labels = {"locomotion", "run", "walk"};
+  dataset.fine_labels = {{"jog", 1}, {"stroll", 2}};
   dataset.splits = {{"by_person", {0, 1}, {}, {2}, "persons p1 | p2", "ok: no person in two parts"},
                     {"fold 2", {2}, {1}, {0}, "drawn", "p1 in two parts"}};
   dataset.findings = {{"KARD/p1/a#5-12", "skate", Severity::kWarning, 1, 3, "left_knee", 0.25, "slides 0.25 m", "kept"},

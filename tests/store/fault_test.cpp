@@ -127,7 +127,7 @@ TEST(StoreFaults, what_breaks_a_rule_is_not_written) {
   refused([](Dataset& d) { d.clips[0].motion->joints.at(1, 4).x() += 0.01; }, "right_knee");
   refused([](Dataset& d) { d.findings[0].value = INFINITY; }, "/findings/value");
   refused([](Dataset& d) { d.findings[0].message = std::string("a\0b", 3); }, "/findings/message");
-  refused([](Dataset& d) { d.labels.push_back({"walk", ""}); }, "/labels/name");
+  refused([](Dataset& d) { d.labels.push_back("walk"); }, "/labels/name");
   refused([](Dataset& d) { d.skeleton.reset(); }, "no skeleton");
 }
 

@@ -88,7 +88,8 @@ TEST(Store, a_dataset_comes_back_as_it_was_written) {
   ASSERT_EQ(read->labels.size(), 3u);
   EXPECT_EQ(read->LabelIndex("walk"), 2);
   EXPECT_EQ(read->LabelIndex("swim"), -1);
-  EXPECT_EQ(read->labels[2].parent, "locomotion");
+  EXPECT_EQ(read->fine_labels[1].name, "stroll");
+  EXPECT_EQ(read->fine_labels[1].parent, 2);
   ASSERT_NE(read->FindSplit("fold 2"), nullptr);
   EXPECT_EQ(read->FindSplit("fold 2")->validation, std::vector<int>{1});
   EXPECT_EQ(read->FindSplit("by_person")->leak_check, "ok: no person in two parts");

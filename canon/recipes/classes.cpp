@@ -1,0 +1,142 @@
+#include "canon/recipes/classes.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+/// Label of a clip -> position of its class.
+std::map<std::string, int> ClassOfLabels(const std::vector<ClassOptions>& classes) {
+  std::map<std::string, int> class_of;
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    class_of.emplace(classes[c].name, static_cast<int>(c));
+    for (const std::string& label : classes[c].from) class_of.emplace(label, static_cast<int>(c));
+  }
+  return class_of;
+}
+
+Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
+  std::vector<std::string> names;
+  for (const ClassOptions& listed : classes) names.push_back(listed.name);
+  const auto near = Nearest(clip.label, names);
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = kLabelNotListed;
+  finding.severity = Severity::kInfo;
+  finding.message = "label '" + clip.label + "' is of none of the " +
+                    Counted(static_cast<long long>(classes.size()), "class") + " of the recipe" +
+                    (near ? "; the nearest is '" + *near + "'" : "");
+  finding.action = "excluded from the dataset";
+  return finding;
+}
+
+/// Fine labels that clips have, by class and name.
+void CollectFineLabels(Dataset& dataset) {
+  std::set<std::pair<int, std::string>> found;
+  for (const Clip& clip : dataset.clips) {
+    const int parent = dataset.LabelIndex(clip.label);
+    if (!clip.fine_label.empty() && parent >= 0) found.emplace(parent, clip.fine_label);
+  }
+  for (const auto& [parent, name] : found) {
+    if (dataset.FineLabelIndex(name) < 0) dataset.fine_labels.push_back({name, parent});
+  }
+}
+
+void Compare(const std::string& what, const std::optional<double>& expected, std::size_t found,
+             std::vector<Finding>& findings) {
+  if (!expected || *expected == static_cast<double>(found)) return;
+  Finding finding;
+  finding.code = "count_not_expected";
+  finding.value = static_cast<double>(found);
+  finding.message = what + ": " + std::to_string(found) + ", the recipe expects " + RoundedText(*expected, 9);
+  finding.action = "flagged";
+  findings.push_back(std::move(finding));
+}
+
+}  // namespace
+
+std::vector<std::string> OrderedLabels(const std::vector<std::string>& order, const std::set<std::string>& present) {
+  std::vector<std::string> labels;
+  std::set<std::string> rest = present;
+  rest.erase("");
+  for (const std::string& label : order) {
+    if (rest.erase(label) > 0) labels.push_back(label);
+  }
+  labels.insert(labels.end(), rest.begin(), rest.end());
+  return labels;
+}
+
+Status CheckClasses(const AssembleOptions& options) {
+  std::map<std::string, std::string> class_of, class_of_fine;
+  const auto once = [](std::map<std::string, std::string>& seen, const std::string& label, const std::string& name,
+                       const char* what) -> Status {
+    const auto [known, added] = seen.emplace(label, name);
+    if (added) return {};
+    return Fail(ErrorCode::kConfig,
+                std::string(what) + " '" + label + "' belongs to '" + known->second + "' and to '" + name + "'",
+                "assemble.classes", "each stands once");
+  };
+  for (const ClassOptions& listed : options.classes) {
+    if (listed.name.empty()) return Fail(ErrorCode::kConfig, "a class has no name", "assemble.classes");
+    if (Status own = once(class_of, listed.name, listed.name, "class"); !own) return own;
+    for (const std::string& label : listed.from) {
+      if (label == listed.name) continue;
+      if (Status own = once(class_of, label, listed.name, "label"); !own) return own;
+    }
+    for (const std::string& fine : listed.fine) {
+      if (Status own = once(class_of_fine, fine, listed.name, "fine label"); !own) return own;
+    }
+  }
+  return {};
+}
+
+void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<Finding>& findings) {
+  if (options.classes.empty()) {
+    std::set<std::string> present;
+    for (const Clip& clip : dataset.clips) present.insert(clip.label);
+    dataset.labels = OrderedLabels(options.label_order, present);
+    return CollectFineLabels(dataset);
+  }
+  for (std::size_t c = 0; c < options.classes.size(); ++c) {
+    dataset.labels.push_back(options.classes[c].name);
+    for (const std::string& fine : options.classes[c].fine) dataset.fine_labels.push_back({fine, static_cast<int>(c)});
+  }
+  const std::map<std::string, int> class_of = ClassOfLabels(options.classes);
+  std::vector<Clip> kept;
+  for (Clip& clip : dataset.clips) {
+    const auto found = class_of.find(clip.label);
+    if (found == class_of.end()) {
+      findings.push_back(NotListed(clip, options.classes));
+      continue;
+    }
+    clip.label = dataset.labels[static_cast<std::size_t>(found->second)];
+    kept.push_back(std::move(clip));
+  }
+  dataset.clips = std::move(kept);
+  CollectFineLabels(dataset);
+}
+
+std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const Dataset& dataset) {
+  std::vector<Finding> findings;
+  std::set<std::string> persons;
+  std::map<std::string, std::size_t> clips_of;
+  std::size_t frames = 0;
+  for (const Clip& clip : dataset.clips) {
+    persons.insert(clip.identity.person);
+    ++clips_of[clip.label];
+    frames += static_cast<std::size_t>(clip.motion->frame_count());
+  }
+  Compare("clips", options.expected.clips, dataset.clips.size(), findings);
+  Compare("frames", options.expected.frames, frames, findings);
+  Compare("persons", options.expected.persons, persons.size(), findings);
+  for (const ClassOptions& listed : options.classes) {
+    Compare("clips of class '" + listed.name + "'", listed.clips, clips_of[listed.name], findings);
+  }
+  return findings;
+}
+
+}  // namespace mocurate
