@@ -24,10 +24,10 @@ target_include_directories(mocurate_zlib SYSTEM INTERFACE ${MOCURATE_ZLIB_INCLUD
 target_link_libraries(mocurate_zlib INTERFACE ${MOCURATE_ZLIB_LIBRARY})
 
 find_package(yaml-cpp REQUIRED)
+find_package(BLAS REQUIRED)
 if(NOT MOCURATE_SLICE STREQUAL "learn")
   find_package(CLI11 REQUIRED)
   find_package(Ceres REQUIRED)
-  find_package(BLAS REQUIRED)
   find_package(LAPACK REQUIRED)
   find_package(Open3D REQUIRED)
   find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs videoio)

@@ -18,6 +18,7 @@ void RecogniserOptions::Declare(OptionVisitor& v) {
   v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
            "whole clip resampled to `frames`, or the paper's crop of `frames` with repeated last pose");
   v.Integer("frames", frames, {2.0, 1000.0}, "frames that the recogniser sees");
+  v.Integer("layers", layers, {1.0, 8.0}, "GRU layers of the network");
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent state");
   v.Integer("epochs", epochs, {1.0, 100000.0}, "passes over the training clips");
   v.Integer("batch", batch, {1.0, 4096.0}, "clips per step");

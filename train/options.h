@@ -30,6 +30,7 @@ struct RecogniserOptions {
   RecogniserInputKind input = RecogniserInputKind::kResample;
   std::int64_t frames = 60;
   std::int64_t hidden = 128;
+  std::int64_t layers = 2;  ///< Action2Motion's; MultiAct's has 4 of 256
   std::int64_t epochs = 60;
   std::int64_t batch = 32;
   double learning_rate = 2e-3;

@@ -16,7 +16,7 @@ inline Dataset ToyDataset(int clips_per_person_and_class) {
   Dataset dataset;
   dataset.skeleton = SmallSkeleton();
   dataset.joints_only = true;
-  dataset.labels = {{"slow", ""}, {"quick", ""}, {"walk", ""}};
+  dataset.labels = {"slow", "quick", "walk"};
   Split split;
   split.name = "person";
   for (int person = 0; person < 4; ++person) {
@@ -25,11 +25,11 @@ inline Dataset ToyDataset(int clips_per_person_and_class) {
         Clip clip;
         clip.identity.source = "toy";
         clip.identity.person = "p" + std::to_string(person);
-        clip.identity.recording = dataset.labels[static_cast<std::size_t>(label)].name + std::to_string(k);
+        clip.identity.recording = dataset.labels[static_cast<std::size_t>(label)] + std::to_string(k);
         Random random(7, "toy", clip.id());
         const int frames = 20 + static_cast<int>(random.Below(12));
         clip.identity.end_frame = frames;
-        clip.label = dataset.labels[static_cast<std::size_t>(label)].name;
+        clip.label = dataset.labels[static_cast<std::size_t>(label)];
         Motion motion;
         motion.skeleton = dataset.skeleton;
         motion.joints = JointPositions(frames, 5);

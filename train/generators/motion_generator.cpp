@@ -128,7 +128,7 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
   Dataset set;
   set.skeleton = impl_->checkpoint.skeleton;
   set.joints_only = true;
-  for (const std::string& label : labels()) set.labels.push_back({label, ""});
+  for (const std::string& label : labels()) set.labels.push_back(label);
   set.recipe = "generated";
   set.created_by = std::string(CreatedBy());
   const int J = impl_->config.joints;

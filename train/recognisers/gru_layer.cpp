@@ -75,15 +75,12 @@ struct Layer : torch::autograd::Function<Layer> {
     const std::int64_t T = input.size(0), B = input.size(1), H = hidden_weight.size(1);
     const Tensor rows = input.reshape({T * B, input.size(2)});
     const Tensor from_input = torch::addmm(input_bias, rows, input_weight.t());
-    const bool learn = context != nullptr;
-    const std::int64_t kept = learn ? T : 1;  // frames whose inner values are kept
-    const Tensor from_state = torch::empty({kept, B, 3 * H}), rz = torch::empty({kept, B, 2 * H});
-    const Tensor n = torch::empty({kept, B, H}), states = torch::empty({T + 1, B, H});
+    const Tensor from_state = torch::empty({T, B, 3 * H}), rz = torch::empty({T, B, 2 * H});
+    const Tensor n = torch::empty({T, B, H}), states = torch::empty({T + 1, B, H});
     states[0].copy_(hidden);
     const Tensor weight = hidden_weight.t();
     for (std::int64_t t = 0; t < T; ++t) {
-      const std::int64_t slot = learn ? t : 0;
-      Tensor state_part = from_state[slot], gates = rz[slot], candidate = n[slot];
+      Tensor state_part = from_state[t], gates = rz[t], candidate = n[t];
       torch::addmm_out(state_part, hidden_bias, states[t], weight);
       const float* input_part = from_input.data_ptr<float>() + t * B * 3 * H;
       AddGates(input_part, state_part.data_ptr<float>(), B, H, gates.data_ptr<float>());
@@ -94,7 +91,7 @@ struct Layer : torch::autograd::Function<Layer> {
       float* state = states.data_ptr<float>() + t * B * H;
       Mix(gates.data_ptr<float>(), candidate.data_ptr<float>(), state, B, H, state + B * H);
     }
-    if (learn) context->save_for_backward({rows, input_weight, hidden_weight, from_state, rz, n, states});
+    context->save_for_backward({rows, input_weight, hidden_weight, from_state, rz, n, states});
     return states.slice(0, 1).clone();
   }
 
@@ -130,9 +127,6 @@ struct Layer : torch::autograd::Function<Layer> {
 
 Tensor GruLayer(const Tensor& input, const Tensor& hidden, const Tensor& input_weight, const Tensor& hidden_weight,
                 const Tensor& input_bias, const Tensor& hidden_bias) {
-  if (!torch::GradMode::is_enabled()) {
-    return Layer::forward(nullptr, input, hidden, input_weight, hidden_weight, input_bias, hidden_bias);
-  }
   return Layer::apply(input, hidden, input_weight, hidden_weight, input_bias, hidden_bias);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "train/recognisers/gru_layer.h"
+#include "train/recognisers/gru_pass.h"
 #include "train/recognisers/tensors.h"
 
 namespace mocurate {
@@ -19,10 +20,11 @@ struct Heads {
 
 Heads Forward(const GruRecogniserConfig& config, const Weights& weights, const GruRecogniserBatch& batch) {
   const Tensor motion = View(batch.motion, {batch.frames, batch.batch, config.input});
-  const Tensor hidden = batch.initial_hidden.empty() ? torch::zeros({2, batch.batch, config.hidden})
-                                                     : View(batch.initial_hidden, {2, batch.batch, config.hidden});
+  const Tensor hidden = batch.initial_hidden.empty()
+                            ? torch::zeros({config.layers, batch.batch, config.hidden})
+                            : View(batch.initial_hidden, {config.layers, batch.batch, config.hidden});
   Tensor outputs = motion;
-  for (int layer = 0; layer < 2; ++layer) {
+  for (int layer = 0; layer < config.layers; ++layer) {
     const std::string end = "_l" + std::to_string(layer);
     outputs = GruLayer(outputs, hidden[layer], weights.at("recurrent.weight_ih" + end),
                        weights.at("recurrent.weight_hh" + end), weights.at("recurrent.bias_ih" + end),
@@ -45,8 +47,10 @@ Heads Forward(const GruRecogniserConfig& config, const Weights& weights, const G
 
 ParameterList GruRecogniserParameters(const GruRecogniserConfig& config) {
   ParameterList parameters;
-  AddGru("recurrent.", "_l0", config.input, config.hidden, parameters);
-  AddGru("recurrent.", "_l1", config.hidden, config.hidden, parameters);
+  for (int layer = 0; layer < config.layers; ++layer) {
+    AddGru("recurrent.", "_l" + std::to_string(layer), layer == 0 ? config.input : config.hidden, config.hidden,
+           parameters);
+  }
   AddLinear("linear1", config.hidden, config.features, parameters);
   AddLinear("linear2", config.features, config.classes, parameters);
   return parameters;
@@ -54,10 +58,15 @@ ParameterList GruRecogniserParameters(const GruRecogniserConfig& config) {
 
 GruRecogniserOutput RunGruRecogniser(const GruRecogniserConfig& config, const ParameterList& parameters,
                                      const GruRecogniserBatch& batch) {
-  torch::set_num_threads(1);
-  torch::NoGradGuard no_gradient;
-  const Heads heads = Forward(config, MakeWeights(parameters, false), batch);
-  return {Numbers(heads.features), Numbers(heads.logits)};
+  GruRecogniserOutput output;
+  output.features.resize(static_cast<std::size_t>(batch.batch) * config.features);
+  output.logits.resize(static_cast<std::size_t>(batch.batch) * config.classes);
+  const MotionArray motions{batch.motion.data(), config.input, static_cast<std::ptrdiff_t>(batch.batch) * config.input};
+  GruPass(config, parameters)
+      .Run(motions, 0, batch.batch, batch.frames, batch.length,
+           batch.initial_hidden.empty() ? nullptr : batch.initial_hidden.data(), output.features.data(),
+           output.logits.data());
+  return output;
 }
 
 double GruRecogniserStep(const GruRecogniserConfig& config, const GruRecogniserBatch& batch,

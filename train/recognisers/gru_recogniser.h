@@ -7,13 +7,13 @@
 
 namespace mocurate {
 
-/// Action2Motion's recogniser (a2m_actor.md D.1): GRU(input, hidden, 2 layers) -> last valid output -> Linear(hidden,
-/// 30)
-/// -> tanh (the features) -> Linear(30, classes) (the logits).
+/// Action2Motion's recogniser (a2m_actor.md D.1): GRU(input, hidden, layers) -> last valid output -> Linear(hidden, 30)
+/// -> tanh (the features) -> Linear(30, classes) (the logits). MultiAct's has 4 layers of 256 (multiact.md E).
 struct GruRecogniserConfig {
   int input = 72;
   int classes = 12;
   int hidden = 128;
+  int layers = 2;
   int features = 30;
 };
 
@@ -26,7 +26,7 @@ struct GruRecogniserBatch {
   int frames = 0;
   std::vector<float> motion;          ///< (T,B,input)
   std::vector<int> length;            ///< (B) frames that count, or empty: all
-  std::vector<float> initial_hidden;  ///< (2,B,hidden), or empty: zero
+  std::vector<float> initial_hidden;  ///< (layers,B,hidden), or empty: zero
 };
 
 struct GruRecogniserOutput {

@@ -1,11 +1,14 @@
 #include "train/recognisers/recogniser.h"
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 #include <utility>
 
 #include "core/base/file.h"
 #include "core/formats/torch_pickle.h"
 #include "train/checkpoint/checkpoint.h"
+#include "train/recognisers/gru_pass.h"
 #include "train/recognisers/gru_recogniser.h"
 
 namespace mocurate {
@@ -14,13 +17,15 @@ struct Recogniser::Impl {
   GruRecogniserConfig config;
   ParameterList parameters;
   std::vector<std::string> labels;
+  SkeletonPtr skeleton;
+  std::string dataset_sha256;
   RecogniserInputKind input = RecogniserInputKind::kCrop;
   int frames = 60;
 };
 
 namespace {
 
-constexpr int kRecognisedAtOnce = 128;
+constexpr int kRecognisedAtOnce = 256;  // of the widths 64 to 512 the fastest
 
 Expected<int> Size(const ParameterList& parameters, const std::string& name, std::size_t axis,
                    const std::string& where) {
@@ -38,37 +43,24 @@ Status Build(const ParameterList& stored, const std::string& where, GruRecognise
              ParameterList& parameters) {
   const Expected<int> input = Size(stored, "recurrent.weight_ih_l0", 1, where);
   const Expected<int> hidden = Size(stored, "recurrent.weight_hh_l0", 1, where);
+  int layers = 1;
+  while (FindParameter(stored, "recurrent.weight_hh_l" + std::to_string(layers)) >= 0) ++layers;
   const Expected<int> features = Size(stored, "linear1.weight", 0, where);
   const Expected<int> classes = Size(stored, "linear2.weight", 0, where);
   for (const Expected<int>* size : {&input, &hidden, &features, &classes}) {
     if (!*size) return Forward(*size);
   }
-  config = {*input, *classes, *hidden, *features};
+  config = {*input, *classes, *hidden, layers, *features};
   parameters = GruRecogniserParameters(config);
   return CopyValues(stored, where, parameters);
 }
 
-GruRecogniserBatch MakeBatch(const float* motions, int begin, int count, int frames, int dim) {
-  GruRecogniserBatch batch;
-  batch.batch = count;
-  batch.frames = frames;
-  batch.motion.resize(static_cast<std::size_t>(count) * frames * dim);
-  for (int b = 0; b < count; ++b) {
-    const float* motion = motions + static_cast<std::size_t>(begin + b) * frames * dim;
-    for (int t = 0; t < frames; ++t) {
-      std::copy(motion + static_cast<std::size_t>(t) * dim, motion + static_cast<std::size_t>(t + 1) * dim,
-                batch.motion.begin() + (static_cast<std::ptrdiff_t>(t) * count + b) * dim);
-    }
-  }
-  return batch;
-}
-
-// Rows [begin, begin + count) of (2,n,H), or drawn ones.
-std::vector<float> HiddenOf(const RecogniserHidden& hidden, int begin, int count, int total, int size) {
+// Rows [begin, begin + count) of (layers,n,H), or drawn ones.
+std::vector<float> HiddenOf(const RecogniserHidden& hidden, int layers, int begin, int count, int total, int size) {
   if (hidden.given.empty() && hidden.kind == InitialHidden::kZero) return {};
-  std::vector<float> rows(static_cast<std::size_t>(2) * count * size);
+  std::vector<float> rows(static_cast<std::size_t>(layers) * count * size);
   if (!hidden.given.empty()) {
-    for (int layer = 0; layer < 2; ++layer) {
+    for (int layer = 0; layer < layers; ++layer) {
       const auto first = hidden.given.begin() + (static_cast<std::ptrdiff_t>(layer) * total + begin) * size;
       std::copy(first, first + static_cast<std::ptrdiff_t>(count) * size,
                 rows.begin() + static_cast<std::ptrdiff_t>(layer) * count * size);
@@ -77,7 +69,7 @@ std::vector<float> HiddenOf(const RecogniserHidden& hidden, int begin, int count
   }
   for (int b = 0; b < count; ++b) {
     Random random(hidden.seed, "recogniser.hidden", std::to_string(begin + b));
-    for (int layer = 0; layer < 2; ++layer) {
+    for (int layer = 0; layer < layers; ++layer) {
       for (int k = 0; k < size; ++k) {
         rows[(static_cast<std::size_t>(layer) * count + b) * size + k] = static_cast<float>(random.Normal());
       }
@@ -104,6 +96,8 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   if (Status built = Build(checkpoint->parameters, where, impl->config, impl->parameters); !built)
     return Forward(built);
   impl->labels = checkpoint->labels;
+  impl->skeleton = checkpoint->skeleton;
+  impl->dataset_sha256 = checkpoint->dataset_sha256;
   const Expected<RecogniserOptions> options = OptionsFromJson<RecogniserOptions>(checkpoint->options, where);
   if (!options) return Forward(options);
   impl->input = options->input;
@@ -135,7 +129,8 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::LoadPublished(const std::files
 }
 
 Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int frames, int dim,
-                                           const RecogniserHidden& hidden, const std::vector<int>& lengths) const {
+                                           const RecogniserHidden& hidden, const std::vector<int>& lengths,
+                                           int threads) const {
   const GruRecogniserConfig& config = impl_->config;
   if (dim != config.input) {
     return Fail(ErrorCode::kInconsistent,
@@ -147,28 +142,39 @@ Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int 
       lengths.empty() || (static_cast<int>(lengths.size()) == count &&
                           std::all_of(lengths.begin(), lengths.end(), [&](int n) { return n >= 1 && n <= frames; }));
   if (frames < 1 || !lengths_fit ||
-      (!hidden.given.empty() && hidden.given.size() != static_cast<std::size_t>(2) * count * config.hidden)) {
+      (!hidden.given.empty() &&
+       hidden.given.size() != static_cast<std::size_t>(config.layers) * count * config.hidden)) {
     return Fail(ErrorCode::kInconsistent, "frames, lengths or initial state do not fit the motions", "recogniser");
   }
   RecogniserOutput output;
   output.count = count;
   output.classes = config.classes;
   output.feature_size = config.features;
-  for (int begin = 0; begin < count; begin += kRecognisedAtOnce) {
-    const int size = std::min(kRecognisedAtOnce, count - begin);
-    GruRecogniserBatch batch = MakeBatch(motions, begin, size, frames, dim);
-    if (!lengths.empty()) batch.length.assign(lengths.begin() + begin, lengths.begin() + begin + size);
-    batch.initial_hidden = HiddenOf(hidden, begin, size, count, config.hidden);
-    const GruRecogniserOutput part = RunGruRecogniser(config, impl_->parameters, batch);
-    output.features.insert(output.features.end(), part.features.begin(), part.features.end());
-    output.logits.insert(output.logits.end(), part.logits.begin(), part.logits.end());
-  }
+  output.features.resize(static_cast<std::size_t>(count) * config.features);
+  output.logits.resize(static_cast<std::size_t>(count) * config.classes);
+  const MotionArray array{motions, static_cast<std::ptrdiff_t>(frames) * dim, dim};
+  const GruPass pass(config, impl_->parameters);
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    for (int begin = next.fetch_add(kRecognisedAtOnce); begin < count; begin = next.fetch_add(kRecognisedAtOnce)) {
+      const int size = std::min(kRecognisedAtOnce, count - begin);
+      const std::vector<float> state = HiddenOf(hidden, config.layers, begin, size, count, config.hidden);
+      pass.Run(array, begin, begin + size, frames, lengths, state.empty() ? nullptr : state.data(),
+               output.features.data(), output.logits.data());
+    }
+  };
+  std::vector<std::thread> others;
+  for (int i = 1; i < threads; ++i) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
   return output;
 }
 
 int Recogniser::input_size() const { return impl_->config.input; }
 int Recogniser::class_count() const { return impl_->config.classes; }
 int Recogniser::hidden_size() const { return impl_->config.hidden; }
+SkeletonPtr Recogniser::skeleton() const { return impl_->skeleton; }
+const std::string& Recogniser::dataset_sha256() const { return impl_->dataset_sha256; }
 const std::vector<std::string>& Recogniser::labels() const { return impl_->labels; }
 RecogniserInputKind Recogniser::input_kind() const { return impl_->input; }
 int Recogniser::input_frames() const { return impl_->frames; }

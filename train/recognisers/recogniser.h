@@ -29,7 +29,7 @@ struct RecogniserOutput {
 struct RecogniserHidden {
   InitialHidden kind = InitialHidden::kZero;
   std::uint64_t seed = 0;
-  std::vector<float> given;  ///< (2,n,hidden), used as it is when not empty
+  std::vector<float> given;  ///< (layers,n,hidden), used as it is when not empty
 };
 
 /// A trained recogniser of motions: accuracy and features of every metric.
@@ -42,13 +42,19 @@ class Recogniser {
   ~Recogniser();
 
   /// `motions` (count, frames, dim) float32 as RecogniserInput makes them; dim must be input_size(). `lengths` (count),
-  /// if given: the output after that many frames counts, else the last. One thread; batches of 128.
+  /// if given: the output after that many frames counts, else the last. Chunks of 256 motions over `threads`, which do
+  /// not change the result.
   Expected<RecogniserOutput> Run(const float* motions, int count, int frames, int dim,
-                                 const RecogniserHidden& hidden = {}, const std::vector<int>& lengths = {}) const;
+                                 const RecogniserHidden& hidden = {}, const std::vector<int>& lengths = {},
+                                 int threads = 1) const;
 
   int input_size() const;
   int class_count() const;
   int hidden_size() const;
+  /// Of the training data; null for published weights.
+  SkeletonPtr skeleton() const;
+  /// SHA-256 of the training data; empty for published weights.
+  const std::string& dataset_sha256() const;
   /// Class names; empty for published weights.
   const std::vector<std::string>& labels() const;
   /// How clips must be prepared for it.

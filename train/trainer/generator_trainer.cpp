@@ -15,7 +15,7 @@ Checkpoint StartState(const Dataset& dataset, const GeneratorOptions& options, c
   state.options = OptionsToJson(options);
   state.skeleton = dataset.skeleton;
   state.dataset_sha256 = control.dataset_sha256;
-  for (const LabelName& label : dataset.labels) state.labels.push_back(label.name);
+  for (const std::string& label : dataset.labels) state.labels.push_back(label);
   state.parameters = Action2MotionParameters(config);
   Random random(static_cast<std::uint64_t>(options.seed), "generator.initial");
   Initialise(state.parameters, random);

@@ -176,7 +176,7 @@ void RecogniserTraining::Start() {
   state_.options = OptionsToJson(options_);
   state_.skeleton = dataset_.skeleton;
   state_.dataset_sha256 = control_.dataset_sha256;
-  for (const LabelName& label : dataset_.labels) state_.labels.push_back(label.name);
+  for (const std::string& label : dataset_.labels) state_.labels.push_back(label);
   StartPhase(0);
 }
 
@@ -186,7 +186,7 @@ Expected<Checkpoint> RecogniserTraining::Run() {
   if (!clips) return Forward(clips);
   clips_ = std::move(*clips);
   config_ = {3 * dataset_.skeleton->joint_count(), static_cast<int>(dataset_.labels.size()),
-             static_cast<int>(options_.hidden), 30};
+             static_cast<int>(options_.hidden), static_cast<int>(options_.layers)};
   if (std::optional<Checkpoint> saved = ResumeFrom(control_, kGruRecogniserKind, OptionsToJson(options_)); saved) {
     state_ = std::move(*saved);
     Restore();

@@ -1,0 +1,69 @@
+#include "train/recognisers/gru_gates.h"
+
+#include <cstdint>
+#include <cstring>
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define MOCURATE_VECTOR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define MOCURATE_VECTOR_CLONES
+#endif
+
+namespace mocurate {
+namespace {
+
+/// e^x by reduction to [-ln 2 / 2, ln 2 / 2] and a polynomial of degree 6 (coefficients of Cephes' expf).
+inline float ExpPolynomial(float x) {
+  constexpr float kLargest = 87.0f;         // e^88 is beyond float32
+  constexpr float kRounding = 12582912.0f;  // 1.5 * 2^23: adding it rounds to a whole number
+  x = x < -kLargest ? -kLargest : x > kLargest ? kLargest : x;
+  const float shifted = x * 1.44269504f + kRounding;
+  const float whole = shifted - kRounding;
+  const float r = (x - whole * 0.693359375f) + whole * 2.12194440e-4f;
+  float p = 1.9875691500e-4f;
+  p = p * r + 1.3981999507e-3f;
+  p = p * r + 8.3334519073e-3f;
+  p = p * r + 4.1665795894e-2f;
+  p = p * r + 1.6666665459e-1f;
+  p = p * r + 5.0000001201e-1f;
+  p = p * r * r + r + 1.0f;
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &shifted, sizeof(bits));
+  bits = (bits << 23) + 0x3f800000u;  // the low bits of `shifted` hold the exponent
+  float power = 0.0f;
+  std::memcpy(&power, &bits, sizeof(power));
+  return p * power;
+}
+
+inline float Sigmoid(float x) { return 1.0f / (1.0f + ExpPolynomial(-x)); }
+
+}  // namespace
+
+MOCURATE_VECTOR_CLONES
+void GruGates(const GruGateInput& input, int batch, int hidden, float* state, int state_stride, float* output,
+              int output_stride) {
+  const float* reset_update = input.reset_update;
+  const float* candidate_input = input.candidate_input;
+  const float* candidate_state = input.candidate_state;
+  const float* bias = input.bias;
+  for (int b = 0; b < batch; ++b) {
+#pragma GCC ivdep
+    for (int k = 0; k < hidden; ++k) {
+      const float r = Sigmoid(reset_update[k] + bias[k]);
+      const float z = Sigmoid(reset_update[hidden + k] + bias[hidden + k]);
+      const float sum = candidate_input[k] + bias[2 * hidden + k] + r * (candidate_state[k] + bias[3 * hidden + k]);
+      const float n = 1.0f - 2.0f * Sigmoid(-2.0f * sum);
+      const float next = n + z * (state[k] - n);
+      state[k] = next;
+      output[k] = next;
+    }
+    reset_update += 2 * hidden;
+    candidate_input += hidden;
+    candidate_state += hidden;
+    state += state_stride;
+    output += output_stride;
+  }
+}
+
+}  // namespace mocurate

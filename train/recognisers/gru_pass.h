@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "train/recognisers/gru_recogniser.h"
+
+namespace mocurate {
+
+/// Where the numbers of a set of motions lie: frame t of motion n starts at data + n * motion_stride + t *
+/// frame_stride.
+struct MotionArray {
+  const float* data = nullptr;
+  std::ptrdiff_t motion_stride = 0;
+  std::ptrdiff_t frame_stride = 0;
+};
+
+/// The recogniser without gradients: the layers of a chunk of motions advance frame by frame, so that what a frame
+/// needs stays in the second-level cache; matrix products by BLAS, gates by GruGates. GruLayer (libtorch) is its
+/// reference.
+class GruPass {
+ public:
+  GruPass() = default;
+  /// `parameters` as GruRecogniserParameters lists them.
+  GruPass(const GruRecogniserConfig& config, const ParameterList& parameters);
+
+  /// Motions [begin, end) of T frames. `read_out` (all motions): frames after which a motion's state counts, or empty:
+  /// all. `hidden` (layers, end - begin, H): initial states, or null: zero. Writes rows [begin, end) of `features`
+  /// (all motions, features) and `logits` (all motions, classes). Safe to call from several threads at once.
+  void Run(const MotionArray& motions, int begin, int end, int frames, const std::vector<int>& read_out,
+           const float* hidden, float* features, float* logits) const;
+
+ private:
+  struct Layer {
+    int input = 0;
+    std::vector<float> reset_update;     ///< (2H, input + H): [W_i | W_h] of r and z
+    std::vector<float> candidate_input;  ///< (H, input)
+    std::vector<float> candidate_state;  ///< (H, H)
+    std::vector<float> bias;             ///< (4H) as GruGateInput
+  };
+  GruRecogniserConfig config_;
+  std::vector<Layer> layers_;
+  std::vector<float> linear1_, bias1_, linear2_, bias2_;
+};
+
+}  // namespace mocurate
