@@ -12,46 +12,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kFloorShare = 0.05;     // as core/quality reads the floor
 constexpr double kStraightest = 0.9995;  // of the leg's length: a knee is never quite straight
 constexpr double kNoFaster = 1e-4;       // m/s, of numbers
 constexpr int kTrials = 5;               // each holds half as much, the last nothing
-
-/// Half-open runs of frames.
-struct Run {
-  int begin = 0;
-  int end = 0;
-};
-
-std::vector<Run> RunsOf(const std::vector<bool>& flags, bool value) {
-  std::vector<Run> runs;
-  const int count = static_cast<int>(flags.size());
-  for (int f = 0; f < count; ++f) {
-    if (flags[f] != value) continue;
-    if (!runs.empty() && runs.back().end == f) {
-      ++runs.back().end;
-    } else {
-      runs.push_back({f, f + 1});
-    }
-  }
-  return runs;
-}
-
-double FloorUnderJoint(const Motion& motion, int joint) {
-  std::vector<double> heights;
-  for (int f = 0; f < motion.frame_count(); ++f) heights.push_back(motion.joints.at(f, joint).y());
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kFloorShare * static_cast<double>(heights.size()));
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low;
-}
-
-double SpeedAt(const Motion& motion, int frame, int joint) {
-  const int before = std::max(0, frame - 1);
-  const int after = std::min(motion.frame_count() - 1, frame + 1);
-  if (after == before) return 0.0;
-  return (motion.joints.at(after, joint) - motion.joints.at(before, joint)).norm() * motion.rate.hz() /
-         (after - before);
-}
 
 /// When a joint stands.
 struct Stand {
@@ -65,7 +28,7 @@ struct Slide {
   double fastest = 0.0;
 };
 
-Slide SlideIn(const Motion& motion, const std::vector<Stand>& stands, Run run) {
+Slide SlideIn(const Motion& motion, const std::vector<Stand>& stands, FrameRun run) {
   Slide slide;
   int steps = 0;
   for (const Stand& stand : stands) {
@@ -86,17 +49,17 @@ Slide SlideIn(const Motion& motion, const std::vector<Stand>& stands, Run run) {
 struct Foot {
   Leg leg;
   std::vector<Stand> stands;
-  std::vector<bool> standing;   ///< any of them
-  std::vector<Run> contacts;    ///< of `standing`
-  std::vector<double> held;     ///< of each contact: how much of what would hold the foot still
-  std::vector<Vector3d> still;  ///< what would, while it stands; (F) as the others
+  std::vector<bool> standing;      ///< any of them
+  std::vector<FrameRun> contacts;  ///< of `standing`
+  std::vector<double> held;        ///< of each contact: how much of what would hold the foot still
+  std::vector<Vector3d> still;     ///< what would, while it stands; (F) as the others
   std::vector<Vector3d> shift;
 };
 
 /// Takes out of each step of a contact how the joints move that stand before and after it, in the mean of ankle and
 /// toe: when the heel lifts and the toe still stands, the foot goes on from where it is. The middle of the contact
 /// stays.
-void HoldStill(const Motion& motion, Run contact, Foot& foot) {
+void HoldStill(const Motion& motion, FrameRun contact, Foot& foot) {
   Vector3d middle = Vector3d::Zero();
   for (int f = contact.begin + 1; f < contact.end; ++f) {
     Vector3d step = Vector3d::Zero();
@@ -120,13 +83,13 @@ Foot FootOf(const Motion& motion, const Leg& leg, const ContactOptions& options)
   foot.standing.assign(frames, false);
   for (const int joint : {leg.ankle, leg.toe}) {
     if (joint < 0) continue;
-    foot.stands.push_back({joint, JointContacts(motion, joint, options)});
+    foot.stands.push_back({joint, JointContacts(motion, joint, LimitsOf(options))});
     for (int f = 0; f < frames; ++f) foot.standing[f] = foot.standing[f] || foot.stands.back().frames[f];
   }
-  foot.contacts = RunsOf(foot.standing, true);
+  foot.contacts = RunsWhere(foot.standing, true);
   foot.held.assign(foot.contacts.size(), 1.0);
   foot.still.assign(frames, Vector3d::Zero());
-  for (const Run& contact : foot.contacts) HoldStill(motion, contact, foot);
+  for (const FrameRun& contact : foot.contacts) HoldStill(motion, contact, foot);
   return foot;
 }
 
@@ -136,7 +99,7 @@ double Fade(double x) { return x >= 1.0 ? 0.0 : 0.5 + 0.5 * std::cos(kPi * x); }
 /// Between contacts the shift of each neighbour fades within `blend` frames.
 void FadeShifts(const std::vector<bool>& standing, double blend, std::vector<Vector3d>& shift) {
   const int frames = static_cast<int>(shift.size());
-  for (const Run& gap : RunsOf(standing, false)) {
+  for (const FrameRun& gap : RunsWhere(standing, false)) {
     const double length = std::min(blend, static_cast<double>(gap.end - gap.begin) + 1.0);
     for (int f = gap.begin; f < gap.end; ++f) {
       Vector3d sum = Vector3d::Zero();
@@ -287,24 +250,6 @@ Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton) {
     if (limb.tip >= 0 && skeleton.joints[limb.tip].parent != limb.end) legs.back().toe = -1;
   }
   return legs;
-}
-
-std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactOptions& options) {
-  std::vector<bool> standing(motion.frame_count(), false);
-  const double ceiling = FloorUnderJoint(motion, joint) + options.height;
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    standing[f] = motion.joints.at(f, joint).y() <= ceiling && SpeedAt(motion, f, joint) <= options.speed;
-  }
-  const double shortest = options.min_time_s * motion.rate.hz();
-  for (const Run& gap : RunsOf(standing, false)) {
-    const bool between = gap.begin > 0 && gap.end < motion.frame_count();
-    if (between && gap.end - gap.begin < shortest)
-      std::fill(standing.begin() + gap.begin, standing.begin() + gap.end, true);
-  }
-  for (const Run& run : RunsOf(standing, true)) {
-    if (run.end - run.begin < shortest) std::fill(standing.begin() + run.begin, standing.begin() + run.end, false);
-  }
-  return standing;
 }
 
 Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion& motion) {

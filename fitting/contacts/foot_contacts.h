@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/motion/motion.h"
+#include "core/quality/contacts.h"
 #include "fitting/options.h"
 
 namespace mocurate {
@@ -20,10 +21,10 @@ struct Leg {
 /// Left and right leg. Error kUnsupported for a skeleton in which hip, knee and ankle are no chain.
 Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton);
 
-/// Frames in which a joint stands on the floor: no higher than `height` above the lowest 5 % of its own places, and
-/// slower than `speed` between its neighbours in time. Runs shorter than `min_time` are none; gaps of that length
-/// between two of them are closed. (F)
-std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactOptions& options);
+/// The limits of contacts that the options give.
+inline ContactLimits LimitsOf(const ContactOptions& options) {
+  return {options.height, options.speed, options.min_time_s};
+}
 
 /// What the removal of foot sliding did.
 struct SlidingRemoval {

@@ -18,7 +18,7 @@ void HoldStandingFeet(const Motion& pose, const TrackWindow& window, WalkFactors
   for (const Leg& leg : *legs) {
     for (const int joint : {leg.ankle, leg.toe}) {
       if (joint < 0) continue;
-      const std::vector<bool> stands = JointContacts(pose, joint, contacts);
+      const std::vector<bool> stands = JointContacts(pose, joint, LimitsOf(contacts));
       for (int f = 0; f + 1 < window.end; ++f) {
         if (!stands[f] || !stands[f + 1]) continue;
         double& factor = factors.position[window.Index(f, joint)];

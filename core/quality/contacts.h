@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// When a joint of a foot counts as standing.
+struct ContactLimits {
+  double height = 0.05;     ///< m above the lowest 5 % of the joint's own places
+  double speed = 0.6;       ///< m/s; a faster joint does not stand
+  double min_time_s = 0.1;  ///< shorter contacts are none, shorter gaps are closed
+};
+
+/// Half-open runs [begin, end) of frames.
+struct FrameRun {
+  int begin = 0;
+  int end = 0;
+};
+
+/// The runs in which `flags` are `value`, in order.
+std::vector<FrameRun> RunsWhere(const std::vector<bool>& flags, bool value);
+
+/// Frames in which a joint stands on the floor: no higher than `height` above the lowest 5 % of its own places, and
+/// slower than `speed` between its neighbours in time. (F)
+std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactLimits& limits);
+
+/// Mean over the frames of how deep the lowest joint of the feet lies below the floor, metres. The floor is the median
+/// height of the lower foot joint of each leg while it stands (y up; nothing says where the floor is otherwise).
+/// Nothing for a skeleton without legs, or where no foot ever stands.
+std::optional<double> FloorPenetration(const Motion& motion, const ContactLimits& limits = {});
+
+/// Share of the rotations of joints with limits (Skeleton::joints[].limits, rotation vector from the rest pose) that
+/// lie beyond them. Nothing for motions without rotations or skeletons without limits.
+std::optional<double> LimitViolations(const Motion& motion);
+
+}  // namespace mocurate
