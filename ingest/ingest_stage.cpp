@@ -8,6 +8,7 @@
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
 #include "ingest/frozen_views.h"
+#include "ingest/read_motions.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/source_file.h"
@@ -170,6 +171,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
     clip.role = named.role;
   }
   clip.label = named.label;
+  clip.fine_label = named.fine_label;
   clip.evidence_sha256 = EvidenceHash(bytes, clip.evidence);
   clip.provenance["file"] = named.fields.at("file");
   clip.provenance["source_axes"] = source.axes;
@@ -247,7 +249,7 @@ StageOutcome LeftOut(const DroppedClip& dropped, const std::string& name, StageO
 
 }  // namespace
 
-Expected<StageOutcome> IngestStage(const StageRequest& request) {
+Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   nlohmann::json declared = request.options;
   const ItemFacts facts = TakeFacts(declared);
   const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(declared);
@@ -293,7 +295,11 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
     read += file.skeleton_bytes;
   }
   Expected<IngestedClip> ingested = ReadClip(file, facts.array);
-  if (!ingested) return Unusable(*source, ingested.error(), request.item);
+  if (!ingested) {
+    Expected<StageOutcome> unusable = Unusable(*source, ingested.error(), request.item);
+    if (!unusable) return Forward(unusable);
+    return ReadItem{{}, std::move(*unusable)};
+  }
   if (!SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
   if (source->checks.ActionFor("frozen_view") != FindingAction::kIgnore) {
@@ -315,7 +321,7 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
   for (const auto& [code, shown] : ingested->shown) {
     outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
   }
-  if (dropped) return LeftOut(*dropped, input->name, std::move(outcome));
+  if (dropped) return ReadItem{{}, LeftOut(*dropped, input->name, std::move(outcome))};
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != "refused") continue;
@@ -327,11 +333,19 @@ Expected<StageOutcome> IngestStage(const StageRequest& request) {
                               : "captures reach at most 1000 m from the origin"};
     // Its message says the place and the ways out.
     if (finding.code == "rate_implausible") outcome.error = {ErrorCode::kInconsistent, finding.message, "", ""};
-    return outcome;
+    return ReadItem{{}, std::move(outcome)};
   }
-  if (Status written = WriteEvidence(ingested->clip, request.output, outcome.findings); !written)
+  return ReadItem{std::move(ingested->clip), std::move(outcome)};
+}
+
+Expected<StageOutcome> IngestStage(const StageRequest& request) {
+  Expected<ReadItem> read = ReadSourceItem(request);
+  if (!read) return Forward(read);
+  if (!HasArtifact(read->outcome.kind)) return std::move(read->outcome);
+  if (Status written = WriteEvidence(read->clip, request.output, read->outcome.findings); !written) {
     return Forward(written);
-  return outcome;
+  }
+  return std::move(read->outcome);
 }
 
 }  // namespace mocurate

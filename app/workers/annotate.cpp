@@ -12,6 +12,7 @@
 #include "fitting/options.h"
 #include "fitting/stages.h"
 #include "ingest/options.h"
+#include "ingest/read_motions.h"
 #include "ingest/stages.h"
 #include "report/options.h"
 #include "report/stages.h"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
   return RunWorker({{CaptureDeclaration().name, CaptureStage},
                     {TruthDeclaration().name, TruthStage},
                     {IngestDeclaration().name, IngestStage},
+                    {MotionsDeclaration().name, MotionsStage},
                     {DuplicatesDeclaration().name, DuplicatesStage},
                     {ProportionsDeclaration().name, ProportionsStage},
                     {FittingDeclaration().name, FittingStage},

@@ -215,6 +215,14 @@ Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name) {
   return ParseParts(*parts, name);
 }
 
+Expected<std::string_view> PickleOfNpy(std::string_view bytes, const std::string& name) {
+  const Expected<Parts> parts = Split(bytes, name);
+  if (!parts) return Forward(parts);
+  const std::optional<ElementType> type = ParseElementType(parts->header.dtype);
+  if (type && type->kind == ElementKind::kObject) return parts->data;
+  return Fail(ErrorCode::kInconsistent, "the array is of type '" + parts->header.dtype + "', not of objects", name);
+}
+
 Expected<NpyArray> ParseNpyEntry(std::string_view bytes, std::size_t entry, const std::string& name) {
   Expected<Parts> parts = Split(bytes, name);
   if (!parts) return Forward(parts);

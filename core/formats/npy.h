@@ -30,6 +30,10 @@ Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name);
 /// 3). In C order nothing else is decoded. Errors as of ParseNpy; kInconsistent where there is no such entry.
 Expected<NpyArray> ParseNpyEntry(std::string_view bytes, std::size_t entry, const std::string& name);
 
+/// The pickle of an array of Python objects, which ParsePickle reads as data. Errors kMalformed; kInconsistent where
+/// the array is of another type.
+Expected<std::string_view> PickleOfNpy(std::string_view bytes, const std::string& name);
+
 /// Type and shape alone; "|O" for an array of Python objects.
 Expected<NpyArray> ParseNpyHeader(std::string_view bytes, const std::string& name);
 

@@ -165,6 +165,28 @@ const PickleArray* PickleRef::Layout() const {
   return kind() == PickleKind::kArray ? &pickle_->arrays[static_cast<std::size_t>(value().array)] : nullptr;
 }
 
+Expected<NpyArray> PickleRef::ArrayEntry(std::size_t entry) const {
+  const PickleArray* layout = Layout();
+  const std::optional<ElementType> type = layout == nullptr ? std::nullopt : ParseElementType(layout->dtype);
+  if (!type || !type->is_number() || layout->shape.empty() || entry >= layout->shape[0]) {
+    return Bad("an array of numbers with an entry " + std::to_string(entry) + " is expected");
+  }
+  NpyArray array;
+  array.dtype = layout->dtype;
+  array.shape.assign(layout->shape.begin() + 1, layout->shape.end());
+  if (layout->strides.empty()) {
+    const std::size_t each = layout->data.size() / layout->shape[0];
+    DecodeNumbers(*type, layout->data.substr(entry * each, each), array.values);
+    return array;
+  }
+  const Expected<NpyArray> whole = Array();
+  if (!whole) return whole;
+  const std::size_t each = whole->values.size() / layout->shape[0];
+  const auto first = whole->values.begin() + static_cast<std::ptrdiff_t>(entry * each);
+  array.values.assign(first, first + static_cast<std::ptrdiff_t>(each));
+  return array;
+}
+
 Expected<NpyArray> PickleRef::Array() const {
   NpyArray array;
   if (IsNumber(kind())) {

@@ -87,6 +87,7 @@ class PickleRef {
   const PickleValue& value() const { return pickle_->values[static_cast<std::size_t>(position_)]; }
   PickleKind kind() const { return value().kind; }
   const std::string& path() const { return path_; }
+  int position() const { return position_; }
   /// Items of a list, tuple or set; pairs of a dictionary; else 0.
   std::size_t size() const;
   PickleRef Item(std::size_t i) const;
@@ -105,6 +106,9 @@ class PickleRef {
   /// Of an array of numbers or texts, in C order; of a number an array without axes. NaN is passed on. Error
   /// kMalformed.
   Expected<NpyArray> Array() const;
+  /// One entry of an array of numbers along its first axis, without that axis; of an array in C order nothing else is
+  /// decoded. Error kMalformed.
+  Expected<NpyArray> ArrayEntry(std::size_t entry) const;
   Expected<SparseMatrix> Sparse() const;
   /// Type and shape without the elements; null when this is no array.
   const PickleArray* Layout() const;

@@ -30,6 +30,7 @@ struct StageRequest {
   std::vector<StageInput> inputs;
   std::filesystem::path output;   ///< a temporary path to write the artifact to
   std::filesystem::path scratch;  ///< folder of this item that survives kills (partial checkpoints)
+  int threads = 1;                ///< the item may use; never changes its bytes
 };
 
 /// kDone, kDoubtful: there is an artifact. kLeftOut: none, because a rule of the configuration says so; the input is as

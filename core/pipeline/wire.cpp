@@ -134,7 +134,8 @@ json ToJson(const StageRequest& request) {
           {"options", request.options},
           {"inputs", std::move(inputs)},
           {"output", request.output.native()},
-          {"scratch", request.scratch.native()}};
+          {"scratch", request.scratch.native()},
+          {"threads", request.threads}};
 }
 
 Expected<Error> ErrorFromJson(const json& value) {
@@ -164,6 +165,7 @@ Expected<StageRequest> RequestFromJson(const json& value) {
     }
     request.output = value.at("output").get<std::string>();
     request.scratch = value.at("scratch").get<std::string>();
+    request.threads = value.at("threads").get<int>();
     return request;
   });
 }

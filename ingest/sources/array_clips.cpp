@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "core/base/text.h"
+#include "core/formats/mdm_results.h"
 #include "core/formats/npz.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sources/exported_motion.h"
@@ -36,9 +37,12 @@ void AddClips(const std::vector<std::size_t>& shape, const std::string& member, 
   const std::optional<ArrayShape> joints = ShapeOfJoints(shape);
   if (!joints) return;
   for (std::size_t i = 0; i < joints->clips; ++i) {
-    clips.push_back({member + (joints->batch ? "[" + std::to_string(i) + "]" : ""), joints->joints});
+    const std::string label = joints->classes > 0 ? std::to_string(i % joints->classes) : "";
+    clips.push_back({member + (joints->batch ? "[" + std::to_string(i) + "]" : ""), joints->joints, label});
   }
 }
+
+bool IsArrayOfObjects(const NpyArray& header) { return header.dtype == "|O"; }
 
 /// Whether a file of so many bytes can hold arrays of the shape: no number takes less than a byte.
 bool HoldsArrays(const std::vector<std::size_t>& shape, std::uintmax_t bytes) {
@@ -62,6 +66,14 @@ Expected<NpyArray> EntryOf(NpyArray array, std::size_t entry, const std::string&
 
 std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   std::vector<std::size_t> sizes = shape;
+  const bool of_classes = sizes.size() == 5;
+  if ((sizes.size() == 4 || of_classes) && sizes[sizes.size() - 2] == 3 && sizes.back() != 3) {
+    const std::size_t joints = sizes[sizes.size() - 3];
+    if (joints < kFewestJoints || std::count(sizes.begin(), sizes.end(), std::size_t{0}) != 0) return std::nullopt;
+    const std::size_t classes = of_classes ? sizes[1] : 0;
+    if (of_classes && sizes[0] > SIZE_MAX / classes) return std::nullopt;
+    return ArrayShape{true, true, sizes[0] * std::max<std::size_t>(1, classes), classes, sizes.back(), joints};
+  }
   // Coordinates in the middle: (frames, 3, joints) is no batch of clips of three frames.
   if (sizes.size() == 3 && sizes[1] == 3 && sizes[2] != 3) return std::nullopt;
   if (sizes.size() >= 3 && sizes.back() == 3) {
@@ -73,7 +85,7 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   if (sizes.size() != 2 && !batch) return std::nullopt;
   if (sizes.back() % 3 != 0 || sizes.back() / 3 < kFewestJoints) return std::nullopt;
   if (std::count(sizes.begin(), sizes.end(), std::size_t{0}) != 0) return std::nullopt;
-  return ArrayShape{batch, batch ? sizes[0] : 1, sizes[sizes.size() - 2], sizes.back() / 3};
+  return ArrayShape{batch, false, batch ? sizes[0] : 1, 0, sizes[sizes.size() - 2], sizes.back() / 3};
 }
 
 std::string OtherThanJoints(const std::vector<std::size_t>& shape) {
@@ -94,12 +106,19 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std
     std::error_code unknown;
     const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
     if (array && !unknown && HoldsArrays(array->shape, bytes)) AddClips(array->shape, "", clips);
+    if (array && IsArrayOfObjects(*array)) {
+      const auto mapped = MappedFile::Open(path);
+      const auto results = mapped ? MdmResults::Open((*mapped)->bytes(), name) : Expected<MdmResults>();
+      for (std::size_t i = 0; mapped && results && i < results->size(); ++i) {
+        clips.push_back({"[" + std::to_string(i) + "]", results->joints(), results->Label(i)});
+      }
+    }
   } else if (KindOf(head) == FileKind::kZip) {
     const auto mapped = MappedFile::Open(path);
     if (!mapped) return clips;
     const Expected<Npz> archive = ParseNpz((*mapped)->bytes(), name);
     if (!archive) return clips;
-    if (const auto exported = ExportedMotionIn(*archive)) return {{"", exported->names.size()}};
+    if (const auto exported = ExportedMotionIn(*archive)) return {{"", exported->names.size(), ""}};
     for (const NpzMember& member : archive->members) {
       if (member.skipped.empty() && !member.array.values.empty())
         AddClips(member.array.shape, "[" + member.name + "]", clips);
@@ -125,8 +144,20 @@ Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& i
   };
   if (KindOf(bytes) != FileKind::kZip) {
     if (parts.empty()) return alone(ParseNpy(bytes, name));
-    const std::optional<long long> entry = ParseInteger(parts[0]);
-    return alone(ParseNpyEntry(bytes, static_cast<std::size_t>(entry.value_or(0)), name));
+    const auto entry = static_cast<std::size_t>(ParseInteger(parts[0]).value_or(0));
+    const Expected<NpyArray> header = ParseNpyHeader(bytes, name);
+    if (!header) return Forward(header);
+    if (IsArrayOfObjects(*header)) {
+      const Expected<MdmResults> results = MdmResults::Open(bytes, name);
+      if (!results) return Forward(results);
+      return alone(results->Motion(entry));
+    }
+    const std::optional<ArrayShape> shape = ShapeOfJoints(header->shape);
+    if (!shape || !shape->frames_last) return alone(ParseNpyEntry(bytes, entry, name));
+    Expected<NpyArray> clip = ParseNpyEntry(bytes, shape->classes > 0 ? entry / shape->classes : entry, name);
+    if (clip && shape->classes > 0) clip = EntryOf(*std::move(clip), entry % shape->classes, name);
+    if (!clip) return Forward(clip);
+    return alone(FramesFirst(*clip, shape->frames));
   }
   Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);

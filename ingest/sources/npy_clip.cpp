@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/text.h"
 #include "core/formats/largest_number.h"
@@ -109,6 +110,30 @@ Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridg
   return motion;
 }
 
+/// Action2Motion's raw outputs, root translation and a rotation vector per joint, as positions by its released
+/// kinematics (a2m_actor.md B.3).
+Expected<NpyArray> JointsOfLie(const NpyArray& array, const Skeleton& skeleton,
+                               const std::vector<double>& bone_lengths) {
+  const auto joints = static_cast<std::size_t>(skeleton.joint_count());
+  if (!skeleton.lie || bone_lengths.size() != joints) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(bone_lengths.size()) + " bone lengths, skeleton '" + skeleton.name + "' has " +
+                    std::to_string(joints) + " joints" + (skeleton.lie ? "" : " and no Lie chains"),
+                "ingest.source.lie_bone_lengths", "one per joint, 0 for the root, of a skeleton with lie_chains");
+  }
+  NpyArray positions = array;
+  std::vector<Vector3d> frame(joints);
+  for (std::size_t f = 0; f < array.shape[0]; ++f) {
+    const double* parameters = array.values.data() + f * joints * 3;
+    if (!std::all_of(parameters, parameters + joints * 3, [](double value) { return std::isfinite(value); })) continue;
+    LieForward(skeleton, parameters, bone_lengths, LieExp::kReleased, frame.data());
+    for (std::size_t j = 0; j < joints; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) positions.values[(f * joints + j) * 3 + k] = frame[j][static_cast<int>(k)];
+    }
+  }
+  return positions;
+}
+
 }  // namespace
 
 Expected<IngestedClip> ReadNpyClip(const SourceFile& file) { return ReadArraySource(file, ""); }
@@ -147,6 +172,13 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   }
   if (Status named = CheckNamesOfFile(read->names, *order, **skeleton, file.name); !named) return Forward(named);
   const int frames = static_cast<int>(array->shape[0]);
+  NpyArray positions;
+  if (!source.lie_bone_lengths.empty()) {
+    Expected<NpyArray> forward = JointsOfLie(*array, **skeleton, source.lie_bone_lengths);
+    if (!forward) return Forward(forward);
+    positions = std::move(*forward);
+    array = &positions;
+  }
   IngestedClip ingested;
   DamagedNumbers damaged = DamagedNumbersOf(array->values.data(), frames, static_cast<int>(wide), file.name);
   ingested.findings = std::move(damaged.findings);

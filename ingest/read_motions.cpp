@@ -1,0 +1,267 @@
+#include "ingest/read_motions.h"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "core/formats/npy.h"
+#include "core/motion/kinematics.h"
+#include "core/motion/tracks.h"
+#include "ingest/discover.h"
+
+namespace mocurate {
+namespace {
+
+/// The clip's own motion, or its tracks as one.
+Status GiveMotion(const SourceOptions& source, Clip& clip) {
+  if (clip.motion) return {};
+  if (!clip.evidence.tracks) {
+    return Fail(ErrorCode::kUnsupported, "the clip holds neither a motion nor joint tracks", clip.id(),
+                "fit it first: mocurate fit");
+  }
+  const Expected<SkeletonPtr> skeleton = LoadSkeleton(source.skeleton);
+  if (!skeleton) return Forward(skeleton);
+  Expected<Motion> motion = MotionFromTracks(*clip.evidence.tracks, *skeleton, clip.rate);
+  if (!motion) return Forward(motion);
+  clip.motion = std::move(*motion);
+  return {};
+}
+
+/// Whether the clip can stand in one file with those before it.
+Status FitsSet(const Dataset& set, const Clip& clip) {
+  const Motion& motion = *clip.motion;
+  if (set.clips.empty()) return {};
+  if (!SameTree(*set.skeleton, *motion.rest_pose())) {
+    return Fail(ErrorCode::kInconsistent,
+                "skeleton '" + motion.skeleton->name + "' with " + Counted(motion.joint_count(), "joint") +
+                    "; the first clip has '" + set.skeleton->name + "'",
+                clip.id(), "read sources of different skeletons one by one");
+  }
+  if (motion.joints_only() != set.joints_only) {
+    return Fail(
+        ErrorCode::kInconsistent,
+        motion.joints_only() ? "holds no rotations, the first clip does" : "holds rotations, the first clip does not",
+        clip.id(), "read them one by one");
+  }
+  return {};
+}
+
+/// The clip's rest pose on the set's skeleton: a person's bones may point elsewhere than the first one's.
+void ShareSkeleton(const Dataset& set, Motion& motion) {
+  const bool shared = motion.joints_only() || SameRestOffsets(*motion.skeleton, *set.skeleton);
+  motion.skeleton = shared ? set.skeleton : WithRestOffsetsOf(*set.skeleton, *motion.skeleton);
+  motion.counted_from = shared ? nullptr : set.skeleton;
+}
+
+/// Letters and digits in lower case: what a class and a file name are compared by.
+std::string PlainText(const std::string& text) {
+  std::string plain;
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return plain;
+}
+
+/// Gives clips their labels: those of a file beside the motions, the clip's own, else the class its name begins with.
+class LabelAssignment {
+ public:
+  LabelAssignment(const MotionLabels& labels, const std::vector<std::string>& classes)
+      : labels_(labels), classes_(classes) {}
+
+  Status Check(const std::vector<ItemSpec>& items) const {
+    if (labels_.ordered.empty() || labels_.ordered.size() == items.size()) return {};
+    return Fail(ErrorCode::kInconsistent,
+                Counted(static_cast<long long>(labels_.ordered.size()), "label") + " for " +
+                    Counted(static_cast<long long>(items.size()), "motion"),
+                "labels", "one label a motion, in the order of the motions, or lines of 'name,label'");
+  }
+
+  /// `position`: of the item in the sorted list. Error kInconsistent where the labels have no name of the motion.
+  Status Assign(const ItemSpec& item, std::size_t position, Clip& clip) const {
+    const std::string file = StemOfName(item.inputs.front().name);
+    if (!labels_.ordered.empty()) {
+      clip.label = labels_.ordered[EntryOfItem(item).value_or(position)];
+    } else if (!labels_.by_name.empty()) {
+      for (const std::string& name : {file, clip.identity.recording, clip.id()}) {
+        const auto found = labels_.by_name.find(name);
+        if (found == labels_.by_name.end()) continue;
+        clip.label = found->second;
+        return {};
+      }
+      return Fail(ErrorCode::kInconsistent, "the labels name no motion '" + file + "'", clip.id(),
+                  "add a line 'name,label' with the file's name without its ending");
+    } else if (clip.label.empty()) {
+      clip.label = ClassInName(item.inputs.front().name);
+    }
+    return {};
+  }
+
+ private:
+  /// "a/walk_03.npy" -> "walk_03".
+  static std::string StemOfName(const std::string& name) { return std::filesystem::path(name).stem().string(); }
+
+  /// Which entry of a batch an item is: "[3]" -> 3.
+  static std::optional<std::size_t> EntryOfItem(const ItemSpec& item) {
+    const std::string id = item.options.value("array", std::string());
+    const std::size_t open = id.rfind('[');
+    if (open == std::string::npos || id.back() != ']') return std::nullopt;
+    const auto entry = ParseInteger(id.substr(open + 1, id.size() - open - 2));
+    return entry && *entry >= 0 ? std::optional<std::size_t>(static_cast<std::size_t>(*entry)) : std::nullopt;
+  }
+
+  /// The longest class that the file's name, or the name of its folder, begins with; else nothing.
+  std::string ClassInName(const std::string& name) const {
+    const std::filesystem::path path(name);
+    std::string best;
+    for (const std::string& text :
+         {PlainText(path.parent_path().filename().string()), PlainText(path.stem().string())}) {
+      for (const std::string& listed : classes_) {
+        const std::string plain = PlainText(listed);
+        if (plain.size() > PlainText(best).size() && text.compare(0, plain.size(), plain) == 0) best = listed;
+      }
+    }
+    return best;
+  }
+
+  const MotionLabels& labels_;
+  const std::vector<std::string>& classes_;
+};
+
+}  // namespace
+
+void MotionsOptions::Declare(OptionVisitor& v) {
+  v.Group("ingest", ingest, "where the motions are and what they are");
+  v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
+}
+
+Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
+  const Expected<std::string> bytes = ReadFile(file);
+  if (!bytes) return Forward(bytes);
+  const std::string name = DisplayPath(file);
+  MotionLabels labels;
+  if (file.extension() == ".npy") {
+    const Expected<NpyArray> array = ParseNpy(*bytes, name);
+    if (!array) return Forward(array);
+    labels.ordered = array->texts;
+    for (const double value : array->values) labels.ordered.push_back(FormatDouble(value));
+    return labels;
+  }
+  int line_number = 0;
+  for (const std::string_view raw : SplitText(*bytes, '\n')) {
+    ++line_number;
+    const std::string line(Trim(raw));
+    if (line.empty()) continue;
+    const std::size_t comma = line.find(',');
+    if (file.extension() != ".csv" || comma == std::string::npos) {
+      labels.ordered.push_back(line);
+      continue;
+    }
+    const std::string motion(Trim(line.substr(0, comma))), label(Trim(line.substr(comma + 1)));
+    if (label.find(',') != std::string::npos || motion.empty()) {
+      return Fail(ErrorCode::kMalformed, "a line is 'name,label', one label a line alone, or empty",
+                  name + ":" + std::to_string(line_number));
+    }
+    if (line_number == 1 && label == "label") continue;
+    if (!labels.by_name.emplace(motion, label).second) {
+      return Fail(ErrorCode::kMalformed, "'" + motion + "' stands there twice",
+                  name + ":" + std::to_string(line_number), "a motion has one label");
+    }
+  }
+  if (!labels.ordered.empty() && !labels.by_name.empty()) {
+    return Fail(ErrorCode::kMalformed, "some lines name a motion and some do not", name, "name all, or none");
+  }
+  if (!labels.empty()) return labels;
+  return Fail(ErrorCode::kMalformed, "no label is there", name);
+}
+
+Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels) {
+  Expected<Discovery> discovery = Discover(options.ingest);
+  if (!discovery) return Forward(discovery);
+  LabelAssignment assignment(labels, options.classes);
+  ReadMotions read;
+  read.set.created_by = CreatedBy();
+  for (const ItemResult& left_out : discovery->left_out) {
+    if (IsFailure(left_out.outcome.kind)) read.refused.push_back({left_out.item, left_out.outcome.error});
+  }
+  if (Status counts = assignment.Check(discovery->items); !counts) return Forward(counts);
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < discovery->items.size(); ++i) {
+    const ItemSpec& item = discovery->items[i];
+    StageRequest request{"motions", item.item, item.options, item.inputs, {}, {}};
+    Expected<ReadItem> one = ReadSourceItem(request);
+    if (one && !HasArtifact(one->outcome.kind)) one = tl::unexpected<Error>(one->outcome.error);
+    Status taken = one ? GiveMotion(options.ingest.source, one->clip) : Forward(one);
+    if (taken) taken = assignment.Assign(item, i, one->clip);
+    if (taken) taken = FitsSet(read.set, one->clip);
+    if (!taken) {
+      read.refused.push_back({item.item, taken.error()});
+      continue;
+    }
+    Clip& clip = one->clip;
+    clip.evidence = Evidence();
+    if (read.set.clips.empty()) {
+      read.set.skeleton = clip.motion->rest_pose();
+      read.set.joints_only = clip.motion->joints_only();
+    }
+    ShareSkeleton(read.set, *clip.motion);
+    names.insert(clip.label);
+    for (Finding& finding : one->outcome.findings) read.set.findings.push_back(std::move(finding));
+    read.set.clips.push_back(std::move(clip));
+  }
+  if (read.set.clips.empty()) {
+    const Error first =
+        read.refused.empty() ? Error{ErrorCode::kInconsistent, "no clip is there", "", ""} : read.refused.front().error;
+    return Fail(first.code, "no clip can be read; the first: " + first.what,
+                first.where.empty() ? DisplayPath(options.ingest.path) : first.where, first.hint);
+  }
+  std::sort(read.set.clips.begin(), read.set.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+  names.erase("");
+  for (const std::string& listed : options.classes) {
+    if (names.erase(listed) > 0) read.set.labels.push_back(listed);
+  }
+  read.set.labels.insert(read.set.labels.end(), names.begin(), names.end());
+  return read;
+}
+
+Expected<StageOutcome> MotionsStage(const StageRequest& request) {
+  Expected<MotionsOptions> options = OptionsFromJson<MotionsOptions>(request.options, "motions");
+  if (!options) return Forward(options);
+  MotionLabels labels;
+  std::vector<const StageInput*> sources;
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "source") sources.push_back(&input);
+    if (input.role != "labels") continue;
+    Expected<MotionLabels> given = ReadMotionLabels(input.path);
+    if (!given) return Forward(given);
+    labels = std::move(*given);
+  }
+  if (sources.empty()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
+  // The folder is what remains of a path without the name below it.
+  const std::string path = sources.front()->path.string(), name = sources.front()->name;
+  const bool below = path.size() > name.size() && path.compare(path.size() - name.size(), name.size(), name) == 0;
+  options->ingest.path = sources.size() == 1 || !below
+                             ? sources.front()->path
+                             : std::filesystem::path(path.substr(0, path.size() - name.size()));
+  Expected<ReadMotions> read = ReadAllMotions(*options, labels);
+  if (!read) return Forward(read);
+  StageOutcome outcome;
+  for (const RefusedClip& refused : read->refused) {
+    Finding finding;
+    finding.clip = refused.item;
+    finding.code = "clip_refused";
+    finding.severity = Severity::kError;
+    finding.message = refused.error.Message();
+    finding.action = "refused";
+    outcome.findings.push_back(std::move(finding));
+  }
+  outcome.summary = {{"clips", read->set.clips.size()}, {"refused", read->refused.size()}};
+  read->set.findings.insert(read->set.findings.end(), outcome.findings.begin(), outcome.findings.end());
+  if (Status written = WriteDataset(read->set, request.output); !written) return Forward(written);
+  return outcome;
+}
+
+}  // namespace mocurate

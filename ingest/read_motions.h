@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/stage.h"
+#include "core/store/store.h"
+#include "ingest/options.h"
+
+namespace mocurate {
+
+/// One clip of a source in memory, and what was found about it. The clip counts where the outcome has an artifact.
+struct ReadItem {
+  Clip clip;
+  StageOutcome outcome;
+};
+
+/// What the stage `ingest` reads of one item, without writing it.
+Expected<ReadItem> ReadSourceItem(const StageRequest& request);
+
+/// A clip that could not be taken, and why.
+struct RefusedClip {
+  std::string item;
+  Error error;
+};
+
+/// All clips of a source as one set of motions.
+struct ReadMotions {
+  Dataset set;  ///< sorted by id; recorded rotations kept, joint tracks as joints-only motions, else as they come
+  std::vector<RefusedClip> refused;
+};
+
+/// Labels that stand beside motions: one a motion in their order, or by the name of each.
+struct MotionLabels {
+  std::vector<std::string> ordered;
+  std::map<std::string, std::string> by_name;  ///< file name without ending, recording or clip id
+
+  bool empty() const { return ordered.empty() && by_name.empty(); }
+};
+
+/// An .npy of whole numbers or texts; a .csv of "name,label" lines, with or without a header; any other text file: a
+/// label a line. Error kMalformed "name:line", kUnsupported.
+Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file);
+
+/// How files become one set of motions: options of the stage `motions`.
+struct MotionsOptions {
+  IngestOptions ingest;
+  std::vector<std::string> classes;  ///< a motion without a label takes the class that its name begins with
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Reads every clip that `options` declare, by the readers of the stage `ingest`. A set of one skeleton: clips of
+/// another tree than the first one's, or joints only among rotations, are refused one by one; segments, findings and
+/// labels are kept. Errors of Discover; kInconsistent where no clip can be taken, or where there are other than one
+/// label a motion.
+Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels = {});
+
+/// The stage `motions`: inputs of role "source" (name: path below the folder) and perhaps one of role "labels" -> a
+/// MotionSet; refused clips are findings of severity error.
+Expected<StageOutcome> MotionsStage(const StageRequest& request);
+
+}  // namespace mocurate
