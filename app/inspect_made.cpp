@@ -137,7 +137,7 @@ Json MissingOf(const fs::path& folder, const Json& run, const Json& stages) {
   if (exit_code != 0 && exit_code != 1) return missing;
   const std::pair<const char*, const char*> written[] = {{"ingest", "curation_log.jsonl"},
                                                          {"assemble", "dataset.h5"},
-                                                         {"evaluate", "metrics.json"},
+                                                         {"score", "metrics.json"},
                                                          {"report", "report/index.html"}};
   for (const auto& [name, file] : written) {
     std::error_code ignored;

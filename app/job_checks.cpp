@@ -64,7 +64,7 @@ Status CheckSplitNames(const JobOptions& options, JobStage last) {
       {"train.recogniser.split", &options.train.recogniser.split, last >= JobStage::kTrain && recognises},
       {"train.generator.split", &options.train.generator.split,
        last >= JobStage::kTrain && options.train.generator_enabled},
-      {"evaluate.split", &options.evaluate.split, last >= JobStage::kEvaluate && recognises}};
+      {"evaluate.split", &options.evaluate.split, last >= JobStage::kTable && recognises}};
   std::vector<std::string> known;
   for (const SplitOptions& split : options.assemble.splits) known.push_back(split.name);
   for (const Asked& name : asked) {

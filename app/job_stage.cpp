@@ -12,10 +12,11 @@ struct StageName {
   JobStage stage;
 };
 
-constexpr StageName kStages[] = {
-    {"ingest", JobStage::kIngest}, {"proportions", JobStage::kProportions}, {"fitting", JobStage::kFitting},
-    {"canon", JobStage::kCanon},   {"assemble", JobStage::kAssemble},       {"audit", JobStage::kAudit},
-    {"train", JobStage::kTrain},   {"evaluate", JobStage::kEvaluate},       {"report", JobStage::kReport}};
+constexpr StageName kStages[] = {{"ingest", JobStage::kIngest},     {"proportions", JobStage::kProportions},
+                                 {"fitting", JobStage::kFitting},   {"canon", JobStage::kCanon},
+                                 {"assemble", JobStage::kAssemble}, {"audit", JobStage::kAudit},
+                                 {"train", JobStage::kTrain},       {"table", JobStage::kTable},
+                                 {"report", JobStage::kReport}};
 
 }  // namespace
 

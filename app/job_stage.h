@@ -7,7 +7,7 @@
 namespace mocurate {
 
 /// Stages in order; a run may stop after any of them.
-enum class JobStage { kIngest, kProportions, kFitting, kCanon, kAssemble, kAudit, kTrain, kEvaluate, kReport };
+enum class JobStage { kIngest, kProportions, kFitting, kCanon, kAssemble, kAudit, kTrain, kTable, kReport };
 
 /// "ingest", ..., "report".
 const char* Name(JobStage stage);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "app/protocols.h"
 #include "app/usage.h"
 #include "app/verbs.h"
 #include "canon/exports/motion_arrays.h"
@@ -83,7 +84,7 @@ int ExitCodeAfterFlush(int exit_code) {
 
 void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, evaluate, report");
+  CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, score, report");
   run->add_option("config", arguments->config,
                   "YAML file, or the name of a recipe of configs/sources, which goes before a file of that name "
                   "(./NAME); without one "
@@ -93,7 +94,7 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   run->add_option("--to", arguments->to,
-                  "last stage: ingest proportions fitting canon assemble audit train evaluate report");
+                  "last stage: ingest proportions fitting canon assemble audit train table report");
   run->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
   run->add_option("--budget", arguments->budget, "train the generator this many times longer than the config says")
       ->check(CLI::Range(0.001, 1e6));
@@ -154,6 +155,58 @@ void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& 
       "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows");
   verb_export->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return ExportVerb(common, *arguments); }; });
+}
+
+void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<EvalArguments>();
+  std::string protocols;
+  for (const std::string& name : ProtocolNames()) protocols += (protocols.empty() ? "" : ", ") + name;
+  CLI::App* eval = app.add_subcommand("eval", "Score generated motions, of any program, with the papers' metrics");
+  eval->add_option("--protocol", arguments->protocol, "how they are scored: " + protocols + ", or a YAML file")
+      ->required();
+  eval->add_option(
+          "--generated", arguments->generated,
+          "motions to score, a file or a folder: a dataset or MotionSet of mocurate; .npy of (motions, frames, "
+          "joints, 3) or (motions, frames, 3 joints); MDM's results.npy; ACTOR's generation.npy; a folder of "
+          "one motion a file; BVH; AMASS .npz. NAME=PATH names the row; may be repeated")
+      ->required()
+      ->allow_extra_args(false);
+  eval->add_option("--labels", arguments->labels,
+                   "labels of the generated motions: .npy of class indices or names, .csv of 'name,label' lines, or a "
+                   "label a line; a folder's files are labelled by their names where these begin with a class");
+  eval->add_option("--values", arguments->values,
+                   "what a bare array holds: joints (positions), or lie (Action2Motion's raw outputs)")
+      ->check(CLI::IsMember({"joints", "lie"}));
+  eval->add_option("--bone-lengths", arguments->bone_lengths,
+                   "motions as positions whose median bone lengths lay out Lie parameters (implies --values lie)");
+  eval->add_option("--source", arguments->source,
+                   "source declaration of the generated motions: a name of configs/sources, or a YAML file (default: "
+                   "bare arrays stand in the extractor's frame, other files say it themselves)");
+  eval->add_option("--real", arguments->real,
+                   "real motions: a dataset (mocurate run configs/humanact12.yaml --to assemble), or files as above");
+  eval->add_option("--real-source", arguments->real_source, "source declaration of the real motions");
+  eval->add_option("--run", arguments->run,
+                   "with --protocol own: a run folder; its first recogniser scores, its dataset "
+                   "is the real motions");
+  eval->add_option("--extractor", arguments->extractor,
+                   "instead of the protocol's: a name of configs/extractors, a YAML file, or a checkpoint");
+  eval->add_option("-o,--output", arguments->output, "folder for features/SET.h5, tables/ and metrics.json");
+  eval->add_option("--set", arguments->assignments, "override an option of the protocol, e.g. --set variant=released")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  eval->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")
+      ->check(CLI::Range(0, 1024));
+  eval->footer(
+      "Each motion is scored once as given (--set variant=released draws as the papers' code does). Published weights\n"
+      "are looked for below the folder MOCURATE_WEIGHTS (mocurate doctor --protocol NAME).\n\n"
+      "Examples:\n"
+      "  mocurate eval --protocol a2m-humanact12 --generated motion_joints.npy --labels motion_class.npy\n"
+      "  mocurate eval --protocol a2m-humanact12 --generated mdm=results.npy --generated ours.npy --labels labels.csv "
+      "\\\n"
+      "    --real runs/humanact12/dataset.h5 -o scores\n"
+      "  mocurate eval --protocol a2m-ntu13 --generated raw.npy --bone-lengths joints.npy --labels classes.npy\n"
+      "  mocurate eval --protocol own --run runs/kard --generated generated.h5 --json");
+  eval->callback([&common, &verb, arguments] { verb = [&common, arguments] { return EvalVerb(common, *arguments); }; });
 }
 
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
@@ -242,10 +295,18 @@ void AddDoctor(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   CLI::Option* source = doctor->add_option(
       "--source", arguments->source,
       "a recipe of configs/sources, or a config: which files it expects, where, under which licence, what is missing");
+  doctor
+      ->add_option(
+          "--protocol", arguments->protocol,
+          "a protocol of configs/protocols: which weights it needs, where they are looked for, what is missing")
+      ->excludes(source);
   doctor->add_option("--path", arguments->path, "folder with the captures of --source")->needs(source);
-  doctor->footer("Examples:\n  mocurate doctor\n  mocurate doctor --source uestc --path /data/uestc");
+  doctor->footer(
+      "Examples:\n  mocurate doctor\n  mocurate doctor --source uestc --path /data/uestc\n"
+      "  mocurate doctor --protocol a2m-humanact12");
   doctor->callback([&common, &verb, arguments] {
     verb = [&common, arguments] {
+      if (!arguments->protocol.empty()) return DoctorProtocolVerb(common, *arguments);
       return arguments->source.empty() ? DoctorVerb(common) : DoctorSourceVerb(common, *arguments);
     };
   });
@@ -286,6 +347,7 @@ int Run(int argc, char** argv) {
   AddRun(app, common, verb);
   AddFit(app, common, verb);
   AddExport(app, common, verb);
+  AddEval(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);
   AddConfig(app, common, verb);

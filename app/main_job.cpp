@@ -6,6 +6,7 @@
 #include <set>
 
 #include "app/curation_log.h"
+#include "app/evaluation.h"
 #include "app/job_checks.h"
 #include "app/job_items.h"
 #include "app/report_run.h"
@@ -13,7 +14,7 @@
 #include "app/stage_runs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
-#include "eval/tables/run_table.h"
+#include "eval/tables/result_table.h"
 #include "ingest/discover.h"
 #include "ingest/set_contradictions.h"
 #include "ingest/synthetic/capture_files.h"
@@ -44,7 +45,7 @@ class MainJob {
         {JobStage::kFitting, &MainJob::Fit},           {JobStage::kFitting, &MainJob::ScoreFits},
         {JobStage::kCanon, &MainJob::Canonicalise},    {JobStage::kAssemble, &MainJob::Assemble},
         {JobStage::kAudit, &MainJob::Audit},           {JobStage::kTrain, &MainJob::Train},
-        {JobStage::kEvaluate, &MainJob::Evaluate},     {JobStage::kReport, &MainJob::Report}};
+        {JobStage::kTable, &MainJob::ScoreNetworks},   {JobStage::kReport, &MainJob::Report}};
     CheckComparison();
     if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
@@ -298,27 +299,123 @@ class MainJob {
   }
 
   /// An evaluation that fails costs the table, not the report.
-  Status Evaluate() {
-    const bool scored = std::any_of(networks_.begin(), networks_.end(),
+  Status ScoreNetworks() {
+    const auto first = std::find_if(networks_.begin(), networks_.end(),
                                     [](const StageInput& network) { return network.role == "recogniser"; });
-    if (dataset_.artifact.empty() || !scored) return {};
-    ItemSpec item{"metrics", OptionsToJson(options_.evaluate), networks_};
-    item.inputs.push_back(InputFrom("dataset", dataset_));
-    if (!baseline_.artifact.empty()) item.inputs.push_back(InputFrom("baseline_dataset", baseline_));
-    const auto report = runs_.Run(EvaluateDeclaration(), {std::move(item)});
-    if (!report) return Forward(report);
-    if (report->items.empty() || DryRun()) return {};
-    const ItemResult& evaluated = report->items.front();
-    if (!evaluated.artifact.empty()) return WriteMetrics(evaluated);
-    result_.unevaluated = evaluated.outcome.error;
-    if (result_.unevaluated->where.empty()) result_.unevaluated->where = "evaluate";
+    if (dataset_.artifact.empty() || first == networks_.end()) return {};
+    if (Status scored = ScoreRecognisers(); !scored) return scored;
+    Evaluation evaluation;
+    evaluation.extractor = OwnExtractor();
+    evaluation.weights = *first;
+    evaluation.draw = options_.evaluate.draw();
+    evaluation.metrics = options_.evaluate.metrics();
+    evaluation.seed = options_.evaluate.seed;
+    evaluation.real_part = options_.evaluate.real;
+    evaluation.split = options_.evaluate.split;
+    const StageInput dataset = InputFrom("motions", dataset_);
+    evaluation.real = ScoredSet{"Real", dataset, std::nullopt};
+    for (const StageInput& network : networks_) {
+      if (network.role == "generator") evaluation.rows.push_back({network.name, dataset, network});
+    }
+    auto evaluated = ::mocurate::Evaluate(evaluation, runs_);
+    if (!evaluated) return Forward(evaluated);
+    if (DryRun()) return {};
+    if (!evaluated->failed.empty()) {
+      const auto& [row, error] = *evaluated->failed.begin();
+      result_.unevaluated = error;
+      result_.unevaluated->where = "row '" + row + "'" + (error.where.empty() ? "" : ", " + error.where);
+    }
+    if (evaluated->rows.empty()) return {};
+    result_.metrics = std::move(recognisers_);
+    result_.metrics["protocol"] = "own";
+    result_.metrics["variant"] = "released";
+    result_.metrics["extractor"] = first->name;
+    result_.metrics["rows"] = std::move(evaluated->rows);
+    result_.metrics["comparisons"] = std::move(evaluated->comparisons);
+    result_.metrics["warnings"] = std::move(evaluated->warnings);
+    result_.metrics["published"] = nlohmann::json::array();
+    result_.metrics["notes"] = NotesOf(options_.evaluate);
+    return WriteMetrics();
+  }
+
+  /// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.
+  ExtractorOptions OwnExtractor() const {
+    ExtractorOptions extractor;
+    extractor.name = "own";
+    extractor.frames = options_.train.recogniser.frames;
+    extractor.length =
+        options_.train.recogniser.input == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
+    return extractor;
+  }
+
+  /// Accuracy and confusion of every recogniser on the test clips, by its kind.
+  Status ScoreRecognisers() {
+    std::vector<const StageInput*> scored;
+    FeaturesOptions options;
+    options.extractor = OwnExtractor();
+    options.part = RealPart::kTest;
+    options.split = options_.evaluate.split;
+    std::vector<ItemSpec> items;
+    for (const StageInput& network : networks_) {
+      if (network.role == "generator") continue;
+      const bool baseline = network.role == "baseline_recogniser";
+      if (baseline && baseline_.artifact.empty()) continue;
+      ItemSpec item{"features/" + network.name, OptionsToJson(options), {network}};
+      item.inputs[0].role = "weights";
+      item.inputs.push_back(InputFrom("motions", baseline ? baseline_ : dataset_));
+      items.push_back(std::move(item));
+      scored.push_back(&network);
+    }
+    const auto features = runs_.Run(FeaturesDeclaration(), std::move(items), "recognisers");
+    if (!features) return Forward(features);
+    items.clear();
+    std::vector<const StageInput*> rows;
+    for (std::size_t i = 0; i < features->items.size(); ++i) {
+      const ItemResult& item = features->items[i];
+      nlohmann::json& kind = recognisers_[scored[i]->role];
+      if (item.artifact.empty()) {
+        if (!DryRun()) kind["scored"] = item.outcome.error.Message();
+        continue;
+      }
+      ScoreOptions score;
+      score.name = scored[i]->name;
+      score.metrics = options_.evaluate.metrics();
+      kind["labels"] = item.outcome.summary.at("classes");
+      items.push_back({"score/" + scored[i]->name, OptionsToJson(score), {InputFrom("row", item)}});
+      rows.push_back(scored[i]);
+    }
+    const auto scores = runs_.Run(ScoreDeclaration(), std::move(items), "recognisers");
+    if (!scores) return Forward(scores);
+    for (std::size_t i = 0; i < scores->items.size(); ++i) {
+      if (!scores->items[i].artifact.empty()) AddRecogniser(rows[i]->role, scores->items[i].outcome.summary);
+    }
     return {};
   }
 
-  Status WriteMetrics(const ItemResult& evaluated) {
-    const auto text = ReadFile(evaluated.artifact);
-    if (!text) return Forward(text);
-    result_.metrics = WithNotes(nlohmann::json::parse(*text), options_, result_);
+  void AddRecogniser(const std::string& role, const nlohmann::json& row) {
+    nlohmann::json& kind = recognisers_[role];
+    const nlohmann::json& accuracy = row.at("metrics").at("accuracy").at("value");
+    if (!accuracy.is_number()) return;
+    kind["test_accuracy"].push_back(accuracy);
+    kind["test_clips"] = row.at("motions");
+    kind["scored"] = "test clips";
+    double sum = 0.0;
+    for (const nlohmann::json& value : kind["test_accuracy"]) sum += value.get<double>();
+    kind["mean"] = sum / static_cast<double>(kind["test_accuracy"].size());
+    nlohmann::json& confusion = kind["confusion"];
+    const nlohmann::json& own = row.at("confusion");
+    if (confusion.is_null()) {
+      confusion = own;
+    } else {
+      for (std::size_t r = 0; r < own.size(); ++r) {
+        for (std::size_t c = 0; c < own[r].size(); ++c)
+          confusion[r][c] = confusion[r][c].get<int>() + own[r][c].get<int>();
+      }
+    }
+  }
+
+  Status WriteMetrics() {
+    result_.metrics = WithNotes(std::move(result_.metrics), options_, result_);
     if (Status written = WriteFile(outputs_.Place("metrics.json"), result_.metrics.dump(1) + "\n"); !written) {
       return written;
     }
@@ -350,6 +447,7 @@ class MainJob {
   std::optional<StageInput> duplicates_;  ///< findings about clips that show the same
   std::vector<StageInput> truth_;
   std::vector<StageInput> networks_;
+  nlohmann::json recognisers_ = nlohmann::json::object();  ///< accuracy by kind
   ItemResult dataset_, baseline_;
   std::vector<Finding> comparison_;  ///< why there is none
 };

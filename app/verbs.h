@@ -48,6 +48,22 @@ struct ExportArguments {
   bool force = false;              ///< overwrite
 };
 
+struct EvalArguments {
+  std::string protocol;
+  std::vector<std::string> generated;  ///< files or folders of motions; NAME=PATH names the row
+  std::filesystem::path labels;        ///< of the generated motions, or empty
+  std::string source;                  ///< source declaration of the generated motions, or empty
+  std::string values;                  ///< joints, lie; empty: joints, lie with bone_lengths
+  std::filesystem::path bone_lengths;  ///< motions whose median bone lengths lay out Lie parameters
+  std::filesystem::path real;
+  std::string real_source;       ///< source declaration of the real motions, or empty
+  std::filesystem::path run;     ///< run folder whose first recogniser scores
+  std::string extractor;         ///< instead of the protocol's
+  std::filesystem::path output;  ///< folder for features, tables and figures, or empty
+  std::vector<std::string> assignments;
+  int jobs = 0;
+};
+
 struct InspectArguments {
   std::filesystem::path path;
   std::filesystem::path source;  ///< recipe or config with a source declaration, or empty
@@ -78,6 +94,7 @@ struct InitConfigArguments {
 
 struct DoctorArguments {
   std::string source;          ///< recipe or config whose captures are asked for; empty: the machine
+  std::string protocol;        ///< whose weights are asked for; empty: none
   std::filesystem::path path;  ///< where they lie; empty: where the recipe says
 };
 
@@ -91,6 +108,7 @@ struct CacheArguments {
 Status RunVerb(CommonArguments& common, const RunArguments& arguments);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
+Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);
@@ -99,6 +117,7 @@ Status ConfigReferenceVerb(CommonArguments& common);
 Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& arguments);
 Status DoctorVerb(CommonArguments& common);
 Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& arguments);
+Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& arguments);
 Status CacheVerb(CommonArguments& common, const CacheArguments& arguments);
 
 }  // namespace mocurate

@@ -1,6 +1,106 @@
 #include "eval/options.h"
 
+#include "core/base/text.h"
+
 namespace mocurate {
+namespace {
+
+void DeclareLabels(LabelDraw& labels, OptionVisitor& v) {
+  v.Choice("labels", labels, {{"uniform", LabelDraw::kUniform}, {"natural", LabelDraw::kNatural}},
+           "frequencies of generated labels: uniform (Action2Motion) or those of the real set (ACTOR)");
+}
+
+void DeclareHidden(HiddenDraw& hidden, OptionVisitor& v) {
+  v.Choice("hidden", hidden, {{"zero", HiddenDraw::kZero}, {"normal", HiddenDraw::kNormal}},
+           "initial hidden states of the extractor: zero, or drawn anew for each motion as the released codes do");
+}
+
+void DeclareCrop(CropDraw& crop, OptionVisitor& v) {
+  v.Choice("crop", crop, {{"first", CropDraw::kFirst}, {"released", CropDraw::kReleased}, {"any", CropDraw::kAny}},
+           "window of a longer motion: its first frames, or drawn without the last place (as released) or with it");
+}
+
+void DeclareReal(RealPart& real, OptionVisitor& v) {
+  v.Choice("real", real, {{"all", RealPart::kAll}, {"train", RealPart::kTrain}, {"test", RealPart::kTest}},
+           "which clips are the real motions: all (as published), or one part of the split");
+}
+
+}  // namespace
+
+void DrawOptions::Declare(OptionVisitor& v) {
+  v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
+  v.Integer("motions", motions, {0.0, 1e6}, "motions of a set and repetition; 0: each motion once");
+  v.Bool("replacement", replacement, "draw real motions with replacement");
+  DeclareLabels(labels, v);
+  DeclareHidden(hidden, v);
+  DeclareCrop(crop, v);
+  v.Choice(
+      "interval", interval,
+      {{"student", IntervalKind::kStudent},
+       {"action2motion", IntervalKind::kAction2Motion},
+       {"actor", IntervalKind::kActor},
+       {"bootstrap", IntervalKind::kBootstrap}},
+      "what stands behind a +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), 1.96 times the variance "
+      "(ACTOR: no interval), or resampling");
+}
+
+void MetricOptions::Declare(OptionVisitor& v) {
+  v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs behind diversity");
+  v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class behind multimodality");
+  v.Choice("divisor", divisor, {{"present", MultimodalityDivisor::kPresent}, {"all", MultimodalityDivisor::kAll}},
+           "multimodality where a class has no motions: no figure, or divided by all classes all the same (MultiAct)");
+  v.Integer("kid_subsets", kid_subsets, {1.0, 1000.0}, "random subsets behind KID");
+  v.Integer("kid_size", kid_size, {2.0, 100000.0}, "motions of such a subset");
+  v.Integer("neighbours", neighbours, {1.0, 100.0}, "k of density and coverage");
+  v.Integer("resamples", resamples, {0.0, 10000.0},
+            "resamples behind bootstrap intervals and exchanges behind comparisons; 0: none");
+}
+
+const DrawOptions& ProtocolOptions::draw() const {
+  return variant == ProtocolVariant::kReleased ? released : variant == ProtocolVariant::kPaper ? from_paper : given;
+}
+
+void ProtocolOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of the protocol");
+  v.Text("paper", paper, "whose protocol it is");
+  v.Text("dataset", dataset, "data set, as the published tables name it");
+  v.Text("recipe", recipe, "recipe of the real motions, a name below configs/recipes");
+  v.Text("extractor", extractor, "a name below configs/extractors, or a YAML file");
+  v.Choice("variant", variant,
+           {{"given", ProtocolVariant::kGiven},
+            {"released", ProtocolVariant::kReleased},
+            {"paper", ProtocolVariant::kPaper}},
+           "given: each motion once, nothing drawn; released: as the paper's code draws; paper: as its text says");
+  v.Integer("seed", seed, {}, "of every draw");
+  v.Bool("test_reference", test_reference, "score against the test part of the real motions as well (FID_test)");
+  v.Group("given", given, "draws of the variant given");
+  v.Group("released", released, "draws of the variant released");
+  v.Group("from_paper", from_paper, "draws of the variant paper");
+  v.Group("metrics", metrics, "sizes that metrics take");
+  v.TextMap("equivalent", equivalent,
+            "class -> classes that count as right for it, separated by ', '; itself included");
+  v.Numbers("original_clips", original_clips, Unit::kNone, {0.0, 1e9},
+            "clips of the paper's own real set: figures of other sets are not marked against the published ones");
+  v.Texts("notes", notes, "what a reader of the figures has to know");
+}
+
+DrawOptions EvaluateOptions::draw() const {
+  DrawOptions options;
+  options.repetitions = repetitions;
+  options.motions = motions;
+  options.labels = labels;
+  options.hidden = random_hidden ? HiddenDraw::kNormal : HiddenDraw::kZero;
+  options.crop = CropDraw::kReleased;
+  options.interval = IntervalKind::kStudent;
+  return options;
+}
+
+MetricOptions EvaluateOptions::metrics() const {
+  MetricOptions options;
+  options.diversity_pairs = diversity_pairs;
+  options.multimodality_quota = multimodality_quota;
+  return options;
+}
 
 void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
@@ -8,15 +108,47 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("motions", motions, {10.0, 1e6}, "motions per set and repetition");
   v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs behind diversity");
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class behind multimodality");
-  v.Choice("labels", labels, {{"uniform", LabelDraw::kUniform}, {"natural", LabelDraw::kNatural}},
-           "frequencies of generated labels: uniform (Action2Motion) or those of the real set (ACTOR)");
-  v.Choice("real", real, {{"all", RealPart::kAll}, {"train", RealPart::kTrain}, {"test", RealPart::kTest}},
-           "which clips are the real motions: all (as published), or one part of the split");
+  DeclareLabels(labels, v);
+  DeclareReal(real, v);
   v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");
 }
 
-StageDeclaration EvaluateDeclaration() { return {"evaluate", 5, "mocurate-learn", WholeSetLimits()}; }
+std::vector<std::string> NotesOf(const EvaluateOptions& options) {
+  const char* real[] = {"all clips", "training clips", "test clips"};
+  return {"Real motions: " + std::string(real[static_cast<int>(options.real)]) + ". Generated labels: " +
+          (options.labels == LabelDraw::kUniform ? "uniform" : "as frequent as in the real set") + ". " +
+          Counted(options.repetitions, "repetition") + " of " + Counted(options.motions, "motion") +
+          ", initial hidden state of the recogniser " + (options.random_hidden ? "random." : "zero.")};
+}
+
+void FeaturesOptions::Declare(OptionVisitor& v) {
+  v.Group("extractor", extractor, "network, and how motions become what it reads");
+  v.Bool("generated", generated, "the motions are generated ones");
+  DeclareReal(part, v);
+  v.Text("split", split, "split whose part is meant; empty: the first one");
+  v.Integer("seed", seed, {}, "of the draws");
+  v.Text("purpose", purpose, "name of the draws");
+  v.Integer("passes", passes, {0.0, 1000.0}, "passes with draws of their own; 0: one, in the order of the motions");
+  v.Integer("motions", motions, {0.0, 1e6}, "motions drawn for a pass; 0: all");
+  v.Bool("replacement", replacement, "draw with replacement");
+  DeclareLabels(labels, v);
+  DeclareHidden(hidden, v);
+  DeclareCrop(crop, v);
+}
+
+void ScoreOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of the row");
+  v.Bool("real", real, "real motions against real motions");
+  v.Integer("seed", seed, {}, "of the draws");
+  v.Group("draw", draw, "what is drawn");
+  v.Group("metrics", metrics, "sizes that metrics take");
+  v.TextMap("equivalent", equivalent, "class -> classes that count as right for it");
+}
+
+StageDeclaration FeaturesDeclaration() { return {"features", 1, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration ScoreDeclaration() { return {"score", 1, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration CompareDeclaration() { return {"compare", 1, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

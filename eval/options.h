@@ -1,34 +1,134 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/base/options.h"
 #include "core/pipeline/stage.h"
+#include "eval/features/extractor_options.h"
+#include "eval/metrics/interval.h"
 
 namespace mocurate {
 
 /// Which frequencies generated labels follow: A2M draws them uniformly, ACTOR copies the real set's (F6).
 enum class LabelDraw { kUniform, kNatural };
 
-/// Which clips are the real motions of the table. The papers use the whole set for training and scoring (F10).
+/// Which clips are the real motions. The papers use the whole set for training and scoring (F10).
 enum class RealPart { kAll, kTrain, kTest };
 
+/// Initial hidden states of a recurrent extractor: normal as released (F5), or zero, the same each time.
+enum class HiddenDraw { kZero, kNormal };
+
+/// Where a window of a longer motion starts: at the first frame, or drawn (F15).
+enum class CropDraw { kFirst, kReleased, kAny };
+
+/// What is drawn, and how often. The defaults draw nothing: each motion is scored once.
+struct DrawOptions {
+  std::int64_t repetitions = 1;
+  std::int64_t motions = 0;  ///< of a set and repetition; 0: each motion once
+  bool replacement = true;   ///< real motions of a repetition
+  LabelDraw labels = LabelDraw::kUniform;
+  HiddenDraw hidden = HiddenDraw::kZero;
+  CropDraw crop = CropDraw::kFirst;
+  IntervalKind interval = IntervalKind::kBootstrap;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Divisor of multimodality where a class has no motions: then there is no figure, or the sum over the classes that are
+/// there is divided by all of them (MultiAct).
+enum class MultimodalityDivisor { kPresent, kAll };
+
+/// Sizes that metrics take.
+struct MetricOptions {
+  std::int64_t diversity_pairs = 200;
+  std::int64_t multimodality_quota = 20;
+  MultimodalityDivisor divisor = MultimodalityDivisor::kPresent;
+  std::int64_t kid_subsets = 10;
+  std::int64_t kid_size = 1000;
+  std::int64_t neighbours = 5;
+  std::int64_t resamples = 200;
+
+  void Declare(OptionVisitor& v);
+};
+
+enum class ProtocolVariant { kGiven, kReleased, kPaper };
+
+/// How a paper scores motions. `given` scores each motion once, with nothing drawn; `released` as the paper's code
+/// does, `paper` as its text says where the two differ.
+struct ProtocolOptions {
+  std::string name;
+  std::string paper;
+  std::string dataset;    ///< as the published tables name it
+  std::string recipe;     ///< of the real motions
+  std::string extractor;  ///< a name below configs/extractors, or a YAML file
+  ProtocolVariant variant = ProtocolVariant::kGiven;
+  std::int64_t seed = 1;
+  bool test_reference = false;  ///< FID against the test part of the real motions as well
+  DrawOptions given, released, from_paper;
+  MetricOptions metrics;
+  std::map<std::string, std::string> equivalent;  ///< class -> classes that count as it, separated by ", "
+  std::vector<double> original_clips;             ///< sizes of the papers' own real set; another set is another one
+  std::vector<std::string> notes;
+
+  const DrawOptions& draw() const;
+  void Declare(OptionVisitor& v);
+};
+
+/// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
+  RealPart real = RealPart::kAll;
+  std::string split;  ///< whose parts are meant; empty: the first one
   std::int64_t repetitions = 20;
   std::int64_t motions = 3000;
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
   LabelDraw labels = LabelDraw::kUniform;
-  RealPart real = RealPart::kAll;
-  std::string split;           ///< whose parts are meant; empty: the first one
   bool random_hidden = false;  ///< recogniser starts from normal hidden states, as released (F5)
+
+  DrawOptions draw() const;
+  MetricOptions metrics() const;
+  void Declare(OptionVisitor& v);
+};
+
+/// What stands below a table of a run about how it was scored: sentences.
+std::vector<std::string> NotesOf(const EvaluateOptions& options);
+
+/// One set of motions through an extractor: options of the stage `features`.
+struct FeaturesOptions {
+  ExtractorOptions extractor;
+  bool generated = false;  ///< the extractor's root rule for generated motions applies
+  RealPart part = RealPart::kAll;
+  std::string split;
+  std::int64_t seed = 1;
+  std::string purpose;       ///< names the draws: sets of one purpose and seed draw alike
+  std::int64_t passes = 0;   ///< 0: one pass over the motions in their order
+  std::int64_t motions = 0;  ///< drawn for each pass; 0: all, in their order
+  bool replacement = true;
+  LabelDraw labels = LabelDraw::kUniform;  ///< of a generator's requests
+  HiddenDraw hidden = HiddenDraw::kZero;
+  CropDraw crop = CropDraw::kFirst;
 
   void Declare(OptionVisitor& v);
 };
 
-StageDeclaration EvaluateDeclaration();
+/// One row of a table: options of the stage `score`.
+struct ScoreOptions {
+  std::string name;
+  bool real = false;  ///< a set against its own like: two halves where nothing is drawn
+  std::int64_t seed = 1;
+  DrawOptions draw;
+  MetricOptions metrics;
+  std::map<std::string, std::string> equivalent;
+
+  void Declare(OptionVisitor& v);
+};
+
+StageDeclaration FeaturesDeclaration();
+StageDeclaration ScoreDeclaration();
+StageDeclaration CompareDeclaration();
 StageDeclaration FitErrorDeclaration();
 
 }  // namespace mocurate

@@ -17,13 +17,20 @@ using AnswerRequests = std::function<Expected<std::vector<Motion>>(const std::ve
 /// Opens the generator of a checkpoint file. `eval` does not know the networks: the worker program passes the loader.
 using OpenGenerator = std::function<Expected<AnswerRequests>(const std::filesystem::path& checkpoint)>;
 
-/// Inputs: role "dataset", "recogniser" (one per seed; the first gives the features), "generator", optionally
-/// "baseline_dataset" and "baseline_recogniser", "crop_recogniser" -> JSON artifact: the four metrics with repetitions
-/// and intervals for the rows Real and one per generator (input name), recogniser accuracy per seed, confusion matrix.
-StageFunction MakeEvaluateStage(OpenGenerator open_generator);
+/// Stage `features`: role "weights" (published weights, or a checkpoint of a recogniser) and "motions" (a dataset or
+/// MotionSet); with a role "generator" its answers to requests drawn from that dataset are scored instead. -> feature
+/// file (core/store/feature_file.h). Summary: what a protocol warns of.
+StageFunction MakeFeaturesStage(OpenGenerator open_generator);
+
+/// Stage `score`: role "row", optionally "reference_train" and "reference_test" (feature files) -> JSON of ScoreRow,
+/// also as the summary.
+Expected<StageOutcome> ScoreStage(const StageRequest& request);
+
+/// Stage `compare`: roles "a", "b" and "reference_train" -> JSON of CompareRows, also as the summary.
+Expected<StageOutcome> CompareStage(const StageRequest& request);
 
 /// Inputs: role "fit" (one-clip Datasets), "evidence" (the same clips), "truth" -> JSON artifact: joint error before
-/// and after (mm), rotation error (degrees), per clip and overall. Needs no libtorch.
+/// and after fitting, rotation error, coverage, per clip and overall.
 Expected<StageOutcome> FitErrorStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -75,22 +75,6 @@ std::string MarkdownToHtml(const std::string& markdown) {
   return table.head.empty() ? notes : table.Html() + notes;
 }
 
-/// Without a printed table: means alone.
-std::string MeansTable(const nlohmann::json& rows) {
-  HtmlTable table{"Means over repetitions", {"Method", "FID", "Accuracy", "Diversity", "Multimodality"}, {}, true};
-  for (const auto& [name, row] : rows.items()) {
-    std::vector<std::string> cells = {EscapeHtml(name)};
-    for (const char* key : {"fid", "accuracy", "diversity", "multimodality"}) {
-      const std::vector<double> values = NumbersOf(Field(row, key));
-      double sum = 0.0;
-      for (const double value : values) sum += value;
-      cells.push_back(values.empty() ? "–" : FixedText(sum / static_cast<double>(values.size()), 3));
-    }
-    table.rows.push_back(cells);
-  }
-  return table.Html();
-}
-
 std::string ConfusionTable(const nlohmann::json& scored) {
   const std::vector<nlohmann::json>& matrix = Elements(Field(scored, "confusion"));
   const std::vector<nlohmann::json>& labels = Elements(Field(scored, "labels"));
@@ -223,8 +207,6 @@ std::string UntrainedHtml(const nlohmann::json& run) {
 std::string TableHtml(const ReportInput& input) {
   const std::string markdown = TextOf(input.run, "table_markdown");
   if (!markdown.empty()) return MarkdownToHtml(markdown);
-  const nlohmann::json& rows = Field(Field(input.run, "metrics"), "rows");
-  if (rows.is_object() && !rows.empty()) return MeansTable(rows);
   const nlohmann::json& failed = Field(input.run, "unevaluated");
   if (failed.is_object()) {
     return Paragraph("There is no table: the evaluation failed. " + EscapeHtml(TextOf(failed, "message")));

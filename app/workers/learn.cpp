@@ -38,5 +38,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   return RunWorker({{TrainDeclaration().name, TrainStage},
-                    {EvaluateDeclaration().name, MakeEvaluateStage(OpenGeneratorCheckpoint)}});
+                    {FeaturesDeclaration().name, MakeFeaturesStage(OpenGeneratorCheckpoint)},
+                    {ScoreDeclaration().name, ScoreStage},
+                    {CompareDeclaration().name, CompareStage}});
 }

@@ -1,35 +1,187 @@
 #include "eval/features/feature_extractor.h"
 
-#include "core/base/random.h"
-#include "train/recognisers/recogniser_input.h"
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/motion/limbs.h"
 
 namespace mocurate {
+namespace {
 
-Expected<Recognised> Recognise(const Recogniser& recogniser, const std::vector<const Motion*>& motions,
-                               const RecogniserHidden& hidden, std::uint64_t seed) {
-  const int frames = recogniser.input_frames();
-  const int dim = recogniser.input_size();
-  std::vector<float> inputs;
-  inputs.reserve(motions.size() * frames * dim);
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    Random random(seed, "crop", std::to_string(i));
-    const std::vector<float> input = RecogniserInput(*motions[i], recogniser.input_kind(), frames, random);
-    if (input.size() != static_cast<std::size_t>(frames) * dim) {
-      return Fail(ErrorCode::kInconsistent,
-                  "motions have " + std::to_string(motions[i]->joint_count()) + " joints, the recogniser reads " +
-                      std::to_string(dim / 3),
-                  "recogniser", "evaluate motions of the skeleton the recogniser was trained on");
-    }
-    inputs.insert(inputs.end(), input.begin(), input.end());
+std::string Plain(const std::string& label) {
+  std::string plain;
+  for (const char c : label) {
+    if (c == ' ' || c == '_' || c == '-' || c == '/') continue;
+    plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  const auto output = recogniser.Run(inputs.data(), static_cast<int>(motions.size()), frames, dim, hidden);
+  return plain;
+}
+
+/// What a checkpoint of ours says of itself.
+void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
+  ExtractorOptions& options = extractor.options;
+  options.frames = recogniser.input_frames();
+  options.length =
+      recogniser.input_kind() == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
+  options.padding = PaddingRule::kRepeatLast;
+  options.read_out = ReadOut::kLastFrame;
+  options.real_root = options.generated_root = RootRule::kFirstFrame;
+  options.classes = recogniser.labels();
+  extractor.rules.skeleton = recogniser.skeleton();
+  extractor.rules.frames = recogniser.input_frames();
+  extractor.rules.length = options.length;
+  if (options.name.empty()) options.name = "own";
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+int HighestOfTrunk(const Skeleton& skeleton) {
+  for (const char* name : {"head", "head_top", "neck", "nose"}) {
+    if (const auto joint = skeleton.FindJoint(name)) return *joint;
+  }
+  return -1;
+}
+
+}  // namespace
+
+Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::filesystem::path& weights) {
+  const std::string where = DisplayPath(weights);
+  if (options.network != ExtractorNetwork::kGru || options.values != ExtractorValues::kJoints) {
+    return Fail(ErrorCode::kUnsupported, "extractor '" + options.name + "' is an ST-GCN, which is not built in", where,
+                "score with a GRU extractor: --extractor, or another protocol");
+  }
+  Extractor extractor;
+  extractor.options = options;
+  if (weights.extension() == ".h5") {
+    auto own = Recogniser::Load(weights);
+    if (!own) return Forward(own);
+    if ((*own)->skeleton() == nullptr) {
+      return Fail(ErrorCode::kInconsistent, "the checkpoint names no skeleton", where, "train again");
+    }
+    TakeFromCheckpoint(**own, extractor);
+    extractor.recogniser = std::move(*own);
+    return extractor;
+  }
+  auto published = Recogniser::LoadPublished(weights);
+  if (!published) return Forward(published);
+  Expected<InputRules> rules = RulesOf(options);
+  if (!rules) return Forward(rules);
+  const Recogniser& network = **published;
+  if (network.input_size() != rules->size()) {
+    return Fail(ErrorCode::kInconsistent,
+                "the network reads " + std::to_string(network.input_size()) + " numbers per frame, skeleton '" +
+                    options.skeleton + "' gives " + std::to_string(rules->size()),
+                where, "these are weights of another data set; extractor '" + options.name + "' expects others");
+  }
+  if (network.class_count() != static_cast<int>(options.classes.size())) {
+    return Fail(ErrorCode::kInconsistent,
+                "the network has " + std::to_string(network.class_count()) + " classes, extractor '" + options.name +
+                    "' lists " + std::to_string(options.classes.size()),
+                where, "these are weights of another set of labels");
+  }
+  extractor.rules = std::move(*rules);
+  extractor.recogniser = std::move(*published);
+  return extractor;
+}
+
+std::optional<int> ClassOf(const std::vector<std::string>& classes, const std::string& label) {
+  const std::string wanted = Plain(label);
+  if (wanted.empty()) return std::nullopt;
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    if (Plain(classes[c]) == wanted) return static_cast<int>(c);
+  }
+  const std::optional<long long> index = ParseInteger(label);
+  if (index && *index >= 0 && *index < static_cast<long long>(classes.size())) return static_cast<int>(*index);
+  return std::nullopt;
+}
+
+Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion*>& motions,
+                      const std::vector<int>& labels, const std::vector<std::string>& clips, const PassOptions& pass,
+                      FeatureSet& set) {
+  const InputRules& rules = extractor.rules;
+  std::vector<float> values;
+  values.reserve(motions.size() * static_cast<std::size_t>(rules.frames) * static_cast<std::size_t>(rules.size()));
+  std::vector<int> read_out;
+  const Skeleton* mapped = nullptr;
+  std::vector<int> joints;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (motions[i]->skeleton.get() != mapped) {
+      auto found = JointsFor(*rules.skeleton, *motions[i]->skeleton);
+      if (!found) return Forward(found);
+      joints = std::move(*found);
+      mapped = motions[i]->skeleton.get();
+    }
+    const std::size_t begin = values.size();
+    Random random(pass.seed, "crop", std::to_string(i));
+    read_out.push_back(AppendMotionInput(rules, joints, *motions[i], pass.root, pass.start, random, values));
+    const bool finite = std::all_of(values.begin() + static_cast<std::ptrdiff_t>(begin), values.end(),
+                                    [](float value) { return std::isfinite(value); });
+    if (!finite) {
+      return Fail(ErrorCode::kInconsistent, "a joint position is not a finite number", clips[i],
+                  "take the motion out; it is not averaged in");
+    }
+  }
+  if (rules.read_out == ReadOut::kLastFrame) read_out.clear();
+  RecogniserHidden hidden;
+  hidden.kind = pass.hidden;
+  hidden.seed = pass.seed;
+  const auto output = extractor.recogniser->Run(values.data(), static_cast<int>(motions.size()), rules.frames,
+                                                rules.size(), hidden, read_out, pass.threads);
   if (!output) return Forward(output);
-  Recognised recognised;
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  recognised.features =
-      Eigen::Map<const RowMajor>(output->features.data(), output->count, output->feature_size).cast<double>();
-  for (int i = 0; i < output->count; ++i) recognised.predicted.push_back(output->Predicted(i));
-  return recognised;
+  set.pass_begin.push_back(set.count());
+  set.feature_size = output->feature_size;
+  set.classes = extractor.options.classes;
+  set.features.insert(set.features.end(), output->features.begin(), output->features.end());
+  set.logits.insert(set.logits.end(), output->logits.begin(), output->logits.end());
+  set.label.insert(set.label.end(), labels.begin(), labels.end());
+  set.clip.insert(set.clip.end(), clips.begin(), clips.end());
+  return {};
+}
+
+Status CheckFrameOfSet(const std::vector<const Motion*>& motions, double largest_scale) {
+  std::vector<double> heights, scales;
+  for (const Motion* motion : motions) {
+    const Skeleton& skeleton = *motion->skeleton;
+    const int head = HighestOfTrunk(skeleton);
+    const Limbs limbs = LimbsOf(skeleton);
+    if (head >= 0 && limbs.leg[0].end >= 0 && limbs.leg[1].end >= 0) {
+      heights.push_back(motion->joints.at(0, head).y() - 0.5 * (motion->joints.at(0, limbs.leg[0].end).y() +
+                                                                motion->joints.at(0, limbs.leg[1].end).y()));
+    }
+    std::vector<double> ratios;
+    for (int j = 1; j < skeleton.joint_count(); ++j) {
+      const Joint& joint = skeleton.joints[static_cast<std::size_t>(j)];
+      const double rest = joint.rest_offset.norm();
+      if (rest < 0.05) continue;  // of short bones the ratio says little
+      ratios.push_back((motion->joints.at(0, j) - motion->joints.at(0, joint.parent)).norm() / rest);
+    }
+    if (!ratios.empty()) scales.push_back(Median(std::move(ratios)));
+  }
+  if (!heights.empty() && Median(heights) <= 0.0) {
+    return Fail(ErrorCode::kInconsistent,
+                "the head lies " + RoundedText(-Median(heights), 3) +
+                    " m below the feet in the first frame of half of "
+                    "the motions",
+                "frame of the set",
+                "another vertical axis than declared, or values that are no positions: give --source with the axes, or "
+                "--values lie with --bone-lengths");
+  }
+  if (scales.empty()) return {};
+  const double scale = Median(scales);
+  if (scale <= largest_scale && scale >= 1.0 / largest_scale) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "bones are " + RoundedText(scale, 3) + " times as long as those of the skeleton (rule: at most " +
+                  RoundedText(largest_scale, 3) + " times, or as short)",
+              "unit of the set",
+              "another unit than declared, or values that are no positions: give --source with the unit, or --values "
+              "lie with --bone-lengths");
 }
 
 }  // namespace mocurate

@@ -1,22 +1,53 @@
 #include "eval/metrics/fid.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 namespace mocurate {
 
-Expected<FeatureStatistics> StatisticsOf(const Features& features) {
-  if (features.rows() < 2) {
-    return Fail(ErrorCode::kInconsistent, std::to_string(features.rows()) + " motions; a covariance needs at least 2",
+namespace {
+
+Status CheckFeatures(Eigen::Index count, bool finite) {
+  if (count < 2) {
+    return Fail(ErrorCode::kInconsistent, std::to_string(count) + " motions; a covariance needs at least 2",
                 "features");
   }
-  if (!features.allFinite()) {
-    return Fail(ErrorCode::kInconsistent, "a feature is not a finite number", "features",
-                "the motions hold NaN or infinite positions, or the recogniser was trained to divergence");
-  }
+  if (finite) return {};
+  return Fail(ErrorCode::kInconsistent, "a feature is not a finite number", "features",
+              "the motions hold NaN or infinite positions, or the recogniser was trained to divergence");
+}
+
+}  // namespace
+
+Expected<FeatureStatistics> StatisticsOf(const Features& features) {
+  if (Status sound = CheckFeatures(features.rows(), features.allFinite()); !sound) return Forward(sound);
   FeatureStatistics statistics;
   statistics.mean = features.colwise().mean();
   const Eigen::MatrixXd centred = features.rowwise() - statistics.mean.transpose();
   statistics.covariance = centred.transpose() * centred / static_cast<double>(features.rows() - 1);
+  return statistics;
+}
+
+Expected<FeatureStatistics> StatisticsOf(const float* rows, Eigen::Index count, Eigen::Index size) {
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  constexpr Eigen::Index kBlock = 4096;
+  const Eigen::Map<const RowMajor> all(rows, count, size);
+  if (Status sound = CheckFeatures(count, all.allFinite()); !sound) return Forward(sound);
+  FeatureStatistics statistics;
+  statistics.mean = Eigen::VectorXd::Zero(size);
+  statistics.covariance = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index begin = 0; begin < count; begin += kBlock) {
+    const Eigen::Index n = std::min(kBlock, count - begin);
+    statistics.mean += all.middleRows(begin, n).cast<double>().colwise().sum();
+  }
+  statistics.mean /= static_cast<double>(count);
+  for (Eigen::Index begin = 0; begin < count; begin += kBlock) {
+    const Eigen::Index n = std::min(kBlock, count - begin);
+    const Eigen::MatrixXd centred = all.middleRows(begin, n).cast<double>().rowwise() - statistics.mean.transpose();
+    statistics.covariance.selfadjointView<Eigen::Lower>().rankUpdate(centred.transpose());
+  }
+  statistics.covariance = statistics.covariance.selfadjointView<Eigen::Lower>();
+  statistics.covariance /= static_cast<double>(count - 1);
   return statistics;
 }
 

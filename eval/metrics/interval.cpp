@@ -1,5 +1,6 @@
 #include "eval/metrics/interval.h"
 
+#include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
@@ -7,8 +8,45 @@ namespace mocurate {
 namespace {
 
 constexpr double kNormal975 = 1.96;
+constexpr int kResamples = 1000;
 
 }  // namespace
+
+const char* Name(IntervalKind kind) {
+  switch (kind) {
+    case IntervalKind::kStudent:
+      return "student_95";
+    case IntervalKind::kAction2Motion:
+      return "a2m_1.96_sd_over_sqrt_n";
+    case IntervalKind::kActor:
+      return "actor_1.96_variance";
+    case IntervalKind::kBootstrap:
+      return "bootstrap_95";
+  }
+  return "";
+}
+
+std::optional<std::array<double, 2>> CentralInterval(std::vector<double> values) {
+  if (values.size() < 2) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double quantile) {
+    const double place = quantile * static_cast<double>(values.size() - 1);
+    const auto low = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(low);
+    return low + 1 < values.size() ? (1.0 - part) * values[low] + part * values[low + 1] : values[low];
+  };
+  return std::array<double, 2>{at(0.025), at(0.975)};
+}
+
+std::vector<double> ResampledMeans(const std::vector<double>& values, int count, Random& random) {
+  std::vector<double> means;
+  for (int i = 0; i < count; ++i) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < values.size(); ++k) sum += values[random.Below(values.size())];
+    means.push_back(sum / static_cast<double>(values.size()));
+  }
+  return means;
+}
 
 double StudentQuantile(double probability, int degrees) {
   return boost::math::quantile(boost::math::students_t(degrees), probability);
@@ -33,6 +71,12 @@ Summary Summarise(const std::vector<double>& values, IntervalKind kind) {
     case IntervalKind::kActor:
       summary.half_width = kNormal975 * squares / n;
       break;
+    case IntervalKind::kBootstrap: {
+      Random random(0, "bootstrap");
+      const auto interval = CentralInterval(ResampledMeans(values, kResamples, random));
+      summary.half_width = 0.5 * ((*interval)[1] - (*interval)[0]);
+      break;
+    }
   }
   return summary;
 }

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
 
 namespace mocurate {
 
@@ -11,14 +14,25 @@ enum class IntervalKind {
   kStudent,        ///< half-width of the 95 % interval of the mean, Student t with n - 1 degrees of freedom (MultiAct)
   kAction2Motion,  ///< 1.96 sd / sqrt(n), population sd
   kActor,          ///< 1.96 times the population variance: in squared units, no interval at all
+  kBootstrap,      ///< 95 % of the means of resampled values: a true interval without a normal distribution
 };
+
+/// "student_95", "a2m_1.96_sd_over_sqrt_n", "actor_1.96_variance", "bootstrap_95".
+const char* Name(IntervalKind kind);
+
+/// From the 2.5 % to the 97.5 % quantile of values; nothing for fewer than 2.
+std::optional<std::array<double, 2>> CentralInterval(std::vector<double> values);
+
+/// Means of `count` resamples of the values, with replacement.
+std::vector<double> ResampledMeans(const std::vector<double>& values, int count, Random& random);
 
 struct Summary {
   double mean = 0.0;
   double half_width = 0.0;
 };
 
-/// Of the values of the repetitions. One value has half-width 0; none has mean 0.
+/// Of the values of the repetitions. One value has half-width 0; none has mean 0. Of kBootstrap half the width of the
+/// interval of 1,000 resamples.
 Summary Summarise(const std::vector<double>& values, IntervalKind kind);
 
 /// Quantile of Student's t distribution for `degrees` >= 1; probability in (0, 1).

@@ -13,29 +13,17 @@ IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random) {
   return drawn;
 }
 
-Expected<IndexPairs> DrawMultimodalityPairs(const std::vector<int>& labels, const std::vector<std::string>& classes,
-                                            int quota, Random& random) {
-  std::vector<std::vector<int>> members(classes.size());
+IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, int quota, Random& random) {
+  std::vector<std::vector<int>> members(static_cast<std::size_t>(classes));
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (labels[i] < 0 || labels[i] >= static_cast<int>(classes.size())) {
-      return Fail(ErrorCode::kInconsistent,
-                  "label " + std::to_string(labels[i]) + " of motion " + std::to_string(i) + "; there are " +
-                      std::to_string(classes.size()) + " classes",
-                  "multimodality");
-    }
-    members[labels[i]].push_back(static_cast<int>(i));
+    if (labels[i] >= 0 && labels[i] < classes)
+      members[static_cast<std::size_t>(labels[i])].push_back(static_cast<int>(i));
   }
   IndexPairs drawn;
-  drawn.reserve(classes.size() * quota);
-  for (std::size_t c = 0; c < classes.size(); ++c) {
-    if (members[c].empty()) {
-      return Fail(ErrorCode::kInconsistent,
-                  "class '" + classes[c] + "' has none of the " + std::to_string(labels.size()) + " motions drawn",
-                  "multimodality", "every class needs at least one: raise evaluate.motions");
-    }
-    for (int i = 0; i < quota; ++i) {
-      const int first = members[c][random.Below(members[c].size())];
-      const int second = members[c][random.Below(members[c].size())];
+  for (const std::vector<int>& of_class : members) {
+    for (int i = 0; !of_class.empty() && i < quota; ++i) {
+      const int first = of_class[random.Below(of_class.size())];
+      const int second = of_class[random.Below(of_class.size())];
       drawn.emplace_back(first, second);
     }
   }

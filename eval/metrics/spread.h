@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,10 +15,9 @@ using IndexPairs = std::vector<std::pair<int, int>>;
 /// Diversity's pairs: both ends uniform with replacement, i = j possible. [a2m_actor.md D.5]
 IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random);
 
-/// Multimodality's pairs: `quota` per class (names, by label), both ends uniform within the class, with replacement.
-/// Error kInconsistent names a class without motions (the released loop would never end).
-Expected<IndexPairs> DrawMultimodalityPairs(const std::vector<int>& labels, const std::vector<std::string>& classes,
-                                            int quota, Random& random);
+/// Multimodality's pairs: `quota` for each class that has motions, both ends uniform within the class, with
+/// replacement. Fewer than quota * classes pairs: a class has none. Motions without a class (-1) take no part.
+IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, int quota, Random& random);
 
 /// Mean Euclidean distance over the pairs; 0 without pairs.
 double MeanDistance(const Features& features, const IndexPairs& pairs);

@@ -8,18 +8,6 @@
 namespace mocurate {
 namespace {
 
-std::vector<int> RowsOf(const Dataset& dataset, RealPart part, const Split* split) {
-  if (part != RealPart::kAll && split != nullptr) {
-    if (part == RealPart::kTest) return split->test;
-    std::vector<int> rows = split->train;
-    rows.insert(rows.end(), split->validation.begin(), split->validation.end());
-    return rows;
-  }
-  std::vector<int> rows(dataset.clips.size());
-  std::iota(rows.begin(), rows.end(), 0);
-  return rows;
-}
-
 /// Bone lengths as the generator's kinematics reads them: distances in the first frame.
 std::vector<double> FirstFrameBones(const Motion& motion) {
   std::vector<Vector3d> joints(motion.joint_count());
@@ -37,45 +25,54 @@ Expected<const Split*> ChooseSplit(const Dataset& dataset, const std::string& na
   return Fail(ErrorCode::kConfig, "the dataset has no split '" + name + "'", "evaluate.split", "it has: " + known);
 }
 
-Expected<RealSet> ChooseReal(const Dataset& dataset, RealPart part, const std::string& split_name) {
-  const auto split = ChooseSplit(dataset, split_name);
+Expected<std::vector<int>> RowsOfPart(const Dataset& dataset, RealPart part, const std::string& name) {
+  const auto split = ChooseSplit(dataset, name);
   if (!split) return Forward(split);
-  RealSet real;
-  std::vector<int> members(dataset.labels.size(), 0);
-  for (const int row : RowsOf(dataset, part, *split)) {
-    const int label = dataset.LabelIndex(dataset.clips[row].label);
-    if (label < 0) continue;
-    real.rows.push_back(row);
-    real.labels.push_back(label);
-    ++members[label];
+  std::vector<int> rows(dataset.clips.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  if (part != RealPart::kAll && *split != nullptr) {
+    rows = part == RealPart::kTest ? (*split)->test : (*split)->train;
+    if (part == RealPart::kTrain) rows.insert(rows.end(), (*split)->validation.begin(), (*split)->validation.end());
   }
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    if (members[c] > 0) continue;
-    return Fail(ErrorCode::kInconsistent,
-                "class '" + dataset.labels[c].name + "' has no real motion in the chosen part", "evaluate.real",
-                "choose evaluate.real: all, or a split whose parts hold every class");
-  }
-  return real;
+  if (!rows.empty()) return rows;
+  return Fail(ErrorCode::kInconsistent,
+              std::string("no clip is in the ") + (part == RealPart::kTest ? "test" : "training") + " part",
+              "evaluate.real", "choose evaluate.real: all, or a split whose parts hold clips");
 }
 
-std::vector<int> DrawReal(const RealSet& real, int count, std::uint64_t seed, int repetition, const char* purpose) {
+std::vector<int> DrawPositions(int size, int count, bool replacement, std::uint64_t seed, int repetition,
+                               const std::string& purpose) {
+  std::vector<int> positions(static_cast<std::size_t>(size));
+  std::iota(positions.begin(), positions.end(), 0);
+  if (count == 0) return positions;
   Random random(seed, purpose, std::to_string(repetition));
-  std::vector<int> drawn(count);
-  for (int& position : drawn) position = static_cast<int>(random.Below(real.rows.size()));
-  return drawn;
+  if (replacement) {
+    positions.resize(static_cast<std::size_t>(count));
+    for (int& position : positions) position = static_cast<int>(random.Below(static_cast<std::uint64_t>(size)));
+    return positions;
+  }
+  const auto wanted = static_cast<std::size_t>(std::min(count, size));
+  for (std::size_t i = 0; i < wanted; ++i) std::swap(positions[i], positions[i + random.Below(positions.size() - i)]);
+  positions.resize(wanted);
+  return positions;
 }
 
-std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const RealSet& real, const std::vector<int>& drawn_real,
-                                        const EvaluateOptions& options, int frames, int repetition) {
-  Random random(static_cast<std::uint64_t>(options.seed), "requests", std::to_string(repetition));
-  std::vector<MotionRequest> requests(static_cast<std::size_t>(options.motions));
+std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vector<int>& rows,
+                                        const FeaturesOptions& options, int frames, int repetition) {
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  const int count = static_cast<int>(options.motions == 0 ? static_cast<std::int64_t>(rows.size()) : options.motions);
+  const std::vector<int> real =
+      DrawPositions(static_cast<int>(rows.size()), count, options.replacement, seed, repetition, "reference");
+  Random random(seed, "requests", std::to_string(repetition));
+  std::vector<MotionRequest> requests(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < requests.size(); ++i) {
     MotionRequest& request = requests[i];
+    const Clip& like = dataset.clips[static_cast<std::size_t>(rows[static_cast<std::size_t>(real[i % real.size()])])];
     request.label = options.labels == LabelDraw::kUniform ? static_cast<int>(random.Below(dataset.labels.size()))
-                                                          : real.labels[drawn_real[i % drawn_real.size()]];
+                                                          : std::max(0, dataset.LabelIndex(like.label));
     request.frames = frames;
     request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
-    const Clip& source = dataset.clips[real.rows[random.Below(real.rows.size())]];
+    const Clip& source = dataset.clips[static_cast<std::size_t>(rows[random.Below(rows.size())])];
     request.bone_length = FirstFrameBones(*source.motion);
     request.source_clip = source.id();
   }

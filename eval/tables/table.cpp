@@ -20,24 +20,34 @@ std::string Fixed(double value, int digits) {
   return buffer;
 }
 
-/// "0.920 ± 0.050"; the cell has values.
-std::string CellText(const Table::Cell& cell, int digits, IntervalKind interval, const char* plus_minus) {
-  const Summary summary = Summarise(cell.values, interval);
-  std::string text = Fixed(summary.mean, digits);
-  if (cell.values.size() > 1) text += plus_minus + Fixed(summary.half_width, digits);
-  return text;
+/// "0.920 ± 0.050"; the cell has a value.
+std::string CellText(const Table::Cell& cell, int digits, const char* plus_minus, const char* mark) {
+  std::string text = Fixed(*cell.value, digits);
+  if (cell.interval) text += plus_minus + Fixed(0.5 * ((*cell.interval)[1] - (*cell.interval)[0]), digits);
+  return text + (cell.marked ? mark : "");
 }
 
-const char* Meaning(IntervalKind interval) {
-  switch (interval) {
-    case IntervalKind::kStudent:
-      return "± is the half-width of the 95 % interval of the mean (Student t)";
-    case IntervalKind::kAction2Motion:
-      return "± is 1.96 sd / sqrt(repetitions), as Action2Motion prints it";
-    case IntervalKind::kActor:
-      return "± is 1.96 times the variance, as ACTOR prints it: not an interval";
+/// What each kind of interval in the table is, in the order in which they appear.
+std::vector<std::string> Meanings(const Table& table) {
+  constexpr std::pair<std::string_view, std::string_view> kMeanings[] = {
+      {"student_95", "± (student_95) is the half-width of the 95 % interval of the mean, Student t"},
+      {"a2m_1.96_sd_over_sqrt_n", "± (a2m) is 1.96 sd / sqrt(repetitions), as Action2Motion prints it"},
+      {"actor_1.96_variance", "± (actor) is 1.96 times the variance, as ACTOR prints it: not an interval"},
+      {"bootstrap_95", "± (bootstrap_95) is half the width of the 95 % interval by resampling"}};
+  std::vector<std::string> meanings;
+  bool marked = false;
+  for (const Table::Row& row : table.rows) {
+    for (const Table::Cell& cell : row.cells) {
+      marked = marked || cell.marked;
+      for (const auto& [kind, meaning] : kMeanings) {
+        const std::string text(meaning);
+        const bool known = std::find(meanings.begin(), meanings.end(), text) != meanings.end();
+        if (cell.interval && cell.interval_kind == kind && !known) meanings.push_back(text);
+      }
+    }
   }
-  return "";
+  if (marked) meanings.emplace_back("† lies outside the published interval");
+  return meanings;
 }
 
 std::string CsvText(const std::string& text) {
@@ -76,6 +86,7 @@ std::string LatexText(std::string_view text) {
                                                                          {"↑", "$\\uparrow$"},
                                                                          {"→", "$\\rightarrow$"},
                                                                          {"±", "$\\pm$"},
+                                                                         {"†", "$\\dagger$"},
                                                                          {"\n", " "},
                                                                          {"\r", " "}};
   std::string escaped;
@@ -92,57 +103,68 @@ std::string LatexText(std::string_view text) {
 
 }  // namespace
 
-std::string ToMarkdown(const Table& table, IntervalKind interval) {
+std::string ToMarkdown(const Table& table) {
   std::string text = "**" + MarkdownText(table.title) + "**\n\n| method |";
   for (const std::string& column : table.columns) text += " " + MarkdownText(column) + " |";
   text += "\n|---|";
   for (std::size_t c = 0; c < table.columns.size(); ++c) text += "---|";
   text += "\n";
   for (const Table::Row& row : table.rows) {
-    text += "| " + MarkdownText(row.name) + " |";
+    text += "| " + MarkdownText(row.name) + (row.source.empty() ? "" : " (" + MarkdownText(row.source) + ")") + " |";
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
-      text += " " + (cell.values.empty() ? "-" : CellText(cell, table.digits[c], interval, " ± ")) + " |";
+      text += " " + (cell.value ? CellText(cell, table.digits[c], " ± ", "†") : "-") + " |";
     }
     text += "\n";
   }
-  text += "\n" + std::string(Meaning(interval)) + ".\n";
+  text += "\n";
+  for (const std::string& meaning : Meanings(table)) text += meaning + ".\n";
   for (const std::string& note : table.notes) text += MarkdownText(note) + "\n";
   return text;
 }
 
 std::string ToCsv(const Table& table) {
-  std::string text = "method,metric,mean,student_95,action2motion_pm,actor_pm,repetitions\n";
+  std::string text =
+      "method,metric,value,interval_low,interval_high,interval_kind,student_95,action2motion_pm,actor_pm,repetitions,"
+      "source\n";
   for (const Table::Row& row : table.rows) {
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      const std::vector<double>& values = row.cells[c].values;
-      if (values.empty()) continue;
-      text += CsvText(row.name) + "," + CsvText(table.columns[c]) + "," +
-              FormatDouble(Summarise(values, IntervalKind::kStudent).mean);
+      const Table::Cell& cell = row.cells[c];
+      if (!cell.value) continue;
+      text += CsvText(row.name) + "," + CsvText(table.columns[c]) + "," + FormatDouble(*cell.value) + ",";
+      text += cell.interval ? FormatDouble((*cell.interval)[0]) + "," + FormatDouble((*cell.interval)[1]) : ",";
+      text += "," + cell.interval_kind;
       for (const IntervalKind kind : {IntervalKind::kStudent, IntervalKind::kAction2Motion, IntervalKind::kActor}) {
-        text += "," + FormatDouble(Summarise(values, kind).half_width);
+        text += "," + (cell.repetitions.size() > 1 ? FormatDouble(Summarise(cell.repetitions, kind).half_width) : "");
       }
-      text += "," + std::to_string(values.size()) + "\n";
+      text +=
+          "," + std::to_string(std::max<std::size_t>(1, cell.repetitions.size())) + "," + CsvText(row.source) + "\n";
     }
   }
   return text;
 }
 
-std::string ToLatex(const Table& table, IntervalKind interval) {
-  std::string text =
-      "% " + LatexText(table.title) + "\n\\begin{tabular}{l" + std::string(table.columns.size(), 'c') + "}\nmethod";
+std::string ToLatex(const Table& table) {
+  std::string text = "% " + LatexText(table.title) + "\n\\begin{tabular}{l" + std::string(table.columns.size(), 'c') +
+                     "}\n\\toprule\nmethod";
   for (const std::string& column : table.columns) text += " & " + LatexText(column);
-  text += " \\\\ \\hline\n";
+  text += " \\\\\n\\midrule\n";
+  bool published = false;
   for (const Table::Row& row : table.rows) {
-    text += LatexText(row.name);
+    if (!row.source.empty() && !published) text += "\\midrule\n";
+    published = published || !row.source.empty();
+    text += LatexText(row.name) + (row.source.empty() ? "" : " (" + LatexText(row.source) + ")");
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
-      text += cell.values.empty() ? " & --" : " & $" + CellText(cell, table.digits[c], interval, " \\pm ") + "$";
+      text += cell.value ? " & $" + CellText(cell, table.digits[c], " \\pm ", "^\\dagger") + "$" : " & --";
     }
     text += " \\\\\n";
   }
-  text += "\\end{tabular}\n\n\\smallskip{\\footnotesize " + LatexText(Meaning(interval)) + ".";
-  for (const std::string& note : table.notes) text += "\n" + LatexText(note);
+  text += "\\bottomrule\n\\end{tabular}\n\n\\smallskip{\\footnotesize";
+  std::vector<std::string> lines = Meanings(table);
+  for (std::string& line : lines) line += ".";
+  lines.insert(lines.end(), table.notes.begin(), table.notes.end());
+  for (std::size_t i = 0; i < lines.size(); ++i) text += (i == 0 ? " " : "\n") + LatexText(lines[i]);
   return text + "}\n";
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +12,16 @@ namespace mocurate {
 /// A table of results as papers print them: one row per method, one column per metric.
 struct Table {
   struct Cell {
-    std::vector<double> values;  ///< one per repetition; empty prints a dash
+    std::optional<double> value;  ///< nothing prints a dash
+    std::optional<std::array<double, 2>> interval;
+    std::string interval_kind;        ///< a Name(IntervalKind)
+    std::vector<double> repetitions;  ///< where there are several
+    bool marked = false;              ///< outside the published interval
   };
   struct Row {
     std::string name;
     std::vector<Cell> cells;  ///< one per column
+    std::string source;       ///< of published numbers; empty: ours
   };
   std::string title;
   std::vector<std::string> columns;
@@ -23,12 +30,13 @@ struct Table {
   std::vector<std::string> notes;
 };
 
-/// "0.923 ± 0.002" per cell; the notes say what stands behind the ±. Names and notes are plain text: what a format
-/// takes for markup is escaped.
-std::string ToMarkdown(const Table& table, IntervalKind interval);
-/// Long form: method, metric, mean, the three intervals, repetitions.
+/// "0.923 ± 0.002" per cell, † behind one that is marked; published rows follow ours under a line of their own. Below
+/// stands what each ± is, then the notes. Names and notes are plain text: what a format takes for markup is escaped.
+std::string ToMarkdown(const Table& table);
+/// Long form: method, metric, value, interval and its kind, the three intervals of the papers' codes from the
+/// repetitions, their number, source.
 std::string ToCsv(const Table& table);
-/// A tabular and, below it, the notes. Needs no package.
-std::string ToLatex(const Table& table, IntervalKind interval);
+/// A tabular for the package booktabs and, below it, the notes.
+std::string ToLatex(const Table& table);
 
 }  // namespace mocurate

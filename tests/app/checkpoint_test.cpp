@@ -22,7 +22,7 @@ using ::testing::Not;
 /// The small job up to the table, with networks of a few numbers.
 std::vector<std::string> TinyTraining(const Folder& folder) {
   std::vector<std::string> arguments = program::SmallJob(folder, "r");
-  std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("evaluate"));
+  std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("table"));
   for (const char* option : {"train.recogniser.split=''", "train.recogniser.epochs=1", "train.recogniser.hidden=8",
                              "train.recogniser.frames=10", "train.generator.split=''", "train.generator.hidden=8",
                              "train.generator.latent=2", "train.generator.frames=10", "train.generator.iterations=1",
@@ -80,7 +80,7 @@ void ExpectInspectToTell(const Folder& folder) {
 
   const Result run = RunProgram(folder, {"inspect", (folder / "r").string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  for (const char* part : {"a run of demo", "with exit code 0", "up to stage   evaluate", "15 items: 15 done",
+  for (const char* part : {"a run of demo", "with exit code 0", "up to stage   table", "15 items: 15 done",
                            "clips         15 clips, 15 kept, left out by rule: 0, 0 failed", "dataset.h5: mocurate/1",
                            "tables/table.md"}) {
     EXPECT_THAT(run.out, HasSubstr(part));

@@ -55,14 +55,14 @@ Dataset RandomDataset(const SkeletonPtr& skeleton, int clips) {
   Dataset dataset;
   dataset.skeleton = skeleton;
   dataset.joints_only = true;
-  for (int c = 0; c < kClasses; ++c) dataset.labels.push_back({"label" + std::to_string(10 + c), ""});
+  for (int c = 0; c < kClasses; ++c) dataset.labels.push_back("label" + std::to_string(10 + c));
   Random random(0, "dataset");
   for (int i = 0; i < clips; ++i) {
     Clip clip;
     clip.identity.source = "benchmark";
     clip.identity.recording = std::to_string(100000 + i);
     clip.identity.end_frame = kFrames;
-    clip.label = dataset.labels[static_cast<std::size_t>(i % kClasses)].name;
+    clip.label = dataset.labels[static_cast<std::size_t>(i % kClasses)];
     clip.motion = RandomMotion(skeleton, random);
     dataset.clips.push_back(std::move(clip));
   }

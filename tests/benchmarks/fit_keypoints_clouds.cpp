@@ -97,8 +97,7 @@ int main(int argc, char** argv) {
   mixed.rig.cameras = mixed.views;
   std::vector<CloudTake> takes = CloudTakes(wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_DATA\n"), 2;
-  const auto shape =
-      ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0/body_cc0.h5");
+  const auto shape = ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0/body_cc0.h5");
   const std::vector<Actor> actors = ActorsOfTakes(wanted, *shape);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   FittingOptions options;

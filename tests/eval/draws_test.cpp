@@ -30,12 +30,16 @@ Dataset UnevenDataset() {
   return dataset;
 }
 
-std::vector<MotionRequest> Draw(const Dataset& dataset, const EvaluateOptions& options, int repetition) {
-  const auto real = ChooseReal(dataset, RealPart::kAll);
-  EXPECT_TRUE(real);
-  const auto drawn = DrawReal(*real, static_cast<int>(options.motions), static_cast<std::uint64_t>(options.seed),
-                              repetition, "reference");
-  return DrawRequests(dataset, *real, drawn, options, kFrames, repetition);
+FeaturesOptions OfMotions(std::int64_t motions) {
+  FeaturesOptions options;
+  options.motions = motions;
+  return options;
+}
+
+std::vector<int> AllRows(const Dataset& dataset) { return *RowsOfPart(dataset, RealPart::kAll); }
+
+std::vector<MotionRequest> Draw(const Dataset& dataset, const FeaturesOptions& options, int repetition) {
+  return DrawRequests(dataset, AllRows(dataset), options, kFrames, repetition);
 }
 
 std::vector<double> LabelShares(const std::vector<MotionRequest>& requests) {
@@ -45,7 +49,7 @@ std::vector<double> LabelShares(const std::vector<MotionRequest>& requests) {
 }
 
 TEST(Requests, UniformLabelsAreEquallyFrequentWhateverTheRealSet) {
-  EvaluateOptions options;
+  FeaturesOptions options = OfMotions(3000);
   options.labels = LabelDraw::kUniform;
   const auto shares = LabelShares(Draw(UnevenDataset(), options, 0));
   const double four_sigma = 4.0 * std::sqrt(1.0 / 3.0 * 2.0 / 3.0 / static_cast<double>(options.motions));
@@ -54,13 +58,14 @@ TEST(Requests, UniformLabelsAreEquallyFrequentWhateverTheRealSet) {
 
 TEST(Requests, NaturalLabelsAreAsFrequentAsInTheDrawnRealMotions) {
   const Dataset dataset = UnevenDataset();
-  EvaluateOptions options;
+  FeaturesOptions options = OfMotions(3000);
   options.labels = LabelDraw::kNatural;
-  const auto real = ChooseReal(dataset, RealPart::kAll);
-  ASSERT_TRUE(real);
-  const auto drawn = DrawReal(*real, static_cast<int>(options.motions), 1, 0, "reference");
-  const auto requests = DrawRequests(dataset, *real, drawn, options, kFrames, 0);
-  for (std::size_t i = 0; i < requests.size(); ++i) ASSERT_EQ(requests[i].label, real->labels[drawn[i]]);
+  const auto requests = Draw(dataset, options, 0);
+  const std::vector<int> rows = AllRows(dataset);
+  const std::vector<int> drawn = DrawPositions(static_cast<int>(rows.size()), 3000, true, 1, 0, "reference");
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    ASSERT_EQ(dataset.labels[requests[i].label], dataset.clips[rows[drawn[i]]].label);
+  }
   const auto shares = LabelShares(requests);
   const double four_sigma = 4.0 * std::sqrt(0.25 / static_cast<double>(options.motions));
   EXPECT_NEAR(shares[dataset.LabelIndex("walk")], 40.0 / 48.0, four_sigma);
@@ -69,7 +74,7 @@ TEST(Requests, NaturalLabelsAreAsFrequentAsInTheDrawnRealMotions) {
 
 TEST(Requests, CarryTheBoneLengthsOfARealClip) {
   const Dataset dataset = UnevenDataset();
-  EvaluateOptions options;
+  FeaturesOptions options = OfMotions(3000);
   options.motions = 200;
   std::map<std::string, const Clip*> by_id;
   for (const Clip& clip : dataset.clips) by_id[clip.id()] = &clip;
@@ -92,7 +97,7 @@ TEST(Requests, CarryTheBoneLengthsOfARealClip) {
 
 TEST(Requests, AreTheSameForTheSameSeedAndRepetitionAndForNoOther) {
   const Dataset dataset = UnevenDataset();
-  EvaluateOptions options;
+  FeaturesOptions options = OfMotions(3000);
   options.motions = 50;
   const nlohmann::json first = Draw(dataset, options, 3);
   EXPECT_EQ(first, nlohmann::json(Draw(dataset, options, 3)));
@@ -102,7 +107,7 @@ TEST(Requests, AreTheSameForTheSameSeedAndRepetitionAndForNoOther) {
 }
 
 TEST(Requests, EachMotionHasASeedOfItsOwn) {
-  EvaluateOptions options;
+  FeaturesOptions options = OfMotions(3000);
   std::set<std::uint64_t> seeds;
   for (int repetition = 0; repetition < 3; ++repetition) {
     for (const MotionRequest& request : Draw(UnevenDataset(), options, repetition)) seeds.insert(request.seed);
@@ -111,35 +116,30 @@ TEST(Requests, EachMotionHasASeedOfItsOwn) {
 }
 
 TEST(RealMotions, TheReferenceAndTheRowRealAreDifferentDraws) {
-  const auto real = ChooseReal(UnevenDataset(), RealPart::kAll);
-  ASSERT_TRUE(real);
-  EXPECT_EQ(DrawReal(*real, 100, 1, 0, "reference"), DrawReal(*real, 100, 1, 0, "reference"));
-  EXPECT_NE(DrawReal(*real, 100, 1, 0, "reference"), DrawReal(*real, 100, 1, 0, "real"));
-  EXPECT_NE(DrawReal(*real, 100, 1, 0, "reference"), DrawReal(*real, 100, 1, 1, "reference"));
+  const auto draw = [](int repetition, const char* purpose) {
+    return DrawPositions(48, 100, true, 1, repetition, purpose);
+  };
+  EXPECT_EQ(draw(0, "reference"), draw(0, "reference"));
+  EXPECT_NE(draw(0, "reference"), draw(0, "real"));
+  EXPECT_NE(draw(0, "reference"), draw(1, "reference"));
 }
 
-TEST(RealMotions, AreThoseOfTheChosenPartAndHaveALabel) {
-  Dataset dataset = ToyDataset(2);
-  const std::size_t test_clips = dataset.splits.front().test.size();
-  EXPECT_EQ(ChooseReal(dataset, RealPart::kAll)->rows.size(), dataset.clips.size());
-  EXPECT_EQ(ChooseReal(dataset, RealPart::kTrain)->rows, dataset.splits.front().train);
-  EXPECT_EQ(ChooseReal(dataset, RealPart::kTest)->rows, dataset.splits.front().test);
-  dataset.clips[dataset.splits.front().test.front()].label.clear();
-  const auto labelled = ChooseReal(dataset, RealPart::kTest);
-  ASSERT_TRUE(labelled);
-  EXPECT_EQ(labelled->rows.size(), test_clips - 1);
-  for (std::size_t i = 0; i < labelled->rows.size(); ++i) {
-    EXPECT_EQ(dataset.labels[labelled->labels[i]].name, dataset.clips[labelled->rows[i]].label);
-  }
+TEST(RealMotions, WithoutReplacementNoneIsDrawnTwiceAndNoMoreThanThereAre) {
+  const std::vector<int> drawn = DrawPositions(48, 30, false, 1, 0, "reference");
+  EXPECT_EQ(std::set<int>(drawn.begin(), drawn.end()).size(), 30u);
+  EXPECT_EQ(DrawPositions(48, 100, false, 1, 0, "reference").size(), 48u);
+  EXPECT_EQ(DrawPositions(48, 0, true, 1, 0, "reference").size(), 48u) << "0: all, in their order";
 }
 
-TEST(RealMotions, AClassWithoutAnyIsAnErrorThatNamesIt) {
-  Dataset dataset = ToyDataset(1);
-  dataset.labels.push_back({"jump", ""});
-  const auto real = ChooseReal(dataset, RealPart::kAll);
-  ASSERT_FALSE(real);
-  EXPECT_EQ(real.error().code, ErrorCode::kInconsistent);
-  EXPECT_NE(real.error().what.find("'jump'"), std::string::npos);
+TEST(RealMotions, AreThoseOfTheChosenPart) {
+  const Dataset dataset = ToyDataset(2);
+  EXPECT_EQ(RowsOfPart(dataset, RealPart::kAll)->size(), dataset.clips.size());
+  EXPECT_EQ(*RowsOfPart(dataset, RealPart::kTrain), dataset.splits.front().train);
+  EXPECT_EQ(*RowsOfPart(dataset, RealPart::kTest), dataset.splits.front().test);
+  EXPECT_EQ(RowsOfPart(dataset, RealPart::kTest, "nowhere").error().code, ErrorCode::kConfig);
+  Dataset untested = dataset;
+  untested.splits.front().test.clear();
+  EXPECT_EQ(RowsOfPart(untested, RealPart::kTest).error().code, ErrorCode::kInconsistent);
 }
 
 }  // namespace

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/store/feature_file.h"
 #include "eval/options.h"
+#include "eval/protocols/score.h"
 #include "eval/stages.h"
 #include "tests/train/toy_dataset.h"
 #include "train/generators/motion_generator.h"
@@ -19,6 +22,20 @@
 #include "train/stages.h"
 
 namespace mocurate {
+
+/// What the worker program hands to the stage: the networks of train.
+inline Expected<AnswerRequests> OpenTrained(const std::filesystem::path& checkpoint) {
+  auto loaded = MotionGenerator::Load(checkpoint);
+  if (!loaded) return Forward(loaded);
+  const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
+  return [generator](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
+    auto answered = generator->Generate(requests);
+    if (!answered) return Forward(answered);
+    std::vector<Motion> motions;
+    for (Clip& clip : answered->clips) motions.push_back(std::move(*clip.motion));
+    return motions;
+  };
+}
 
 /// A toy dataset with two recognisers and a barely trained generator, made once for all tests of a suite; requests on
 /// them.
@@ -71,34 +88,104 @@ class ToyEvaluation : public testing::Test {
     ASSERT_TRUE(outcome) << outcome.error().Message();
   }
 
-  /// Three repetitions of 90 motions on the dataset and both recognisers; generators are input names.
-  static StageRequest Request(const std::vector<std::string>& generators) {
+  /// `repetitions` of `motions` real or generated motions, drawn with replacement.
+  static DrawOptions Draws(int repetitions, int motions) {
+    DrawOptions draws;
+    draws.repetitions = repetitions;
+    draws.motions = motions;
+    draws.crop = CropDraw::kReleased;
+    draws.interval = IntervalKind::kStudent;
+    return draws;
+  }
+
+  static FeaturesOptions FeaturesOf(const DrawOptions& draws, const std::string& purpose, bool generated,
+                                    std::int64_t seed = 1) {
+    FeaturesOptions options;
+    options.generated = generated;
+    options.seed = seed;
+    options.purpose = purpose;
+    options.passes = draws.repetitions;
+    options.motions = draws.motions;
+    options.hidden = draws.hidden;
+    options.crop = draws.crop;
+    return options;
+  }
+
+  /// Of a set by the first recogniser, to features.h5.
+  static StageRequest FeaturesRequest(const std::string& set, const FeaturesOptions& options) {
     StageRequest request;
-    request.stage = "evaluate";
-    request.item = "metrics";
-    EvaluateOptions options;
-    options.repetitions = 3;
-    options.motions = 90;
-    options.diversity_pairs = 100;
+    request.stage = "features";
+    request.item = "features/" + set;
     request.options = OptionsToJson(options);
-    request.inputs = {{"dataset", "dataset", folder_ / "dataset.h5", "0"},
-                      {"recogniser", "recogniser/1", NetworkPath("recogniser/1"), "1"},
-                      {"recogniser", "recogniser/2", NetworkPath("recogniser/2"), "2"}};
-    for (const std::string& name : generators) {
-      request.inputs.push_back({"generator", name, NetworkPath(name), name});
-    }
-    request.output = folder_ / "metrics.json";
+    request.inputs = {{"weights", "recogniser/1", NetworkPath("recogniser/1"), "1"},
+                      {"motions", set, folder_ / set, "content of " + set}};
+    request.output = folder_ / "features.h5";
     return request;
   }
 
-  /// The artifact of a request that must succeed.
-  static nlohmann::json Evaluated(const OpenGenerator& open, const StageRequest& request) {
-    const auto outcome = MakeEvaluateStage(open)(request);
-    if (!outcome) {
-      ADD_FAILURE() << outcome.error().Message();
+  static StageRequest GeneratorRequest(const DrawOptions& draws, std::int64_t seed = 1) {
+    StageRequest request = FeaturesRequest("dataset.h5", FeaturesOf(draws, "generated", true, seed));
+    request.inputs.push_back({"generator", "Action2Motion", NetworkPath("Action2Motion"), "2"});
+    return request;
+  }
+
+  static Expected<StageOutcome> OutcomeOfGenerator(const OpenGenerator& open, const DrawOptions& draws) {
+    return MakeFeaturesStage(open)(GeneratorRequest(draws));
+  }
+
+  /// Bytes of the feature file.
+  static std::string FeaturesFile(const OpenGenerator& open, const FeaturesOptions& options, int threads) {
+    StageRequest request = GeneratorRequest({});
+    request.options = OptionsToJson(options);
+    request.threads = threads;
+    const auto outcome = MakeFeaturesStage(open)(request);
+    EXPECT_TRUE(outcome) << outcome.error().Message();
+    return ReadFile(request.output).value_or("");
+  }
+
+  static FeatureSet Read(const Expected<StageOutcome>& outcome) {
+    if (!outcome) ADD_FAILURE() << outcome.error().Message();
+    auto set = ReadFeatures(folder_ / "features.h5");
+    if (!set) ADD_FAILURE() << set.error().Message();
+    return set ? *std::move(set) : FeatureSet();
+  }
+
+  static FeatureSet FeatureSetOf(const std::string& set, const FeaturesOptions& options) {
+    return Read(MakeFeaturesStage(OpenTrained)(FeaturesRequest(set, options)));
+  }
+
+  static nlohmann::json Scored(const DrawOptions& draws, bool real, std::int64_t seed, const FeatureSet& row,
+                               const FeatureSet& reference) {
+    ScoreOptions options;
+    options.name = real ? "Real" : "generated";
+    options.real = real;
+    options.seed = seed;
+    options.draw = draws;
+    options.metrics.diversity_pairs = 500;
+    const auto json = ScoreRow(options, row, {&reference, nullptr});
+    if (!json) {
+      ADD_FAILURE() << json.error().Message();
       return {};
     }
-    return nlohmann::json::parse(ReadFile(request.output).value_or("{}"));
+    return *json;
+  }
+
+  static nlohmann::json ScoreOfReal(const DrawOptions& draws) {
+    const FeatureSet real = FeatureSetOf("dataset.h5", FeaturesOptions());
+    return Scored(draws, true, 1, real, real);
+  }
+
+  static nlohmann::json ScoreOfGenerator(const OpenGenerator& open, const DrawOptions& draws, std::int64_t seed = 1) {
+    const FeatureSet row = Read(MakeFeaturesStage(open)(GeneratorRequest(draws, seed)));
+    return Scored(draws, false, seed, row, FeatureSetOf("dataset.h5", FeaturesOptions()));
+  }
+
+  /// A set as given against the dataset.
+  static nlohmann::json ScoreOfSet(const std::string& set) {
+    FeaturesOptions options;
+    options.generated = true;
+    const FeatureSet row = FeatureSetOf(set, options);
+    return Scored({}, false, 1, row, FeatureSetOf("dataset.h5", FeaturesOptions()));
   }
 
   inline static std::filesystem::path folder_;
@@ -116,7 +203,7 @@ inline std::vector<Motion> RealMotions(const Dataset& dataset, const std::vector
   for (const MotionRequest& request : requests) {
     std::vector<const Clip*> members;
     for (const Clip& clip : dataset.clips) {
-      if (clip.label == dataset.labels[static_cast<std::size_t>(request.label)].name) members.push_back(&clip);
+      if (clip.label == dataset.labels[static_cast<std::size_t>(request.label)]) members.push_back(&clip);
     }
     Random random(request.seed, "answer");
     motions.push_back(*members[random.Below(members.size())]->motion);
@@ -137,20 +224,6 @@ inline std::vector<Motion> FrozenMotions(const Dataset& dataset, const std::vect
     motions.push_back(std::move(motion));
   }
   return motions;
-}
-
-/// What the worker program hands to the stage: the networks of train.
-inline Expected<AnswerRequests> OpenTrained(const std::filesystem::path& checkpoint) {
-  auto loaded = MotionGenerator::Load(checkpoint);
-  if (!loaded) return Forward(loaded);
-  const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
-  return [generator](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
-    auto answered = generator->Generate(requests);
-    if (!answered) return Forward(answered);
-    std::vector<Motion> motions;
-    for (Clip& clip : answered->clips) motions.push_back(std::move(*clip.motion));
-    return motions;
-  };
 }
 
 }  // namespace mocurate

@@ -99,8 +99,8 @@ TEST(OpenPose, ReadsTheTrialsWithTheirBystandersAndTheEmptyPerson) {
   EXPECT_EQ(frame->people[0].pose.size(), 25u);
   EXPECT_DOUBLE_EQ(frame->people[0].pose[0].u_px, 505.232);
   int empty = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(
-           std::filesystem::path(std::getenv("MOCURATE_DATA")) / "pose2sim/two/cam01_json")) {
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(std::getenv("MOCURATE_DATA")) /
+                                                               "pose2sim/two/cam01_json")) {
     const auto two = ParseOpenPose(*ReadFile(entry.path()), entry.path().string());
     ASSERT_TRUE(two) << two.error().Message();
     for (const OpenPosePerson& person : two->people) empty += person.pose.empty() ? 1 : 0;

@@ -12,78 +12,96 @@
 
 #include "core/base/random.h"
 #include "core/base/text.h"
-#include "eval/tables/run_table.h"
+#include "eval/published/published.h"
+#include "eval/tables/result_table.h"
 
 namespace mocurate {
 namespace {
 
-/// Accuracies 0.90, 0.92, 0.94: mean 0.92, Student 0.0497, Action2Motion 0.0185, ACTOR 0.0005. FIDs 1, 1, 3, 3.
+Table::Cell Cell(double value, double half_width, IntervalKind kind, std::vector<double> repetitions = {}) {
+  Table::Cell cell;
+  cell.value = value;
+  if (half_width > 0.0) cell.interval = {value - half_width, value + half_width};
+  cell.interval_kind = Name(kind);
+  cell.repetitions = std::move(repetitions);
+  return cell;
+}
+
+/// Ours with an interval of each kind, one without, and a published row.
 Table TwoMethods() {
   Table table;
   table.title = "toy";
   table.columns = {"FID", "Accuracy"};
   table.digits = {2, 3};
-  table.rows = {{"Real", {{{1.0, 1.0, 3.0, 3.0}}, {{0.90, 0.92, 0.94}}}}, {"Ours, \"new\"", {{{12.5}}, {{}}}}};
+  table.rows = {
+      {"Real",
+       {Cell(2.0, 1.84, IntervalKind::kStudent, {1.0, 1.0, 3.0, 3.0}), Cell(0.92, 0.05, IntervalKind::kStudent)},
+       ""},
+      {"Ours, \"new\"", {Cell(12.5, 0.0, IntervalKind::kStudent), {}}, ""},
+      {"Ours", {Cell(2.458, 0.079, IntervalKind::kAction2Motion), {}}, "a paper, Table 1"}};
+  table.rows[1].cells[0].marked = true;
   table.notes = {"Three seeds."};
   return table;
 }
 
 TEST(Markdown, HasARowPerMethodAndSaysWhatThePlusMinusIs) {
-  EXPECT_EQ(ToMarkdown(TwoMethods(), IntervalKind::kStudent),
+  EXPECT_EQ(ToMarkdown(TwoMethods()),
             "**toy**\n\n"
             "| method | FID | Accuracy |\n"
             "|---|---|---|\n"
             "| Real | 2.00 ± 1.84 | 0.920 ± 0.050 |\n"
-            "| Ours, \"new\" | 12.50 | - |\n"
+            "| Ours, \"new\" | 12.50† | - |\n"
+            "| Ours (a paper, Table 1) | 2.46 ± 0.08 | - |\n"
             "\n"
-            "± is the half-width of the 95 % interval of the mean (Student t).\n"
+            "± (student_95) is the half-width of the 95 % interval of the mean, Student t.\n"
+            "± (a2m) is 1.96 sd / sqrt(repetitions), as Action2Motion prints it.\n"
+            "† lies outside the published interval.\n"
             "Three seeds.\n");
 }
 
-TEST(Markdown, PrintsEachCodeBasesOwnPlusMinus) {
-  const std::string action2motion = ToMarkdown(TwoMethods(), IntervalKind::kAction2Motion);
-  EXPECT_NE(action2motion.find("| Real | 2.00 ± 0.98 | 0.920 ± 0.018 |\n"), std::string::npos) << action2motion;
-  EXPECT_NE(action2motion.find("\n± is 1.96 sd / sqrt(repetitions), as Action2Motion prints it.\n"), std::string::npos);
-  const std::string actor = ToMarkdown(TwoMethods(), IntervalKind::kActor);
-  EXPECT_NE(actor.find("| Real | 2.00 ± 1.96 | 0.920 ± 0.001 |\n"), std::string::npos) << actor;
-  EXPECT_NE(actor.find("\n± is 1.96 times the variance, as ACTOR prints it: not an interval.\n"), std::string::npos);
-}
-
-TEST(Csv, HoldsTheMeanAndAllThreeIntervalsOfEveryCellWithValues) {
+TEST(Csv, HoldsTheValueItsIntervalAndThoseOfThePapersCodes) {
   const std::string text = ToCsv(TwoMethods());
   const auto lines = SplitText(text, '\n');
-  ASSERT_EQ(lines.size(), 5u);  // the last one is empty
-  EXPECT_EQ(lines[0], "method,metric,mean,student_95,action2motion_pm,actor_pm,repetitions");
+  ASSERT_EQ(lines.size(), 6u);  // the last one is empty
+  EXPECT_EQ(lines[0],
+            "method,metric,value,interval_low,interval_high,interval_kind,student_95,action2motion_pm,actor_pm,"
+            "repetitions,source");
   const auto fid = SplitText(lines[1], ',');
-  ASSERT_EQ(fid.size(), 7u);
+  ASSERT_EQ(fid.size(), 11u);
   EXPECT_EQ(fid[0], "\"Real\"");
-  EXPECT_EQ(fid[1], "\"FID\"");
   EXPECT_EQ(fid[2], "2");
-  EXPECT_NEAR(*ParseDouble(fid[3]), 3.182446305284263 / std::sqrt(3.0), 1e-9);
-  EXPECT_EQ(fid[4], "0.98");
-  EXPECT_EQ(fid[5], "1.96");
-  EXPECT_EQ(fid[6], "4");
-  EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,0,0,0,1");
+  EXPECT_NEAR(*ParseDouble(fid[6]), 3.182446305284263 / std::sqrt(3.0), 1e-9);
+  EXPECT_EQ(fid[7], "0.98");
+  EXPECT_EQ(fid[8], "1.96");
+  EXPECT_EQ(fid[9], "4");
+  EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,,,student_95,,,,1,\"\"");
 }
 
-TEST(Latex, IsATabularWithTheSameNumbersADashForWhatIsMissingAndTheNotes) {
-  EXPECT_EQ(ToLatex(TwoMethods(), IntervalKind::kAction2Motion),
+TEST(Latex, IsABooktabsTabularWithTheSameNumbersADashForWhatIsMissingAndTheNotes) {
+  EXPECT_EQ(ToLatex(TwoMethods()),
             "% toy\n"
             "\\begin{tabular}{lcc}\n"
-            "method & FID & Accuracy \\\\ \\hline\n"
-            "Real & $2.00 \\pm 0.98$ & $0.920 \\pm 0.018$ \\\\\n"
-            "Ours, \"new\" & $12.50$ & -- \\\\\n"
+            "\\toprule\n"
+            "method & FID & Accuracy \\\\\n"
+            "\\midrule\n"
+            "Real & $2.00 \\pm 1.84$ & $0.920 \\pm 0.050$ \\\\\n"
+            "Ours, \"new\" & $12.50^\\dagger$ & -- \\\\\n"
+            "\\midrule\n"
+            "Ours (a paper, Table 1) & $2.46 \\pm 0.08$ & -- \\\\\n"
+            "\\bottomrule\n"
             "\\end{tabular}\n"
             "\n"
-            "\\smallskip{\\footnotesize $\\pm$ is 1.96 sd / sqrt(repetitions), as Action2Motion prints it.\n"
+            "\\smallskip{\\footnotesize $\\pm$ (student\\_95) is the half-width of the 95 \\% interval of the mean, "
+            "Student t.\n"
+            "$\\pm$ (a2m) is 1.96 sd / sqrt(repetitions), as Action2Motion prints it.\n"
+            "$\\dagger$ lies outside the published interval.\n"
             "Three seeds.}\n");
 }
 
 TEST(Latex, ArrowsOfColumnsAreMathematics) {
   Table table = TwoMethods();
   table.columns = {"FID ↓", "Diversity →"};
-  EXPECT_NE(ToLatex(table, IntervalKind::kStudent).find("method & FID $\\downarrow$ & Diversity $\\rightarrow$ \\\\"),
-            std::string::npos);
+  EXPECT_NE(ToLatex(table).find("method & FID $\\downarrow$ & Diversity $\\rightarrow$ \\\\"), std::string::npos);
 }
 
 /// A name of `length` characters of which most mean something to a format.
@@ -115,7 +133,7 @@ TEST(Markdown, NoNameEndsACellOrBecomesMarkup) {
     Table table = TwoMethods();
     std::string name = table.rows[0].name = "x" + NastyName(random, 12) + "x";
     std::replace(name.begin(), name.end(), '\n', ' ');
-    const auto lines = SplitText(ToMarkdown(table, IntervalKind::kStudent), '\n');
+    const auto lines = SplitText(ToMarkdown(table), '\n');
     const std::string row(lines.at(4));
     const std::string end = " | 2.00 ± 1.84 | 0.920 ± 0.050 |";
     ASSERT_EQ(row.substr(0, 2), "| ") << row;
@@ -134,7 +152,7 @@ TEST(Latex, NoNameIsTakenForACommand) {
     Table table = TwoMethods();
     std::string name = table.rows[0].name = "x" + NastyName(random, 12) + "x";
     std::replace(name.begin(), name.end(), '\n', ' ');
-    std::string row(SplitText(ToLatex(table, IntervalKind::kStudent), '\n').at(3));
+    std::string row(SplitText(ToLatex(table), '\n').at(5));
     const std::string end = " & $2.00 \\pm 1.84$ & $0.920 \\pm 0.050$ \\\\";
     ASSERT_GT(row.size(), end.size());
     ASSERT_EQ(row.substr(row.size() - end.size()), end) << row;
@@ -148,17 +166,63 @@ TEST(Latex, NoNameIsTakenForACommand) {
   }
 }
 
-TEST(RunTable, PutsRealFirstAndLeavesAGapForAMetricThatIsMissing) {
-  const nlohmann::json metrics = {
-      {"rows", {{"Action2Motion", {{"fid", {3.0, 5.0}}}}, {"Real", {{"fid", {1.0}}, {"accuracy", {0.9}}}}}},
-      {"notes", {"Three seeds."}}};
-  const Table table = RunTable(metrics, "toy");
-  ASSERT_EQ(table.rows.size(), 2u);
+nlohmann::json Metric(double value) {
+  return {{"value", value}, {"interval", {value - 0.1, value + 0.1}}, {"interval_kind", "student_95"}};
+}
+
+nlohmann::json Result() {
+  const nlohmann::json none = {{"value", nullptr}, {"interval", nullptr}, {"interval_kind", nullptr}};
+  return {{"rows",
+           {{{"name", "Real"}, {"metrics", {{"FID_train", Metric(0.1)}, {"accuracy", Metric(0.9)}, {"KID", none}}}},
+            {{"name", "Ours"}, {"metrics", {{"FID_train", Metric(2.8)}, {"accuracy", none}, {"KID", none}}}}}},
+          {"published",
+           {{{"method", "Ours"},
+             {"dataset", "HumanAct12"},
+             {"metric", "FID_train"},
+             {"value", 2.458},
+             {"pm", 0.079},
+             {"pm_kind", "a2m_1.96_sd_over_sqrt_n"},
+             {"table", "1"},
+             {"source", "a paper, Table 1"}}}},
+          {"notes", {"Three seeds."}}};
+}
+
+TEST(ResultTable, HasAColumnPerMetricThatARowHasAndThePublishedRowsBelow) {
+  const Table table = ResultTable(Result(), "toy");
+  ASSERT_EQ(table.columns.size(), 2u);
+  ASSERT_EQ(table.rows.size(), 3u);
   EXPECT_EQ(table.rows[0].name, "Real");
-  EXPECT_EQ(table.rows[1].name, "Action2Motion");
-  EXPECT_EQ(table.rows[1].cells[0].values, (std::vector<double>{3.0, 5.0}));
-  EXPECT_TRUE(table.rows[1].cells[1].values.empty());
+  EXPECT_FALSE(table.rows[1].cells[1].value);
+  EXPECT_EQ(table.rows[2].source, "a paper, Table 1");
+  EXPECT_NEAR((*table.rows[2].cells[0].interval)[1], 2.537, 1e-12);
   EXPECT_EQ(table.notes, std::vector<std::string>{"Three seeds."});
+}
+
+TEST(ResultTable, MarksWhatLiesOutsideThePublishedIntervalOnTheOriginalDataAlone) {
+  nlohmann::json result = Result();
+  EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
+  result["original_data"] = true;
+  EXPECT_TRUE(ResultTable(result, "toy").rows[1].cells[0].marked);
+  result["rows"][1]["metrics"]["FID_train"]["value"] = 2.5;
+  EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
+}
+
+TEST(Published, NumbersOfADataSetComeTheOwnPaperFirst) {
+  const auto values = ParsePublished(
+      "paper,table,dataset,method,metric,value,pm,pm_kind,source\n"
+      "ACTOR,3,NTU-13,ACTOR (ours),accuracy,0.971,2e-05,actor_1.96_variance,\"Petrovich et al., Table 3\"\n"
+      "Action2Motion,1,NTU-13,Ours,FID_train,0.33,,a2m_1.96_sd_over_sqrt_n,x\n",
+      "t.csv");
+  ASSERT_TRUE(values) << values.error().Message();
+  const nlohmann::json list = PublishedOf(*values, "Action2Motion", "NTU-13");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list[0]["method"], "Ours");
+  EXPECT_TRUE(list[0]["pm"].is_null());
+  EXPECT_EQ(list[1]["source"], "Petrovich et al., Table 3");
+  EXPECT_EQ(PublishedOf(*values, "ACTOR", "CMU").size(), 0u);
+  const auto broken = ParsePublished("header\nACTOR,3,NTU-13,x,FID,many,,,\n", "t.csv");
+  ASSERT_FALSE(broken);
+  EXPECT_EQ(broken.error().where, "t.csv:2");
 }
 
 }  // namespace

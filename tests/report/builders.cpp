@@ -53,10 +53,9 @@ nlohmann::json Measures(double spread, double jerk, double missing) {
 }
 
 nlohmann::json Metrics(const std::string& label) {
-  const std::vector<double> values = {0.1, 0.2, 0.3};
-  const nlohmann::json row = {{"fid", values}, {"accuracy", values}, {"diversity", values}, {"multimodality", values}};
+  const nlohmann::json metrics = {{"FID_train", {{"value", 0.2}, {"interval", nullptr}, {"interval_kind", nullptr}}}};
   return {
-      {"rows", {{"Real", row}, {"Action2Motion", row}}},
+      {"rows", {{{"name", "Real"}, {"metrics", metrics}}, {{"name", "Action2Motion"}, {"metrics", metrics}}}},
       {"recogniser",
        {{"test_accuracy", {0.9, 1.0}},
         {"mean", 0.95},

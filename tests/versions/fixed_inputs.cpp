@@ -74,7 +74,7 @@ Dataset SmallDataset() {
   Dataset dataset;
   dataset.joints_only = true;
   dataset.created_by = "a test";
-  dataset.labels = {{"calm", ""}, {"lively", ""}};
+  dataset.labels = {"calm", "lively"};
   Split split;
   split.name = "person";
   split.rule = "by person";

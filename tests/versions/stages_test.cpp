@@ -10,9 +10,11 @@
 #include <sstream>
 
 #include "canon/options.h"
+#include "core/formats/npy.h"
 #include "eval/options.h"
 #include "fitting/options.h"
 #include "ingest/options.h"
+#include "ingest/read_motions.h"
 #include "report/options.h"
 #include "tests/versions/fixed_inputs.h"
 #include "tests/versions/stage_record.h"
@@ -236,19 +238,63 @@ TEST_F(StageVersions, TrainingAndEvaluating) {
       {"Action2Motion", OptionsToJson(NetworkOptions{NetworkKind::kAction2Motion, {}, SmallGenerator()}), {dataset}},
       kTrained);
   ASSERT_FALSE(recogniser.artifact.empty() || generator.artifact.empty());
-  if (HasFailure()) GTEST_SKIP() << "evaluate is judged when its input, the networks, is as recorded";
-  EvaluateOptions options;
-  options.repetitions = 2;
+  if (HasFailure()) GTEST_SKIP() << "features are judged when their input, the networks, is as recorded";
+  FeaturesOptions options;
+  options.extractor.length = LengthRule::kResample;
+  options.purpose = "generated";
+  options.passes = 2;
   options.motions = 24;
-  options.diversity_pairs = 8;
-  options.multimodality_quota = 4;
-  Judge(EvaluateDeclaration(), "evaluate",
-        {"metrics",
-         OptionsToJson(options),
-         {dataset,
-          {"recogniser", recogniser.item, recogniser.artifact, recogniser.sha256},
-          {"generator", generator.item, generator.artifact, generator.sha256}}},
-        kTrained, {TrainDeclaration()});
+  const StageInput motions{"motions", dataset.name, dataset.path, dataset.sha256};
+  const StageInput weights{"weights", recogniser.item, recogniser.artifact, recogniser.sha256};
+  const ItemResult real =
+      Judge(FeaturesDeclaration(), "features", {"features/Real", OptionsToJson(options), {weights, motions}}, kTrained,
+            {TrainDeclaration()});
+  options.generated = true;
+  const ItemResult generated =
+      Judge(FeaturesDeclaration(), "features_of_generator",
+            {"features/Action2Motion",
+             OptionsToJson(options),
+             {weights, motions, {"generator", generator.item, generator.artifact, generator.sha256}}},
+            kTrained, {TrainDeclaration()});
+  ASSERT_FALSE(real.artifact.empty() || generated.artifact.empty());
+  ScoreOptions score;
+  score.name = "Action2Motion";
+  score.draw.repetitions = 2;
+  score.metrics.diversity_pairs = 8;
+  score.metrics.multimodality_quota = 4;
+  const auto features = [](const char* role, const ItemResult& item) {
+    return StageInput{role, item.item, item.artifact, item.sha256};
+  };
+  Judge(ScoreDeclaration(), "score",
+        {"score/Action2Motion", OptionsToJson(score), {features("row", generated), features("reference_train", real)}},
+        kTrained, {TrainDeclaration(), FeaturesDeclaration()});
+  Judge(CompareDeclaration(), "compare",
+        {"compare/a/b",
+         OptionsToJson(score),
+         {features("a", generated), features("b", real), features("reference_train", real)}},
+        kTrained, {TrainDeclaration(), FeaturesDeclaration()});
+}
+
+TEST_F(StageVersions, MotionsOfAFile) {
+  NpyArray array;
+  array.shape = {2, 6, 24 * 3};
+  array.dtype = "<f4";
+  for (int i = 0; i < 2 * 6 * 72; ++i) array.values.push_back(0.01 * (i % 72) + 0.001 * (i / 72));
+  Put("two.npy", WriteNpy(array));
+  MotionsOptions options;
+  SourceOptions& source = options.ingest.source;
+  source.name = "fixed";
+  source.format = SourceFormat::kNpy;
+  source.files = "{recording}.npy";
+  source.person = "p";
+  source.label = "";
+  source.units = "m";
+  source.axes = "+x -y -z";
+  source.rate_hz = 15.0;
+  source.skeleton = "humanact12";
+  for (const auto& [code, meaning] : CheckCodes()) source.checks.actions[code] = "ignore";
+  Judge(MotionsDeclaration(), "motions",
+        {"motions/two", OptionsToJson(options), {Input("source", "two.npy", "two.npy")}}, kComputed);
 }
 
 TEST_F(StageVersions, ReportAndPicture) {

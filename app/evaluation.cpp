@@ -1,0 +1,247 @@
+#include "app/evaluation.h"
+
+#include <algorithm>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kReal = "Real";
+constexpr double kChance = 0.05;  // largest p of a difference that is no chance
+
+/// One evaluation: which items there are, and which figures of each.
+class EvaluationRun {
+ public:
+  EvaluationRun(const Evaluation& evaluation, StageRuns& runs) : evaluation_(evaluation), runs_(runs) {}
+
+  Expected<EvaluationResult> Run() {
+    if (Status done = ExtractFeatures(); !done) return Forward(done);
+    if (Status done = ScoreRows(); !done) return Forward(done);
+    if (Status done = CompareAllRows(); !done) return Forward(done);
+    return std::move(result_);
+  }
+
+ private:
+  /// Whether repeating the pass over the same motions gives other features.
+  bool PassesDiffer() const {
+    const DrawOptions& draw = evaluation_.draw;
+    const bool window = evaluation_.extractor.length == LengthRule::kCrop;
+    return draw.hidden == HiddenDraw::kNormal || (window && draw.crop != CropDraw::kFirst);
+  }
+
+  FeaturesOptions OptionsOf(const std::string& purpose, bool generated, bool generator, RealPart part) const {
+    FeaturesOptions options;
+    options.extractor = evaluation_.extractor;
+    options.generated = generated;
+    options.part = part;
+    options.split = evaluation_.split;
+    options.hidden = evaluation_.draw.hidden;
+    options.crop = evaluation_.draw.crop;
+    const bool passes = evaluation_.draw.repetitions > 1 && (PassesDiffer() || generator);
+    if (!passes && !generator) return options;
+    options.seed = evaluation_.seed;
+    options.purpose = purpose;
+    options.passes = evaluation_.draw.repetitions;
+    options.labels = evaluation_.draw.labels;
+    if (generated && !generator) return options;  // the motions that there are, read anew
+    options.motions = evaluation_.draw.motions;
+    options.replacement = evaluation_.draw.replacement;
+    return options;
+  }
+
+  void AddItem(const std::string& key, const FeaturesOptions& options, const ScoredSet& set,
+               std::vector<ItemSpec>& items) {
+    ItemSpec item{"features/" + key, OptionsToJson(options), {evaluation_.weights, set.motions}};
+    item.inputs[0].role = "weights";
+    item.inputs[1].role = "motions";
+    if (set.generator) {
+      item.inputs.push_back(*set.generator);
+      item.inputs.back().role = "generator";
+    }
+    items.push_back(std::move(item));
+    keys_.push_back(key);
+  }
+
+  Status ExtractFeatures() {
+    std::vector<ItemSpec> items;
+    if (evaluation_.real) {
+      const RealPart train = evaluation_.test_reference ? RealPart::kTrain : evaluation_.real_part;
+      AddItem("reference", OptionsOf("reference", false, false, train), *evaluation_.real, items);
+      const bool again = evaluation_.draw.repetitions > 1 && PassesDiffer();
+      if (again) AddItem(kReal, OptionsOf("real", false, false, train), *evaluation_.real, items);
+      if (evaluation_.test_reference) {
+        AddItem("reference_test", OptionsOf("reference_test", false, false, RealPart::kTest), *evaluation_.real, items);
+      }
+    }
+    for (const ScoredSet& row : evaluation_.rows) {
+      const RealPart part = row.generator ? evaluation_.real_part : RealPart::kAll;
+      AddItem(row.name, OptionsOf("generated", true, row.generator.has_value(), part), row, items);
+    }
+    const auto report = runs_.Run(FeaturesDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) {
+      const ItemResult& item = report->items[i];
+      if (item.artifact.empty()) {
+        result_.failed[keys_[i] == "reference" ? kReal : keys_[i]] = item.outcome.error;
+        continue;
+      }
+      features_[keys_[i]] = item;
+      if (keys_[i] == "reference") result_.real_clips = item.outcome.summary.value("clips", 0.0);
+      if (keys_[i] != "reference_test") {
+        result_.features[keys_[i] == "reference" ? kReal : keys_[i]] = item.artifact;
+        WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.outcome.summary);
+      }
+    }
+    if (features_.count(kReal) == 0 && features_.count("reference") > 0) features_[kReal] = features_["reference"];
+    return {};
+  }
+
+  void Warn(const std::string& row, const char* code, const std::string& message) {
+    for (const nlohmann::json& known : result_.warnings) {
+      if (known.at("row") == row && known.at("code") == code) return;
+    }
+    result_.warnings.push_back({{"code", code}, {"row", row}, {"message", message}});
+  }
+
+  /// What the set has otherwise than the protocol.
+  void WarnOfMotions(const std::string& row, const nlohmann::json& summary) {
+    const auto count = [&](const char* key) { return summary.value(key, 0LL); };
+    const std::string frames = Counted(count("frames"), "frame");
+    if (count("longer") > 0) {
+      Warn(row, "longer_than_window",
+           Counted(count("longer"), "motion") + " longer than the " + frames + " of the extractor: a window is read");
+    }
+    if (count("shorter") > 0) {
+      Warn(row, "shorter_than_window",
+           Counted(count("shorter"), "motion") + " shorter than the " + frames + " of the extractor: padded");
+    }
+    if (count("other_rate") > 0) {
+      Warn(row, "other_rate",
+           Counted(count("other_rate"), "motion") + " of another rate (" +
+               RoundedText(summary.value("rate_hz", 0.0), 6) + " Hz) than the " +
+               RoundedText(evaluation_.extractor.rate_hz, 6) +
+               " Hz of the extractor's training: resample them (canon.rate)");
+    }
+    if (row == kReal && summary.value("is_training_set", false)) {
+      Warn(row, "real_is_training_set",
+           "the real motions trained the extractor: accuracy of Real is no held-out figure; score a test part");
+    }
+  }
+
+  StageInput FeaturesInput(const std::string& role, const std::string& key) const {
+    const ItemResult& item = features_.at(key);
+    return {role, item.item, item.artifact, item.sha256};
+  }
+
+  ScoreOptions OptionsOfScore(const std::string& name) const {
+    ScoreOptions options;
+    options.name = name;
+    options.real = name == kReal;
+    options.seed = evaluation_.seed;
+    options.draw = evaluation_.draw;
+    options.metrics = evaluation_.metrics;
+    options.equivalent = evaluation_.equivalent;
+    return options;
+  }
+
+  void AddReferences(std::vector<StageInput>& inputs) const {
+    if (features_.count("reference") > 0) inputs.push_back(FeaturesInput("reference_train", "reference"));
+    if (features_.count("reference_test") > 0) inputs.push_back(FeaturesInput("reference_test", "reference_test"));
+  }
+
+  Status ScoreRows() {
+    std::vector<ItemSpec> items;
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+      if (features_.count(name) == 0) return;
+      items.push_back({"score/" + name, OptionsToJson(OptionsOfScore(name)), {FeaturesInput("row", name)}});
+      AddReferences(items.back().inputs);
+      names.push_back(name);
+    };
+    if (evaluation_.real) add(kReal);
+    for (const ScoredSet& row : evaluation_.rows) add(row.name);
+    const auto report = runs_.Run(ScoreDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) {
+      const ItemResult& item = report->items[i];
+      if (item.artifact.empty()) {
+        result_.failed[names[i]] = item.outcome.error;
+        continue;
+      }
+      nlohmann::json row = item.outcome.summary;
+      for (const nlohmann::json& warning : row.at("warnings")) result_.warnings.push_back(warning);
+      row.erase("warnings");
+      if (evaluation_.extractor.body == BodyRule::kMeanShape) row["assumed"].push_back("own_bones_without_smpl_files");
+      if (evaluation_.draw.repetitions > 1 && names[i] != kReal && !HasGenerator(names[i])) {
+        row["assumed"].push_back("same_motions_in_every_repetition");
+      }
+      result_.rows.push_back(std::move(row));
+    }
+    return {};
+  }
+
+  bool HasGenerator(const std::string& name) const {
+    return std::any_of(evaluation_.rows.begin(), evaluation_.rows.end(),
+                       [&](const ScoredSet& row) { return row.name == name && row.generator; });
+  }
+
+  Status CompareAllRows() {
+    if (features_.count("reference") == 0) return {};
+    std::vector<ItemSpec> items;
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (std::size_t i = 0; i < evaluation_.rows.size(); ++i) {
+      for (std::size_t j = i + 1; j < evaluation_.rows.size(); ++j) {
+        const std::string &a = evaluation_.rows[i].name, &b = evaluation_.rows[j].name;
+        if (features_.count(a) == 0 || features_.count(b) == 0) continue;
+        items.push_back(
+            {"compare/" + a + "/" + b,
+             OptionsToJson(OptionsOfScore("")),
+             {FeaturesInput("a", a), FeaturesInput("b", b), FeaturesInput("reference_train", "reference")}});
+        pairs.emplace_back(a, b);
+      }
+    }
+    if (items.empty()) return {};
+    const auto report = runs_.Run(CompareDeclaration(), std::move(items));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) {
+      if (report->items[i].artifact.empty()) continue;
+      const auto& [a, b] = pairs[i];
+      result_.comparisons.push_back({{"a", a}, {"b", b}, {"metrics", report->items[i].outcome.summary}});
+      NoteNoise(a, b, report->items[i].outcome.summary);
+    }
+    return {};
+  }
+
+  /// A difference that is smaller than what real motions differ from each other by, or that exchanges give as well.
+  void NoteNoise(const std::string& a, const std::string& b, const nlohmann::json& compared) {
+    const nlohmann::json& fid = compared.value("FID_train", nlohmann::json());
+    if (!fid.is_object()) return;
+    double noise = 0.0;
+    for (const nlohmann::json& row : result_.rows) {
+      const nlohmann::json& value = row.at("metrics").at("FID_train").at("value");
+      if (row.at("name") == kReal && value.is_number()) noise = value.get<double>();
+    }
+    const double difference = std::abs(fid.at("difference").get<double>()), p = fid.at("p").get<double>();
+    if (difference >= noise && p <= kChance) return;
+    result_.warnings.push_back(
+        {{"code", "difference_is_noise"},
+         {"row", a},
+         {"message", a + " and " + b + ": FID differs by " + RoundedText(difference, 3) + " (p " + RoundedText(p, 2) +
+                         "; real motions differ from real ones by " + RoundedText(noise, 3) + ")"}});
+  }
+
+  const Evaluation& evaluation_;
+  StageRuns& runs_;
+  EvaluationResult result_;
+  std::vector<std::string> keys_;
+  std::map<std::string, ItemResult> features_;
+};
+
+}  // namespace
+
+Expected<EvaluationResult> Evaluate(const Evaluation& evaluation, StageRuns& runs) {
+  return EvaluationRun(evaluation, runs).Run();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,156 @@
+#include "app/motion_files.h"
+
+#include <algorithm>
+
+#include "app/config_loading.h"
+#include "app/recipes.h"
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/store/store.h"
+#include "ingest/sense/inspect.h"
+#include "ingest/sense/source_declaration.h"
+#include "ingest/sources/array_clips.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Regular files below a folder, sorted; a file alone.
+std::vector<fs::path> FilesOf(const fs::path& path) {
+  std::error_code problem;
+  if (!fs::is_directory(path, problem)) return {path};
+  std::vector<fs::path> files;
+  for (fs::recursive_directory_iterator it(path, problem), end; !problem && it != end; it.increment(problem)) {
+    std::error_code unknown;
+    if (it->is_regular_file(unknown)) files.push_back(it->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+constexpr const char* kStoreDeclaration =
+    "ingest:\n  source:\n    name: motions\n    format: motions\n    container: the file that is named\n"
+    "    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
+    "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
+
+Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& path) {
+  Expected<LoadedJob> job = LoadJob(config, {"ingest.path=."});
+  if (!job) return Forward(job);
+  IngestOptions options = std::move(job->options.ingest);
+  std::error_code unknown;
+  options.path = fs::absolute(path, unknown).lexically_normal();
+  return options;
+}
+
+}  // namespace
+
+bool IsMotionStore(const fs::path& path) {
+  std::error_code unknown;
+  return fs::is_regular_file(path, unknown) && IsStoreFile(path);
+}
+
+bool AreBareArrays(const fs::path& path) {
+  const std::vector<fs::path> files = FilesOf(path);
+  return !files.empty() &&
+         std::all_of(files.begin(), files.end(), [](const fs::path& file) { return file.extension() == ".npy"; });
+}
+
+Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptions& extractor) {
+  std::error_code unknown;
+  const bool folder = fs::is_directory(path, unknown);
+  std::size_t depth = 0;
+  for (const fs::path& file : FilesOf(path)) {
+    const fs::path below = file.lexically_relative(path);
+    depth =
+        std::max<std::size_t>(depth, folder ? static_cast<std::size_t>(std::distance(below.begin(), below.end())) : 1);
+  }
+  IngestOptions options;
+  options.path = fs::absolute(path, unknown).lexically_normal();
+  SourceOptions& source = options.source;
+  source.name = "motions";
+  source.format = SourceFormat::kNpy;
+  source.files = "{recording}.npy";
+  for (std::size_t i = 1; i < depth; ++i) source.files = "{folder" + std::to_string(i) + "}/" + source.files;
+  source.recording = "{file}";
+  source.person = kUnknownPerson;
+  source.label = "";
+  source.units = FormatDouble(extractor.metres_per_unit) + " m";
+  source.axes = extractor.axes;
+  source.rate_hz = extractor.rate_hz > 0.0 ? extractor.rate_hz : 30.0;
+  source.skeleton = extractor.skeleton;
+  source.damaged_rows = DamagedRows::kRefuse;
+  // A generator's faults are what metrics measure: no clip is refused, or repaired, for them.
+  for (const auto& [code, meaning] : CheckCodes()) source.checks.actions[code] = "report";
+  return options;
+}
+
+Expected<IngestOptions> DeclareMotions(const fs::path& path, const std::string& source) {
+  if (!source.empty()) {
+    const Expected<ConfigSource> declaration = RecipeOf(source);
+    if (!declaration) return Forward(declaration);
+    return IngestOf(*declaration, path);
+  }
+  if (IsMotionStore(path)) return IngestOf({kStoreDeclaration, DisplayPath(path), fs::current_path()}, path);
+  const Expected<WrittenDeclaration> written = DeclareSource(InspectPath(path, std::nullopt), path, "motions");
+  if (!written) return Forward(written);
+  if (!written->unknown.empty()) {
+    std::string names;
+    for (const std::string& option : written->unknown) names += (names.empty() ? "" : ", ") + option;
+    return Fail(ErrorCode::kUsage, "nothing in the files says " + names, DisplayPath(path),
+                "give --source: a source declaration, which `mocurate config init " + DisplayPath(path) +
+                    " -o source.yaml` writes as far as it is known");
+  }
+  return IngestOf({written->yaml, "what the files show", fs::current_path()},
+                  written->path.empty() ? path : written->path);
+}
+
+Expected<ItemSpec> MotionsItem(const std::string& name, const MotionFiles& files, const ExtractorOptions& extractor) {
+  const bool bare = files.source.empty() && AreBareArrays(files.path);
+  Expected<IngestOptions> ingest =
+      bare ? DeclareArrays(files.path, extractor) : DeclareMotions(files.path, files.source);
+  if (!ingest) return Forward(ingest);
+  ingest->source.lie_bone_lengths = files.lie_bone_lengths;
+  MotionsOptions options{*ingest, extractor.classes};
+  options.ingest.path.clear();
+  ItemSpec item{"motions/" + name, OptionsToJson(options), {}};
+  std::error_code unknown;
+  const fs::path root = ingest->path;
+  for (const fs::path& file : FilesOf(root)) {
+    const std::string below =
+        fs::is_directory(root, unknown) ? file.lexically_relative(root).generic_string() : file.filename().string();
+    item.inputs.push_back({"source", below, file, ""});
+  }
+  if (!files.labels.empty()) item.inputs.push_back({"labels", files.labels.filename().string(), files.labels, ""});
+  return item;
+}
+
+Expected<std::vector<double>> MedianBoneLengths(const fs::path& path, const ExtractorOptions& extractor) {
+  Expected<IngestOptions> ingest = DeclareArrays(path, extractor);
+  if (!ingest) return Forward(ingest);
+  ingest->source.axes = "+x +y +z";  // lengths alone are read
+  ingest->source.units = "m";
+  const Expected<ReadMotions> read = ReadAllMotions({*ingest, {}});
+  if (!read) return Forward(read);
+  const Skeleton& skeleton = *read->set.skeleton;
+  const std::vector<int> parents = skeleton.lie ? skeleton.LieParents() : std::vector<int>();
+  std::vector<double> lengths(static_cast<std::size_t>(skeleton.joint_count()), 0.0);
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    const int parent =
+        parents.empty() ? skeleton.joints[static_cast<std::size_t>(j)].parent : parents[static_cast<std::size_t>(j)];
+    std::vector<double> values;
+    for (const Clip& clip : read->set.clips) {
+      for (int f = 0; f < clip.motion->frame_count(); ++f) {
+        values.push_back((clip.motion->joints.at(f, j) - clip.motion->joints.at(f, parent)).norm());
+      }
+    }
+    // numpy's median: the mean of the two middle values of an even number
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    lengths[static_cast<std::size_t>(j)] =
+        values.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(values.begin(), middle));
+  }
+  return lengths;
+}
+
+}  // namespace mocurate

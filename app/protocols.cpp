@@ -1,0 +1,99 @@
+#include "app/protocols.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/base/config.h"
+#include "core/base/file.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+#include "train/checkpoint/describe.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> NamesBelow(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const std::string& path : ResourcePaths()) {
+    if (path.rfind(folder, 0) != 0) continue;
+    names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
+  }
+  return names;
+}
+
+/// The embedded file FOLDER/NAME.yaml, or a file.
+Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& what, const std::string& name,
+                               const std::vector<std::string>& assignments) {
+  if (const auto text = FindResource(folder + name + ".yaml")) {
+    return LoadConfig(ConfigSource{std::string(*text), "resource:" + folder + name + ".yaml", {}}, assignments);
+  }
+  std::error_code unknown;
+  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), assignments);
+  const std::vector<std::string> names = NamesBelow(folder);
+  std::string list;
+  for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
+  const auto near = Nearest(name, names);
+  return Fail(ErrorCode::kUsage, "there is no " + what + " of that name", name,
+              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + list + "; or a YAML file");
+}
+
+}  // namespace
+
+std::vector<std::string> ProtocolNames() { return NamesBelow("protocols/"); }
+
+Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vector<std::string>& assignments) {
+  const Expected<ConfigNode> node = LoadNamed("protocols/", "protocol", name, assignments);
+  if (!node) return Forward(node);
+  return OptionsFromConfig<ProtocolOptions>(*node);
+}
+
+Expected<ExtractorOptions> LoadExtractor(const std::string& name) {
+  const fs::path path(name);
+  if (path.extension() != ".h5") {
+    const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, {});
+    if (!node) return Forward(node);
+    return OptionsFromConfig<ExtractorOptions>(*node);
+  }
+  const auto checkpoint = DescribeCheckpoint(path);
+  if (!checkpoint) return Forward(checkpoint);
+  if (checkpoint->at("network") != "gru_recogniser") {
+    return Fail(ErrorCode::kUsage, "the checkpoint is of '" + checkpoint->at("network").get<std::string>() + "'",
+                DisplayPath(path), "a recogniser gives features: checkpoints/recogniser_*.h5 of a run");
+  }
+  ExtractorOptions options;
+  options.name = "own";
+  options.weights = path.string();
+  options.classes = checkpoint->at("labels").get<std::vector<std::string>>();
+  if (checkpoint->at("skeleton").is_object())
+    options.skeleton = checkpoint->at("skeleton").at("name").get<std::string>();
+  const nlohmann::json& trained = checkpoint->at("options");
+  options.frames = trained.value("frames", options.frames);
+  options.length =
+      trained.value("input", "crop") == std::string("resample") ? LengthRule::kResample : LengthRule::kCrop;
+  options.real_root = options.generated_root = RootRule::kFirstFrame;
+  return options;
+}
+
+Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
+  std::error_code unknown;
+  if (fs::is_regular_file(extractor.weights, unknown)) return fs::path(extractor.weights);
+  const char* folder = std::getenv("MOCURATE_WEIGHTS");
+  const std::string hint = "set MOCURATE_WEIGHTS to the folder that holds it; it comes from " + extractor.obtain;
+  if (folder == nullptr || *folder == '\0') {
+    return Fail(ErrorCode::kMissingOnHost,
+                "the weights of extractor '" + extractor.name + "' are not here, and MOCURATE_WEIGHTS is not set",
+                extractor.weights, hint);
+  }
+  for (fs::recursive_directory_iterator it(folder, unknown), end; !unknown && it != end; it.increment(unknown)) {
+    std::error_code problem;
+    if (it->path().filename() == extractor.weights && it->is_regular_file(problem)) return it->path();
+  }
+  return Fail(ErrorCode::kMissingOnHost,
+              "the weights of extractor '" + extractor.name + "' are not below MOCURATE_WEIGHTS (" +
+                  DisplayPath(fs::path(folder)) + ")",
+              extractor.weights, hint);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "app/blas_kernels.h"
+#include "app/evaluation.h"
+#include "app/motion_files.h"
+#include "app/protocols.h"
+#include "app/run_outputs.h"
+#include "app/scratch_folder.h"
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+#include "eval/published/published.h"
+#include "eval/tables/result_table.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A row as the command line names it.
+struct NamedFiles {
+  std::string name;
+  fs::path path;
+};
+
+/// "NAME=PATH", or a path, whose row is called as the file.
+NamedFiles NamedFilesOf(const std::string& text, std::set<std::string>& taken) {
+  std::error_code unknown;
+  const std::size_t equals = text.find('=');
+  NamedFiles named{"", text};
+  if (equals != std::string::npos && equals > 0 && !fs::exists(text, unknown)) {
+    named = {text.substr(0, equals), text.substr(equals + 1)};
+  }
+  if (named.name.empty()) {
+    const fs::path whole = fs::absolute(named.path, unknown).lexically_normal();
+    named.name = DisplayPath((whole.filename().empty() ? whole.parent_path() : whole).stem());
+  }
+  const std::string base = named.name;
+  for (int copy = 2; !taken.insert(named.name).second; ++copy) named.name = base + "~" + std::to_string(copy);
+  return named;
+}
+
+Status CheckExists(const fs::path& path, const char* option) {
+  std::error_code unknown;
+  if (path.empty() || fs::exists(path, unknown)) return {};
+  return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), option);
+}
+
+Status CheckArguments(const EvalArguments& arguments) {
+  if (arguments.values == "joints" && !arguments.bone_lengths.empty()) {
+    return Fail(ErrorCode::kUsage, "--bone-lengths lays out Lie parameters, --values says joints", "command line",
+                "leave one of them out");
+  }
+  if (arguments.values == "lie" && arguments.bone_lengths.empty()) {
+    return Fail(ErrorCode::kUsage, "Lie parameters say no bone lengths", "--values lie",
+                "--bone-lengths FILE takes the medians of motions that are positions");
+  }
+  for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.labels, "--labels"},
+                                     {arguments.bone_lengths, "--bone-lengths"},
+                                     {arguments.real, "--real"},
+                                     {arguments.run, "--run"}}) {
+    if (Status there = CheckExists(path, option); !there) return there;
+  }
+  return {};
+}
+
+/// The recogniser of a run whose seed is the smallest.
+Expected<fs::path> FirstRecogniser(const fs::path& run) {
+  std::vector<fs::path> found;
+  std::error_code problem;
+  for (fs::directory_iterator it(run / "checkpoints", problem), end; !problem && it != end; it.increment(problem)) {
+    if (it->path().filename().string().rfind("recogniser_", 0) == 0) found.push_back(it->path());
+  }
+  if (!found.empty()) return *std::min_element(found.begin(), found.end());
+  return Fail(ErrorCode::kNotFound, "the run has no recogniser", DisplayPath(run / "checkpoints"),
+              "run it to the stage train, or give --extractor");
+}
+
+/// What is scored with what, as far as the command line says it.
+struct Plan {
+  ProtocolOptions protocol;
+  ExtractorOptions extractor;
+  fs::path weights;
+  fs::path real;
+};
+
+Expected<Plan> PlanOf(const EvalArguments& arguments) {
+  if (Status sound = CheckArguments(arguments); !sound) return Forward(sound);
+  Plan plan;
+  auto protocol = LoadProtocol(arguments.protocol, arguments.assignments);
+  if (!protocol) return Forward(protocol);
+  plan.protocol = std::move(*protocol);
+  std::string name = arguments.extractor.empty() ? plan.protocol.extractor : arguments.extractor;
+  plan.real = arguments.real;
+  if (!arguments.run.empty()) {
+    if (arguments.extractor.empty()) {
+      const auto recogniser = FirstRecogniser(arguments.run);
+      if (!recogniser) return Forward(recogniser);
+      name = recogniser->string();
+    }
+    if (plan.real.empty()) plan.real = arguments.run / "dataset.h5";
+  }
+  if (name.empty()) {
+    return Fail(ErrorCode::kUsage, "protocol '" + plan.protocol.name + "' names no extractor", "--protocol",
+                "give --run RUN or --extractor CHECKPOINT");
+  }
+  auto extractor = LoadExtractor(name);
+  if (!extractor) return Forward(extractor);
+  plan.extractor = std::move(*extractor);
+  const auto weights = FindWeights(plan.extractor);
+  if (!weights) return Forward(weights);
+  plan.weights = *weights;
+  return plan;
+}
+
+/// Motions as one file: a store as it is, other files through the stage `motions`.
+struct MotionsRead {
+  std::map<std::string, StageInput> sets;
+  std::map<std::string, Error> failed;
+  std::map<std::string, std::vector<Finding>> refused;  ///< clips of a set
+};
+
+Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const Plan& plan,
+                               StageRuns& runs) {
+  MotionsRead read;
+  std::vector<ItemSpec> items;
+  std::vector<std::string> names;
+  for (const auto& [named, files] : sets) {
+    if (Status there = CheckExists(named.path, "--generated"); !there) return Forward(there);
+    if (IsMotionStore(files.path) && files.labels.empty() && files.source.empty()) {
+      read.sets[named.name] = {"motions", named.name, files.path, ""};
+      continue;
+    }
+    auto item = MotionsItem(named.name, files, plan.extractor);
+    if (!item) return Forward(item);
+    items.push_back(std::move(*item));
+    names.push_back(named.name);
+  }
+  const auto report = runs.Run(MotionsDeclaration(), std::move(items));
+  if (!report) return Forward(report);
+  for (std::size_t i = 0; i < report->items.size(); ++i) {
+    const ItemResult& item = report->items[i];
+    if (item.artifact.empty()) {
+      read.failed[names[i]] = item.outcome.error;
+      continue;
+    }
+    read.sets[names[i]] = {"motions", names[i], item.artifact, item.sha256};
+    read.refused[names[i]] = item.outcome.findings;
+  }
+  return read;
+}
+
+Expected<nlohmann::json> Published(const ProtocolOptions& protocol) {
+  const auto csv = FindResource("published/tables.csv");
+  if (!csv || protocol.dataset.empty()) return nlohmann::json::array();
+  const auto values = ParsePublished(*csv, "published/tables.csv");
+  if (!values) return Forward(values);
+  return PublishedOf(*values, protocol.paper, protocol.dataset);
+}
+
+const char* Name(ProtocolVariant variant) {
+  return variant == ProtocolVariant::kGiven ? "given" : variant == ProtocolVariant::kReleased ? "released" : "paper";
+}
+
+Status WriteResults(const nlohmann::json& result, const EvaluationResult& evaluated, const fs::path& folder) {
+  if (Status made = MakeFolder(folder / "features"); !made) return made;
+  for (const auto& [name, file] : evaluated.features) {
+    std::string safe = name;
+    std::replace(safe.begin(), safe.end(), '/', '_');
+    if (Status copied = CopyWhole(file, folder / "features" / (safe + ".h5")); !copied) return copied;
+  }
+  if (Status written = WriteFile(folder / "metrics.json", result.dump(1) + "\n"); !written) return written;
+  const auto tables = WriteTables(result, result.at("protocol").get<std::string>(), folder / "tables");
+  return tables ? Status() : Forward(tables);
+}
+
+void Print(const CommonArguments& common, const nlohmann::json& result) {
+  if (common.json) {
+    std::printf("%s\n", result.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return;
+  }
+  if (common.quiet) return;
+  const Table table = ResultTable(result, result.at("protocol").get<std::string>() + ", variant " +
+                                              result.at("variant").get<std::string>() + ", extractor " +
+                                              result.at("extractor").get<std::string>());
+  std::printf("%s", ToMarkdown(table).c_str());
+  for (const nlohmann::json& warning : result.at("warnings")) {
+    std::fprintf(stderr, "warning: %s: %s\n", warning.at("row").get<std::string>().c_str(),
+                 warning.at("message").get<std::string>().c_str());
+  }
+}
+
+}  // namespace
+
+Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
+  ChooseBlasKernels();
+  auto plan = PlanOf(arguments);
+  if (!plan) return Forward(plan);
+  const ScratchFolder scratch;
+  RunnerOptions settings;
+  settings.run_folder = arguments.output.empty() ? scratch.path() : arguments.output;
+  settings.jobs = arguments.jobs;
+  settings.progress = !common.quiet;
+  settings.tell_failures = false;
+  if (settings.run_folder.empty()) return scratch.Missing();
+  if (Status made = MakeFolder(settings.run_folder); !made) return made;
+  auto runner = Runner::Make(settings);
+  if (!runner) return Forward(runner);
+  std::vector<StageReport> reports;
+  StageRuns runs(**runner, reports);
+
+  std::vector<std::pair<NamedFiles, MotionFiles>> sets;
+  std::set<std::string> taken = {"Real", "reference", "reference_test"};
+  std::vector<double> bone_lengths;
+  if (!arguments.bone_lengths.empty()) {
+    auto lengths = MedianBoneLengths(arguments.bone_lengths, plan->extractor);
+    if (!lengths) return Forward(lengths);
+    bone_lengths = std::move(*lengths);
+  }
+  for (const std::string& text : arguments.generated) {
+    const NamedFiles named = NamedFilesOf(text, taken);
+    sets.push_back({named, {named.path, arguments.source, arguments.labels, bone_lengths}});
+  }
+  if (!plan->real.empty()) sets.push_back({{"Real", plan->real}, {plan->real, arguments.real_source, {}, {}}});
+  auto read = ReadSets(sets, *plan, runs);
+  if (!read) return Forward(read);
+
+  Evaluation evaluation;
+  evaluation.extractor = plan->extractor;
+  evaluation.extractor.weights.clear();  // a path; the file's content is in the key
+  evaluation.weights = {"weights", plan->weights.filename().string(), plan->weights, ""};
+  evaluation.draw = plan->protocol.draw();
+  evaluation.metrics = plan->protocol.metrics;
+  evaluation.equivalent = plan->protocol.equivalent;
+  evaluation.seed = plan->protocol.seed;
+  evaluation.test_reference = plan->protocol.test_reference;
+  for (const auto& [named, files] : sets) {
+    const auto set = read->sets.find(named.name);
+    if (set == read->sets.end()) continue;
+    ScoredSet scored{named.name, set->second, std::nullopt};
+    if (named.name == "Real") {
+      evaluation.real = std::move(scored);
+    } else {
+      evaluation.rows.push_back(std::move(scored));
+    }
+  }
+  auto evaluated = Evaluate(evaluation, runs);
+  if (!evaluated) return Forward(evaluated);
+  evaluated->failed.insert(read->failed.begin(), read->failed.end());
+  for (const auto& [name, findings] : read->refused) {
+    for (const Finding& finding : findings) {
+      evaluated->warnings.push_back({{"code", finding.code}, {"row", name}, {"message", finding.message}});
+    }
+  }
+  if (plan->real.empty()) {
+    evaluated->warnings.push_back(
+        {{"code", "no_real_motions"},
+         {"row", ""},
+         {"message", "without --real there is no FID, KID, density, coverage or nearest_train: give --real PATH" +
+                         (plan->protocol.recipe.empty() ? std::string()
+                                                        : ", e.g. the dataset of recipe " + plan->protocol.recipe)}});
+  }
+  auto published = Published(plan->protocol);
+  if (!published) return Forward(published);
+  nlohmann::json result = {{"protocol", plan->protocol.name},       {"variant", Name(plan->protocol.variant)},
+                           {"extractor", plan->extractor.name},     {"rows", evaluated->rows},
+                           {"comparisons", evaluated->comparisons}, {"published", *published},
+                           {"notes", plan->protocol.notes},         {"warnings", evaluated->warnings},
+                           {"failed", nlohmann::json::object()}};
+  for (const auto& [name, error] : evaluated->failed) result["failed"][name] = error.Message();
+  const std::vector<double>& sizes = plan->protocol.original_clips;
+  result["original_data"] = plan->protocol.variant == ProtocolVariant::kReleased &&
+                            std::find(sizes.begin(), sizes.end(), evaluated->real_clips) != sizes.end();
+  if (evaluated->rows.empty() && !evaluated->failed.empty()) {
+    return tl::unexpected<Error>(evaluated->failed.begin()->second);
+  }
+  if (!arguments.output.empty()) {
+    if (Status written = WriteResults(result, *evaluated, arguments.output); !written) return written;
+  }
+  common.answered = common.json;
+  Print(common, result);
+  if (evaluated->failed.empty()) return {};
+  const auto& [name, error] = *evaluated->failed.begin();
+  return Fail(ErrorCode::kTooManyFailures,
+              Counted(static_cast<long long>(evaluated->failed.size()), "set") + " could not be scored; " + name +
+                  ": " + error.what,
+              error.where, error.hint);
+}
+
+Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& arguments) {
+  const auto protocol = LoadProtocol(arguments.protocol, {});
+  if (!protocol) return Forward(protocol);
+  nlohmann::json answer = {{"protocol", protocol->name}, {"extractor", protocol->extractor}};
+  if (protocol->extractor.empty()) {
+    answer["weights"] = nullptr;
+    std::printf("%s\n", common.json
+                            ? answer.dump(1).c_str()
+                            : "protocol 'own' scores with a recogniser of yours: --run RUN or --extractor FILE");
+    common.answered = common.json;
+    return {};
+  }
+  const auto extractor = LoadExtractor(protocol->extractor);
+  if (!extractor) return Forward(extractor);
+  const auto weights = FindWeights(*extractor);
+  const char* folder = std::getenv("MOCURATE_WEIGHTS");
+  answer["weights"] = extractor->weights;
+  answer["looked_in"] = folder == nullptr ? nlohmann::json() : nlohmann::json(folder);
+  answer["found"] = weights ? nlohmann::json(DisplayPath(*weights)) : nlohmann::json();
+  answer["obtain"] = extractor->obtain;
+  answer["recipe"] = protocol->recipe;
+  common.answered = common.json;
+  if (common.json) {
+    std::printf("%s\n", answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    std::printf(
+        "protocol   %s (%s on %s)\nextractor  %s\nweights    %s\nfolder     %s\nfound      %s\nobtain     %s\nreal     "
+        "  "
+        "recipe %s\n",
+        protocol->name.c_str(), protocol->paper.c_str(), protocol->dataset.c_str(), protocol->extractor.c_str(),
+        extractor->weights.c_str(), folder == nullptr ? "MOCURATE_WEIGHTS is not set" : folder,
+        weights ? DisplayPath(*weights).c_str() : "no", extractor->obtain.c_str(), protocol->recipe.c_str());
+  }
+  return weights ? Status() : Forward(weights);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,228 @@
+#include <algorithm>
+#include <map>
+#include <thread>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/pipeline/worker.h"
+#include "core/quality/contacts.h"
+#include "core/quality/measures.h"
+#include "core/store/feature_file.h"
+#include "core/store/store.h"
+#include "eval/features/feature_extractor.h"
+#include "eval/options.h"
+#include "eval/protocols/draws.h"
+#include "eval/stages.h"
+
+namespace mocurate {
+namespace {
+
+const StageInput* InputOf(const StageRequest& request, const std::string& role) {
+  const auto found = std::find_if(request.inputs.begin(), request.inputs.end(),
+                                  [&](const StageInput& input) { return input.role == role; });
+  return found == request.inputs.end() ? nullptr : &*found;
+}
+
+/// Motions of one pass with their classes, as the extractor counts them.
+struct PassMotions {
+  std::vector<const Motion*> motions;
+  std::vector<int> labels;
+  std::vector<std::string> clips;
+};
+
+/// Label of a clip -> class of the extractor; -1 for clips without a label.
+Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<std::string>& classes) {
+  std::vector<int> result;
+  for (const Clip& clip : dataset.clips) {
+    const std::optional<int> found = ClassOf(classes, clip.label);
+    result.push_back(found.value_or(-1));
+    if (clip.label.empty() || found) continue;
+    const auto near = Nearest(clip.label, classes);
+    std::string list;
+    for (const std::string& name : classes) list += (list.empty() ? "" : ", ") + name;
+    return Fail(ErrorCode::kInconsistent, "label '" + clip.label + "' is no class of the extractor", clip.id(),
+                (near ? "did you mean '" + *near + "'? " : "") + "give --labels FILE; its classes are: " + list);
+  }
+  return result;
+}
+
+/// Measures of each motion that need no network, appended to `quality`. A measure that one motion lacks is dropped.
+void AddQuality(const std::vector<const Motion*>& motions, std::map<std::string, std::vector<double>>& quality) {
+  const auto add = [&](const char* name, std::optional<double> value, std::size_t at) {
+    std::vector<double>& values = quality[name];
+    if (value && values.size() == at) values.push_back(*value);
+  };
+  for (const Motion* motion : motions) {
+    const std::size_t at = quality["jerk"].size();
+    const MotionMeasures measures = MeasureMotion(*motion);
+    add("foot_skate", measures.foot_skate, at);
+    add("jerk", measures.jerk, at);
+    add("bone_spread", 1e-3 * measures.bone_spread_mm, at);
+    add("frozen_share", static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1), at);
+    add("floor_penetration", FloorPenetration(*motion), at);
+    add("limit_violations", LimitViolations(*motion), at);
+  }
+}
+
+/// Measures that are known of every motion.
+void KeepWhole(FeatureSet& set) {
+  for (auto measure = set.quality.begin(); measure != set.quality.end();) {
+    measure = static_cast<int>(measure->second.size()) == set.count() ? std::next(measure) : set.quality.erase(measure);
+  }
+}
+
+/// Reads motions, or has them generated, and runs the extractor over each pass.
+class FeaturesRun {
+ public:
+  FeaturesRun(const FeaturesOptions& options, const Extractor& extractor, int threads)
+      : options_(options), extractor_(extractor), threads_(threads) {}
+
+  Status OfDataset(const Dataset& dataset) {
+    const auto rows = RowsOfPart(dataset, options_.part, options_.split);
+    if (!rows) return Forward(rows);
+    const auto classes = ClassesOf(dataset, set_.classes = extractor_.options.classes);
+    if (!classes) return Forward(classes);
+    std::vector<const Motion*> all;
+    for (const int row : *rows) all.push_back(&*dataset.clips[static_cast<std::size_t>(row)].motion);
+    if (Status frame = CheckFrameOfSet(all); !frame) return frame;
+    std::map<std::string, std::vector<double>> quality;
+    AddQuality(all, quality);
+    const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
+    for (int p = 0; p < passes; ++p) {
+      const int count = options_.passes == 0 ? 0 : static_cast<int>(options_.motions);
+      PassMotions pass;
+      for (const int at :
+           DrawPositions(static_cast<int>(rows->size()), count, options_.replacement, seed(), p, options_.purpose)) {
+        const auto row = static_cast<std::size_t>((*rows)[static_cast<std::size_t>(at)]);
+        pass.motions.push_back(&*dataset.clips[row].motion);
+        pass.labels.push_back((*classes)[row]);
+        pass.clips.push_back(dataset.clips[row].id());
+        for (auto& [name, values] : quality) {
+          if (values.size() == rows->size()) set_.quality[name].push_back(values[static_cast<std::size_t>(at)]);
+        }
+      }
+      if (Status added = Append(pass, p, passes); !added) return added;
+    }
+    return {};
+  }
+
+  Status OfGenerator(const Dataset& dataset, const AnswerRequests& answer) {
+    const auto rows = RowsOfPart(dataset, options_.part, options_.split);
+    if (!rows) return Forward(rows);
+    std::vector<int> class_of;
+    for (const std::string& label : dataset.labels) {
+      class_of.push_back(ClassOf(extractor_.options.classes, label).value_or(-1));
+    }
+    const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
+    for (int p = 0; p < passes; ++p) {
+      const std::vector<MotionRequest> requests = DrawRequests(dataset, *rows, options_, extractor_.rules.frames, p);
+      const auto motions = answer(requests);
+      if (!motions) return Forward(motions);
+      if (motions->size() != requests.size()) {
+        return Fail(
+            ErrorCode::kInconsistent,
+            std::to_string(motions->size()) + " motions answer " + std::to_string(requests.size()) + " requests",
+            "generator");
+      }
+      PassMotions pass;
+      for (std::size_t i = 0; i < motions->size(); ++i) {
+        pass.motions.push_back(&(*motions)[i]);
+        pass.labels.push_back(class_of[static_cast<std::size_t>(requests[i].label)]);
+        pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));
+      }
+      AddQuality(pass.motions, set_.quality);
+      if (Status added = Append(pass, p, passes); !added) return added;
+    }
+    return {};
+  }
+
+  FeatureSet& set() { return set_; }
+
+ private:
+  std::uint64_t seed() const { return static_cast<std::uint64_t>(options_.seed); }
+
+  Status Append(const PassMotions& motions, int pass, int passes) {
+    if (StopRequested()) {
+      return Fail(ErrorCode::kInterrupted, "features stopped on request", options_.purpose, "run again");
+    }
+    PassOptions how;
+    how.root = options_.generated ? extractor_.options.generated_root : extractor_.options.real_root;
+    how.start = options_.crop == CropDraw::kFirst      ? CropStart::kFirst
+                : options_.crop == CropDraw::kReleased ? CropStart::kReleased
+                                                       : CropStart::kAny;
+    how.hidden = options_.hidden == HiddenDraw::kNormal ? InitialHidden::kNormal : InitialHidden::kZero;
+    how.seed = Random(seed(), "pass of " + options_.purpose, std::to_string(pass)).Next();
+    how.threads = threads_;
+    Status added = AppendFeatures(extractor_, motions.motions, motions.labels, motions.clips, how, set_);
+    if (added) ReportProgress((pass + 1.0) / passes, "pass " + std::to_string(pass + 1));
+    return added;
+  }
+
+  const FeaturesOptions& options_;
+  const Extractor& extractor_;
+  int threads_;
+  FeatureSet set_;
+};
+
+Expected<StageOutcome> Features(const OpenGenerator& open_generator, const StageRequest& request) {
+  const auto options = OptionsFromJson<FeaturesOptions>(request.options, "features");
+  if (!options) return Forward(options);
+  const StageInput* weights = InputOf(request, "weights");
+  const StageInput* motions = InputOf(request, "motions");
+  if (weights == nullptr || motions == nullptr) {
+    return Fail(ErrorCode::kInternal, "features need the roles 'weights' and 'motions'", request.item);
+  }
+  const auto extractor = Extractor::Open(options->extractor, weights->path);
+  if (!extractor) return Forward(extractor);
+  const auto dataset = ReadDataset(motions->path);
+  if (!dataset) return Forward(dataset);
+  FeaturesRun run(*options, *extractor, request.threads);
+  Status done;
+  if (const StageInput* generator = InputOf(request, "generator")) {
+    const auto answer = open_generator(generator->path);
+    if (!answer) return Forward(answer);
+    done = run.OfGenerator(*dataset, *answer);
+  } else {
+    done = run.OfDataset(*dataset);
+  }
+  if (!done) return Forward(done);
+  KeepWhole(run.set());
+  run.set().about = nlohmann::json{{"extractor", extractor->options.name},
+                                   {"weights", weights->sha256},
+                                   {"motions", motions->sha256},
+                                   {"purpose", options->purpose}}
+                        .dump();
+  if (Status written = WriteFeatures(run.set(), request.output); !written) return Forward(written);
+  StageOutcome outcome;
+  const std::string& trained_on = extractor->recogniser->dataset_sha256();
+  outcome.summary = {{"motions", run.set().count()},
+                     {"clips", dataset->clips.size()},
+                     {"passes", run.set().passes()},
+                     {"classes", extractor->options.classes},
+                     {"unlabelled", std::count(run.set().label.begin(), run.set().label.end(), -1)},
+                     {"frames", extractor->rules.frames},
+                     {"is_training_set", !trained_on.empty() && trained_on == motions->sha256}};
+  const auto lengths = [&](auto counts) {
+    return std::count_if(dataset->clips.begin(), dataset->clips.end(),
+                         [&](const Clip& clip) { return counts(clip.motion->frame_count()); });
+  };
+  const bool window = extractor->rules.length == LengthRule::kCrop;
+  outcome.summary["longer"] = window ? lengths([&](int n) { return n > extractor->rules.frames; }) : 0;
+  outcome.summary["shorter"] = window ? lengths([&](int n) { return n < extractor->rules.frames; }) : 0;
+  const double rate = extractor->options.rate_hz;
+  outcome.summary["other_rate"] = std::count_if(dataset->clips.begin(), dataset->clips.end(), [&](const Clip& clip) {
+    return rate > 0.0 && std::abs(clip.rate.hz() - rate) > 0.01 * rate;
+  });
+  if (!dataset->clips.empty()) outcome.summary["rate_hz"] = dataset->clips.front().rate.hz();
+  return outcome;
+}
+
+}  // namespace
+
+StageFunction MakeFeaturesStage(OpenGenerator open_generator) {
+  return [open_generator = std::move(open_generator)](const StageRequest& request) {
+    return Features(open_generator, request);
+  };
+}
+
+}  // namespace mocurate

@@ -1,0 +1,100 @@
+#include "eval/features/motion_input.h"
+
+#include <algorithm>
+
+#include "core/geometry/axes.h"
+#include "core/motion/operations.h"
+#include "core/motion/preparation.h"
+
+namespace mocurate {
+namespace {
+
+/// Evenly spaced in time, first and last frame kept; a single frame is repeated.
+JointPositions Resampled(const Motion& motion, int frames) {
+  if (motion.frame_count() == frames) return motion.joints;
+  JointPositions resampled(frames, motion.joint_count());
+  if (motion.frame_count() < 2) {
+    for (int f = 0; f < frames; ++f) {
+      std::copy(motion.joints.xyz.begin(), motion.joints.xyz.end(),
+                resampled.xyz.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count() * 3);
+    }
+    return resampled;
+  }
+  Motion joints_only;
+  joints_only.skeleton = motion.skeleton;
+  joints_only.rate = motion.rate;
+  joints_only.joints = motion.joints;
+  return ResampleToCount(joints_only, frames).joints;
+}
+
+int FirstFrame(int frame_count, int frames, CropStart start, Random& random) {
+  if (frame_count <= frames || start == CropStart::kFirst) return 0;
+  const LastStart last = start == CropStart::kReleased ? LastStart::kExcluded : LastStart::kIncluded;
+  return DrawWindow(frame_count, frames, last, random).start;
+}
+
+}  // namespace
+
+Expected<InputRules> RulesOf(const ExtractorOptions& options) {
+  const Expected<SkeletonPtr> skeleton = LoadSkeleton(options.skeleton);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<AxisConvention> axes = AxisConvention::Parse(options.axes);
+  if (!axes) return Forward(axes);
+  InputRules rules;
+  rules.skeleton = *skeleton;
+  rules.unit_from_metres = axes->canonical_from_source.transpose() / options.metres_per_unit;
+  rules.frames = static_cast<int>(options.frames);
+  rules.length = options.length;
+  rules.padding = options.padding;
+  rules.read_out = options.read_out;
+  return rules;
+}
+
+Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& motion) {
+  std::vector<int> joints;
+  std::string missing;
+  for (const Joint& wanted : network.joints) {
+    std::optional<int> found = motion.FindJoint(wanted.name);
+    for (std::size_t i = 0; !found && i < wanted.synonyms.size(); ++i) found = motion.FindJoint(wanted.synonyms[i]);
+    joints.push_back(found.value_or(-1));
+    if (!found) missing += (missing.empty() ? "" : ", ") + wanted.name;
+  }
+  if (missing.empty()) return joints;
+  return Fail(ErrorCode::kInconsistent,
+              "skeleton '" + motion.name + "' of the motions lacks " + missing + ", which the extractor reads",
+              network.name,
+              "score motions of skeleton '" + network.name + "', or fit it: mocurate fit --skeleton " + network.name);
+}
+
+int AppendMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
+                      CropStart start, Random& random, std::vector<float>& values) {
+  const bool whole = rules.length == LengthRule::kResample;
+  const JointPositions resampled = whole ? Resampled(motion, rules.frames) : JointPositions();
+  const JointPositions& source = whole ? resampled : motion.joints;
+  const int begin = FirstFrame(source.frames, rules.frames, start, random);
+  const int valid = std::min(rules.frames, source.frames - begin);
+  const bool repeats = rules.padding == PaddingRule::kRepeatLast;
+  const auto place = [&](int frame, std::size_t k) -> Vector3d {
+    return rules.unit_from_metres * Vector3d(source.at(begin + frame, joints[k]));
+  };
+  const Vector3d first_root = place(0, 0);
+  for (int f = 0; f < rules.frames; ++f) {
+    const bool pad = f >= valid;
+    const int read = std::min(f, valid - 1);
+    Vector3d origin = Vector3d::Zero();
+    if (root == RootRule::kFirstFrame) origin = first_root;
+    if (root == RootRule::kEveryFrame) origin = place(read, 0);
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      Vector3d value = Vector3d::Zero();
+      if (!pad || repeats) {
+        value = place(read, k) - origin;
+      } else if (rules.padding == PaddingRule::kZerosMinusRoot) {
+        value = -origin;
+      }
+      for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(value[axis]));
+    }
+  }
+  return rules.read_out == ReadOut::kLastValid ? valid : rules.frames;
+}
+
+}  // namespace mocurate

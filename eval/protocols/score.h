@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/store/feature_file.h"
+#include "eval/metrics/fid.h"
+#include "eval/options.h"
+
+namespace mocurate {
+
+/// Features of rows [begin, end) and their positions in the set: what metrics of one repetition see.
+struct ScoredRows {
+  std::vector<int> rows;
+  Features features;        ///< (rows, D)
+  std::vector<int> labels;  ///< -1: without a class
+};
+
+/// What a repetition takes of a set: its own pass where the set has one a repetition, else a draw of `draw.motions`
+/// (0: all). Same seed, purpose and repetition, same draw.
+ScoredRows RowsOfRepetition(const FeatureSet& set, const DrawOptions& draw, std::uint64_t seed, int repetition,
+                            const std::string& purpose);
+
+/// References of a row.
+struct References {
+  const FeatureSet* train = nullptr;
+  const FeatureSet* test = nullptr;
+};
+
+/// All metrics of one row: {"name", "motions", "metrics": {NAME: {"value", "interval": [low, high] or null,
+/// "interval_kind", "repetitions": [...]}}, "assumed": [codes], "confusion": (C,C), "warnings": [{"code", "message"}]}.
+/// A metric that cannot be computed has the value null: FID and its like without a reference, multimodality where a
+/// class has no motions, accuracy without labels. Errors: features of another dimension; a number that is not finite.
+Expected<nlohmann::json> ScoreRow(const ScoreOptions& options, const FeatureSet& row, const References& references);
+
+/// Whether two rows differ: {"a", "b", "metrics": {NAME: {"difference", "p"}}}, by exchanging motions of equal position
+/// between the rows (nothing drawn) or signs of the repetitions' differences.
+Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureSet& a, const FeatureSet& b,
+                                     const FeatureSet& reference);
+
+}  // namespace mocurate

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// One number of a paper's table, in our metrics' names and units (accuracy as a fraction).
+struct PublishedValue {
+  std::string paper, table, dataset, method, metric;
+  double value = 0.0;
+  std::optional<double> pm;
+  std::string pm_kind;  ///< what the paper's +- is: a Name(IntervalKind)
+  std::string source;
+};
+
+/// Reads configs/published/tables.csv. Error kMalformed "name:line".
+Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const std::string& name);
+
+/// Those of a data set, the paper's own first: [{"method", "dataset", "metric", "value", "pm", "pm_kind", "table",
+/// "source"}].
+nlohmann::json PublishedOf(const std::vector<PublishedValue>& values, const std::string& paper,
+                           const std::string& dataset);
+
+}  // namespace mocurate

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "eval/tables/table.h"
+
+namespace mocurate {
+
+/// The table of an evaluation, {"rows": [as of ScoreRow], "published": [as of PublishedOf], "notes": [texts],
+/// "original_data": bool}: our rows in their order, then the published ones by method. Columns are the metrics that a
+/// row has. On the papers' original data our value is marked where it lies outside the published interval of the
+/// method of that name.
+Table ResultTable(const nlohmann::json& result, const std::string& title);
+
+struct WrittenTables {
+  std::string markdown;
+  std::vector<std::filesystem::path> files;
+};
+
+/// That table as table.md, .csv, .tex and .json ({"rows", "published", "notes"}) below `folder`. Error kCannotWrite.
+Expected<WrittenTables> WriteTables(const nlohmann::json& result, const std::string& title,
+                                    const std::filesystem::path& folder);
+
+}  // namespace mocurate

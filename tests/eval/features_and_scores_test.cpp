@@ -1,0 +1,222 @@
+// Features and scores of rows: repetitions, what good and bad generators score, and what makes it an error.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/eval/toy_evaluation.h"
+
+namespace mocurate {
+namespace {
+
+using testing::HasSubstr;
+
+AnswerRequests Real(const Dataset& dataset) {
+  return [&dataset](const std::vector<MotionRequest>& requests) { return RealMotions(dataset, requests); };
+}
+
+AnswerRequests Frozen(const Dataset& dataset) {
+  return [&dataset](const std::vector<MotionRequest>& requests) { return FrozenMotions(dataset, requests); };
+}
+
+double ValueOf(const nlohmann::json& row, const char* metric) {
+  return row.at("metrics").at(metric).at("value").get<double>();
+}
+
+TEST_F(ToyEvaluation, EveryRowHasOneValueOfEachMetricPerRepetition) {
+  const nlohmann::json real = ScoreOfReal(Draws(3, 90));
+  const nlohmann::json generated = ScoreOfGenerator(OpenTrained, Draws(3, 90));
+  for (const nlohmann::json& row : {real, generated}) {
+    for (const char* metric : {"FID_train", "accuracy", "diversity", "multimodality"}) {
+      EXPECT_EQ(row.at("metrics").at(metric).at("repetitions").size(), 3u) << metric;
+    }
+    EXPECT_EQ(row.at("motions"), 90);
+  }
+  EXPECT_GT(ValueOf(real, "accuracy"), 0.9);
+  EXPECT_GT(ValueOf(generated, "FID_train"), ValueOf(real, "FID_train"));
+  EXPECT_NE(real["metrics"]["FID_train"]["repetitions"][0], real["metrics"]["FID_train"]["repetitions"][1]);
+}
+
+TEST_F(ToyEvaluation, TheWholeRepeatsByteForByteAndAnotherSeedDrawsAnew) {
+  const nlohmann::json first = ScoreOfGenerator(OpenTrained, Draws(2, 60));
+  EXPECT_EQ(first, ScoreOfGenerator(OpenTrained, Draws(2, 60)));
+  EXPECT_NE(first, ScoreOfGenerator(OpenTrained, Draws(2, 60), 2));
+}
+
+TEST_F(ToyEvaluation, ARandomHiddenStateRepeatsByteForByteToo) {
+  DrawOptions draws = Draws(2, 60);
+  draws.hidden = HiddenDraw::kNormal;
+  const nlohmann::json drawn = ScoreOfGenerator(Answering(Real(dataset_)), draws);
+  EXPECT_EQ(drawn, ScoreOfGenerator(Answering(Real(dataset_)), draws));
+  EXPECT_NE(drawn, ScoreOfGenerator(Answering(Real(dataset_)), Draws(2, 60)));
+}
+
+TEST_F(ToyEvaluation, MoreThreadsGiveTheSameBytes) {
+  const FeaturesOptions options = FeaturesOf(Draws(2, 700), "generated", true);
+  const std::string one = FeaturesFile(Answering(Real(dataset_)), options, 1);
+  const std::string three = FeaturesFile(Answering(Real(dataset_)), options, 3);
+  EXPECT_FALSE(one.empty());
+  EXPECT_EQ(one, three);
+}
+
+TEST_F(ToyEvaluation, RealMotionsAnsweredByAGeneratorScoreAsReal) {
+  const nlohmann::json real = ScoreOfReal(Draws(2, 2000));
+  const nlohmann::json answered = ScoreOfGenerator(Answering(Real(dataset_)), Draws(2, 2000));
+  EXPECT_LT(ValueOf(answered, "FID_train"), 0.1);
+  EXPECT_NEAR(ValueOf(answered, "accuracy"), ValueOf(real, "accuracy"), 0.02);
+  EXPECT_NEAR(ValueOf(answered, "diversity"), ValueOf(real, "diversity"), 0.15 * ValueOf(real, "diversity"));
+  EXPECT_NEAR(ValueOf(answered, "nearest_train"), 0.0, 1e-3) << "copies of the training set";
+  EXPECT_GT(ValueOf(answered, "coverage"), 0.9);
+}
+
+TEST_F(ToyEvaluation, AFrozenPoseScoresMuchWorseThanRealMotions) {
+  const nlohmann::json frozen = ScoreOfGenerator(Answering(Frozen(dataset_)), Draws(2, 600));
+  EXPECT_GT(ValueOf(frozen, "FID_train"), 10.0);
+  EXPECT_LT(ValueOf(frozen, "accuracy"), 0.5);
+  EXPECT_LT(ValueOf(frozen, "diversity"), 1e-5);
+  EXPECT_LT(ValueOf(frozen, "multimodality"), 1e-5);
+  EXPECT_EQ(ValueOf(frozen, "frozen_share"), 1.0);
+  EXPECT_EQ(ValueOf(frozen, "jerk"), 0.0);
+}
+
+TEST_F(ToyEvaluation, WhereNothingIsDrawnRealIsScoredInTwoHalvesWithIntervalsFromResampling) {
+  const nlohmann::json real = ScoreOfReal(DrawOptions());
+  EXPECT_EQ(real.at("assumed"), nlohmann::json({"real_in_two_halves"}));
+  const nlohmann::json& fid = real["metrics"]["FID_train"];
+  EXPECT_EQ(fid["interval_kind"], "bootstrap_95");
+  EXPECT_LE(fid["interval"][0].get<double>(), fid["value"].get<double>());
+  EXPECT_GE(fid["interval"][1].get<double>(), fid["value"].get<double>());
+  EXPECT_EQ(real["motions"], dataset_.clips.size());
+}
+
+TEST_F(ToyEvaluation, AClassWithoutMotionsIsAWarningAndItsMetricNull) {
+  Dataset lacking = dataset_;
+  lacking.clips.erase(
+      std::remove_if(lacking.clips.begin(), lacking.clips.end(), [](const Clip& clip) { return clip.label == "walk"; }),
+      lacking.clips.end());
+  lacking.splits.clear();
+  Save(lacking, "lacking.h5");
+  const nlohmann::json row = ScoreOfSet("lacking.h5");
+  EXPECT_TRUE(row["metrics"]["multimodality"]["value"].is_null());
+  EXPECT_TRUE(row["metrics"]["accuracy"]["value"].is_number());
+  ASSERT_EQ(row["warnings"].size(), 1u);
+  EXPECT_EQ(row["warnings"][0]["code"], "class_without_motions");
+}
+
+TEST_F(ToyEvaluation, MotionsWithoutLabelsHaveNoAccuracyAndTheRestAllTheSame) {
+  Dataset unlabelled = dataset_;
+  for (Clip& clip : unlabelled.clips) clip.label.clear();
+  Save(unlabelled, "unlabelled.h5");
+  const nlohmann::json row = ScoreOfSet("unlabelled.h5");
+  EXPECT_TRUE(row["metrics"]["accuracy"]["value"].is_null());
+  EXPECT_TRUE(row["metrics"]["FID_train"]["value"].is_number());
+  EXPECT_EQ(row["warnings"][0]["code"], "no_labels");
+}
+
+TEST_F(ToyEvaluation, FewerMotionsThanFeaturesAreAWarningBesideTheFigure) {
+  Dataset few = dataset_;
+  few.clips.resize(12);
+  few.splits.clear();
+  Save(few, "few.h5");
+  const nlohmann::json row = ScoreOfSet("few.h5");
+  EXPECT_TRUE(row["metrics"]["FID_train"]["value"].is_number());
+  EXPECT_TRUE(std::any_of(row["warnings"].begin(), row["warnings"].end(),
+                          [](const nlohmann::json& warning) { return warning["code"] == "too_few_for_fid"; }));
+}
+
+TEST_F(ToyEvaluation, ALabelThatTheExtractorLacksIsAnErrorThatNamesClipAndClasses) {
+  Dataset foreign = dataset_;
+  foreign.clips[3].label = "quik";
+  foreign.labels.push_back("quik");
+  Save(foreign, "foreign.h5");
+  const auto outcome = MakeFeaturesStage(OpenTrained)(FeaturesRequest("foreign.h5", FeaturesOptions()));
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(outcome.error().where, foreign.clips[3].id());
+  EXPECT_THAT(outcome.error().hint, HasSubstr("'quick'"));
+}
+
+TEST_F(ToyEvaluation, TheSetThatTrainedTheRecogniserIsKnown) {
+  StageRequest request = FeaturesRequest("dataset.h5", FeaturesOptions());
+  request.inputs[1].sha256 = "0";  // as the recognisers were trained on
+  const auto outcome = MakeFeaturesStage(OpenTrained)(request);
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  EXPECT_EQ(outcome->summary.at("is_training_set"), true);
+}
+
+TEST_F(ToyEvaluation, FeaturesOfAnotherDimensionAreRefused) {
+  FeatureSet narrow;
+  narrow.feature_size = 2;
+  narrow.classes = {"a"};
+  narrow.features = {0.0f, 1.0f, 1.0f, 0.0f};
+  narrow.logits = {1.0f, 1.0f};
+  narrow.label = {0, 0};
+  narrow.clip = {"x", "y"};
+  narrow.pass_begin = {0};
+  FeatureSet wide = narrow;
+  wide.feature_size = 1;
+  wide.features = {0.0f, 1.0f};
+  const auto scored = ScoreRow({}, narrow, {&wide, nullptr});
+  ASSERT_FALSE(scored);
+  EXPECT_EQ(scored.error().code, ErrorCode::kInconsistent);
+}
+
+TEST_F(ToyEvaluation, AGeneratorThatAnswersTooFewMotionsIsAnError) {
+  const AnswerRequests answer = [](const std::vector<MotionRequest>& requests) {
+    auto motions = RealMotions(dataset_, requests);
+    motions.resize(2);
+    return motions;
+  };
+  const auto outcome = OutcomeOfGenerator(Answering(answer), Draws(1, 90));
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kInconsistent);
+}
+
+TEST_F(ToyEvaluation, AMotionOfAnotherSkeletonIsAnErrorThatNamesTheJointsItLacks) {
+  auto other = std::make_shared<Skeleton>(*dataset_.skeleton);
+  other->joints[2].name = "tail";
+  const AnswerRequests answer = [&](const std::vector<MotionRequest>& requests) {
+    auto motions = RealMotions(dataset_, requests);
+    for (Motion& motion : motions) motion.skeleton = other;
+    return motions;
+  };
+  const auto outcome = OutcomeOfGenerator(Answering(answer), Draws(1, 90));
+  ASSERT_FALSE(outcome);
+  EXPECT_THAT(outcome.error().what, HasSubstr(dataset_.skeleton->joints[2].name));
+}
+
+TEST_F(ToyEvaluation, PositionsThatAreNotFiniteAreAnErrorThatNamesTheMotion) {
+  const AnswerRequests answer = [](const std::vector<MotionRequest>& requests) {
+    auto motions = RealMotions(dataset_, requests);
+    motions[4].joints.at(3, 2).x() = std::nan("");
+    return motions;
+  };
+  const auto outcome = OutcomeOfGenerator(Answering(answer), Draws(1, 90));
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().where, "generated/0/4");
+}
+
+TEST_F(ToyEvaluation, RowsThatDifferAreToldApartAndEqualOnesAreNot) {
+  const FeatureSet real = FeatureSetOf("dataset.h5", FeaturesOptions());
+  FeatureSet shifted = real;
+  for (float& value : shifted.features) value += 0.2f;
+  ScoreOptions options;
+  const auto different = CompareRows(options, shifted, real, real);
+  ASSERT_TRUE(different);
+  EXPECT_LT(different->at("FID_train").at("p").get<double>(), 0.02);
+  const auto same = CompareRows(options, real, real, real);
+  EXPECT_EQ(same->at("FID_train").at("p"), 1.0);
+}
+
+TEST_F(ToyEvaluation, WhatAGeneratorSaysWhenItFailsIsPassedOn) {
+  const OpenGenerator closed = [](const std::filesystem::path&) -> Expected<AnswerRequests> {
+    return Fail(ErrorCode::kNotFound, "no such generator", "shelf");
+  };
+  const auto outcome = OutcomeOfGenerator(closed, Draws(1, 90));
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace mocurate
