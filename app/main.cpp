@@ -57,17 +57,16 @@ void PrintAnswer(const CLI::App& app, const CLI::ParseError& asked) {
   std::printf("%s\n", document.dump(1).c_str());
 }
 
-/// Help and version go to stdout and are no error; all else is wrong usage.
+/// Help and version go to stdout and are no error, unless they are asked of a verb that does not exist; all else is
+/// wrong usage.
 int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
-  if (error.get_exit_code() == 0 && !json) return app.exit(error);
-  if (error.get_exit_code() == 0) {
-    PrintAnswer(app, error);
-    return 0;
-  }
   CommonArguments common;
-  common.json = json;
-  return Report(tl::unexpected<Error>(UsageError(app, error, argc, argv)), common);
+  common.json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
+  if (error.get_exit_code() != 0) return Report(tl::unexpected<Error>(UsageError(app, error, argc, argv)), common);
+  if (const auto unknown = UnknownVerb(app, argc, argv)) return Report(tl::unexpected<Error>(*unknown), common);
+  if (!common.json) return app.exit(error);
+  PrintAnswer(app, error);
+  return 0;
 }
 
 /// An answer that did not reach stdout whole is none: 74 instead of 0.
