@@ -1,5 +1,8 @@
 // The command: reads the command line, calls one verb, turns its result into an exit code.
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -67,6 +70,14 @@ int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, cha
   if (!common.json) return app.exit(error);
   PrintAnswer(app, error);
   return 0;
+}
+
+/// The text of a result goes nowhere, whichever verb prints it. Where there is no /dev/null it is printed.
+void DiscardStdout() {
+  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere < 0) return;
+  dup2(nowhere, STDOUT_FILENO);
+  close(nowhere);
 }
 
 /// An answer that did not reach stdout whole is none: 74 instead of 0.
@@ -277,7 +288,8 @@ int Run(int argc, char** argv) {
   CLI::App app("mocurate: from noisy motion captures to datasets that can be trusted");
   app.set_version_flag("--version", std::string(CreatedBy()));
   app.add_flag("--json", common.json, "the result as one JSON document on stdout");
-  app.add_flag("-q,--quiet", common.quiet, "errors only");
+  app.add_flag("-q,--quiet", common.quiet,
+               "errors only: no result (but the document of --json), no progress, no warnings");
   app.add_flag("-v,--verbose", common.verbose, "more log lines");
   app.require_subcommand(1);
   app.fallthrough();
@@ -296,6 +308,7 @@ int Run(int argc, char** argv) {
     return ReportParse(app, error, argc, argv);
   }
   SetLogLevel(common.quiet ? LogLevel::kError : common.verbose ? LogLevel::kDebug : LogLevel::kInfo);
+  if (common.quiet && !common.json) DiscardStdout();
   try {
     return Report(verb(), common);
   } catch (const std::exception& defect) {

@@ -284,7 +284,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   RunnerOptions settings;
   settings.run_folder = scratch.path();
   settings.jobs = arguments.jobs;
-  settings.progress = !common.quiet;
+  settings.quiet = common.quiet;
   settings.tell_failures = false;
   if (settings.run_folder.empty()) {
     return Fail(ErrorCode::kCannotWrite, "no folder for what the run needs in between can be made",

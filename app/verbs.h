@@ -10,10 +10,10 @@
 
 namespace mocurate {
 
-/// What every verb is told. With `json` the result is one JSON document on stdout; logs always go to stderr.
+/// What every verb takes. With `json` the result is one JSON document on stdout; logs always go to stderr.
 struct CommonArguments {
   bool json = false;
-  bool quiet = false;
+  bool quiet = false;  ///< errors only: no text of the result, no progress, no warning
   bool verbose = false;
   bool answered = false;  ///< the verb has printed its JSON document: an error is not printed as another one
 };
