@@ -94,10 +94,10 @@ int ExitCodeAfterFlush(int exit_code) {
 void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, evaluate, report");
-  run->add_option("config", arguments->config,
-                  "YAML file, or the name of a recipe of configs/sources, which goes before a file of that name "
-                  "(./NAME); without one "
-                  "the embedded synthetic capture runs");
+  run->add_option(
+      "config", arguments->config,
+      "YAML file, or the name of a job of configs (kard, reannotate/kard), which goes before a file of that name "
+      "(./NAME); without one the embedded synthetic capture runs");
   run->add_option("-o,--output", arguments->output, "run folder (default runs/NAME)");
   run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")
       ->type_name("KEY=VALUE")
@@ -109,9 +109,9 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
       ->check(CLI::Range(0.001, 1e6));
   run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
   run->footer(
-      "Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"
-      "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble\n"
-      "  mocurate run configs/reannotate/kard.yaml --set report.videos=false   # they can take longer than the fits");
+      "Examples:\n  mocurate run\n  mocurate run kard -o runs/kard\n"
+      "  mocurate run kard --set ingest.path=/data/my_kinect --to assemble\n  mocurate run my.yaml\n"
+      "  mocurate run reannotate/kard --set report.videos=false   # they can take longer than the fits");
   run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
 }
 
@@ -124,7 +124,7 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
                   "of the fitted motion (default: one that has the tracked joints; rotations are kept)");
   fit->add_option(
       "--source", arguments->source,
-      "recipe of configs/sources or config that declares the files; a recipe's name goes before a file of that name");
+      "source declaration of configs/sources, by its name, which goes before a file of that name, or a config");
   fit->add_option("--clip", arguments->clips, "which clip, as `inspect` names it: a file, '[3]' in a file of several")
       ->allow_extra_args(false);
   fit->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'")
@@ -170,13 +170,12 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
   inspect->add_option("path", arguments->path, "file or folder")->required();
-  inspect->add_option(
-      "--source", arguments->source,
-      "recipe or config whose ingest.source declares the format; a recipe's name goes before a file or folder of "
-      "that name (./NAME)");
+  inspect->add_option("--source", arguments->source,
+                      "source declaration of configs/sources, by its name, which goes before a file of that name "
+                      "(./NAME), or a config");
   inspect->footer(
       "Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
-      "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");
+      "  mocurate inspect a01_s01_e01.txt --source kard");
   inspect->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
 }
@@ -221,12 +220,12 @@ void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   config->require_subcommand(1);
   CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
   show->add_option("config", arguments->config,
-                   "YAML file, or the name of a recipe of configs/sources; without one the embedded default");
+                   "YAML file, or the name of a job, as for run; without one the embedded default");
   show->add_option("--set", arguments->assignments, "override an option")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   show->add_flag("--origins", arguments->origins, "say where each value comes from");
-  show->footer("Example:\n  mocurate config show configs/kard.yaml --origins");
+  show->footer("Example:\n  mocurate config show kard --origins");
   show->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
   auto making = std::make_shared<InitConfigArguments>();
@@ -251,7 +250,8 @@ void AddDoctor(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   CLI::App* doctor = app.add_subcommand("doctor", "Check this machine: programs, libraries, BLAS, threads, space");
   CLI::Option* source = doctor->add_option(
       "--source", arguments->source,
-      "a recipe of configs/sources, or a config: which files it expects, where, under which licence, what is missing");
+      "source declaration of configs/sources, by its name, or a config: which files it expects, where, under which "
+      "licence, what is missing");
   doctor->add_option("--path", arguments->path, "folder with the captures of --source")->needs(source);
   doctor->footer("Examples:\n  mocurate doctor\n  mocurate doctor --source uestc --path /data/uestc");
   doctor->callback([&common, &verb, arguments] {

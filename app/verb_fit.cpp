@@ -10,7 +10,7 @@
 #include "app/fit_answer.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
-#include "app/recipes.h"
+#include "app/named_configs.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -100,9 +100,9 @@ void TellGuesses(const FitArguments& arguments, const nlohmann::json& inspection
 
 Expected<Declared> Declare(const FitArguments& arguments) {
   if (!arguments.source.empty()) {
-    const Expected<ConfigSource> recipe = RecipeOf(arguments.source);
-    if (!recipe) return Forward(recipe);
-    return Declared{*recipe, {}, {}};
+    const Expected<ConfigSource> source = SourceOf(arguments.source);
+    if (!source) return Forward(source);
+    return Declared{*source, {}, {}};
   }
   if (IsStore(arguments.path)) return DeclareStore(arguments.path);
   nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
@@ -134,7 +134,7 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
   }
   const bool axes = std::find(open.begin(), open.end(), "axes") != open.end();
   return Fail(ErrorCode::kUsage, "nothing in the files tells " + names, DisplayPath(arguments.path),
-              "take --source with the name of a recipe or a config, or add " + example +
+              "take --source with the name of a source declaration or a config, or add " + example +
                   (axes ? "; AXES says where the file's x, y and z point for a person who faces +z with the left at "
                           "+x, such as '-x +y -z' (docs/conventions.md): wrong ones mirror the person"
                         : "") +
@@ -152,7 +152,7 @@ bool IsAssigned(const FitArguments& arguments, const std::string& option) {
                      [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
 }
 
-/// Where nothing tells who performs, each recording is of a body of its own. `unnamed`: nor does the recipe.
+/// Where nothing tells who performs, each recording is of a body of its own. `unnamed`: nor does its declaration.
 void ChooseBodies(const FitArguments& arguments, bool unnamed, JobOptions& options) {
   if (!(arguments.source.empty() || unnamed) || options.ingest.source.person != kUnknownPerson) return;
   if (!IsAssigned(arguments, "proportions.body_of")) options.proportions.body_of = BodyOf::kRecording;

@@ -19,7 +19,7 @@ struct CommonArguments {
 };
 
 struct RunArguments {
-  std::filesystem::path config;                 ///< empty: the embedded default, a synthetic capture
+  std::filesystem::path config;                 ///< name of a job or file; empty: the embedded default
   std::optional<std::filesystem::path> output;  ///< run folder; absent: runs/NAME
   std::vector<std::string> assignments;
   std::string to;  ///< last stage; empty: report
@@ -30,7 +30,7 @@ struct RunArguments {
 
 struct FitArguments {
   std::filesystem::path path;      ///< captures or motions: a file or a folder
-  std::string source;              ///< recipe or config that declares them; empty: measured from the files
+  std::string source;              ///< source declaration or config of them; empty: measured from the files
   std::vector<std::string> clips;  ///< which of them; empty: all
   std::string skeleton;            ///< of the fitted motion; empty: smpl24, or the motion's own where it has rotations
   std::filesystem::path output;    ///< dataset of the fitted clips
@@ -50,7 +50,7 @@ struct ExportArguments {
 
 struct InspectArguments {
   std::filesystem::path path;
-  std::filesystem::path source;  ///< recipe or config with a source declaration, or empty
+  std::filesystem::path source;  ///< name of a source declaration, or a config; or empty
 };
 
 struct SynthesizeArguments {
@@ -77,8 +77,8 @@ struct InitConfigArguments {
 };
 
 struct DoctorArguments {
-  std::string source;          ///< recipe or config whose captures are asked for; empty: the machine
-  std::filesystem::path path;  ///< where they lie; empty: where the recipe says
+  std::string source;          ///< source declaration or config whose captures are meant; empty: the machine
+  std::filesystem::path path;  ///< where they lie; empty: where the declaration says
 };
 
 struct CacheArguments {
