@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/pipeline/runs.h"
+#include "tests/support/terminal.h"
 
 namespace mocurate {
 namespace {
@@ -37,9 +38,9 @@ class OnATerminal : public Runs {
 };
 
 TEST_F(OnATerminal, ALineTellsHowFarTheStageIs) {
-  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-  ASSERT_EQ(grantpt(terminal) + unlockpt(terminal), 0);
-  const std::string shown = Shown(terminal, open(ptsname(terminal), O_RDWR | O_NOCTTY));
+  const test::Terminal terminal;
+  if (!terminal.exists()) GTEST_SKIP() << test::Terminal::kMissing;
+  const std::string shown = Shown(dup(terminal.ours()), open(terminal.name().c_str(), O_RDWR | O_NOCTTY));
   EXPECT_NE(shown.find("\r\x1b[Ksleep "), std::string::npos) << shown;
   EXPECT_NE(shown.find("/20, "), std::string::npos) << shown;
   EXPECT_NE(shown.find(" s to go"), std::string::npos) << shown;
