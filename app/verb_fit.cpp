@@ -194,7 +194,9 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
   std::error_code unknown;
   const fs::path path = fs::absolute(arguments.path, unknown).lexically_normal();
-  std::vector<std::string> assignments = {"ingest.path=.", "fitting.other_joints=leave_out"};
+  // The method is chosen below: a declaration keeps recorded rotations, this verb may be asked to fit others.
+  std::vector<std::string> assignments = {"ingest.path=.", "fitting.other_joints=leave_out",
+                                          "fitting.method=joint_tracks"};
   if (!arguments.skeleton.empty()) assignments.push_back("skeleton=" + arguments.skeleton);
   if (arguments.contacts) assignments.push_back("fitting.contacts.remove_sliding=true");
   assignments.insert(assignments.end(), arguments.assignments.begin(), arguments.assignments.end());

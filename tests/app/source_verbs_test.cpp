@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/store/store.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -86,6 +87,48 @@ TEST_F(Declarations, Bandai2IsRunAsItIsWritten) {
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;
   EXPECT_EQ(Kept(), 5);
+}
+
+/// Of motions that come with rotations: those of a known tree, of a tree of their own, and of SMPL's joints.
+TEST_F(Declarations, RecordedRotationsAreKeptOnTheSkeletonOfTheirFiles) {
+  struct Motions {
+    const char* folder;
+    std::vector<std::string> files;
+    const char* skeleton;  ///< empty: the files' own tree
+    int joints;
+  };
+  for (const Motions& motions :
+       {Motions{"bvh/bandai2", {"dataset-2_walk_normal_001.bvh", "dataset-2_run_normal_001.bvh"}, "bandai22", 22},
+        Motions{"bvh/misc", {"olafhaag_walk01.bvh"}, "", 19},
+        Motions{"amass_babel", {"amass_sample.npz"}, "smpl24", 24}}) {
+    SCOPED_TRACE(motions.folder);
+    fs::remove(folder_ / "made.yaml");
+    fs::remove_all(folder_ / "r");
+    for (const std::string& option : Declare(motions.folder, motions.files)) {
+      ASSERT_EQ(option, "axes") << "AMASS's, where its file does not show them";
+      Fill("axes", "\"+x -z +y\"");
+    }
+    const std::string made = folder_ / "made.yaml";
+    const nlohmann::json options = RunProgram(folder_, {"config", "show", made, "--json"}).Json();
+    EXPECT_EQ(options["fitting"]["method"], "none");
+    EXPECT_EQ(options["ingest"]["source"]["skeleton"], motions.skeleton);
+    const Result run = RunProgram(folder_, {"run", made, "-o", folder_ / "r", "--to", "assemble", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err << text_;
+    EXPECT_EQ(run.Json()["kept"], motions.files.size());
+    for (const nlohmann::json& stage : run.Json()["stages"]) EXPECT_NE(stage["stage"], "fitting");
+    std::ifstream log(folder_ / "r/curation_log.jsonl");
+    for (std::string line; std::getline(log, line);) {
+      const nlohmann::json clip = nlohmann::json::parse(line);
+      EXPECT_EQ(clip["motion_sha256"], clip["evidence_sha256"]) << "handed on as it was read";
+    }
+    const auto dataset = ReadDataset(folder_ / "r/dataset.h5");
+    ASSERT_TRUE(dataset) << dataset.error().Message();
+    EXPECT_FALSE(dataset->joints_only);
+    EXPECT_EQ(dataset->skeleton->joint_count(), motions.joints);
+    if (*motions.skeleton != 0) {
+      EXPECT_EQ(dataset->skeleton->name, motions.skeleton);
+    }
+  }
 }
 
 TEST_F(Declarations, KardLacksItsRateAloneAndIsRefusedByThatNameUntilItIsFilledIn) {
