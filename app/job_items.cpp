@@ -9,8 +9,10 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/store/store.h"
 #include "ingest/discover.h"
 #include "ingest/files_check.h"
+#include "ingest/format_facts.h"
 #include "ingest/sense/fault_codes.h"
 
 namespace mocurate {
@@ -56,6 +58,10 @@ bool ClipRecord::doubtful() const {
   return false;
 }
 
+bool ClipRecord::replaces_rotations() const {
+  return rotations && ItemHasArtifact(motion) && motion.outcome.summary.value("method", "none") != "none";
+}
+
 std::string ClipRecord::reason() const {
   const ItemResult* stage = ended();
   if (stage == nullptr) return "";
@@ -90,6 +96,7 @@ void CountClips(const std::vector<ClipRecord>& clips, JobResult& result) {
     for (const std::string& code : FindingCodes(clip)) ++result.findings[code];
     ++result.counts.clips;
     result.counts.doubtful += clip.doubtful() ? 1 : 0;
+    result.counts.replaces_rotations += clip.replaces_rotations() ? 1 : 0;
     ++(clip.kept()       ? result.counts.kept
        : clip.failed()   ? result.counts.failed
        : clip.left_out() ? result.counts.left_out
@@ -159,17 +166,37 @@ void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
   if (files > 0) failed.outcome.summary["source_sha256"] = files == 1 ? hashes : Sha256Hex(hashes);
 }
 
+/// Whether the files of clips hold rotations; of a dataset or MotionSet the file says it, and is opened once.
+class RecordedRotations {
+ public:
+  bool operator()(const ItemSpec& spec) {
+    const FormatFacts& facts = FactsOf(spec.options.value("format", std::string()));
+    if (facts.format != SourceFormat::kMotions) return facts.rotations;
+    const auto input = std::find_if(spec.inputs.begin(), spec.inputs.end(),
+                                    [](const StageInput& candidate) { return candidate.role == "source"; });
+    if (input == spec.inputs.end()) return false;
+    const auto known = stores_.find(input->path);
+    if (known != stores_.end()) return known->second;
+    return stores_.emplace(input->path, HasStoredRotations(input->path)).first->second;
+  }
+
+ private:
+  std::map<std::filesystem::path, bool> stores_;
+};
+
 }  // namespace
 
 std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
                                   std::vector<ItemResult> left_out) {
   std::vector<ClipRecord> clips;
   clips.reserve(ingested.size() + left_out.size());
+  RecordedRotations has_rotations;
   for (std::size_t i = 0; i < ingested.size(); ++i) {
     ClipRecord clip;
     clip.item = ingested[i].item;
     clip.evidence = ingested[i];
     clip.format = specs[i].options.value("format", std::string());
+    clip.rotations = has_rotations(specs[i]);
     if (IsFailure(clip.evidence.outcome.kind)) AddHashOfSource(specs[i], clip.evidence);
     for (const StageInput& input : specs[i].inputs) {
       if (input.role == "depth") clip.depth.push_back(input);

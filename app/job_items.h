@@ -25,6 +25,7 @@ struct ClipRecord {
   ItemResult assembled;           ///< stage assemble, of a clip that it leaves out
   ItemResult baseline;            ///< stage canon on the unfitted tracks
   std::string format;             ///< of its file, as the source declares it
+  bool rotations = false;         ///< its file holds rotations
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
   /// Item of the stage `proportions` that the clip's body is of.
@@ -40,6 +41,8 @@ struct ClipRecord {
   bool folder() const;
   /// It went on, with a finding of severity error.
   bool doubtful() const;
+  /// Rotations that were fitted stand in place of the recorded ones.
+  bool replaces_rotations() const;
   bool left_out() const { return ended() != nullptr && !failed(); }
   /// The reason in one word: the rule (code of its finding), or the code that an inspection gives such a
   /// file. Empty when nothing ended it.

@@ -1,6 +1,7 @@
 #include "app/report_run.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -151,6 +152,8 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
     run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
   }
   for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
+  run["replaces_rotations"] =
+      std::count_if(reported.clips.begin(), reported.clips.end(), std::mem_fn(&ClipRecord::replaces_rotations));
   for (const ClipRecord& clip : reported.clips) {
     if (!clip.folder()) run["clips"].push_back(ClipSummary(clip));
     if (clip.folder()) run["findings"].push_back(clip.evidence.outcome.findings.back());

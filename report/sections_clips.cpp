@@ -50,6 +50,9 @@ std::string Verdict(const ReportInput& input) {
   if (const long long doubtful = ClipsThatAre("doubtful", input.run); doubtful > 0)
     text += " " + Plural(doubtful, "clip") + " of them " + (doubtful == 1 ? "is" : "are") +
             " doubtful: findings of severity error, below.";
+  if (const long long replaced = CountOf(input.run, "replaces_rotations"); replaced > 0)
+    text += " The recorded rotations of " + Plural(replaced, "clip") +
+            " are replaced by fitted ones; <code>fitting.method: none</code> keeps them.";
   const nlohmann::json& error = Field(input.run, "fit_error");
   const auto after = NumberOf(error, "joint_mm");
   const auto before = NumberOf(error, "evidence_mm");
@@ -65,6 +68,14 @@ std::string Verdict(const ReportInput& input) {
   else if (const std::string why = TextOf(recogniser, "scored"); !why.empty())
     text += " The recogniser is not scored: " + EscapeHtml(why) + ".";
   return text;
+}
+
+/// The headline; what it warns of is in attributes as well, for programs that read the page.
+std::string VerdictHtml(const ReportInput& input) {
+  std::string attributes;
+  if (const long long replaced = CountOf(input.run, "replaces_rotations"); replaced > 0)
+    attributes += " data-replaces-rotations=\"" + std::to_string(replaced) + "\"";
+  return "<p class=\"verdict\"" + attributes + ">" + Verdict(input) + "</p>\n";
 }
 
 std::string Tiles(const ReportInput& input) {
@@ -152,7 +163,7 @@ std::string HeadHtml(const ReportInput& input) {
   std::string html = "<h1>" + EscapeHtml(name) + "</h1>\n";
   if (const std::string text = TextOf(input.run, "description"); !text.empty())
     html += Paragraph(EscapeHtml(text), "lead");
-  return html + Paragraph(Verdict(input), "verdict") + Tiles(input);
+  return html + VerdictHtml(input) + Tiles(input);
 }
 
 std::string FunnelHtml(const ReportInput& input) {

@@ -115,6 +115,7 @@ TEST_F(Declarations, RecordedRotationsAreKeptOnTheSkeletonOfTheirFiles) {
     const Result run = RunProgram(folder_, {"run", made, "-o", folder_ / "r", "--to", "assemble", "--json"});
     ASSERT_EQ(run.exit_code, 0) << run.err << text_;
     EXPECT_EQ(run.Json()["kept"], motions.files.size());
+    EXPECT_EQ(run.Json()["replaces_rotations"], 0);
     for (const nlohmann::json& stage : run.Json()["stages"]) EXPECT_NE(stage["stage"], "fitting");
     std::ifstream log(folder_ / "r/curation_log.jsonl");
     for (std::string line; std::getline(log, line);) {
@@ -129,6 +130,27 @@ TEST_F(Declarations, RecordedRotationsAreKeptOnTheSkeletonOfTheirFiles) {
       EXPECT_EQ(dataset->skeleton->name, motions.skeleton);
     }
   }
+}
+
+/// As the number in the result, the log and the page, and in the text of the run and of what looks at it.
+TEST_F(Declarations, ARunThatReplacesRecordedRotationsSaysSo) {
+  Declare("bvh/bandai2", {"dataset-2_walk_normal_001.bvh"});
+  std::vector<std::string> job = {"run", folder_ / "made.yaml", "-o", folder_ / "r"};
+  for (const char* assignment :
+       {"fitting.method=joint_tracks", "fitting.other_joints=leave_out", "fitting.joint_tracks.uncertainty=false",
+        "fitting.joint_tracks.solver=banded", "skeleton=smpl24", "train.seeds=[]", "train.generator_enabled=false",
+        "report.videos=false"}) {
+    job.insert(job.end(), {"--set", assignment});
+  }
+  const Result text = RunProgram(folder_, job);
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("fitting.method: none")) << "the way to keep them";
+  EXPECT_THAT(ReadText(folder_ / "r/report/index.html"), HasSubstr("data-replaces-rotations=\"1\""));
+  EXPECT_THAT(ReadText(folder_ / "r/curation_log.jsonl"), HasSubstr("\"replaces_rotations\":true"));
+  const Result described = RunProgram(folder_, {"inspect", folder_ / "r", "--json"});
+  EXPECT_EQ(described.Json()["replaces_rotations"], 1);
+  job.emplace_back("--json");
+  EXPECT_EQ(RunProgram(folder_, job).Json()["replaces_rotations"], 1);
 }
 
 TEST_F(Declarations, KardLacksItsRateAloneAndIsRefusedByThatNameUntilItIsFilledIn) {

@@ -34,6 +34,15 @@ TEST(ReportPage, SaysInItsFirstLineHowManyClipsAreDoubtful) {
   EXPECT_THAT(PageOf(run), HasSubstr("All 3 clips went through. 2 clips of them are doubtful"));
 }
 
+TEST(ReportPage, SaysInItsHeadlineHowManyClipsLostTheirRecordedRotations) {
+  SmallRun run;
+  EXPECT_THAT(PageOf(run), HasSubstr("<p class=\"verdict\">"));
+  run.run["replaces_rotations"] = 0;
+  EXPECT_THAT(PageOf(run), HasSubstr("<p class=\"verdict\">"));
+  run.run["replaces_rotations"] = 2;
+  EXPECT_THAT(PageOf(run), HasSubstr("<p class=\"verdict\" data-replaces-rotations=\"2\">"));
+}
+
 TEST(ReportPage, HoldsEverySectionAndTheFiguresOfTheRun) {
   SmallRun run;
   const std::string page = PageOf(run);
