@@ -58,6 +58,10 @@ bool ClipRecord::doubtful() const {
   return false;
 }
 
+bool ClipRecord::suspect() const {
+  return ended() == nullptr && (doubtful() || motion.outcome.kind == OutcomeKind::kDoubtful);
+}
+
 bool ClipRecord::replaces_rotations() const {
   return rotations && ItemHasArtifact(motion) && motion.outcome.summary.value("method", "none") != "none";
 }
@@ -382,6 +386,20 @@ std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const
   }
   if (truth.empty() || item.inputs.size() == truth.size()) return std::nullopt;
   return item;
+}
+
+Status NoteFitErrors(const ItemResult& scored, std::vector<ClipRecord>& clips) {
+  const auto text = ReadFile(scored.artifact);
+  if (!text) return Forward(text);
+  const nlohmann::json errors = nlohmann::json::parse(*text, nullptr, false);
+  if (!errors.is_object() || !errors.contains("per_clip")) return {};
+  for (ClipRecord& clip : clips) {
+    const auto error = errors.at("per_clip").find(clip.evidence.outcome.summary.value("clip", std::string()));
+    if (error == errors.at("per_clip").end()) continue;
+    const auto mm = error->find("joint_mm");
+    if (mm != error->end() && mm->is_number()) clip.joint_error_mm = mm->get<double>();
+  }
+  return {};
 }
 
 }  // namespace mocurate

@@ -110,11 +110,12 @@ nlohmann::json TrainingSummary(const TrainOptions& options, const JobResult& res
 nlohmann::json ClipSummary(const ClipRecord& clip) {
   nlohmann::json summary = {{"item", clip.item},
                             {"kept", clip.kept()},
-                            {"doubtful", clip.doubtful()},
+                            {"suspect", clip.suspect()},
                             {"ingest", clip.evidence.outcome.summary},
                             {"fitting", clip.motion.outcome.summary},
                             {"canon", clip.canonical.outcome.summary},
                             {"findings", nlohmann::json::array()}};
+  if (clip.joint_error_mm) summary["joint_error_mm"] = *clip.joint_error_mm;
   for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
     if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
     for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
