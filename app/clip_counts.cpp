@@ -11,6 +11,10 @@ std::string ClipsText(const ClipCounts& counts) {
   if (counts.doubtful > 0) text += ", " + std::to_string(counts.doubtful) + " doubtful";
   if (counts.undecided > 0) text += ", " + std::to_string(counts.undecided) + " undecided (the run ended before)";
   if (counts.folders > 0) text += "; " + Counted(counts.folders, "folder") + " not looked into";
+  if (counts.replaces_rotations > 0) {
+    text += "; recorded rotations of " + Counted(counts.replaces_rotations, "clip") +
+            " replaced by fitted ones (fitting.method: none keeps them)";
+  }
   return text;
 }
 

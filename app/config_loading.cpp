@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "app/recipes.h"
+#include "app/named_configs.h"
 #include "core/base/file.h"
 #include "core/base/problem_list.h"
-#include "core/base/resources.h"
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
 #include "core/motion/motion.h"
@@ -16,10 +15,13 @@ namespace mocurate {
 
 namespace {
 
-/// A configuration that is not there is a wrong command line, not unusable input. Names files beside it that are.
+/// A configuration that is not there is a wrong command line, not unusable input. Names files beside it that are; what
+/// is no path of a file is the name of a job.
 Error NoConfig(const std::filesystem::path& config, const Error& reason) {
   std::vector<std::string> beside;
   std::error_code missing;
+  const bool file = config.extension() == ".yaml" || config.extension() == ".yml";
+  if (!file && !std::filesystem::exists(config, missing)) return NoJob(DisplayPath(config));
   const std::filesystem::path folder = config.has_parent_path() ? config.parent_path() : ".";
   for (std::filesystem::directory_iterator at(folder, missing), end; !missing && at != end; at.increment(missing)) {
     if (at->path().extension() == ".yaml") beside.push_back(DisplayPath(at->path().filename()));
@@ -158,13 +160,7 @@ Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::s
 }
 
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
-  if (config.empty()) {
-    const auto text = FindResource("demo.yaml");
-    if (!text) return Fail(ErrorCode::kInternal, "the embedded default is missing", "demo.yaml");
-    return LoadJob(ConfigSource{std::string(*text), "resource:demo.yaml", std::filesystem::current_path()},
-                   assignments);
-  }
-  if (const std::optional<ConfigSource> recipe = NamedRecipe(config.string())) return LoadJob(*recipe, assignments);
+  if (const auto named = NamedJob(config.empty() ? "demo" : config.string())) return LoadJob(*named, assignments);
   auto node = LoadConfig(config, assignments);
   if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
     return tl::unexpected<Error>(NoConfig(config, node.error()));

@@ -14,7 +14,8 @@ struct LoadedJob {
   JobOptions options;
 };
 
-/// A job from a YAML file; an empty path gives the embedded default (configs/demo.yaml).
+/// A job by its name (named_configs.h) or from a YAML file; an empty path gives the embedded default
+/// (configs/demo.yaml).
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments);
 /// The same from a text.
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments);

@@ -27,6 +27,7 @@ const Finding* RuleOf(const ClipRecord& clip, const ItemResult& stage) {
 nlohmann::json LineOf(const ClipRecord& clip) {
   nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
   if (clip.doubtful()) line["doubtful"] = true;
+  if (clip.replaces_rotations()) line["replaces_rotations"] = true;
   if (const auto source = clip.evidence.outcome.summary.find("source_sha256");
       source != clip.evidence.outcome.summary.end()) {
     line["source_sha256"] = *source;

@@ -93,14 +93,17 @@ Json DecisionsOf(const std::vector<Json>& lines) {
   return decisions;
 }
 
-ClipCounts CountsOf(const Json& decisions, int folders, int doubtful) {
+/// Of a described run.
+ClipCounts CountsOf(const Json& run) {
+  const Json& decisions = run.at("clips");
   ClipCounts counts;
   counts.kept = decisions.value("kept", 0);
-  counts.doubtful = doubtful;
+  counts.doubtful = run.value("doubtful", 0);
+  counts.replaces_rotations = run.value("replaces_rotations", 0);
   counts.left_out = decisions.value("left_out", 0);
   counts.failed = decisions.value("dropped", 0);
   counts.undecided = decisions.value("undecided", 0);
-  counts.folders = folders;
+  counts.folders = run.at("folders");
   counts.clips = counts.kept + counts.left_out + counts.failed + counts.undecided;
   return counts;
 }
@@ -191,8 +194,9 @@ Json DescribeRun(const fs::path& folder, const Json& run) {
     const std::vector<Json> lines = JsonLines(folder / "curation_log.jsonl");
     json["clips"] = DecisionsOf(lines);
     json["folders"] = std::count_if(lines.begin(), lines.end(), IsFolderLine);
-    json["doubtful"] =
-        std::count_if(lines.begin(), lines.end(), [](const Json& line) { return line.value("doubtful", false); });
+    for (const char* flag : {"doubtful", "replaces_rotations"}) {
+      json[flag] = std::count_if(lines.begin(), lines.end(), [&](const Json& line) { return line.value(flag, false); });
+    }
   }
   std::error_code ignored;
   for (const char* name :
@@ -249,8 +253,7 @@ std::string RunText(const Json& run) {
                             ", " + stage.at("from_cache").dump() + " from the cache");
   }
   if (!run.at("clips").empty()) {
-    text += DescriptionLine(
-        "clips", ClipsText(CountsOf(run.at("clips"), run.at("folders").get<int>(), run.value("doubtful", 0))));
+    text += DescriptionLine("clips", ClipsText(CountsOf(run)));
   }
   text += DescriptionLine("files", ListText(run.at("files")));
   text += DescriptionLine("not its own", ListText(run.at("earlier_files"), ": of an earlier run of this folder"));

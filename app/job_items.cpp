@@ -9,8 +9,10 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/store/store.h"
 #include "ingest/discover.h"
 #include "ingest/files_check.h"
+#include "ingest/format_facts.h"
 #include "ingest/sense/fault_codes.h"
 
 namespace mocurate {
@@ -56,6 +58,14 @@ bool ClipRecord::doubtful() const {
   return false;
 }
 
+bool ClipRecord::suspect() const {
+  return ended() == nullptr && (doubtful() || motion.outcome.kind == OutcomeKind::kDoubtful);
+}
+
+bool ClipRecord::replaces_rotations() const {
+  return rotations && ItemHasArtifact(motion) && motion.outcome.summary.value("method", "none") != "none";
+}
+
 std::string ClipRecord::reason() const {
   const ItemResult* stage = ended();
   if (stage == nullptr) return "";
@@ -90,6 +100,7 @@ void CountClips(const std::vector<ClipRecord>& clips, JobResult& result) {
     for (const std::string& code : FindingCodes(clip)) ++result.findings[code];
     ++result.counts.clips;
     result.counts.doubtful += clip.doubtful() ? 1 : 0;
+    result.counts.replaces_rotations += clip.replaces_rotations() ? 1 : 0;
     ++(clip.kept()       ? result.counts.kept
        : clip.failed()   ? result.counts.failed
        : clip.left_out() ? result.counts.left_out
@@ -159,17 +170,37 @@ void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
   if (files > 0) failed.outcome.summary["source_sha256"] = files == 1 ? hashes : Sha256Hex(hashes);
 }
 
+/// Whether the files of clips hold rotations; of a dataset or MotionSet the file says it, and is opened once.
+class RecordedRotations {
+ public:
+  bool operator()(const ItemSpec& spec) {
+    const FormatFacts& facts = FactsOf(spec.options.value("format", std::string()));
+    if (facts.format != SourceFormat::kMotions) return facts.rotations;
+    const auto input = std::find_if(spec.inputs.begin(), spec.inputs.end(),
+                                    [](const StageInput& candidate) { return candidate.role == "source"; });
+    if (input == spec.inputs.end()) return false;
+    const auto known = stores_.find(input->path);
+    if (known != stores_.end()) return known->second;
+    return stores_.emplace(input->path, HasStoredRotations(input->path)).first->second;
+  }
+
+ private:
+  std::map<std::filesystem::path, bool> stores_;
+};
+
 }  // namespace
 
 std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
                                   std::vector<ItemResult> left_out) {
   std::vector<ClipRecord> clips;
   clips.reserve(ingested.size() + left_out.size());
+  RecordedRotations has_rotations;
   for (std::size_t i = 0; i < ingested.size(); ++i) {
     ClipRecord clip;
     clip.item = ingested[i].item;
     clip.evidence = ingested[i];
     clip.format = specs[i].options.value("format", std::string());
+    clip.rotations = has_rotations(specs[i]);
     if (IsFailure(clip.evidence.outcome.kind)) AddHashOfSource(specs[i], clip.evidence);
     for (const StageInput& input : specs[i].inputs) {
       if (input.role == "depth") clip.depth.push_back(input);
@@ -354,6 +385,20 @@ std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const
   }
   if (truth.empty() || item.inputs.size() == truth.size()) return std::nullopt;
   return item;
+}
+
+Status NoteFitErrors(const ItemResult& scored, std::vector<ClipRecord>& clips) {
+  const auto text = ReadFile(scored.artifact);
+  if (!text) return Forward(text);
+  const nlohmann::json errors = nlohmann::json::parse(*text, nullptr, false);
+  if (!errors.is_object() || !errors.contains("per_clip")) return {};
+  for (ClipRecord& clip : clips) {
+    const auto error = errors.at("per_clip").find(clip.evidence.outcome.summary.value("clip", std::string()));
+    if (error == errors.at("per_clip").end()) continue;
+    const auto mm = error->find("joint_mm");
+    if (mm != error->end() && mm->is_number()) clip.joint_error_mm = mm->get<double>();
+  }
+  return {};
 }
 
 }  // namespace mocurate

@@ -18,13 +18,15 @@ struct JobResult;
 /// What became of one source clip, stage by stage.
 struct ClipRecord {
   std::string item;
-  std::vector<StageInput> depth;  ///< depth images that the evidence refers to
-  ItemResult evidence;            ///< stage ingest
-  ItemResult motion;              ///< stage fitting (or ingest, when nothing is fitted)
-  ItemResult canonical;           ///< stage canon
-  ItemResult assembled;           ///< stage assemble, of a clip that it leaves out
-  ItemResult baseline;            ///< stage canon on the unfitted tracks
-  std::string format;             ///< of its file, as the source declares it
+  std::vector<StageInput> depth;         ///< depth images that the evidence refers to
+  ItemResult evidence;                   ///< stage ingest
+  ItemResult motion;                     ///< stage fitting (or ingest, when nothing is fitted)
+  ItemResult canonical;                  ///< stage canon
+  ItemResult assembled;                  ///< stage assemble, of a clip that it leaves out
+  ItemResult baseline;                   ///< stage canon on the unfitted tracks
+  std::string format;                    ///< of its file, as the source declares it
+  bool rotations = false;                ///< its file holds rotations
+  std::optional<double> joint_error_mm;  ///< mean distance of the fitted joints from the truth, where there is one
 
   std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
   /// Item of the stage `proportions` that the clip's body is of.
@@ -40,6 +42,10 @@ struct ClipRecord {
   bool folder() const;
   /// It went on, with a finding of severity error.
   bool doubtful() const;
+  /// It went on, and is doubtful or its fit is: far from the evidence, mostly unobserved (fitting/fit_outcome.cpp).
+  bool suspect() const;
+  /// Rotations that were fitted stand in place of the recorded ones.
+  bool replaces_rotations() const;
   bool left_out() const { return ended() != nullptr && !failed(); }
   /// The reason in one word: the rule (code of its finding), or the code that an inspection gives such a
   /// file. Empty when nothing ended it.
@@ -113,5 +119,8 @@ Expected<std::vector<StageInput>> TruthInputs(const std::filesystem::path& truth
 
 /// All fits and their evidence against the truth; nothing when one of the two is missing.
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth);
+
+/// Brings the errors that this item found to the clips. Errors of reading its artifact.
+Status NoteFitErrors(const ItemResult& scored, std::vector<ClipRecord>& clips);
 
 }  // namespace mocurate

@@ -1,5 +1,8 @@
 // The command: reads the command line, calls one verb, turns its result into an exit code.
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -58,17 +61,24 @@ void PrintAnswer(const CLI::App& app, const CLI::ParseError& asked) {
   std::printf("%s\n", document.dump(1).c_str());
 }
 
-/// Help and version go to stdout and are no error; all else is wrong usage.
+/// Help and version go to stdout and are no error, unless they are asked of a verb that does not exist; all else is
+/// wrong usage.
 int ReportParse(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
-  if (error.get_exit_code() == 0 && !json) return app.exit(error);
-  if (error.get_exit_code() == 0) {
-    PrintAnswer(app, error);
-    return 0;
-  }
   CommonArguments common;
-  common.json = json;
-  return Report(tl::unexpected<Error>(UsageError(app, error, argc, argv)), common);
+  common.json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
+  if (error.get_exit_code() != 0) return Report(tl::unexpected<Error>(UsageError(app, error, argc, argv)), common);
+  if (const auto unknown = UnknownVerb(app, argc, argv)) return Report(tl::unexpected<Error>(*unknown), common);
+  if (!common.json) return app.exit(error);
+  PrintAnswer(app, error);
+  return 0;
+}
+
+/// The text of a result goes nowhere, whichever verb prints it. Where there is no /dev/null it is printed.
+void DiscardStdout() {
+  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere < 0) return;
+  dup2(nowhere, STDOUT_FILENO);
+  close(nowhere);
 }
 
 /// An answer that did not reach stdout whole is none: 74 instead of 0.
@@ -85,10 +95,10 @@ int ExitCodeAfterFlush(int exit_code) {
 void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand("run", "Run a job: ingest, fit, canonicalise, assemble, train, score, report");
-  run->add_option("config", arguments->config,
-                  "YAML file, or the name of a recipe of configs/sources, which goes before a file of that name "
-                  "(./NAME); without one "
-                  "the embedded synthetic capture runs");
+  run->add_option(
+      "config", arguments->config,
+      "YAML file, or the name of a job of configs (kard, reannotate/kard), which goes before a file of that name "
+      "(./NAME); without one the embedded synthetic capture runs");
   run->add_option("-o,--output", arguments->output, "run folder (default runs/NAME)");
   run->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.path=DIR")
       ->type_name("KEY=VALUE")
@@ -100,9 +110,9 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
       ->check(CLI::Range(0.001, 1e6));
   run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
   run->footer(
-      "Examples:\n  mocurate run\n  mocurate run configs/kard.yaml -o runs/kard\n"
-      "  mocurate run configs/kard.yaml --set ingest.path=/data/my_kinect --to assemble\n"
-      "  mocurate run configs/reannotate/kard.yaml --set report.videos=false   # they can take longer than the fits");
+      "Examples:\n  mocurate run\n  mocurate run kard -o runs/kard\n"
+      "  mocurate run kard --set ingest.path=/data/my_kinect --to assemble\n  mocurate run my.yaml\n"
+      "  mocurate run reannotate/kard --set report.videos=false   # they can take longer than the fits");
   run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
 }
 
@@ -115,7 +125,7 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
                   "of the fitted motion (default: one that has the tracked joints; rotations are kept)");
   fit->add_option(
       "--source", arguments->source,
-      "recipe of configs/sources or config that declares the files; a recipe's name goes before a file of that name");
+      "source declaration of configs/sources, by its name, which goes before a file of that name, or a config");
   fit->add_option("--clip", arguments->clips, "which clip, as `inspect` names it: a file, '[3]' in a file of several")
       ->allow_extra_args(false);
   fit->add_option("--set", arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'")
@@ -213,13 +223,12 @@ void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>&
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
   inspect->add_option("path", arguments->path, "file or folder")->required();
-  inspect->add_option(
-      "--source", arguments->source,
-      "recipe or config whose ingest.source declares the format; a recipe's name goes before a file or folder of "
-      "that name (./NAME)");
+  inspect->add_option("--source", arguments->source,
+                      "source declaration of configs/sources, by its name, which goes before a file of that name "
+                      "(./NAME), or a config");
   inspect->footer(
       "Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
-      "  mocurate inspect a01_s01_e01.txt --source configs/kard.yaml");
+      "  mocurate inspect a01_s01_e01.txt --source kard");
   inspect->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
 }
@@ -264,12 +273,12 @@ void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   config->require_subcommand(1);
   CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
   show->add_option("config", arguments->config,
-                   "YAML file, or the name of a recipe of configs/sources; without one the embedded default");
+                   "YAML file, or the name of a job, as for run; without one the embedded default");
   show->add_option("--set", arguments->assignments, "override an option")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   show->add_flag("--origins", arguments->origins, "say where each value comes from");
-  show->footer("Example:\n  mocurate config show configs/kard.yaml --origins");
+  show->footer("Example:\n  mocurate config show kard --origins");
   show->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
   auto making = std::make_shared<InitConfigArguments>();
@@ -294,7 +303,8 @@ void AddDoctor(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   CLI::App* doctor = app.add_subcommand("doctor", "Check this machine: programs, libraries, BLAS, threads, space");
   CLI::Option* source = doctor->add_option(
       "--source", arguments->source,
-      "a recipe of configs/sources, or a config: which files it expects, where, under which licence, what is missing");
+      "source declaration of configs/sources, by its name, or a config: which files it expects, where, under which "
+      "licence, what is missing");
   doctor
       ->add_option(
           "--protocol", arguments->protocol,
@@ -339,7 +349,8 @@ int Run(int argc, char** argv) {
   CLI::App app("mocurate: from noisy motion captures to datasets that can be trusted");
   app.set_version_flag("--version", std::string(CreatedBy()));
   app.add_flag("--json", common.json, "the result as one JSON document on stdout");
-  app.add_flag("-q,--quiet", common.quiet, "errors only");
+  app.add_flag("-q,--quiet", common.quiet,
+               "errors only: no result (but the document of --json), no progress, no warnings");
   app.add_flag("-v,--verbose", common.verbose, "more log lines");
   app.require_subcommand(1);
   app.fallthrough();
@@ -359,6 +370,7 @@ int Run(int argc, char** argv) {
     return ReportParse(app, error, argc, argv);
   }
   SetLogLevel(common.quiet ? LogLevel::kError : common.verbose ? LogLevel::kDebug : LogLevel::kInfo);
+  if (common.quiet && !common.json) DiscardStdout();
   try {
     return Report(verb(), common);
   } catch (const std::exception& defect) {

@@ -183,7 +183,7 @@ class MainJob {
     const auto scored = runs_.One(FitErrorDeclaration(), *std::move(item));
     if (!scored) return Forward(scored);
     result_.fit_error = scored->outcome.summary;
-    return {};
+    return scored->artifact.empty() ? Status() : NoteFitErrors(*scored, clips_);
   }
 
   /// The comparison with raw tracks never costs the dataset: where it cannot be made, a finding says so.

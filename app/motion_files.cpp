@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "app/config_loading.h"
-#include "app/recipes.h"
+#include "app/named_configs.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
@@ -87,7 +87,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
 
 Expected<IngestOptions> DeclareMotions(const fs::path& path, const std::string& source) {
   if (!source.empty()) {
-    const Expected<ConfigSource> declaration = RecipeOf(source);
+    const Expected<ConfigSource> declaration = SourceOf(source);
     if (!declaration) return Forward(declaration);
     return IngestOf(*declaration, path);
   }

@@ -1,6 +1,7 @@
 #include "app/report_run.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -109,11 +110,12 @@ nlohmann::json TrainingSummary(const TrainOptions& options, const JobResult& res
 nlohmann::json ClipSummary(const ClipRecord& clip) {
   nlohmann::json summary = {{"item", clip.item},
                             {"kept", clip.kept()},
-                            {"doubtful", clip.doubtful()},
+                            {"suspect", clip.suspect()},
                             {"ingest", clip.evidence.outcome.summary},
                             {"fitting", clip.motion.outcome.summary},
                             {"canon", clip.canonical.outcome.summary},
                             {"findings", nlohmann::json::array()}};
+  if (clip.joint_error_mm) summary["joint_error_mm"] = *clip.joint_error_mm;
   for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
     if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
     for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
@@ -151,6 +153,8 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
     run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
   }
   for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
+  run["replaces_rotations"] =
+      std::count_if(reported.clips.begin(), reported.clips.end(), std::mem_fn(&ClipRecord::replaces_rotations));
   for (const ClipRecord& clip : reported.clips) {
     if (!clip.folder()) run["clips"].push_back(ClipSummary(clip));
     if (clip.folder()) run["findings"].push_back(clip.evidence.outcome.findings.back());

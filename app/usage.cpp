@@ -26,21 +26,21 @@ std::string ListedNames(const std::vector<std::string>& names) {
   return list;
 }
 
-/// The first word that is no option, when it is no verb either: what was meant.
-std::optional<Error> UnknownVerb(const CLI::App& app, int argc, char** argv) {
-  const auto word = std::find_if(argv + 1, argv + argc, [](const char* text) { return text[0] != '-'; });
-  if (word == argv + argc) return std::nullopt;
-  const std::vector<std::string> verbs = VerbsOf(app);
-  if (std::find(verbs.begin(), verbs.end(), *word) != verbs.end()) return std::nullopt;
-  const std::filesystem::path path(*word);
-  const bool config = path.extension() == ".yaml" || path.extension() == ".yml";
+Error UnknownVerbOf(const std::string& called, const std::string& word, const std::vector<std::string>& verbs) {
+  const auto near = Nearest(word, verbs);
+  return {ErrorCode::kUsage, "there is no '" + called + " " + word + "'", "command line",
+          near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + ListedNames(verbs)};
+}
+
+/// A path where a verb should stand: the verb that takes it.
+Error UnknownFirstVerb(const std::filesystem::path& word, const std::vector<std::string>& verbs) {
+  const bool config = word.extension() == ".yaml" || word.extension() == ".yml";
   std::error_code ignored;
-  const auto near = Nearest(*word, verbs);
-  std::string meant = near ? *near : "";
-  if (config) meant = "run " + DisplayPath(path);
-  if (!config && std::filesystem::exists(path, ignored)) meant = "inspect " + DisplayPath(path);
-  return Error{ErrorCode::kUsage, "there is no verb '" + DisplayPath(path) + "'", "command line",
-               meant.empty() ? "the verbs are: " + ListedNames(verbs) : "did you mean 'mocurate " + meant + "'?"};
+  std::string meant = Nearest(word.native(), verbs).value_or("");
+  if (config) meant = "run " + DisplayPath(word);
+  if (!config && std::filesystem::exists(word, ignored)) meant = "inspect " + DisplayPath(word);
+  return {ErrorCode::kUsage, "there is no verb '" + DisplayPath(word) + "'", "command line",
+          meant.empty() ? "the verbs are: " + ListedNames(verbs) : "did you mean 'mocurate " + meant + "'?"};
 }
 
 /// The verb that the words led to, and how it is called: "mocurate cache".
@@ -63,27 +63,38 @@ std::vector<std::string> OptionsOf(const CLI::App& app) {
   return names;
 }
 
+/// Words that are left over: an option that does not exist, or more words than the verb takes.
 Error Unexpected(const CLI::App& verb, const std::string& called, const std::vector<std::string>& words) {
   const auto option = std::find_if(words.begin(), words.end(), [](const std::string& word) { return word[0] == '-'; });
-  const std::vector<std::string> verbs = VerbsOf(verb);
   const std::string help = "'" + called + " --help' lists what there is";
-  if (option != words.end() && (verbs.empty() || words.size() == 1)) {
-    const std::string name = option->substr(0, option->find('='));
-    const auto near = Nearest(name, OptionsOf(verb));
-    return {ErrorCode::kUsage, "there is no option '" + DisplayPath(name) + "' of '" + called + "'", "command line",
-            near ? "did you mean '" + *near + "'?" : help};
+  if (option == words.end()) {
+    return {ErrorCode::kUsage, "'" + DisplayPath(words.front()) + "' is one word too many for '" + called + "'",
+            "command line", help};
   }
-  const auto word = std::find_if(words.begin(), words.end(), [](const std::string& text) { return text[0] != '-'; });
-  const std::string text = DisplayPath(word == words.end() ? words.front() : *word);
-  if (verbs.empty()) {
-    return {ErrorCode::kUsage, "'" + text + "' is one word too many for '" + called + "'", "command line", help};
-  }
-  const auto near = Nearest(text, verbs);
-  return {ErrorCode::kUsage, "there is no '" + called + " " + text + "'", "command line",
-          near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + ListedNames(verbs)};
+  const std::string name = option->substr(0, option->find('='));
+  const auto near = Nearest(name, OptionsOf(verb));
+  return {ErrorCode::kUsage, "there is no option '" + DisplayPath(name) + "' of '" + called + "'", "command line",
+          near ? "did you mean '" + *near + "'?" : help};
 }
 
 }  // namespace
+
+std::optional<Error> UnknownVerb(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* at = &app;
+  std::string called = "mocurate";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::vector<std::string> verbs = VerbsOf(*at);
+    if (verbs.empty()) break;                      // what follows are the verb's own words
+    if (word.empty() || word[0] == '-') continue;  // all options before the last verb are flags
+    if (std::find(verbs.begin(), verbs.end(), word) == verbs.end()) {
+      return at == &app ? UnknownFirstVerb(word, verbs) : UnknownVerbOf(called, DisplayPath(word), verbs);
+    }
+    at = at->get_subcommand(word);
+    called += " " + word;
+  }
+  return std::nullopt;
+}
 
 Error UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (const auto verb = UnknownVerb(app, argc, argv)) return *verb;

@@ -3,6 +3,7 @@
 
 #include "app/verbs.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
 
@@ -51,7 +52,7 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
   } else if (arguments.output.empty()) {
     std::printf("%s", written->yaml.c_str());
   }
-  if (!unknowns.empty() && !common.quiet) std::fprintf(stderr, "to be filled in before a run: %s\n", unknowns.c_str());
+  if (!unknowns.empty()) LogWarning("to be filled in before a run: " + unknowns);
   return {};
 }
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "app/job_options.h"
-#include "app/recipes.h"
+#include "app/named_configs.h"
 #include "app/verbs.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
@@ -13,15 +13,16 @@
 namespace mocurate {
 namespace {
 
-/// The recipe's ingest group. A folder that stands in no variable is no error here: it is what is asked for.
-Expected<IngestOptions> LoadRecipe(const std::string& name, const std::filesystem::path& path, bool& placed) {
-  const Expected<ConfigSource> recipe = RecipeOf(name);
-  if (!recipe) return Forward(recipe);
+/// The ingest group of a source declaration. A folder that stands in no variable is no error here: it is what is asked
+/// for.
+Expected<IngestOptions> LoadIngest(const std::string& name, const std::filesystem::path& path, bool& placed) {
+  const Expected<ConfigSource> source = SourceOf(name);
+  if (!source) return Forward(source);
   std::vector<std::string> assignments;
   if (!path.empty()) assignments.push_back("ingest.path=" + path.string());
-  Expected<ConfigNode> node = LoadConfig(*recipe, assignments);
+  Expected<ConfigNode> node = LoadConfig(*source, assignments);
   placed = node.has_value();
-  if (!node) node = LoadConfig(*recipe, {"ingest.path=."});
+  if (!node) node = LoadConfig(*source, {"ingest.path=."});
   if (!node) return Forward(node);
   const auto job = OptionsFromConfig<JobOptions>(*node);
   if (!job) return Forward(job);
@@ -54,7 +55,7 @@ std::string RemarkOfFile(const WantedFile& file) {
 
 Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& arguments) {
   bool placed = false;
-  const Expected<IngestOptions> ingest = LoadRecipe(arguments.source, arguments.path, placed);
+  const Expected<IngestOptions> ingest = LoadIngest(arguments.source, arguments.path, placed);
   if (!ingest) return Forward(ingest);
   if (Status sound = CheckSource(ingest->source); !sound) return sound;
   std::error_code unknown;

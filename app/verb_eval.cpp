@@ -206,7 +206,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   RunnerOptions settings;
   settings.run_folder = arguments.output.empty() ? scratch.path() : arguments.output;
   settings.jobs = arguments.jobs;
-  settings.progress = !common.quiet;
+  settings.quiet = common.quiet;
   settings.tell_failures = false;
   if (settings.run_folder.empty()) return scratch.Missing();
   if (Status made = MakeFolder(settings.run_folder); !made) return made;

@@ -10,7 +10,7 @@
 #include "app/fit_answer.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
-#include "app/recipes.h"
+#include "app/named_configs.h"
 #include "app/scratch_folder.h"
 #include "app/verbs.h"
 #include "canon/recipes/classes.h"
@@ -82,9 +82,9 @@ void TellGuesses(const FitArguments& arguments, const nlohmann::json& inspection
 
 Expected<Declared> Declare(const FitArguments& arguments) {
   if (!arguments.source.empty()) {
-    const Expected<ConfigSource> recipe = RecipeOf(arguments.source);
-    if (!recipe) return Forward(recipe);
-    return Declared{*recipe, {}, {}};
+    const Expected<ConfigSource> source = SourceOf(arguments.source);
+    if (!source) return Forward(source);
+    return Declared{*source, {}, {}};
   }
   if (IsStore(arguments.path)) return DeclareStore(arguments.path);
   nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
@@ -116,7 +116,7 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
   }
   const bool axes = std::find(open.begin(), open.end(), "axes") != open.end();
   return Fail(ErrorCode::kUsage, "nothing in the files tells " + names, DisplayPath(arguments.path),
-              "take --source with the name of a recipe or a config, or add " + example +
+              "take --source with the name of a source declaration or a config, or add " + example +
                   (axes ? "; AXES says where the file's x, y and z point for a person who faces +z with the left at "
                           "+x, such as '-x +y -z' (docs/conventions.md): wrong ones mirror the person"
                         : "") +
@@ -134,7 +134,7 @@ bool IsAssigned(const FitArguments& arguments, const std::string& option) {
                      [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
 }
 
-/// Where nothing tells who performs, each recording is of a body of its own. `unnamed`: nor does the recipe.
+/// Where nothing tells who performs, each recording is of a body of its own. `unnamed`: nor does its declaration.
 void ChooseBodies(const FitArguments& arguments, bool unnamed, JobOptions& options) {
   if (!(arguments.source.empty() || unnamed) || options.ingest.source.person != kUnknownPerson) return;
   if (!IsAssigned(arguments, "proportions.body_of")) options.proportions.body_of = BodyOf::kRecording;
@@ -176,7 +176,9 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
   std::error_code unknown;
   const fs::path path = fs::absolute(arguments.path, unknown).lexically_normal();
-  std::vector<std::string> assignments = {"ingest.path=.", "fitting.other_joints=leave_out"};
+  // The method is chosen below: a declaration keeps recorded rotations, this verb may be asked to fit others.
+  std::vector<std::string> assignments = {"ingest.path=.", "fitting.other_joints=leave_out",
+                                          "fitting.method=joint_tracks"};
   if (!arguments.skeleton.empty()) assignments.push_back("skeleton=" + arguments.skeleton);
   if (arguments.contacts) assignments.push_back("fitting.contacts.remove_sliding=true");
   assignments.insert(assignments.end(), arguments.assignments.begin(), arguments.assignments.end());
@@ -264,7 +266,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   RunnerOptions settings;
   settings.run_folder = scratch.path();
   settings.jobs = arguments.jobs;
-  settings.progress = !common.quiet;
+  settings.quiet = common.quiet;
   settings.tell_failures = false;
   if (settings.run_folder.empty()) {
     return ScratchFolder::Missing();

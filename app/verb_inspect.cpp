@@ -4,7 +4,7 @@
 
 #include "app/config_loading.h"
 #include "app/inspect_made.h"
-#include "app/recipes.h"
+#include "app/named_configs.h"
 #include "app/verbs.h"
 #include "app/video_probe.h"
 #include "core/base/file.h"
@@ -55,20 +55,14 @@ Status Unreadable(CommonArguments& common, const std::filesystem::path& path, co
   return tl::unexpected<Error>(error);
 }
 
-/// A config, or a recipe by its name; a recipe whose folder nothing tells is of the files that are looked at.
+/// A config, or a source declaration by its name; one whose folder is in no variable is of the files that are looked
+/// at.
 Expected<SourceOptions> LoadSource(const InspectArguments& arguments) {
-  std::error_code ignored;
   const std::string name = arguments.source.string();
-  const bool path = !NamedRecipe(name) && std::filesystem::is_regular_file(arguments.source, ignored);
-  if (path) {
-    const auto job = LoadJob(arguments.source, {});
-    if (!job) return Forward(job);
-    return job->options.ingest.source;
-  }
-  const Expected<ConfigSource> recipe = RecipeOf(name);
-  if (!recipe) return Forward(recipe);
-  auto job = LoadJob(*recipe, {});
-  if (!job) job = LoadJob(*recipe, {"ingest.path=."});
+  const Expected<ConfigSource> source = SourceOf(name);
+  if (!source) return Forward(source);
+  auto job = LoadJob(*source, {});
+  if (!job && NamedSource(name)) job = LoadJob(*source, {"ingest.path=."});
   if (!job) return Forward(job);
   return job->options.ingest.source;
 }

@@ -59,6 +59,7 @@ nlohmann::json ResultJson(const JobResult& result, const RunnerOptions& runner, 
           {"failed", result.counts.failed},
           {"undecided", result.counts.undecided},
           {"folders", result.counts.folders},
+          {"replaces_rotations", result.counts.replaces_rotations},
           {"findings", result.findings},
           {"set_findings", result.set_findings},
           {"fit_error", result.fit_error},
@@ -127,7 +128,7 @@ RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments&
   options.run_folder = folder;
   options.jobs = arguments.jobs;
   options.dry_run = arguments.dry_run;
-  options.progress = !common.quiet;
+  options.quiet = common.quiet;
   options.time_factor = std::max(1.0, arguments.budget);
   options.item_timeout_s = job.pipeline.item_timeout_s;
   if (const auto bytes = job.pipeline.item_memory_bytes) options.item_memory_bytes = static_cast<std::uint64_t>(*bytes);

@@ -134,11 +134,11 @@ class WrittenProgress {
   std::chrono::steady_clock::time_point told_ = begin_;
 };
 
-/// The recipe's file, below this folder or where configs are installed, share/mocurate beside the program's folder: a
-/// run takes files. Empty where there is none.
-std::string RecipeFile(const std::string& recipe) {
+/// The file of a source declaration, below this folder or where configs are installed, share/mocurate beside the
+/// program's folder: a run takes files. Empty where there is none.
+std::string SourceFileOf(const std::string& source) {
   std::error_code unknown;
-  const std::filesystem::path below = "configs/sources/" + recipe + ".yaml";
+  const std::filesystem::path below = "configs/sources/" + source + ".yaml";
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
   for (const std::filesystem::path& file : {below, (self / "../share/mocurate" / below).lexically_normal()}) {
     if (std::filesystem::is_regular_file(file, unknown)) return DisplayPath(file);
@@ -147,10 +147,10 @@ std::string RecipeFile(const std::string& recipe) {
 }
 
 /// How a folder that was written is read.
-std::string ReadingWords(const StudioRecipe& recipe, const std::filesystem::path& written) {
-  const std::string files = DisplayPath(recipe.folder == "." ? written : written / recipe.folder);
-  std::string words = "read it with: mocurate inspect " + files + " --source " + recipe.recipe;
-  if (const std::string config = RecipeFile(recipe.recipe); !config.empty())
+std::string ReadingWords(const StudioSource& source, const std::filesystem::path& written) {
+  const std::string files = DisplayPath(source.folder == "." ? written : written / source.folder);
+  std::string words = "read it with: mocurate inspect " + files + " --source " + source.name;
+  if (const std::string config = SourceFileOf(source.name); !config.empty())
     words += ", or mocurate run " + config + " --set ingest.path=" + files;
   return words + "\n";
 }
@@ -195,8 +195,8 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
     std::printf("%s\n", document.dump(1).c_str());
   } else {
     std::string read;
-    for (const StudioRecipe& recipe : RecipesOf(options->layout, options->depth.enabled))
-      read += ReadingWords(recipe, arguments.output);
+    for (const StudioSource& source : SourcesOf(options->layout, options->depth.enabled))
+      read += ReadingWords(source, arguments.output);
     std::printf("%s: %zu clips, %zu frames, %zu files, %.1f MB, %.1f s\n", folder.c_str(), counts->clips,
                 counts->frames, counts->files, static_cast<double>(counts->bytes) / 1e6, seconds);
     std::printf("%s", read.c_str());

@@ -10,16 +10,16 @@
 
 namespace mocurate {
 
-/// What every verb is told. With `json` the result is one JSON document on stdout; logs always go to stderr.
+/// What every verb takes. With `json` the result is one JSON document on stdout; logs always go to stderr.
 struct CommonArguments {
   bool json = false;
-  bool quiet = false;
+  bool quiet = false;  ///< errors only: no text of the result, no progress, no warning
   bool verbose = false;
   bool answered = false;  ///< the verb has printed its JSON document: an error is not printed as another one
 };
 
 struct RunArguments {
-  std::filesystem::path config;                 ///< empty: the embedded default, a synthetic capture
+  std::filesystem::path config;                 ///< name of a job or file; empty: the embedded default
   std::optional<std::filesystem::path> output;  ///< run folder; absent: runs/NAME
   std::vector<std::string> assignments;
   std::string to;  ///< last stage; empty: report
@@ -30,7 +30,7 @@ struct RunArguments {
 
 struct FitArguments {
   std::filesystem::path path;      ///< captures or motions: a file or a folder
-  std::string source;              ///< recipe or config that declares them; empty: measured from the files
+  std::string source;              ///< source declaration or config of them; empty: measured from the files
   std::vector<std::string> clips;  ///< which of them; empty: all
   std::string skeleton;            ///< of the fitted motion; empty: smpl24, or the motion's own where it has rotations
   std::filesystem::path output;    ///< dataset of the fitted clips
@@ -66,7 +66,7 @@ struct EvalArguments {
 
 struct InspectArguments {
   std::filesystem::path path;
-  std::filesystem::path source;  ///< recipe or config with a source declaration, or empty
+  std::filesystem::path source;  ///< name of a source declaration, or a config; or empty
 };
 
 struct SynthesizeArguments {
@@ -93,9 +93,9 @@ struct InitConfigArguments {
 };
 
 struct DoctorArguments {
-  std::string source;          ///< recipe or config whose captures are asked for; empty: the machine
+  std::string source;          ///< source declaration or config whose captures are meant; empty: the machine
   std::string protocol;        ///< whose weights are asked for; empty: none
-  std::filesystem::path path;  ///< where they lie; empty: where the recipe says
+  std::filesystem::path path;  ///< where they lie; empty: where the declaration says
 };
 
 struct CacheArguments {

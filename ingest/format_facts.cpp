@@ -62,6 +62,13 @@ const FormatFacts& FactsOf(SourceFormat format) {
   return kFormats[0];
 }
 
+const FormatFacts& FactsOf(std::string_view name) {
+  for (const FormatFacts& facts : kFormats) {
+    if (facts.name == name) return facts;
+  }
+  return kFormats[0];
+}
+
 Gives GivesOf(const SourceOptions& source) {
   return HasDepthBeside(source) ? Gives::kKeypointsAndDepth : FactsOf(source.format).gives;
 }

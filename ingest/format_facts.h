@@ -18,6 +18,8 @@ struct FormatFacts {
 };
 
 const FormatFacts& FactsOf(SourceFormat format);
+/// The same by its name; of `none` for a name that no format has.
+const FormatFacts& FactsOf(std::string_view name);
 
 /// What the clips of a source hold: that of its format, and depth views where it declares them beside keypoints.
 Gives GivesOf(const SourceOptions& source);

@@ -8,6 +8,9 @@ void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("pages", pages, {0.0, 1000.0}, "clips that get a page of their own: best, worst and those between");
   v.Integer("page_views", page_views, {0.0, 100.0}, "views over which a page draws the fitted body, at most");
   v.Bool("videos", videos, "one H.264 video for each of these pages: most of a report's time");
+  v.Number("suspect_joint_error", suspect_joint_error, Unit::kMetre, {0.0, 10.0},
+           "mean distance of a clip's joints from the truth beyond which the page calls its fit suspect: where 3DPCK "
+           "counts a joint as wrong (Mehta et al., 3DV 2017)");
 }
 
 void ClipPageOptions::Declare(OptionVisitor& v) {
@@ -30,7 +33,7 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 14, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 16, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 5, "mocurate-annotate", ClipLimits()}; }
 

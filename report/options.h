@@ -13,6 +13,9 @@ struct ReportOptions {
   std::int64_t pages = 5;             ///< clips with a page of their own: best, worst and those between
   std::int64_t page_views = 6;        ///< views over which a page draws the body, at most
   bool videos = true;                 ///< one H.264 video per page
+  /// Metres from the truth, mean over the joints and frames of a clip, beyond which its fit is suspect: there 3DPCK
+  /// counts a joint as wrong (half a head; Mehta et al., 3DV 2017), and fitting/fit_outcome.cpp a residual as large.
+  double suspect_joint_error = 0.15;
 
   void Declare(OptionVisitor& v);
 };

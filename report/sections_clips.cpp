@@ -16,40 +16,90 @@ std::string Tile(const std::string& name, const std::string& value, const std::s
          "</dd></div>\n";
 }
 
-/// Clips for which the run says so: "kept", "doubtful".
-long long ClipsThatAre(const char* what, const nlohmann::json& run) {
+long long KeptClips(const nlohmann::json& run) {
   long long count = 0;
-  for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
-    const nlohmann::json& flag = Field(clip, what);
-    count += flag.is_boolean() && flag.get<bool>() ? 1 : 0;
-  }
+  for (const nlohmann::json& clip : Elements(Field(run, "clips"))) count += Field(clip, "kept") == true ? 1 : 0;
   return count;
 }
-
-long long KeptClips(const nlohmann::json& run) { return ClipsThatAre("kept", run); }
 
 std::string Plural(long long count, const std::string& noun) {
   return CountText(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-std::string Verdict(const ReportInput& input) {
+/// What speaks against the clips in the dataset; the headline does not call a run sound above it.
+struct Suspicion {
+  long long clips = 0;          ///< with a finding of severity error, or a fit that its stage calls doubtful
+  double residual_mm = 0.0;     ///< largest RMS of their fits
+  long long far_clips = 0;      ///< farther from the truth than report.suspect_joint_error
+  double joint_error_mm = 0.0;  ///< of the worst of these, or of all clips together
+  long long set_findings = 0;   ///< of severity error
+
+  bool any() const { return clips > 0 || joint_error_mm > 0.0 || set_findings > 0; }
+};
+
+Suspicion SuspicionOf(const ReportInput& input) {
+  Suspicion suspicion;
+  const double most_mm = 1e3 * input.options.suspect_joint_error;
+  for (const nlohmann::json& clip : Elements(Field(input.run, "clips"))) {
+    if (Field(clip, "suspect") == true) {
+      ++suspicion.clips;
+      const double residual_mm = NumberOf(Field(clip, "fitting"), "residual_rms_mm").value_or(0.0);
+      suspicion.residual_mm = std::max(suspicion.residual_mm, residual_mm);
+    }
+    const double error_mm = NumberOf(clip, "joint_error_mm").value_or(0.0);
+    if (error_mm <= most_mm) continue;
+    ++suspicion.far_clips;
+    suspicion.joint_error_mm = std::max(suspicion.joint_error_mm, error_mm);
+  }
+  const double mean_mm = NumberOf(Field(input.run, "fit_error"), "joint_mm").value_or(0.0);
+  if (mean_mm > most_mm) suspicion.joint_error_mm = std::max(suspicion.joint_error_mm, mean_mm);
+  for (const nlohmann::json& finding : Elements(Field(input.run, "findings")))
+    suspicion.set_findings += TextOf(finding, "severity") == "error" ? 1 : 0;
+  return suspicion;
+}
+
+std::string SuspicionText(const Suspicion& suspicion, const ReportOptions& options) {
+  std::string text;
+  if (suspicion.joint_error_mm > 0.0) {
+    text += "The fits are suspect: joints lie " + FixedText(suspicion.joint_error_mm, 1) +
+            " mm from the truth in the mean of " +
+            (suspicion.far_clips > 0 ? "the worst of " + Plural(suspicion.far_clips, "clip") : "all clips") +
+            ", farther than the " + FixedText(1e3 * options.suspect_joint_error, 0) +
+            " mm of <code>report.suspect_joint_error</code>. ";
+  }
+  if (suspicion.clips > 0) {
+    text +=
+        Plural(suspicion.clips, "clip") + (suspicion.clips == 1 ? " is" : " are") +
+        " suspect, by a finding of severity error or a doubtful fit" +
+        (suspicion.residual_mm > 0.0 ? " (residual up to " + FixedText(suspicion.residual_mm, 1) + " mm RMS)" : "") +
+        ". ";
+  }
+  if (suspicion.set_findings > 0)
+    text += Plural(suspicion.set_findings, "finding") + " of severity error about the set and its splits. ";
+  return text;
+}
+
+std::string Verdict(const ReportInput& input, const Suspicion& suspicion) {
+  const auto done = [&](long long clips) {
+    return !suspicion.any() ? " went through" : clips == 1 ? " is in the dataset" : " are in the dataset";
+  };
   const long long total = static_cast<long long>(Elements(Field(input.run, "clips")).size());
   const long long kept = KeptClips(input.run);
-  std::string text;
+  std::string text = SuspicionText(suspicion, input.options);
   if (total == 0)
-    text = "No clip was read.";
+    text += "No clip was read.";
   else if (kept == 0)
-    text = "None of the " + Plural(total, "clip") + " is in the dataset: see the reasons below.";
+    text += "None of the " + Plural(total, "clip") + " is in the dataset: see the reasons below.";
   else if (total == 1)
-    text = "The one clip went through.";
+    text += std::string("The one clip") + done(1) + ".";
   else if (kept == total)
-    text = "All " + Plural(total, "clip") + " went through.";
+    text += "All " + Plural(total, "clip") + done(total) + ".";
   else
-    text =
-        CountText(kept) + " of " + Plural(total, "clip") + " went through; " + CountText(total - kept) + " left out.";
-  if (const long long doubtful = ClipsThatAre("doubtful", input.run); doubtful > 0)
-    text += " " + Plural(doubtful, "clip") + " of them " + (doubtful == 1 ? "is" : "are") +
-            " doubtful: findings of severity error, below.";
+    text +=
+        CountText(kept) + " of " + Plural(total, "clip") + done(kept) + "; " + CountText(total - kept) + " left out.";
+  if (const long long replaced = CountOf(input.run, "replaces_rotations"); replaced > 0)
+    text += " The recorded rotations of " + Plural(replaced, "clip") +
+            " are replaced by fitted ones; <code>fitting.method: none</code> keeps them.";
   const nlohmann::json& error = Field(input.run, "fit_error");
   const auto after = NumberOf(error, "joint_mm");
   const auto before = NumberOf(error, "evidence_mm");
@@ -65,6 +115,21 @@ std::string Verdict(const ReportInput& input) {
   else if (const std::string why = TextOf(recogniser, "scored"); !why.empty())
     text += " The recogniser is not scored: " + EscapeHtml(why) + ".";
   return text;
+}
+
+/// The headline; what it warns of is in attributes as well, for programs that read the page.
+std::string VerdictHtml(const ReportInput& input) {
+  const Suspicion suspicion = SuspicionOf(input);
+  std::string attributes;
+  const auto add = [&](const char* name, const std::string& value) {
+    attributes += " data-" + std::string(name) + "=\"" + value + "\"";
+  };
+  if (suspicion.joint_error_mm > 0.0) add("joint-error-mm", FixedText(suspicion.joint_error_mm, 1));
+  if (suspicion.clips > 0) add("suspect-clips", std::to_string(suspicion.clips));
+  if (suspicion.set_findings > 0) add("set-errors", std::to_string(suspicion.set_findings));
+  if (const long long replaced = CountOf(input.run, "replaces_rotations"); replaced > 0)
+    add("replaces-rotations", std::to_string(replaced));
+  return "<p class=\"verdict\"" + attributes + ">" + Verdict(input, suspicion) + "</p>\n";
 }
 
 std::string Tiles(const ReportInput& input) {
@@ -152,7 +217,7 @@ std::string HeadHtml(const ReportInput& input) {
   std::string html = "<h1>" + EscapeHtml(name) + "</h1>\n";
   if (const std::string text = TextOf(input.run, "description"); !text.empty())
     html += Paragraph(EscapeHtml(text), "lead");
-  return html + Paragraph(Verdict(input), "verdict") + Tiles(input);
+  return html + VerdictHtml(input) + Tiles(input);
 }
 
 std::string FunnelHtml(const ReportInput& input) {

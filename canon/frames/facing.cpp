@@ -1,8 +1,10 @@
 #include "canon/frames/facing.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
 
+#include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 
 namespace mocurate {
@@ -13,9 +15,21 @@ struct BodyAxes {
   Vector3d forward = Vector3d::UnitZ();
 };
 
+/// Left and right hip, or shoulder where there are none. Of a tree that a file brings along, whose joints have other
+/// names, the first joints of its legs or arms.
+std::optional<std::array<int, 2>> HipsOf(const Skeleton& skeleton) {
+  if (const auto named = skeleton.Hips()) return named;
+  const Limbs limbs = LimbsOf(skeleton);
+  for (const std::array<Limb, 2>* pair : {&limbs.leg, &limbs.arm}) {
+    const int left = (*pair)[0].root, right = (*pair)[1].root;
+    if (left >= 0 && right >= 0 && left != right) return std::array<int, 2>{left, right};
+  }
+  return std::nullopt;
+}
+
 /// Rest-pose left axis in the root's frame, right to left hip; nothing when the hips do not hang from the root.
 std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
-  const auto hips = skeleton.Hips();
+  const auto hips = HipsOf(skeleton);
   if (!hips) return std::nullopt;
   const Joint& left = skeleton.joints[(*hips)[0]];
   const Joint& right = skeleton.joints[(*hips)[1]];
@@ -27,8 +41,7 @@ std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
 
 Expected<BodyAxes> AxesFromJoints(const Motion& motion, int frame) {
   const Skeleton& skeleton = *motion.skeleton;
-  auto pair = skeleton.Hips();
-  if (!pair) pair = skeleton.Shoulders();
+  const auto pair = HipsOf(skeleton);
   if (!pair) {
     return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' names neither hips nor shoulders",
                 "canon.facing", "name the mirrored hip joints left_hip and right_hip, or set facing.rule: none");
@@ -39,11 +52,7 @@ Expected<BodyAxes> AxesFromJoints(const Motion& motion, int frame) {
   axes.left = (left_joint - right_joint).normalized();
   Vector3d up = Vector3d::UnitY();
   if (const auto neck = skeleton.FindJoint("neck")) {
-    const auto hips = skeleton.Hips();
-    const Vector3d base =
-        hips ? Vector3d(0.5 * (motion.joints.at(frame, (*hips)[0]) + motion.joints.at(frame, (*hips)[1])))
-             : Vector3d(motion.joints.at(frame, 0));
-    const Vector3d trunk = motion.joints.at(frame, *neck) - base;
+    const Vector3d trunk = Vector3d(motion.joints.at(frame, *neck)) - 0.5 * (left_joint + right_joint);
     if (trunk.norm() > 1e-6) up = trunk.normalized();
   }
   const Vector3d forward = axes.left.cross(up);

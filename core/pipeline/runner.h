@@ -16,7 +16,7 @@ struct RunnerOptions {
   std::filesystem::path worker_folder;  ///< where worker programs lie; empty: relative to this program
   int jobs = 0;                         ///< worker processes; 0: one per core
   bool dry_run = false;
-  bool progress = true;                            ///< only ever shown on a terminal
+  bool quiet = false;                              ///< no progress, and nothing of what workers print
   bool tell_failures = true;                       ///< as warnings, when they happen; false: who asked tells
   std::optional<double> item_timeout_s;            ///< instead of the stages' own limits
   std::optional<std::uint64_t> item_memory_bytes;  ///< instead of the stages' own limits

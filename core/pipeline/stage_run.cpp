@@ -58,7 +58,7 @@ StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vecto
       stage_(stage),
       items_(std::move(items)),
       defer_damaged_(defer_damaged),
-      progress_(stage.name, items_.size(), state.options.progress && !state.options.dry_run) {
+      progress_(stage.name, items_.size(), !state.options.quiet && !state.options.dry_run) {
   report_.stage = stage.name;
   report_.items.resize(items_.size());
   for (std::size_t i = 0; i < items_.size(); ++i) report_.items[i].item = items_[i].item;

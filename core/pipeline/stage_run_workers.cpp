@@ -115,11 +115,11 @@ void StageRun::Serve(Seat& seat) {
   if (seat.worker->ended()) Lost(seat);
 }
 
-/// Lines that workers write to stderr are ours too.
+/// Lines that workers write to stderr are ours too, unless the run is quiet: an error also comes as a message.
 void StageRun::Forward(WorkerProcess& worker) {
   std::string text;
   for (const std::string& line : worker.TakeLines()) text += line + "\n";
-  if (text.empty()) return;
+  if (text.empty() || state_.options.quiet) return;
   progress_.Clear();
   const char* at = text.data();
   for (std::size_t left = text.size(); left > 0;) {

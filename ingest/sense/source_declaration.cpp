@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
 #include "ingest/chosen_clips.h"
+#include "ingest/format_facts.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_votes.h"
 #include "ingest/sense/declaration_writer.h"
@@ -121,17 +122,39 @@ std::vector<std::string> JointsOf(const Json& clip) {
   return joints;
 }
 
+/// Formats whose rotations are those of SMPL's joints.
+bool IsSmpl(const std::string& format) {
+  return format == "amass" || format == "humanact12_pickle" || format == "uestc" || format == "vibe_tracks";
+}
+
+/// The skeleton of configs/skeletons that the rotations of the files belong to; empty where their tree is their own, or
+/// nothing says it.
+std::string SkeletonOfRotations(const ClipVotes& source, const std::string& format) {
+  if (IsSmpl(format)) return "smpl24";
+  const Vote skeleton = source.Ask("skeleton");
+  return skeleton.value.is_string() && LoadSkeleton(skeleton.value) ? skeleton.value.get<std::string>() : "";
+}
+
+/// Rotations that the files hold are kept, where a job by itself fits others to the joints, on smpl24.
+void WriteRecordedRotations(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
+  if (!FactsOf(format).rotations) return;
+  if (const std::string skeleton = SkeletonOfRotations(source, format); !skeleton.empty()) {
+    writer.Line("# Of the dataset: the skeleton of the files.");
+    writer.Line("skeleton: " + skeleton);
+  }
+  writer.Line("# The recorded rotations are kept; joint_tracks would replace them by rotations fitted to the joints.");
+  writer.Line("fitting: {method: none}");
+}
+
 void WriteSkeleton(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const Vote skeleton = source.Ask("skeleton");
-  const bool own = skeleton.value.is_string() && skeleton.value.get<std::string>().rfind("own tree", 0) == 0;
   if (format == "bvh" || format == "asf_amc") {
-    const bool known = skeleton.value.is_string() && !own;
-    return writer.Value("skeleton", Quoted(known ? skeleton.value.get<std::string>() : ""),
-                        known ? skeleton.comment : "the files' own tree: its joints are those of no known skeleton");
+    const std::string known = SkeletonOfRotations(source, format);
+    return writer.Value(
+        "skeleton", Quoted(known),
+        known.empty() ? "the files' own tree: its joints are those of no known skeleton" : skeleton.comment);
   }
-  if (format == "amass" || format == "humanact12_pickle" || format == "uestc" || format == "vibe_tracks") {
-    return writer.Value("skeleton", "smpl24", "declared by the format: its rotations are SMPL's");
-  }
+  if (IsSmpl(format)) return writer.Value("skeleton", "smpl24", "declared by the format: its rotations are SMPL's");
   if (format == "depth_sequence") return writer.Value("skeleton", "\"\"", "unknown, and not needed to read images");
   if (skeleton.value.is_null()) {
     writer.Unknown("skeleton", skeleton.comment);
@@ -307,6 +330,7 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::fil
     writer.Line("# Not of this source: " + written.others.back() + ".");
   }
   WriteFittedSkeleton(source, format, writer);
+  WriteRecordedRotations(source, format, writer);
   WriteSource(written.path, name, format, writer);
   if (gathered) {
     WriteGathered(source, inspection, asked, root.prefix, format, writer);

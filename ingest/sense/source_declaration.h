@@ -13,7 +13,8 @@ namespace mocurate {
 inline constexpr const char* kUnknownPerson = "unknown";
 
 /// A source declaration as YAML, with a comment at every value: declared by the file, measured (how sure, and from
-/// what), or unknown and to be filled in.
+/// what), or unknown and to be filled in. Of files that hold rotations also `fitting: {method: none}`, which keeps
+/// them.
 struct WrittenDeclaration {
   std::string yaml;
   std::filesystem::path path;  ///< ingest.path: what was asked about, or the folder above that holds what belongs to it

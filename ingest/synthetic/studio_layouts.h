@@ -16,12 +16,12 @@ namespace mocurate {
 Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,
                                                  int jobs, const StudioFolder::Progress& progress = {});
 
-/// How a written folder is read: which of its folders is whose of configs/sources ("kard", "kard").
-struct StudioRecipe {
-  std::string recipe;
+/// How a folder of a written capture is read.
+struct StudioSource {
+  std::string name;    ///< source declaration of configs/sources
   std::string folder;  ///< below the written one
 };
-std::vector<StudioRecipe> RecipesOf(StudioLayout layout, bool with_depth);
+std::vector<StudioSource> SourcesOf(StudioLayout layout, bool with_depth);
 
 /// What a layout with depth images will take; all 0 for others, which take seconds.
 struct StudioEstimate {

@@ -1,7 +1,9 @@
-// With --json stdout is one JSON document, whatever becomes of the verb; all that is said on the way goes to stderr.
+// With --json stdout is one JSON document, whatever becomes of the verb; logs go to stderr, and with -q errors alone.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "tests/app/program.h"
 
@@ -80,6 +82,49 @@ TEST(Documents, ARunWithABadClipIsOneDocumentWithExitCode1) {
   const Result result = RunProgram(folder, job);
   EXPECT_EQ(ExpectDocument(result, 1)["failed"], 1);
   EXPECT_THAT(result.err, HasSubstr("clap_p01_r01.txt"));
+}
+
+TEST(Quiet, PrintsErrorsAloneOfEveryVerb) {
+  const Folder folder;
+  std::vector<std::string> job = SmallJob(folder, "r");
+  const auto quiet = [&](std::vector<std::string> arguments) {
+    arguments.emplace_back("-q");
+    return RunProgram(folder, arguments);
+  };
+  const std::string capture = folder / "r/capture", dataset = folder / "r/dataset.h5";
+  for (const std::vector<std::string>& arguments : {job,
+                                                    {"run", "--dry-run", "-o", folder / "r"},
+                                                    {"fit", dataset, "--contacts", "-o", folder / "fit.h5"},
+                                                    {"export", dataset, "-o", folder / "arrays"},
+                                                    {"inspect", capture},
+                                                    {"inspect", dataset},
+                                                    {"synthesize", "--show"},
+                                                    {"config", "show"},
+                                                    {"config", "schema"},
+                                                    {"config", "reference"},
+                                                    {"config", "init", capture},
+                                                    {"cache", "stat"},
+                                                    {"cache", "verify"},
+                                                    {"doctor"},
+                                                    {"doctor", "--source", "studio"}}) {
+    const Result result = quiet(arguments);
+    EXPECT_EQ(result.out, "") << arguments.front();
+    EXPECT_EQ(result.err.empty(), result.exit_code == 0) << arguments.front() << ": " << result.err;
+  }
+  EXPECT_TRUE(fs::exists(dataset));
+  EXPECT_TRUE(ExpectDocument(quiet({"config", "show", "--json"}), 0).contains("ingest"));
+  const Result missing = quiet({"inspect", folder / "none"});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_EQ(missing.out, "");
+  EXPECT_NE(missing.err, "");
+
+  fs::copy(folder / "r/capture", folder / "capture");
+  WriteText(folder / "capture/clap_p01_r01.txt", "");
+  job.insert(job.end(), {"--set", "ingest.synthetic.enabled=false", "--set",
+                         "ingest.path=" + (folder / "capture").string(), "--json"});
+  const Result bad = quiet(job);
+  EXPECT_EQ(ExpectDocument(bad, 1)["failed"], 1);
+  EXPECT_EQ(std::count(bad.err.begin(), bad.err.end(), '\n'), 1) << "the error and no warning: " << bad.err;
 }
 
 TEST(Documents, VerbsThatNeedNoCapture) {

@@ -130,7 +130,7 @@ TEST_F(FitVerbs, ATreeThatHangsOtherwiseThanItsNamesakeIsFitted) {
   EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_rms_mm"].get<double>(), 6.0);
 }
 
-TEST_F(FitVerbs, OneFileOfARecipeGetsRotationsOnTheSkeletonAskedFor) {
+TEST_F(FitVerbs, OneFileOfADeclaredSetGetsRotationsOnTheSkeletonAskedFor) {
   const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "openni16", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Dataset dataset = Fitted();
@@ -171,7 +171,7 @@ TEST_F(FitVerbs, PointsOfATrackerThatAreNoJointsOfTheSkeletonAreNotLeftOut) {
   EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), Not(HasSubstr("joints_left_out")));
 }
 
-/// MSR-Action3D's tracker measures people anew in each recording, which its recipe knows.
+/// MSR-Action3D's tracker measures people anew in each recording, which its declaration knows.
 TEST_F(FitVerbs, ABodyIsOfAPersonOrOfARecording) {
   for (const char* name : {"a01_s02_e01_skeleton3D.txt", "a04_s02_e01_skeleton3D.txt"}) {
     fs::create_directories(folder_ / "clips");
@@ -394,9 +394,9 @@ TEST_F(FitVerbs, NothingIsWrittenOverAndNothingIsMadeOfNothing) {
   EXPECT_THAT(missing.err, HasSubstr("no such file"));
   WriteText(folder_ / "broken.bvh", "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 x\n");
   EXPECT_EQ(Fit(folder_ / "broken.bvh", {"--skeleton", "smpl24"}).exit_code, 3);
-  const Result recipe = Fit(kard(), {"--source", "card"});
-  EXPECT_EQ(recipe.exit_code, 2);
-  EXPECT_THAT(recipe.err, HasSubstr("did you mean"));
+  const Result source = Fit(kard(), {"--source", "card"});
+  EXPECT_EQ(source.exit_code, 2);
+  EXPECT_THAT(source.err, HasSubstr("did you mean"));
   EXPECT_FALSE(fs::exists(output()));
 }
 

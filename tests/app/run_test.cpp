@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -95,6 +98,43 @@ TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
   const std::string log = ReadText(folder / "bad/curation_log.jsonl");
   EXPECT_THAT(log, HasSubstr("\"decision\":\"dropped\""));
   EXPECT_THAT(log, HasSubstr("cut_off"));
+}
+
+/// Four clips with their page; nothing is trained.
+std::vector<std::string> PagedJob(const Folder& folder, const std::string& output) {
+  std::vector<std::string> arguments = SmallJob(folder, output);
+  std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("report"));
+  for (const char* assignment :
+       {"ingest.synthetic.actions=[walk, wave]", "ingest.synthetic.subjects=2", "train.seeds=[]",
+        "train.generator_enabled=false", "report.videos=false", "tolerated_doubtful=1"}) {
+    arguments.insert(arguments.end(), {"--set", assignment});
+  }
+  return arguments;
+}
+
+/// The number of an attribute of the page's headline; 0 where it has none.
+double OfHeadline(const fs::path& run, const std::string& attribute) {
+  std::smatch found;
+  const std::string page = ReadText(run / "report/index.html");
+  const std::regex headline("<p class=\"verdict\"[^>]* data-" + attribute + "=\"([0-9.]+)\"");
+  return std::regex_search(page, found, headline) ? std::stod(found[1]) : 0.0;
+}
+
+TEST(Run, ThePageCallsFitsSuspectThatLieFarFromTheTruth) {
+  const Folder folder;
+  std::vector<std::string> job = PagedJob(folder, "r");
+  job.emplace_back("--json");
+  const Result sound = RunProgram(folder, job);
+  ASSERT_EQ(sound.exit_code, 0) << sound.err;
+  EXPECT_LT(sound.Json()["fit_error"]["joint_mm"], 150.0);
+  EXPECT_EQ(OfHeadline(folder / "r", "joint-error-mm"), 0.0);
+  job.insert(job.end(), {"--set", "ingest.source.axes=+x -y +z"});  // upside down
+  const Result turned = RunProgram(folder, job);
+  ASSERT_EQ(turned.exit_code, 0) << turned.err;
+  const double mean_mm = turned.Json()["fit_error"]["joint_mm"];
+  EXPECT_GT(mean_mm, 150.0);
+  EXPECT_GE(OfHeadline(folder / "r", "joint-error-mm"), std::floor(mean_mm)) << "of the worst clip";
+  EXPECT_GE(OfHeadline(folder / "r", "suspect-clips"), turned.Json()["doubtful"].get<double>());
 }
 
 /// Six clips: long enough to be killed in every stage, short enough to be killed twenty times.

@@ -1,5 +1,5 @@
 // A source from files nobody declared: `config init` writes its declaration, `run` takes it; `doctor --source` says
-// what a recipe lacks.
+// what a source declaration lacks. `run` takes the names of jobs, `--source` those of source declarations.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/store/store.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -86,6 +87,70 @@ TEST_F(Declarations, Bandai2IsRunAsItIsWritten) {
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 0) << run.err << text_;
   EXPECT_EQ(Kept(), 5);
+}
+
+/// Of motions that come with rotations: those of a known tree, of a tree of their own, and of SMPL's joints.
+TEST_F(Declarations, RecordedRotationsAreKeptOnTheSkeletonOfTheirFiles) {
+  struct Motions {
+    const char* folder;
+    std::vector<std::string> files;
+    const char* skeleton;  ///< empty: the files' own tree
+    int joints;
+  };
+  for (const Motions& motions :
+       {Motions{"bvh/bandai2", {"dataset-2_walk_normal_001.bvh", "dataset-2_run_normal_001.bvh"}, "bandai22", 22},
+        Motions{"bvh/misc", {"olafhaag_walk01.bvh"}, "", 19},
+        Motions{"amass_babel", {"amass_sample.npz"}, "smpl24", 24}}) {
+    SCOPED_TRACE(motions.folder);
+    fs::remove(folder_ / "made.yaml");
+    fs::remove_all(folder_ / "r");
+    for (const std::string& option : Declare(motions.folder, motions.files)) {
+      ASSERT_EQ(option, "axes") << "AMASS's, where its file does not show them";
+      Fill("axes", "\"+x -z +y\"");
+    }
+    const std::string made = folder_ / "made.yaml";
+    const nlohmann::json options = RunProgram(folder_, {"config", "show", made, "--json"}).Json();
+    EXPECT_EQ(options["fitting"]["method"], "none");
+    EXPECT_EQ(options["ingest"]["source"]["skeleton"], motions.skeleton);
+    const Result run = RunProgram(folder_, {"run", made, "-o", folder_ / "r", "--to", "assemble", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err << text_;
+    EXPECT_EQ(run.Json()["kept"], motions.files.size());
+    EXPECT_EQ(run.Json()["replaces_rotations"], 0);
+    for (const nlohmann::json& stage : run.Json()["stages"]) EXPECT_NE(stage["stage"], "fitting");
+    std::ifstream log(folder_ / "r/curation_log.jsonl");
+    for (std::string line; std::getline(log, line);) {
+      const nlohmann::json clip = nlohmann::json::parse(line);
+      EXPECT_EQ(clip["motion_sha256"], clip["evidence_sha256"]) << "handed on as it was read";
+    }
+    const auto dataset = ReadDataset(folder_ / "r/dataset.h5");
+    ASSERT_TRUE(dataset) << dataset.error().Message();
+    EXPECT_FALSE(dataset->joints_only);
+    EXPECT_EQ(dataset->skeleton->joint_count(), motions.joints);
+    if (*motions.skeleton != 0) {
+      EXPECT_EQ(dataset->skeleton->name, motions.skeleton);
+    }
+  }
+}
+
+/// As the number in the result, the log and the page, and in the text of the run and of what looks at it.
+TEST_F(Declarations, ARunThatReplacesRecordedRotationsSaysSo) {
+  Declare("bvh/bandai2", {"dataset-2_walk_normal_001.bvh"});
+  std::vector<std::string> job = {"run", folder_ / "made.yaml", "-o", folder_ / "r"};
+  for (const char* assignment :
+       {"fitting.method=joint_tracks", "fitting.other_joints=leave_out", "fitting.joint_tracks.uncertainty=false",
+        "fitting.joint_tracks.solver=banded", "skeleton=smpl24", "train.seeds=[]", "train.generator_enabled=false",
+        "report.videos=false"}) {
+    job.insert(job.end(), {"--set", assignment});
+  }
+  const Result text = RunProgram(folder_, job);
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("fitting.method: none")) << "the way to keep them";
+  EXPECT_THAT(ReadText(folder_ / "r/report/index.html"), HasSubstr("data-replaces-rotations=\"1\""));
+  EXPECT_THAT(ReadText(folder_ / "r/curation_log.jsonl"), HasSubstr("\"replaces_rotations\":true"));
+  const Result described = RunProgram(folder_, {"inspect", folder_ / "r", "--json"});
+  EXPECT_EQ(described.Json()["replaces_rotations"], 1);
+  job.emplace_back("--json");
+  EXPECT_EQ(RunProgram(folder_, job).Json()["replaces_rotations"], 1);
 }
 
 TEST_F(Declarations, KardLacksItsRateAloneAndIsRefusedByThatNameUntilItIsFilledIn) {
@@ -340,7 +405,7 @@ TEST(DoctorOfASource, TellsOfFilesWithTheEndingAndAnotherName) {
   EXPECT_THAT(result.out, HasSubstr("1 file with this ending and another name, e.g. mine.skeleton"));
 }
 
-TEST(DoctorOfASource, KnowsEveryRecipeAndSaysWhereEachComesFrom) {
+TEST(DoctorOfASource, KnowsEveryDeclarationAndSaysWhereEachComesFrom) {
   const Folder folder;
   for (const auto& entry : fs::directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / "configs/sources")) {
     const std::string name = entry.path().stem().string();
@@ -372,7 +437,7 @@ Result RunThere(const Folder& folder, const std::vector<std::string>& arguments)
   return RunProgram(folder, arguments, there);
 }
 
-TEST(RecipeNames, AreRecipesWhateverLiesInTheFolder) {
+TEST(SourceNames, AreThoseOfConfigsWhateverLiesInTheFolder) {
   const Folder folder;
   std::filesystem::create_directories(folder / "kard");
   WriteText(folder / "kard/notes.txt", "nothing");
@@ -383,13 +448,68 @@ TEST(RecipeNames, AreRecipesWhateverLiesInTheFolder) {
     EXPECT_EQ(inspected.Json().at("path"), "kard");
     const Result doctor = RunThere(folder, {"doctor", "--source", name});
     EXPECT_THAT(doctor.out + doctor.err, HasSubstr(name));
-    EXPECT_THAT(doctor.out + doctor.err, ::testing::Not(HasSubstr("there is no recipe")));
+    EXPECT_NE(doctor.exit_code, 2) << doctor.err;
     const Result run = RunThere(folder, {"run", name, "--set", "ingest.path=kard", "--dry-run"});
-    EXPECT_THAT(run.err, ::testing::Not(HasSubstr("configuration cannot be read"))) << run.err;
+    EXPECT_NE(run.exit_code, 2) << run.err;
   }
   const Result path = RunThere(folder, {"inspect", "kard", "--source", "./kard"});
   EXPECT_EQ(path.exit_code, 2) << path.err;
   EXPECT_THAT(path.err, HasSubstr("./kard: is a folder, not a config file"));
+}
+
+/// `config show` of a name or a file, with captures in /data.
+Result ShownConfig(const Folder& folder, const std::string& config) {
+  program::Surroundings data;
+  data.before_start = [] { setenv("MOCURATE_DATA", "/data", 1); };
+  return RunProgram(folder, {"config", "show", config, "--json", "--set", "ingest.path=/data/captures"}, data);
+}
+
+TEST(JobNames, MeanTheFilesOfThatNameInConfigs) {
+  const Folder folder;
+  const fs::path configs = fs::path(MOCURATE_SOURCE_FOLDER) / "configs";
+  for (const char* below : {"", "reannotate/"}) {
+    for (const auto& entry : fs::directory_iterator(configs / below)) {
+      if (entry.path().extension() != ".yaml") continue;
+      const std::string name = below + entry.path().stem().string();
+      const Result named = ShownConfig(folder, name), file = ShownConfig(folder, entry.path().string());
+      EXPECT_EQ(named.exit_code, file.exit_code) << name << named.err;
+      EXPECT_EQ(named.Json(), file.Json()) << name;
+    }
+  }
+  EXPECT_EQ(ShownConfig(folder, "kard").Json()["train"]["seeds"].size(), 3u) << "the job, not the source declaration";
+  EXPECT_TRUE(ShownConfig(folder, "reannotate/kard").Json()["train"]["seeds"].empty());
+}
+
+TEST(JobNames, ThatNoJobHasAreWrongConfigWithTheNearestJob) {
+  const Folder folder;
+  for (const auto& [name, meant] : {std::pair<std::string, std::string>{"kardd", "'kard'"},
+                                    {"sources/kard", "'kard'"},
+                                    {"ntu", "'reannotate/ntu'"},
+                                    {"hdm05", "--source hdm05"},
+                                    {"skeletons/smpl24", "bandai2, "},
+                                    {"nothing_like_it", "reannotate/kard, "}}) {
+    for (const std::vector<std::string>& verb : {std::vector<std::string>{"run"}, {"config", "show"}}) {
+      std::vector<std::string> arguments = verb;
+      arguments.insert(arguments.end(), {name, "--json"});
+      const Result result = RunProgram(folder, arguments);
+      EXPECT_EQ(result.exit_code, 2) << name;
+      const nlohmann::json error = result.Json()["error"];
+      EXPECT_EQ(error["code"], "config") << name;
+      EXPECT_EQ(error["where"], name);
+      EXPECT_THAT(error["hint"].get<std::string>(), HasSubstr(meant)) << name;
+    }
+  }
+}
+
+TEST(JobNames, AreNoSourceDeclarations) {
+  const Folder folder;
+  WriteText(folder / "captures/note.txt", "nothing here\n");
+  for (const char* verb : {"inspect", "fit"}) {
+    std::vector<std::string> arguments = {verb, (folder / "captures").string(), "--source", "reannotate/kard"};
+    if (std::string(verb) == "fit") arguments.insert(arguments.end(), {"-o", (folder / "fit.h5").string()});
+    EXPECT_EQ(RunProgram(folder, arguments).exit_code, 2) << verb;
+  }
+  EXPECT_EQ(RunProgram(folder, {"doctor", "--source", "reannotate/kard"}).exit_code, 2);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "tests/app/program.h"
+#include "tests/support/terminal.h"
 
 namespace mocurate {
 namespace {
@@ -68,33 +69,36 @@ TEST(DryRun, OfAWarmCacheSaysThatNothingWouldRunAndWritesNothing) {
 
 /// What a program prints to a terminal.
 std::string OnATerminal(const Folder& folder, const std::vector<std::string>& arguments) {
-  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-  EXPECT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
-  const std::string name = ptsname(terminal);
+  const test::Terminal terminal;
+  EXPECT_TRUE(terminal.exists()) << test::Terminal::kMissing;
   Surroundings surroundings;
-  surroundings.before_start = [name] { dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDERR_FILENO); };
+  surroundings.before_start = [name = terminal.name()] { dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDERR_FILENO); };
   Started run(folder, arguments, surroundings);
   std::string text;
   char bytes[4096];
   while (true) {
     const bool running = run.Running();
-    pollfd wait{terminal, POLLIN, 0};
-    const ssize_t count = poll(&wait, 1, 50) > 0 ? read(terminal, bytes, sizeof bytes) : 0;
+    pollfd wait{terminal.ours(), POLLIN, 0};
+    const ssize_t count = poll(&wait, 1, 50) > 0 ? read(terminal.ours(), bytes, sizeof bytes) : 0;
     if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
     if (!running && count <= 0) break;
   }
-  close(terminal);
   EXPECT_EQ(run.Wait().exit_code, 0) << text;
   return text;
 }
 
-TEST(Progress, IsDrawnOnATerminalOnly) {
+TEST(Progress, IsDrawnOnATerminalUnlessQuiet) {
+  if (!test::Terminal().exists()) GTEST_SKIP() << test::Terminal::kMissing;
   const Folder folder;
   const std::string terminal = OnATerminal(folder, SmallJob(folder, "r"));
   EXPECT_THAT(terminal, HasSubstr("\r\x1b[Kfitting "));
   EXPECT_THAT(terminal, HasSubstr("/15"));
   EXPECT_THAT(OnATerminal(folder, With(SmallJob(folder, "quiet"), {"--quiet"})), Not(HasSubstr("\x1b[K")));
-  const Result piped = RunProgram(folder, SmallJob(folder, "piped"), "other_cache");
+}
+
+TEST(Progress, IsOneLineAStageInAPipe) {
+  const Folder folder;
+  const Result piped = RunProgram(folder, SmallJob(folder, "r"));
   EXPECT_EQ(piped.exit_code, 0);
   EXPECT_THAT(piped.err, Not(HasSubstr("\r")));
   EXPECT_THAT(piped.err, Not(HasSubstr("\x1b")));

@@ -107,7 +107,7 @@ TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
   }
 }
 
-TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
+TEST(Synthesize, SaysWhichDeclarationReadsWhichFolderAndEachDoes) {
   const Folder folder;
   const std::vector<std::pair<std::string, std::string>> layouts = {
       {"humanact12", "[walk]"}, {"phspd", "[walk]"},        {"ntu", "[drink_water]"},
@@ -126,19 +126,19 @@ TEST(Synthesize, SaysWhichRecipeReadsWhichFolderAndEachDoes) {
     }
     const Result written = RunProgram(folder, words);
     ASSERT_EQ(written.exit_code, 0) << layout << written.err;
-    std::size_t recipes = 0;
+    std::size_t sources = 0;
     for (std::size_t at = written.out.find("inspect "); at != std::string::npos;
          at = written.out.find("inspect ", at + 1)) {
       const std::size_t path = at + 8, option = written.out.find(" --source ", path);
       const std::size_t end = written.out.find_first_of(",\n", option);
-      const std::string recipe = written.out.substr(option + 10, end - option - 10);
+      const std::string source = written.out.substr(option + 10, end - option - 10);
       const Result doctor = RunProgram(
-          folder, {"doctor", "--source", recipe, "--path", written.out.substr(path, option - path), "--json"});
+          folder, {"doctor", "--source", source, "--path", written.out.substr(path, option - path), "--json"});
       ASSERT_FALSE(doctor.Json()["files"].empty());
-      EXPECT_GT(doctor.Json()["files"][0]["found"], 0) << layout << " " << recipe << doctor.out;
-      ++recipes;
+      EXPECT_GT(doctor.Json()["files"][0]["found"], 0) << layout << " " << source << doctor.out;
+      ++sources;
     }
-    EXPECT_GT(recipes, 0u) << written.out;
+    EXPECT_GT(sources, 0u) << written.out;
   }
 }
 

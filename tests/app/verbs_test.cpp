@@ -51,6 +51,29 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
   EXPECT_THAT(stage.err, HasSubstr("the stages are: ingest, proportions, fitting"));
 }
 
+TEST(Usage, HelpAndVersionOfAVerbThatDoesNotExistAreExitCode2) {
+  const Folder folder;
+  for (const char* asked : {"--help", "-h", "--version"}) {
+    for (const std::vector<std::string>& verb :
+         {std::vector<std::string>{"runn"}, {"fly"}, {"config", "shwo"}, {"cache", "fly"}}) {
+      std::vector<std::string> arguments = verb;
+      arguments.emplace_back(asked);
+      const Result text = RunProgram(folder, arguments);
+      EXPECT_EQ(text.exit_code, 2) << verb.back() << " " << asked;
+      EXPECT_EQ(text.out, "") << "help is no answer to it";
+      arguments.emplace_back("--json");
+      const Result json = RunProgram(folder, arguments);
+      EXPECT_EQ(json.exit_code, 2) << verb.back() << " " << asked;
+      EXPECT_EQ(json.Json()["error"]["code"], "usage");
+      EXPECT_EQ(json.Json()["error"]["exit_code"], 2);
+    }
+  }
+  EXPECT_THAT(RunProgram(folder, {"runn", "--help", "--json"}).Json()["error"]["hint"].get<std::string>(),
+              HasSubstr("mocurate run"));
+  EXPECT_EQ(RunProgram(folder, {"config", "--help"}).exit_code, 0);
+  EXPECT_EQ(RunProgram(folder, {"cache", "stat", "--help"}).exit_code, 0);
+}
+
 TEST(Usage, AnAssignmentDoesNotTakeTheConfigBehindIt) {
   const Folder folder;
   WriteText(folder / "mine.yaml", "name: mine\n");

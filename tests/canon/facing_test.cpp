@@ -74,6 +74,41 @@ TEST(FaceFront, ReadsHipsThatHangBelowARootThatNeverTurns) {
   }
 }
 
+/// A tree as an exporter names it, facing along x: hips that no skeleton of configs/skeletons calls so.
+Clip ExportedClip() {
+  auto skeleton = std::make_shared<Skeleton>();
+  skeleton->name = "exported";
+  const auto add = [&](const char* name, int parent, const Vector3d& offset, int mirror) {
+    Joint joint;
+    joint.name = name;
+    joint.parent = parent;
+    joint.rest_offset = offset;
+    joint.mirror = mirror;
+    skeleton->joints.push_back(joint);
+  };
+  add("mixamorig:Hips", -1, Vector3d::Zero(), 0);
+  add("mixamorig:LeftUpLeg", 0, {0.1, -0.05, 0}, 4);
+  add("mixamorig:LeftLeg", 1, {0, -0.4, 0}, 5);
+  add("mixamorig:LeftFoot", 2, {0, -0.4, 0}, 6);
+  add("mixamorig:RightUpLeg", 0, {-0.1, -0.05, 0}, 1);
+  add("mixamorig:RightLeg", 4, {0, -0.4, 0}, 2);
+  add("mixamorig:RightFoot", 5, {0, -0.4, 0}, 3);
+  std::vector<Quaterniond> rotation(7, Quaterniond::Identity());
+  rotation[0] = ExpQuaternion(Vector3d(0, 0.5 * 3.14159265358979, 0));
+  Clip clip;
+  clip.motion = MakeMotion(skeleton, FrameRate{30, 1}, {Vector3d(1, 1, 1)}, rotation, skeleton->RestBoneLengths());
+  return clip;
+}
+
+TEST(FaceFront, OfATreeWithNamesOfItsOwnIsReadFromItsLegs) {
+  Clip clip = ExportedClip();
+  EXPECT_LT((clip.motion->joints.at(0, 1) - clip.motion->joints.at(0, 4)).x(), 0.01) << "not facing +z yet";
+  const auto heading = FaceFront({}, clip);
+  ASSERT_TRUE(heading) << heading.error().Message();
+  EXPECT_EQ(heading->source, YawSource::kHipAxis);
+  EXPECT_NEAR((clip.motion->joints.at(0, 1) - clip.motion->joints.at(0, 4)).x(), 0.2, 1e-6);
+}
+
 TEST(FaceFront, PutsTheAnchorAtTheOriginFacingZ) {
   Clip clip = TurningClip(1, 0.2);
   ASSERT_TRUE(FaceFront({}, clip));

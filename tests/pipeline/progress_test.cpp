@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/pipeline/runs.h"
+#include "tests/support/terminal.h"
 
 namespace mocurate {
 namespace {
@@ -19,21 +20,27 @@ class OnATerminal : public Runs {
       return ExitOf(Stage("sleep"), Many(20, {{"seconds", 0.03}}));
     });
     close(stderr_file);
-    std::string shown;
-    char bytes[4096];
-    for (ssize_t count = 0; (count = read(read_file, bytes, sizeof bytes)) > 0;) {
-      shown.append(bytes, static_cast<std::size_t>(count));
-    }
-    close(read_file);
+    const std::string shown = ReadAll(read_file);
     EXPECT_EQ(Wait(pid), 0);
     return shown;
+  }
+
+  /// All that comes until the other end is closed; closes `file`.
+  static std::string ReadAll(int file) {
+    std::string text;
+    char bytes[4096];
+    for (ssize_t count = 0; (count = read(file, bytes, sizeof bytes)) > 0;) {
+      text.append(bytes, static_cast<std::size_t>(count));
+    }
+    close(file);
+    return text;
   }
 };
 
 TEST_F(OnATerminal, ALineTellsHowFarTheStageIs) {
-  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-  ASSERT_EQ(grantpt(terminal) + unlockpt(terminal), 0);
-  const std::string shown = Shown(terminal, open(ptsname(terminal), O_RDWR | O_NOCTTY));
+  const test::Terminal terminal;
+  if (!terminal.exists()) GTEST_SKIP() << test::Terminal::kMissing;
+  const std::string shown = Shown(dup(terminal.ours()), open(terminal.name().c_str(), O_RDWR | O_NOCTTY));
   EXPECT_NE(shown.find("\r\x1b[Ksleep "), std::string::npos) << shown;
   EXPECT_NE(shown.find("/20, "), std::string::npos) << shown;
   EXPECT_NE(shown.find(" s to go"), std::string::npos) << shown;
@@ -46,6 +53,22 @@ TEST_F(OnATerminal, ElsewhereThereIsOneLinePerStage) {
   EXPECT_EQ(shown.find('\r'), std::string::npos);
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
   EXPECT_NE(shown.find("sleep: 20 items, 20 done, 0 from the cache, "), std::string::npos) << shown;
+}
+
+TEST_F(OnATerminal, WhatWorkersPrintIsShownUnlessTheRunIsQuiet) {
+  for (const bool quiet : {false, true}) {
+    options.quiet = quiet;
+    options.cache_folder = folder.path / (quiet ? "quiet" : "loud");
+    int ends[2];
+    ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    const pid_t pid = Fork([&] {
+      dup2(ends[1], STDERR_FILENO);
+      return ExitOf(Stage("stdout_noise"), {Item("x")});
+    });
+    close(ends[1]);
+    EXPECT_EQ(ReadAll(ends[0]).empty(), quiet);
+    EXPECT_EQ(Wait(pid), 0);
+  }
 }
 
 TEST(Progress, FailuresAreCounted) {

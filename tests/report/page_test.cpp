@@ -27,11 +27,59 @@ void ExpectAllSections(const std::string& page) {
   }
 }
 
-TEST(ReportPage, SaysInItsFirstLineHowManyClipsAreDoubtful) {
+/// The headline with its attributes.
+std::string HeadlineOf(SmallRun& run) {
+  const std::string page = PageOf(run);
+  const std::size_t begin = page.find("<p class=\"verdict\""), end = page.find("</p>", begin);
+  EXPECT_NE(begin, std::string::npos);
+  return page.substr(begin, end - begin);
+}
+
+TEST(ReportPage, SaysInItsHeadlineHowManyClipsAreSuspect) {
   SmallRun run;
-  run.run["clips"][0]["doubtful"] = true;
-  run.run["clips"][2]["doubtful"] = true;
-  EXPECT_THAT(PageOf(run), HasSubstr("All 3 clips went through. 2 clips of them are doubtful"));
+  EXPECT_THAT(HeadlineOf(run), Not(HasSubstr("data-")));
+  run.run["clips"][0]["suspect"] = false;
+  run.run["clips"][1]["suspect"] = true;
+  run.run["clips"][2]["suspect"] = true;
+  const std::string headline = HeadlineOf(run);
+  EXPECT_THAT(headline, HasSubstr("data-suspect-clips=\"2\""));
+  EXPECT_THAT(headline, HasSubstr("15.0 mm RMS")) << "the largest of their residuals";
+  EXPECT_THAT(headline, Not(HasSubstr("went through")));
+}
+
+TEST(ReportPage, NeverCallsFitsSoundThatLieFarFromTheTruth) {
+  SmallRun run;
+  run.run["fit_error"]["joint_mm"] = 427.0;
+  for (const bool one : {false, true}) {
+    if (one) {  // one clip of three, which the mean hides
+      run.run["fit_error"]["joint_mm"] = 149.0;
+      run.run["clips"][0]["joint_error_mm"] = 8.0;
+      run.run["clips"][1]["joint_error_mm"] = 427.0;
+      run.run["clips"][2]["joint_error_mm"] = 12.0;
+    }
+    const std::string headline = HeadlineOf(run);
+    EXPECT_THAT(headline, HasSubstr("data-joint-error-mm=\"427.0\""));
+    EXPECT_THAT(headline, HasSubstr("427.0 mm"));
+    EXPECT_THAT(headline, Not(HasSubstr("went through")));
+  }
+  run.run["clips"][1]["joint_error_mm"] = 150.0;
+  EXPECT_THAT(HeadlineOf(run), Not(HasSubstr("data-joint-error-mm"))) << "as far as report.suspect_joint_error allows";
+}
+
+TEST(ReportPage, SaysInItsHeadlineThatFindingsAboutTheSetAreErrors) {
+  SmallRun run;
+  run.run["findings"] = {{{"code", "split_drawn"}, {"severity", "warning"}, {"message", "drawn"}}};
+  EXPECT_THAT(HeadlineOf(run), Not(HasSubstr("data-set-errors")));
+  run.run["findings"].push_back({{"code", "split_leak"}, {"severity", "error"}, {"message", "leaks"}});
+  EXPECT_THAT(HeadlineOf(run), HasSubstr("data-set-errors=\"1\""));
+}
+
+TEST(ReportPage, SaysInItsHeadlineHowManyClipsLostTheirRecordedRotations) {
+  SmallRun run;
+  run.run["replaces_rotations"] = 0;
+  EXPECT_THAT(HeadlineOf(run), Not(HasSubstr("data-replaces-rotations")));
+  run.run["replaces_rotations"] = 2;
+  EXPECT_THAT(HeadlineOf(run), HasSubstr("data-replaces-rotations=\"2\""));
 }
 
 TEST(ReportPage, HoldsEverySectionAndTheFiguresOfTheRun) {

@@ -46,7 +46,7 @@ void StageVersions::SetUp() {
   options.cache_folder = folder_ / "cache";
   options.worker_folder = MOCURATE_BINARY_FOLDER;
   options.jobs = 1;
-  options.progress = false;
+  options.quiet = true;
   auto runner = Runner::Make(options);
   ASSERT_TRUE(runner) << runner.error().Message();
   runner_ = std::move(*runner);

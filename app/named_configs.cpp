@@ -1,0 +1,109 @@
+#include "app/named_configs.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "core/base/file.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kJobFolders[] = {"", "reannotate/"};  // below configs/
+constexpr const char* kSourceFolder = "sources/";
+constexpr const char* kEnding = ".yaml";
+
+/// Names of the embedded files of a folder below configs/, without their ending: "reannotate/kard".
+std::vector<std::string> NamesBelow(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const std::string& path : ResourcePaths()) {
+    if (path.substr(0, path.rfind('/') + 1) == folder) names.push_back(path.substr(0, path.rfind('.')));
+  }
+  return names;
+}
+
+std::vector<std::string> JobNames() {
+  std::vector<std::string> names;
+  for (const char* folder : kJobFolders) {
+    for (std::string& name : NamesBelow(folder)) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+std::vector<std::string> SourceNames() {
+  std::vector<std::string> names = NamesBelow(kSourceFolder);
+  for (std::string& name : names) name.erase(0, std::string(kSourceFolder).size());
+  return names;
+}
+
+std::string JoinedNames(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+/// By its place among the embedded files, so that it may include another that lies beside it.
+ConfigSource Embedded(const std::string& name) {
+  const std::string file = name + kEnding;
+  return {std::string(FindResource(file).value_or("")), "resource:" + file, {}};
+}
+
+bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The job that was meant: the same name in a folder ("ntu": "reannotate/ntu"), else the nearest.
+std::optional<std::string> NearestJob(const std::string& name, const std::vector<std::string>& jobs) {
+  const std::filesystem::path file = std::filesystem::path(name).filename();
+  for (const std::string& job : jobs) {
+    if (std::filesystem::path(job).filename() == file) return job;
+  }
+  return Nearest(name, jobs);
+}
+
+}  // namespace
+
+std::optional<ConfigSource> NamedJob(const std::string& name) {
+  if (!IsOneOf(name, JobNames())) return std::nullopt;
+  return Embedded(name);
+}
+
+Error NoJob(const std::string& name) {
+  const std::vector<std::string> jobs = JobNames();
+  const std::optional<std::string> near = NearestJob(name, jobs);
+  const bool source = IsOneOf(name, SourceNames());
+  return {ErrorCode::kConfig,
+          source ? "a source declaration is no job: it says how files are read, not what becomes of them"
+                 : "there is no job of that name",
+          name,
+          (near ? "did you mean '" + *near + "'? " : std::string()) + "the jobs are: " + JoinedNames(jobs) +
+              (source ? "; inspect, fit and doctor take --source " + name : "; or a config file")};
+}
+
+std::optional<ConfigSource> NamedSource(const std::string& name) {
+  if (!IsOneOf(name, SourceNames())) return std::nullopt;
+  return Embedded(kSourceFolder + name);
+}
+
+Expected<ConfigSource> SourceOf(const std::string& name) {
+  if (std::optional<ConfigSource> source = NamedSource(name)) return *std::move(source);
+  std::error_code unknown;
+  if (std::filesystem::is_regular_file(name, unknown)) {
+    const Expected<std::string> text = ReadFile(name);
+    if (!text) return Forward(text);
+    return ConfigSource{*text, name, std::filesystem::absolute(name, unknown).parent_path()};
+  }
+  if (std::filesystem::is_directory(name, unknown)) {
+    return Fail(ErrorCode::kUsage, "is a folder, not a config file", name,
+                "`mocurate config init " + name + "` writes one from what it holds");
+  }
+  const std::vector<std::string> sources = SourceNames();
+  const std::optional<std::string> near = Nearest(name, sources);
+  return Fail(ErrorCode::kUsage, "there is no source declaration of that name", name,
+              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + JoinedNames(sources) +
+                  "; or a config file");
+}
+
+}  // namespace mocurate
