@@ -195,13 +195,16 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
   eval->add_option("--real", arguments->real,
                    "real motions: a dataset (mocurate run configs/humanact12.yaml --to assemble), or files as above");
   eval->add_option("--real-source", arguments->real_source, "source declaration of the real motions");
+  eval->add_option("--real-labels", arguments->real_labels, "labels of the real motions, as --labels");
   eval->add_option("--run", arguments->run,
                    "with --protocol own: a run folder; its first recogniser scores, its dataset "
                    "is the real motions");
   eval->add_option("--extractor", arguments->extractor,
                    "instead of the protocol's: a name of configs/extractors, a YAML file, or a checkpoint");
   eval->add_option("-o,--output", arguments->output, "folder for features/SET.h5, tables/ and metrics.json");
-  eval->add_option("--set", arguments->assignments, "override an option of the protocol, e.g. --set variant=released")
+  eval->add_option("--set", arguments->assignments,
+                   "override an option of the protocol or its extractor, e.g. --set variant=released, "
+                   "--set extractor.generated_root=first_frame")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   eval->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")

@@ -14,11 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> NamesBelow(const std::string& folder) {
+/// Names of the embedded files of a folder below configs/, without folder and ending.
+std::vector<std::string> NamesIn(const std::string& folder) {
   std::vector<std::string> names;
   for (const std::string& path : ResourcePaths()) {
-    if (path.rfind(folder, 0) != 0) continue;
-    names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
+    if (path.rfind(folder, 0) == 0) names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
   }
   return names;
 }
@@ -31,7 +31,7 @@ Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& wha
   }
   std::error_code unknown;
   if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), assignments);
-  const std::vector<std::string> names = NamesBelow(folder);
+  const std::vector<std::string> names = NamesIn(folder);
   std::string list;
   for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
   const auto near = Nearest(name, names);
@@ -41,7 +41,7 @@ Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& wha
 
 }  // namespace
 
-std::vector<std::string> ProtocolNames() { return NamesBelow("protocols/"); }
+std::vector<std::string> ProtocolNames() { return NamesIn("protocols/"); }
 
 Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vector<std::string>& assignments) {
   const Expected<ConfigNode> node = LoadNamed("protocols/", "protocol", name, assignments);
@@ -49,12 +49,16 @@ Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vecto
   return OptionsFromConfig<ProtocolOptions>(*node);
 }
 
-Expected<ExtractorOptions> LoadExtractor(const std::string& name) {
+Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments) {
   const fs::path path(name);
   if (path.extension() != ".h5") {
-    const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, {});
+    const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments);
     if (!node) return Forward(node);
     return OptionsFromConfig<ExtractorOptions>(*node);
+  }
+  if (!assignments.empty()) {
+    return Fail(ErrorCode::kUsage, "a checkpoint says itself how it reads motions", "--set extractor." + assignments[0],
+                "take it out");
   }
   const auto checkpoint = DescribeCheckpoint(path);
   if (!checkpoint) return Forward(checkpoint);

@@ -14,7 +14,9 @@ Expected<ProtocolOptions> LoadProtocol(const std::string& name_or_path, const st
 
 /// An extractor of configs/extractors by its name, a YAML file, or a checkpoint of ours (.h5), which says everything
 /// itself. Error kUsage lists them.
-Expected<ExtractorOptions> LoadExtractor(const std::string& name_or_path);
+/// `assignments` as of --set, without the prefix "extractor.".
+Expected<ExtractorOptions> LoadExtractor(const std::string& name_or_path,
+                                         const std::vector<std::string>& assignments = {});
 
 std::vector<std::string> ProtocolNames();
 

@@ -64,6 +64,7 @@ Status CheckArguments(const EvalArguments& arguments) {
   for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.labels, "--labels"},
                                      {arguments.bone_lengths, "--bone-lengths"},
                                      {arguments.real, "--real"},
+                                     {arguments.real_labels, "--real-labels"},
                                      {arguments.run, "--run"}}) {
     if (Status there = CheckExists(path, option); !there) return there;
   }
@@ -93,7 +94,13 @@ struct Plan {
 Expected<Plan> PlanOf(const EvalArguments& arguments) {
   if (Status sound = CheckArguments(arguments); !sound) return Forward(sound);
   Plan plan;
-  auto protocol = LoadProtocol(arguments.protocol, arguments.assignments);
+  const std::string prefix = "extractor.";
+  std::vector<std::string> of_protocol, of_extractor;
+  for (const std::string& text : arguments.assignments) {
+    const bool extractor = text.compare(0, prefix.size(), prefix) == 0;
+    (extractor ? of_extractor : of_protocol).push_back(extractor ? text.substr(prefix.size()) : text);
+  }
+  auto protocol = LoadProtocol(arguments.protocol, of_protocol);
   if (!protocol) return Forward(protocol);
   plan.protocol = std::move(*protocol);
   std::string name = arguments.extractor.empty() ? plan.protocol.extractor : arguments.extractor;
@@ -110,7 +117,7 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
     return Fail(ErrorCode::kUsage, "protocol '" + plan.protocol.name + "' names no extractor", "--protocol",
                 "give --run RUN or --extractor CHECKPOINT");
   }
-  auto extractor = LoadExtractor(name);
+  auto extractor = LoadExtractor(name, of_extractor);
   if (!extractor) return Forward(extractor);
   plan.extractor = std::move(*extractor);
   const auto weights = FindWeights(plan.extractor);
@@ -227,7 +234,8 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     const NamedFiles named = NamedFilesOf(text, taken);
     sets.push_back({named, {named.path, arguments.source, arguments.labels, bone_lengths}});
   }
-  if (!plan->real.empty()) sets.push_back({{"Real", plan->real}, {plan->real, arguments.real_source, {}, {}}});
+  if (!plan->real.empty())
+    sets.push_back({{"Real", plan->real}, {plan->real, arguments.real_source, arguments.real_labels, {}}});
   auto read = ReadSets(sets, *plan, runs);
   if (!read) return Forward(read);
 

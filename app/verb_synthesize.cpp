@@ -147,7 +147,7 @@ std::string SourceFileOf(const std::string& source) {
 }
 
 /// How a folder that was written is read.
-std::string ReadingWords(const StudioSource& source, const std::filesystem::path& written) {
+std::string ReadingWords(const WrittenSource& source, const std::filesystem::path& written) {
   const std::string files = DisplayPath(source.folder == "." ? written : written / source.folder);
   std::string words = "read it with: mocurate inspect " + files + " --source " + source.name;
   if (const std::string config = SourceFileOf(source.name); !config.empty())
@@ -195,7 +195,7 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
     std::printf("%s\n", document.dump(1).c_str());
   } else {
     std::string read;
-    for (const StudioSource& source : SourcesOf(options->layout, options->depth.enabled))
+    for (const WrittenSource& source : SourcesOf(options->layout, options->depth.enabled))
       read += ReadingWords(source, arguments.output);
     std::printf("%s: %zu clips, %zu frames, %zu files, %.1f MB, %.1f s\n", folder.c_str(), counts->clips,
                 counts->frames, counts->files, static_cast<double>(counts->bytes) / 1e6, seconds);

@@ -56,10 +56,11 @@ struct EvalArguments {
   std::string values;                  ///< joints, lie; empty: joints, lie with bone_lengths
   std::filesystem::path bone_lengths;  ///< motions whose median bone lengths lay out Lie parameters
   std::filesystem::path real;
-  std::string real_source;       ///< source declaration of the real motions, or empty
-  std::filesystem::path run;     ///< run folder whose first recogniser scores
-  std::string extractor;         ///< instead of the protocol's
-  std::filesystem::path output;  ///< folder for features, tables and figures, or empty
+  std::string real_source;            ///< source declaration of the real motions, or empty
+  std::filesystem::path real_labels;  ///< labels of the real motions, or empty
+  std::filesystem::path run;          ///< run folder whose first recogniser scores
+  std::string extractor;              ///< instead of the protocol's
+  std::filesystem::path output;       ///< folder for features, tables and figures, or empty
   std::vector<std::string> assignments;
   int jobs = 0;
 };

@@ -1,5 +1,7 @@
 #include "ingest/check_options.h"
 
+#include <algorithm>
+
 #include <vector>
 
 #include "core/base/text.h"
@@ -77,6 +79,12 @@ FindingAction CheckOptions::ActionFor(const std::string& code) const {
     if (action != ActionNames().end()) return action->second;
   }
   return code == "not_joint_positions" || code == "lifeless_clip" ? FindingAction::kDrop : FindingAction::kReport;
+}
+
+bool CheckOptions::IgnoresAll() const {
+  const auto& codes = CheckCodes();
+  return std::all_of(codes.begin(), codes.end(),
+                     [&](const auto& code) { return ActionFor(code.first) == FindingAction::kIgnore; });
 }
 
 double CheckOptions::Threshold(const std::string& code) const {

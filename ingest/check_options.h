@@ -37,6 +37,8 @@ struct CheckOptions {
   /// As `actions` says; else what is no clip at all (not_joint_positions, lifeless_clip) is dropped and everything else
   /// reported. Of a lifeless clip that holds a given motion CheckClip reports too.
   FindingAction ActionFor(const std::string& code) const;
+  /// Whether every check is ignored: then none is made, and the body is not compared with the declaration.
+  bool IgnoresAll() const;
   /// The limit that a finding of this code crossed, in the unit of its value; 0 where there is none.
   double Threshold(const std::string& code) const;
 };

@@ -300,7 +300,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     if (!unusable) return Forward(unusable);
     return ReadItem{{}, std::move(*unusable)};
   }
-  if (!SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
+  const bool checks = !source->checks.IgnoresAll();
+  if (checks && !SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
   if (source->checks.ActionFor("frozen_view") != FindingAction::kIgnore) {
     std::map<std::string, std::filesystem::path> images;
@@ -308,7 +309,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     for (Finding& frozen : FindFrozenViews(ingested->clip.evidence, images))
       ingested->findings.push_back(std::move(frozen));
   }
-  const std::optional<DroppedClip> dropped = CheckClip(*source, *named, *ingested, facts.name_doubt);
+  const std::optional<DroppedClip> dropped =
+      checks ? CheckClip(*source, *named, *ingested, facts.name_doubt) : std::nullopt;
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
   }

@@ -206,6 +206,11 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
 
+void MotionsOptions::Declare(OptionVisitor& v) {
+  v.Group("ingest", ingest, "where the motions are and what they are");
+  v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
+}
+
 StageDeclaration IngestDeclaration() { return {"ingest", 36, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration MotionsDeclaration() { return {"motions", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }

@@ -180,6 +180,14 @@ struct IngestOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// How files become one set of motions: options of the stage `motions`.
+struct MotionsOptions {
+  IngestOptions ingest;
+  std::vector<std::string> classes;  ///< a motion without a label takes the class that its name begins with
+
+  void Declare(OptionVisitor& v);
+};
+
 /// Whether clips of the source have keypoints and depth views beside them.
 bool HasDepthBeside(const SourceOptions& source);
 

@@ -133,11 +133,6 @@ class LabelAssignment {
 
 }  // namespace
 
-void MotionsOptions::Declare(OptionVisitor& v) {
-  v.Group("ingest", ingest, "where the motions are and what they are");
-  v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
-}
-
 Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
   const Expected<std::string> bytes = ReadFile(file);
   if (!bytes) return Forward(bytes);

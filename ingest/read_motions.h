@@ -44,14 +44,6 @@ struct MotionLabels {
 /// label a line. Error kMalformed "name:line", kUnsupported.
 Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file);
 
-/// How files become one set of motions: options of the stage `motions`.
-struct MotionsOptions {
-  IngestOptions ingest;
-  std::vector<std::string> classes;  ///< a motion without a label takes the class that its name begins with
-
-  void Declare(OptionVisitor& v);
-};
-
 /// Reads every clip that `options` declare, by the readers of the stage `ingest`. A set of one skeleton: clips of
 /// another tree than the first one's, or joints only among rotations, are refused one by one; segments, findings and
 /// labels are kept. Errors of Discover; kInconsistent where no clip can be taken, or where there are other than one

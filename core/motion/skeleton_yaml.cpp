@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <map>
+#include <mutex>
 
 #include "core/base/config.h"
 #include "core/base/file.h"
@@ -241,9 +242,22 @@ Expected<SkeletonPtr> ParseSkeleton(const std::string& yaml, const std::string& 
 }
 
 Expected<SkeletonPtr> LoadSkeleton(const std::string& name_or_path) {
+  // Embedded skeletons never change: each is parsed once, as it is asked for once a clip.
+  static std::mutex mutex;
+  static std::map<std::string, SkeletonPtr> parsed;
+  const bool embedded = FindResource("skeletons/" + name_or_path + ".yaml").has_value();
+  if (embedded) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (const auto known = parsed.find(name_or_path); known != parsed.end()) return known->second;
+  }
   const auto text = FindText(name_or_path);
   if (!text) return Forward(text);
-  return ParseSkeleton(text->first, text->second);
+  Expected<SkeletonPtr> skeleton = ParseSkeleton(text->first, text->second);
+  if (skeleton && embedded) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    parsed[name_or_path] = *skeleton;
+  }
+  return skeleton;
 }
 
 Expected<std::vector<PointPlace>> LoadPointPlaces(const std::string& name_or_path) {

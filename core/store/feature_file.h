@@ -10,6 +10,8 @@
 
 namespace mocurate {
 
+inline constexpr double kNotMeasured = -1.0;
+
 /// What a recogniser says of a set of motions: N motions, D features, C classes, row-major. A set may hold several
 /// passes, each over draws of its own; rows of pass p are [pass_begin[p], pass_begin[p + 1]).
 struct FeatureSet {
@@ -20,8 +22,8 @@ struct FeatureSet {
   std::vector<std::string> clip;     ///< (N) clip ids
   std::vector<std::string> classes;  ///< (C)
   std::vector<std::int64_t> pass_begin;
-  /// (N) each, by name: measures of the motions themselves, without the network ("foot_skate", "jerk", ...). A measure
-  /// that a motion does not have (limits without rotations) is not there.
+  /// (N) each, by name: measures of the motions themselves, without the network ("foot_skate", "jerk", ...), 0 or more;
+  /// kNotMeasured where a motion has none (limits without rotations, a floor that no foot stands on).
   std::map<std::string, std::vector<double>> quality;
   std::string about;  ///< JSON: extractor, weights, draws
 

@@ -270,13 +270,15 @@ Schema MakeFeatureSchema() {
       .Add("classes", kText, {"B"}, "", UniqueNames(), "of the recogniser; class index is the position")
       .Add("pass_begin", kI8, {"O"}, "", AtLeast(0), "first row of each pass over the set; passes draw anew")
       .Add("about", kText, {}, "", JsonTexts(), "JSON: extractor, weights, draws");
+  const Rule measured = AtLeast(-1);
   Group(schema.fields, "/quality", kOptional)
-      .Add("foot_skate", kF8, {"X"}, "m/s", Finite(), "horizontal speed of the feet while they are on the floor")
-      .Add("floor_penetration", kF8, {"X"}, "m", Finite(), "mean depth of the lowest foot below the floor")
-      .Add("jerk", kF8, {"X"}, "m/s^3", Finite(), "root mean square third derivative of joint positions")
-      .Add("bone_spread", kF8, {"X"}, "m", Finite(), "standard deviation of bone lengths over time, mean of the bones")
-      .Add("limit_violations", kF8, {"X"}, "", InRange(0, 1), "share of rotations beyond the joint limits")
-      .Add("frozen_share", kF8, {"X"}, "", InRange(0, 1), "share of frames equal to the one before");
+      .Add("foot_skate", kF8, {"X"}, "m/s", measured, "horizontal speed of the feet while they are on the floor")
+      .Add("floor_penetration", kF8, {"X"}, "m", measured,
+           "mean depth of the lowest foot below the floor, -1: no floor")
+      .Add("jerk", kF8, {"X"}, "m/s^3", measured, "root mean square third derivative of joint positions")
+      .Add("bone_spread", kF8, {"X"}, "m", measured, "standard deviation of bone lengths over time, mean of the bones")
+      .Add("limit_violations", kF8, {"X"}, "", measured, "share of rotations beyond the joint limits, -1: no rotations")
+      .Add("frozen_share", kF8, {"X"}, "", measured, "share of frames equal to the one before");
   return schema;
 }
 

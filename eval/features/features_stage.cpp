@@ -46,28 +46,16 @@ Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<s
   return result;
 }
 
-/// Measures of each motion that need no network, appended to `quality`. A measure that one motion lacks is dropped.
+/// Measures of each motion that need no network, appended to `quality`.
 void AddQuality(const std::vector<const Motion*>& motions, std::map<std::string, std::vector<double>>& quality) {
-  const auto add = [&](const char* name, std::optional<double> value, std::size_t at) {
-    std::vector<double>& values = quality[name];
-    if (value && values.size() == at) values.push_back(*value);
-  };
   for (const Motion* motion : motions) {
-    const std::size_t at = quality["jerk"].size();
     const MotionMeasures measures = MeasureMotion(*motion);
-    add("foot_skate", measures.foot_skate, at);
-    add("jerk", measures.jerk, at);
-    add("bone_spread", 1e-3 * measures.bone_spread_mm, at);
-    add("frozen_share", static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1), at);
-    add("floor_penetration", FloorPenetration(*motion), at);
-    add("limit_violations", LimitViolations(*motion), at);
-  }
-}
-
-/// Measures that are known of every motion.
-void KeepWhole(FeatureSet& set) {
-  for (auto measure = set.quality.begin(); measure != set.quality.end();) {
-    measure = static_cast<int>(measure->second.size()) == set.count() ? std::next(measure) : set.quality.erase(measure);
+    quality["foot_skate"].push_back(measures.foot_skate);
+    quality["jerk"].push_back(measures.jerk);
+    quality["bone_spread"].push_back(1e-3 * measures.bone_spread_mm);
+    quality["frozen_share"].push_back(static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1));
+    quality["floor_penetration"].push_back(FloorPenetration(*motion).value_or(kNotMeasured));
+    quality["limit_violations"].push_back(LimitViolations(*motion).value_or(kNotMeasured));
   }
 }
 
@@ -98,7 +86,7 @@ class FeaturesRun {
         pass.labels.push_back((*classes)[row]);
         pass.clips.push_back(dataset.clips[row].id());
         for (auto& [name, values] : quality) {
-          if (values.size() == rows->size()) set_.quality[name].push_back(values[static_cast<std::size_t>(at)]);
+          set_.quality[name].push_back(values[static_cast<std::size_t>(at)]);
         }
       }
       if (Status added = Append(pass, p, passes); !added) return added;
@@ -130,13 +118,17 @@ class FeaturesRun {
         pass.labels.push_back(class_of[static_cast<std::size_t>(requests[i].label)]);
         pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));
       }
-      AddQuality(pass.motions, set_.quality);
+      if (p == 0) AddQuality(pass.motions, set_.quality);
       if (Status added = Append(pass, p, passes); !added) return added;
     }
     return {};
   }
 
-  FeatureSet& set() { return set_; }
+  /// Measures of a generator's motions are of the first pass.
+  FeatureSet& set() {
+    for (auto& [name, values] : set_.quality) values.resize(static_cast<std::size_t>(set_.count()), kNotMeasured);
+    return set_;
+  }
 
  private:
   std::uint64_t seed() const { return static_cast<std::uint64_t>(options_.seed); }
@@ -186,7 +178,6 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     done = run.OfDataset(*dataset);
   }
   if (!done) return Forward(done);
-  KeepWhole(run.set());
   run.set().about = nlohmann::json{{"extractor", extractor->options.name},
                                    {"weights", weights->sha256},
                                    {"motions", motions->sha256},

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 
 #include "core/base/text.h"
 #include "eval/metrics/accuracy.h"
@@ -35,6 +36,16 @@ ScoredRows TakeRows(const FeatureSet& set, std::vector<int> rows) {
   for (const int row : rows) scored.labels.push_back(set.label[static_cast<std::size_t>(row)]);
   scored.rows = std::move(rows);
   return scored;
+}
+
+/// The rows, each clip once: a draw with replacement holds copies, which are each other's nearest.
+std::vector<int> DistinctClips(const FeatureSet& set, const std::vector<int>& rows) {
+  std::set<std::string> seen;
+  std::vector<int> distinct;
+  for (const int row : rows) {
+    if (seen.insert(set.clip[static_cast<std::size_t>(row)]).second) distinct.push_back(row);
+  }
+  return distinct;
 }
 
 Features RowsAt(const Features& features, const std::vector<int>& rows) {
@@ -136,11 +147,11 @@ class RowScore {
   }
 
   /// Of a real set against itself where nothing is drawn: two halves.
-  void Halve(int repetition, ScoredRows& row, Features& reference) const {
+  void Halve(int repetition, ScoredRows& row, ScoredRows& reference) const {
     std::vector<int> order = DrawPositions(row_.count(), row_.count(), false, seed(), repetition, "halves");
     const std::size_t half = order.size() / 2;
     row = TakeRows(row_, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half)});
-    reference = Gather(row_, {order.begin() + static_cast<std::ptrdiff_t>(half), order.end()});
+    reference = TakeRows(row_, {order.begin() + static_cast<std::ptrdiff_t>(half), order.end()});
   }
 
   Status Repeat(int repetition) {
@@ -154,13 +165,16 @@ class RowScore {
                                                                {"FID_test", references_.test}};
     for (const auto& [name, reference_set] : sides) {
       if (reference_set == nullptr) continue;
-      Features reference;
+      ScoredRows reference;
       if (halves && reference_set == references_.train) {
         Halve(repetition, row, reference);
       } else {
-        reference = RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference").features;
+        reference = RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference");
       }
-      if (Status added = AddDistances(name, row.features, reference, repetition); !added) return added;
+      if (Status added = AddDistances(name, row.features, reference.features, repetition); !added) return added;
+      if (repetition > 0 || reference_set != references_.train) continue;
+      AddNeighbours(Gather(row_, DistinctClips(row_, row.rows)),
+                    Gather(*reference_set, DistinctClips(*reference_set, reference.rows)));
     }
     return {};
   }
@@ -218,7 +232,10 @@ class RowScore {
   void AddQuality(const ScoredRows& row) {
     for (const auto& [name, values] : row_.quality) {
       std::vector<double> own;
-      for (const int at : row.rows) own.push_back(values[static_cast<std::size_t>(at)]);
+      for (const int at : row.rows) {
+        if (values[static_cast<std::size_t>(at)] >= 0.0) own.push_back(values[static_cast<std::size_t>(at)]);
+      }
+      if (own.empty()) continue;
       const double mean = std::accumulate(own.begin(), own.end(), 0.0) / static_cast<double>(own.size());
       Random random(seed(), "resamples of quality", name);
       figures_[name] = {{mean},
@@ -238,7 +255,11 @@ class RowScore {
                                   "score more motions");
     }
     if (!drawn()) figures_[name].interval = ResampledFid(name, row, reference);
-    if (name != "FID_train") return {};
+    return {};
+  }
+
+  /// Metrics beside the papers', of the first repetition.
+  void AddNeighbours(const Features& row, const Features& reference) {
     Random random(seed(), "subsets of KID");
     if (const auto kid = KernelDistance(row, reference, static_cast<int>(options_.metrics.kid_subsets),
                                         static_cast<int>(options_.metrics.kid_size), random)) {
@@ -249,7 +270,6 @@ class RowScore {
       figures_["coverage"].values = {near->coverage};
       figures_["nearest_train"].values = {near->nearest};
     }
-    return {};
   }
 
   /// 95 % of the FIDs of resampled motions, shifted so that the bias of resampling (repeated rows) does not count.

@@ -143,7 +143,7 @@ Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int 
   return StudioEstimate{images, count * static_cast<double>(*bytes), count * seconds / std::max(1, jobs)};
 }
 
-std::vector<StudioSource> SourcesOf(StudioLayout layout, bool with_depth) {
+std::vector<WrittenSource> SourcesOf(StudioLayout layout, bool with_depth) {
   switch (layout) {
     case StudioLayout::kHumanAct12:
       return {{"humanact12_npy", "HumanAct12"}, {"humanact12_poses", "."}};

@@ -17,11 +17,11 @@ Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, c
                                                  int jobs, const StudioFolder::Progress& progress = {});
 
 /// How a folder of a written capture is read.
-struct StudioSource {
+struct WrittenSource {
   std::string name;    ///< source declaration of configs/sources
   std::string folder;  ///< below the written one
 };
-std::vector<StudioSource> SourcesOf(StudioLayout layout, bool with_depth);
+std::vector<WrittenSource> SourcesOf(StudioLayout layout, bool with_depth);
 
 /// What a layout with depth images will take; all 0 for others, which take seconds.
 struct StudioEstimate {

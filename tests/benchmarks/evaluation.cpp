@@ -1,18 +1,24 @@
-// A table of Real and one generator, in full: 20 repetitions of 3,000 motions, features and four metrics, from the
-// dataset file (1,200 clips of HumanAct12 sizes) to the written result; the answers of the generator are given. Prints
-// one JSON line. Arguments: default | released [repeats]. default: whole clips, zero hidden state: real clips pass the
-// recogniser once, generated ones in each repetition. released: windows, random hidden states: all three sets of a
-// repetition pass it, and all three are counted as items.
+// Scoring in full, from dataset files to the figures of a row, in one process: prints one JSON line.
+//   evaluation given [repeats] [threads]     3,000 motions once, as given: features, logits, all metrics
+//   evaluation released [repeats] [threads]  20 repetitions as the released code draws them, random hidden states:
+//                                            reference, Real and one generator, 60 passes of 3,000 motions
+//   evaluation cached [repeats]              the metrics of `released` where its features are there already
+//   evaluation fid [repeats]                 FID of two sets of 100,000 x 512 features
+// The network is a GRU of the released shape (72 numbers, 2 x 128, 12 classes), motions are random.
 
 #include <stdlib.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
 
+#include "core/store/feature_file.h"
 #include "core/store/store.h"
+#include "eval/metrics/fid.h"
 #include "eval/options.h"
+#include "eval/protocols/score.h"
 #include "eval/stages.h"
 #include "tests/benchmarks/json_line.h"
 #include "tests/train/chains.h"
@@ -25,6 +31,8 @@ namespace {
 
 constexpr int kClasses = 12;
 constexpr int kFrames = 60;
+constexpr int kMotions = 3000;
+constexpr int kRepetitions = 20;
 
 SkeletonPtr HumanAct12Skeleton() {
   auto skeleton = std::make_shared<Skeleton>();
@@ -33,7 +41,7 @@ SkeletonPtr HumanAct12Skeleton() {
   for (int j = 0; j < 24; ++j) {
     Joint joint;
     joint.name = "joint" + std::to_string(j);
-    joint.rest_offset = 0.2 * skeleton->lie->raw_offsets[static_cast<std::size_t>(j)];
+    joint.rest_offset = 0.3 * skeleton->lie->raw_offsets[static_cast<std::size_t>(j)];
     joint.mirror = j;
     skeleton->joints.push_back(joint);
   }
@@ -41,14 +49,6 @@ SkeletonPtr HumanAct12Skeleton() {
   for (int j = 0; j < 24; ++j)
     skeleton->joints[static_cast<std::size_t>(j)].parent = parents[static_cast<std::size_t>(j)];
   return skeleton;
-}
-
-Motion RandomMotion(const SkeletonPtr& skeleton, Random& random) {
-  Motion motion;
-  motion.skeleton = skeleton;
-  motion.joints = JointPositions(kFrames, skeleton->joint_count());
-  for (double& value : motion.joints.xyz) value = random.Uniform(-0.5, 0.5);
-  return motion;
 }
 
 Dataset RandomDataset(const SkeletonPtr& skeleton, int clips) {
@@ -63,64 +63,130 @@ Dataset RandomDataset(const SkeletonPtr& skeleton, int clips) {
     clip.identity.recording = std::to_string(100000 + i);
     clip.identity.end_frame = kFrames;
     clip.label = dataset.labels[static_cast<std::size_t>(i % kClasses)];
-    clip.motion = RandomMotion(skeleton, random);
+    Motion motion;
+    motion.skeleton = skeleton;
+    motion.joints = JointPositions(kFrames, skeleton->joint_count());
+    for (double& value : motion.joints.xyz) value = random.Uniform(-0.5, 0.5);
+    clip.motion = std::move(motion);
     dataset.clips.push_back(std::move(clip));
   }
   return dataset;
 }
 
-Status WriteRecogniser(RecogniserInputKind input, const std::filesystem::path& path) {
+Status WriteRecogniser(const SkeletonPtr& skeleton, const std::filesystem::path& path) {
   RecogniserOptions options;
-  options.input = input;
+  options.input = RecogniserInputKind::kCrop;
   Checkpoint checkpoint;
   checkpoint.kind = kGruRecogniserKind;
   checkpoint.options = OptionsToJson(options);
-  checkpoint.labels.assign(kClasses, "label");
+  for (int c = 0; c < kClasses; ++c) checkpoint.labels.push_back("label" + std::to_string(10 + c));
+  checkpoint.skeleton = skeleton;
   checkpoint.parameters = GruRecogniserParameters({});
   Random random(0, "benchmark");
   Initialise(checkpoint.parameters, random);
   return WriteCheckpoint(checkpoint, path);
 }
 
-int Run(bool released, int repeats, const std::filesystem::path& folder) {
-  const SkeletonPtr skeleton = HumanAct12Skeleton();
-  const auto input = released ? RecogniserInputKind::kCrop : RecogniserInputKind::kResample;
-  if (!WriteDataset(RandomDataset(skeleton, 1200), folder / "dataset.h5")) return 1;
-  if (!WriteRecogniser(input, folder / "recogniser.h5")) return 1;
-  EvaluateOptions options;
-  options.random_hidden = released;
-  std::vector<Motion> answers;
-  Random random(1, "answers");
-  for (int i = 0; i < options.motions; ++i) answers.push_back(RandomMotion(skeleton, random));
-  const StageFunction evaluate = MakeEvaluateStage([&](const std::filesystem::path&) -> Expected<AnswerRequests> {
-    return AnswerRequests([&](const std::vector<MotionRequest>&) { return answers; });
+/// The stages of a row, over files of a folder.
+class Evaluation {
+ public:
+  Evaluation(std::filesystem::path folder, int threads) : folder_(std::move(folder)), threads_(threads) {
+    const SkeletonPtr skeleton = HumanAct12Skeleton();
+    Check(WriteDataset(RandomDataset(skeleton, kMotions), folder_ / "dataset.h5"));
+    Check(WriteRecogniser(skeleton, folder_ / "recogniser.h5"));
+  }
+
+  void Features(const std::string& purpose, bool released) {
+    FeaturesOptions options;
+    options.generated = purpose == "generated";
+    options.purpose = purpose;
+    if (released) {
+      options.passes = kRepetitions;
+      options.motions = options.generated ? 0 : kMotions;
+      options.hidden = HiddenDraw::kNormal;
+      options.crop = CropDraw::kReleased;
+    }
+    StageRequest request;
+    request.options = OptionsToJson(options);
+    request.inputs = {{"weights", "recogniser", folder_ / "recogniser.h5", ""},
+                      {"motions", "dataset", folder_ / "dataset.h5", ""}};
+    request.output = folder_ / (purpose + ".h5");
+    request.threads = threads_;
+    Check(MakeFeaturesStage({})(request));
+  }
+
+  void Score(const std::string& purpose, bool released) {
+    ScoreOptions options;
+    options.name = purpose;
+    options.real = purpose == "real";
+    if (released) options.draw.repetitions = kRepetitions;
+    if (released) options.draw.motions = kMotions;
+    StageRequest request;
+    request.options = OptionsToJson(options);
+    request.inputs = {{"row", purpose, folder_ / (purpose + ".h5"), ""},
+                      {"reference_train", "reference", folder_ / "reference.h5", ""}};
+    request.output = folder_ / "score.json";
+    Check(ScoreStage(request));
+  }
+
+  int exit_code() const { return exit_code_; }
+
+ private:
+  template <class Result>
+  void Check(const Result& result) {
+    if (result) return;
+    std::fprintf(stderr, "%s\n", result.error().Message().c_str());
+    exit_code_ = 1;
+  }
+
+  std::filesystem::path folder_;
+  int threads_;
+  int exit_code_ = 0;
+};
+
+int FidOfManyFeatures(int repeats) {
+  constexpr Eigen::Index kCount = 100000, kSize = 512;
+  std::vector<float> features(static_cast<std::size_t>(kCount * kSize));
+  Random random(0, "features");
+  for (float& value : features) value = static_cast<float>(random.Uniform(-1.0, 1.0));
+  double distance = 0.0;
+  benchmarks::Report("fid_100000x512", 1, "distance", repeats, [&] {
+    const auto a = StatisticsOf(features.data(), kCount, kSize);
+    const auto b = StatisticsOf(features.data() + kSize, kCount - 1, kSize);
+    distance = *FrechetDistance(*a, *b);
   });
-  StageRequest request;
-  request.options = OptionsToJson(options);
-  request.inputs = {{"dataset", "dataset", folder / "dataset.h5", ""},
-                    {"recogniser", "recogniser/1", folder / "recogniser.h5", ""},
-                    {"generator", "generator", folder / "generator.h5", ""}};
-  request.output = folder / "metrics.json";
-  int exit_code = 0;
-  benchmarks::Report(released ? "evaluation_released" : "evaluation",
-                     static_cast<int>(options.repetitions * options.motions * (released ? 3 : 1)), "motions", repeats,
-                     [&] {
-                       const auto outcome = evaluate(request);
-                       if (outcome) return;
-                       std::fprintf(stderr, "%s\n", outcome.error().Message().c_str());
-                       exit_code = 1;
-                     });
-  return exit_code;
+  return distance < 1.0 ? 0 : 1;
+}
+
+int Run(const std::string& what, int repeats, int threads, const std::filesystem::path& folder) {
+  if (what == "fid") return FidOfManyFeatures(repeats);
+  Evaluation evaluation(folder, threads);
+  const bool released = what != "given";
+  const auto features = [&] {
+    for (const char* purpose : {"reference", "real", "generated"}) evaluation.Features(purpose, true);
+  };
+  if (what == "cached") features();
+  if (what == "given") evaluation.Features("reference", false);
+  benchmarks::Report(
+      "evaluation_" + what, released ? 3 * kRepetitions * kMotions : kMotions, "motions", repeats,
+      [&] {
+        if (what == "released") features();
+        if (what == "given") evaluation.Features("generated", false);
+        if (released) evaluation.Score("real", true);
+        evaluation.Score("generated", released);
+      },
+      threads);
+  return evaluation.exit_code();
 }
 
 }  // namespace
 }  // namespace mocurate
 
 int main(int argc, char** argv) {
-  const bool released = argc > 1 && std::string(argv[1]) == "released";
   std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_evaluation_XXXXXX").string();
   const std::filesystem::path folder = ::mkdtemp(pattern.data());
-  const int exit_code = mocurate::Run(released, argc > 2 ? std::atoi(argv[2]) : 1, folder);
+  const int exit_code = mocurate::Run(argc > 1 ? argv[1] : "given", argc > 2 ? std::atoi(argv[2]) : 1,
+                                      argc > 3 ? std::atoi(argv[3]) : 1, folder);
   std::filesystem::remove_all(folder);
   return exit_code;
 }

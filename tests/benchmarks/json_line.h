@@ -10,7 +10,8 @@
 namespace mocurate::benchmarks {
 
 /// Runs `work` once unmeasured, then `repeats` times, and prints one JSON line with the median.
-inline void Report(const char* name, double items, const char* unit, int repeats, const std::function<void()>& work) {
+inline void Report(const char* name, double items, const char* unit, int repeats, const std::function<void()>& work,
+                   int threads = 1) {
   work();
   std::vector<double> seconds, cpu_seconds;
   for (int i = 0; i < repeats; ++i) {
@@ -26,8 +27,9 @@ inline void Report(const char* name, double items, const char* unit, int repeats
   std::printf(
       "{\"name\": \"%s\", \"seconds_median\": %.6f, \"seconds_min\": %.6f, \"cpu_seconds_median\": %.6f, \"repeats\": "
       "%d, \"items\": %.9g, "
-      "\"unit\": \"%s\", \"items_per_s\": %.3f, \"threads\": 1}\n",
-      name, median, seconds.front(), cpu_seconds[cpu_seconds.size() / 2], repeats, items, unit, items / median);
+      "\"unit\": \"%s\", \"items_per_s\": %.3f, \"threads\": %d}\n",
+      name, median, seconds.front(), cpu_seconds[cpu_seconds.size() / 2], repeats, items, unit, items / median,
+      threads);
 }
 
 }  // namespace mocurate::benchmarks

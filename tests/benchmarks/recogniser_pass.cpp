@@ -27,7 +27,9 @@ int main(int argc, char** argv) {
   for (float& value : motions) value = static_cast<float>(random.Uniform(-0.5, 0.5));
   RecogniserHidden hidden;
   hidden.kind = InitialHidden::kNormal;
-  benchmarks::Report("recogniser_pass", 3000, "motions", argc > 1 ? std::atoi(argv[1]) : 3,
-                     [&] { (void)(*recogniser)->Run(motions.data(), 3000, 60, 72, hidden); });
+  const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
+  benchmarks::Report(
+      "recogniser_pass", 3000, "motions", argc > 1 ? std::atoi(argv[1]) : 3,
+      [&] { (void)(*recogniser)->Run(motions.data(), 3000, 60, 72, hidden, {}, threads); }, threads);
   return 0;
 }

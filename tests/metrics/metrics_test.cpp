@@ -261,8 +261,6 @@ TEST(Interval, EachConventionEqualsItsCodeBase) {
     const std::vector<double> values = file.Doubles(at + "values").values;
     EXPECT_NEAR(Summarise(values, IntervalKind::kStudent).half_width, file.Doubles(at + "multiact_halfwidth")[0], 1e-9);
     EXPECT_NEAR(Summarise(values, IntervalKind::kActor).half_width, file.Doubles(at + "actor_interval")[0], 1e-9);
-    EXPECT_NEAR(Summarise(values, IntervalKind::kAction2Motion).half_width,
-                file.Doubles(at + "normal_halfwidth_1p96_sd_over_sqrt_n")[0], 1e-9);
     EXPECT_NEAR(Summarise(values, IntervalKind::kActor).mean, file.Doubles(at + "mean")[0], 1e-9);
   }
 }

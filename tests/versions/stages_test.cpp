@@ -14,7 +14,6 @@
 #include "eval/options.h"
 #include "fitting/options.h"
 #include "ingest/options.h"
-#include "ingest/read_motions.h"
 #include "report/options.h"
 #include "tests/versions/fixed_inputs.h"
 #include "tests/versions/stage_record.h"

@@ -1,0 +1,320 @@
+// `mocurate eval`: published weights on published motions, files of other programs, and what is refused.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "core/formats/npy.h"
+#include "core/store/feature_file.h"
+#include "core/store/hdf5_file.h"
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+using program::Folder;
+using program::ReadText;
+using program::Result;
+using program::WriteText;
+namespace fs = std::filesystem;
+
+#define REQUIRE_GOLDENS() \
+  if (std::getenv("MOCURATE_GOLDENS") == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is unset"
+
+fs::path Published(const std::string& name) { return fs::path(std::getenv("MOCURATE_GOLDENS")) / "published" / name; }
+
+Result Eval(const Folder& folder, std::vector<std::string> arguments, bool weights = true) {
+  arguments.insert(arguments.begin(), "eval");
+  arguments.push_back("--json");
+  program::Surroundings surroundings;
+  surroundings.before_start = [weights] {
+    if (weights) setenv("MOCURATE_WEIGHTS", Published("").c_str(), 1);
+    if (!weights) unsetenv("MOCURATE_WEIGHTS");
+  };
+  return program::RunProgram(folder, arguments, surroundings);
+}
+
+double ValueOf(const Result& result, std::size_t row, const std::string& metric) {
+  return result.Json()["rows"][row]["metrics"][metric]["value"].get<double>();
+}
+
+bool Warns(const Result& result, const std::string& code) {
+  for (const auto& warning : result.Json()["warnings"]) {
+    if (warning["code"] == code) return true;
+  }
+  return false;
+}
+
+std::vector<float> GoldenFloats(const std::string& path) {
+  const auto reader = store::Hdf5Reader::Open(fs::path(std::getenv("MOCURATE_GOLDENS")) / "recogniser.h5");
+  const auto array = reader->Read(path, store::FieldType::kFloat32);
+  return array ? array->as<float>() : std::vector<float>();
+}
+
+double Worst(const std::vector<float>& a, const std::vector<float>& b) {
+  double worst = a.size() == b.size() && !a.empty() ? 0.0 : 1e300;
+  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) worst = std::max<double>(worst, std::fabs(a[i] - b[i]));
+  return worst;
+}
+
+struct PublishedCase {
+  std::string protocol, joints, bones, golden;
+  std::vector<std::string> set;
+  double accuracy;
+};
+
+/// The figures of goldens/README.md, and logits and features of the released code.
+TEST(Eval, PublishedWeightsScorePublishedMotionsAsTheReleasedCode) {
+  REQUIRE_GOLDENS();
+  const std::string humanact = "humanact12/vanila_vae_tf/motion_joints500000.npy",
+                    ntu = "ntu_rgbd_vibe/vanila_vae_tf_2/motion_joints300000.npy",
+                    ntu_lie = "ntu_rgbd_vibe/vanilla_vae_lie_mse_kld01/motion_joints50000.npy",
+                    cmu = "mocap/vanila_vae_tf_2/motion_joints210000.npy",
+                    cmu_lie = "mocap/vanilla_vae_lie_mse_kld01/motion_joints50000.npy";
+  const std::vector<std::string> at_origin = {"--set", "extractor.generated_root=first_frame"};
+  const PublishedCase cases[] = {
+      {"a2m-humanact12", humanact, "", "humanact12/vanila_vae_tf/as_stored", {}, 0.75},
+      {"a2m-humanact12", humanact, "", "humanact12/vanila_vae_tf/first_root_at_origin", at_origin, 0.75},
+      {"a2m-ntu13", ntu, "", "ntu_rgbd_vibe/vanila_vae_tf_2/as_stored", {}, 0.75},
+      {"a2m-ntu13", ntu_lie, ntu, "ntu_rgbd_vibe/vanilla_vae_lie_mse_kld01/fk", {}, 0.95},
+      {"a2m-ntu13", ntu_lie, ntu, "ntu_rgbd_vibe/vanilla_vae_lie_mse_kld01/fk_first_root_at_origin", at_origin, 1.0},
+      {"a2m-cmu8", cmu, "", "mocap/vanila_vae_tf_2/as_stored", {}, 0.25},
+      {"a2m-cmu8", cmu_lie, cmu, "mocap/vanilla_vae_lie_mse_kld01/fk", {}, 0.65}};
+  const Folder folder;
+  for (const PublishedCase& one : cases) {
+    std::vector<std::string> arguments = {
+        "--protocol",  one.protocol,
+        "--generated", "set=" + Published(one.joints).string(),
+        "--labels",    (Published(one.joints).parent_path() / "motion_class.npy").string(),
+        "-o",          (folder / "out").string()};
+    if (!one.bones.empty()) arguments.insert(arguments.end(), {"--bone-lengths", Published(one.bones).string()});
+    arguments.insert(arguments.end(), one.set.begin(), one.set.end());
+    const Result result = Eval(folder, arguments);
+    ASSERT_EQ(result.exit_code, 0) << one.golden << "\n" << result.err;
+    EXPECT_DOUBLE_EQ(ValueOf(result, 0, "accuracy"), one.accuracy) << one.golden;
+    const auto features = ReadFeatures(folder / "out/features/set.h5");
+    ASSERT_TRUE(features) << features.error().Message();
+    EXPECT_LE(Worst(features->logits, GoldenFloats("/" + one.golden + "/h0_zero/logits")), 5e-5) << one.golden;
+    EXPECT_LE(Worst(features->features, GoldenFloats("/" + one.golden + "/h0_zero/features30")), 5e-5) << one.golden;
+  }
+}
+
+TEST(Eval, ComesWithThePublishedNumbersAndSaysWhatItNeedsForTheRest) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
+  const Result result = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", joints});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = result.Json();
+  EXPECT_EQ(json["protocol"], "a2m-humanact12");
+  EXPECT_EQ(json["variant"], "given");
+  EXPECT_EQ(json["extractor"], "a2m-humanact12");
+  EXPECT_EQ(json["rows"][0]["motions"], 20);
+  EXPECT_TRUE(json["rows"][0]["metrics"]["FID_train"]["value"].is_null());
+  EXPECT_TRUE(json["rows"][0]["metrics"]["accuracy"]["value"].is_null());
+  EXPECT_TRUE(Warns(result, "no_real_motions"));
+  EXPECT_TRUE(Warns(result, "no_labels"));
+  const auto& first = json["published"][0];
+  EXPECT_EQ(first["method"], "Real motions");
+  EXPECT_EQ(first["metric"], "FID_train");
+  EXPECT_EQ(first["value"], 0.092);
+  EXPECT_EQ(first["pm_kind"], "a2m_1.96_sd_over_sqrt_n");
+}
+
+/// 60 motions of two classes as an array of shape `shape`, made by `at(motion, frame, joint, axis)` of a rest pose.
+NpyArray Varied(const NpyArray& published, int copies) {
+  NpyArray varied = published;
+  varied.shape[0] = static_cast<std::size_t>(copies) * published.shape[0];
+  varied.values.clear();
+  for (int c = 0; c < copies; ++c) {
+    for (std::size_t i = 0; i < published.values.size(); ++i) {
+      varied.values.push_back(published.values[i] * (1.0 + 0.004 * c) +
+                              0.002 * std::sin(0.37 * static_cast<double>(i) + c));
+    }
+  }
+  varied.dtype = "<f4";
+  return varied;
+}
+
+NpyArray PublishedMotions() {
+  const std::string bytes = ReadText(Published("humanact12/vanila_vae_tf/motion_joints500000.npy"));
+  return *ParseNpy(bytes, "joints");
+}
+
+TEST(Eval, RealComesFirstRowsFollowAndReleasedDrawsAsThePaperDoes) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  WriteText(folder / "real.npy", WriteNpy(Varied(PublishedMotions(), 3)));
+  WriteText(folder / "a.npy", WriteNpy(Varied(PublishedMotions(), 2)));
+  NpyArray noisy = Varied(PublishedMotions(), 2);
+  for (std::size_t i = 0; i < noisy.values.size(); ++i)
+    noisy.values[i] += 0.05 * std::sin(1.7 * static_cast<double>(i * i % 101));
+  WriteText(folder / "b.npy", WriteNpy(noisy));
+  const std::vector<std::string> arguments = {"--protocol",  "a2m-humanact12",
+                                              "--generated", "a=" + (folder / "a.npy").string(),
+                                              "--generated", "b=" + (folder / "b.npy").string(),
+                                              "--real",      (folder / "real.npy").string(),
+                                              "-o",          (folder / "out").string()};
+  const Result given = Eval(folder, arguments);
+  ASSERT_EQ(given.exit_code, 0) << given.err;
+  const nlohmann::json rows = given.Json()["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["name"], "Real");
+  EXPECT_LT(ValueOf(given, 1, "FID_train"), ValueOf(given, 2, "FID_train"));
+  EXPECT_LT(given.Json()["comparisons"][0]["metrics"]["FID_train"]["p"].get<double>(), 0.05);
+  for (const char* file :
+       {"metrics.json", "tables/table.md", "tables/table.tex", "tables/table.csv", "features/a.h5"}) {
+    EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
+  }
+  std::vector<std::string> released = arguments;
+  for (const char* option : {"variant=released", "released.repetitions=3", "released.motions=50"}) {
+    released.insert(released.end(), {"--set", option});
+  }
+  const Result drawn = Eval(folder, released);
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  for (const auto& row : drawn.Json()["rows"]) {
+    EXPECT_EQ(row["metrics"]["FID_train"]["repetitions"].size(), 3u);
+    EXPECT_EQ(row["metrics"]["FID_train"]["interval_kind"], "a2m_1.96_sd_over_sqrt_n");
+  }
+  EXPECT_EQ(drawn.Json()["rows"][1]["assumed"][0], "same_motions_in_every_repetition");
+  EXPECT_EQ(drawn.out, Eval(folder, released).out) << "same inputs, same bytes";
+  released.insert(released.end(), {"-j", "1"});
+  const Folder other;  // another cache
+  EXPECT_EQ(drawn.Json()["rows"], Eval(other, released).Json()["rows"]) << "with any number of jobs";
+}
+
+TEST(Eval, LabelsComeFromFilesNamesOfFilesAndTables) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const NpyArray all = PublishedMotions();
+  const std::size_t each = all.values.size() / all.shape[0];
+  for (std::size_t i = 0; i < 4; ++i) {
+    NpyArray one;
+    one.shape = {60, 24, 3};
+    one.dtype = "<f4";
+    one.values.assign(all.values.begin() + static_cast<std::ptrdiff_t>(i * each),
+                      all.values.begin() + static_cast<std::ptrdiff_t>((i + 1) * each));
+    const char* names[] = {"warm_up0_3d", "run1_3d", "Turn steering wheel_02", "phone-3"};
+    WriteText(folder / ("named/" + std::string(names[i]) + ".npy"), WriteNpy(one));
+  }
+  const auto labels = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--protocol", "a2m-humanact12", "--generated", "n=" + (folder / "named").string(), "-o",
+                               (folder / "out").string()});
+    const Result result = Eval(folder, more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto features = ReadFeatures(folder / "out/features/n.h5");
+    return features ? features->label : std::vector<int>();
+  };
+  EXPECT_EQ(labels({}), (std::vector<int>{8, 9, 2, 0})) << "by clip id";
+  WriteText(folder / "table.csv",
+            "name,label\nphone-3,walk\nrun1_3d,11\nwarm_up0_3d,jump\nTurn steering wheel_02,sit\n");
+  EXPECT_EQ(labels({"--labels", (folder / "table.csv").string()}), (std::vector<int>{6, 1, 11, 3}));
+  WriteText(folder / "lines.txt", "throw\nthrow\neat\nthrow\n");
+  EXPECT_EQ(labels({"--labels", (folder / "lines.txt").string()}), (std::vector<int>{11, 11, 7, 11}));
+}
+
+struct BadInput {
+  std::string what;
+  std::vector<std::string> arguments;
+  int exit_code;
+};
+
+TEST(Eval, BadInputEndsWithItsCode) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string(),
+                    classes = Published("humanact12/vanila_vae_tf/motion_class.npy").string(),
+                    raw = Published("ntu_rgbd_vibe/vanilla_vae_lie_mse_kld01/motion_joints50000.npy").string();
+  NpyArray flipped = PublishedMotions();
+  for (std::size_t i = 1; i < flipped.values.size(); i += 3) flipped.values[i] = -flipped.values[i];
+  WriteText(folder / "flipped.npy", WriteNpy(flipped));
+  NpyArray centimetres = PublishedMotions();
+  for (double& value : centimetres.values) value *= 100.0;
+  WriteText(folder / "cm.npy", WriteNpy(centimetres));
+  WriteText(folder / "few.txt", "walk\nrun\n");
+  WriteText(
+      folder / "unknown.txt", "sleep\n" + [] {
+        std::string rest;
+        for (int i = 0; i < 19; ++i) rest += "walk\n";
+        return rest;
+      }());
+  WriteText(folder / "empty.npy", "");
+  // An array of objects whose pickle asks for os.system.
+  std::string evil("\x93NUMPY\x01\x00", 8);
+  std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (), }";
+  header += std::string(117 - header.size(), ' ') + "\n";
+  evil += std::string("\x76\x00", 2) + header + "cos\nsystem\n(S'true'\ntR.";
+  WriteText(folder / "evil.npy", evil);
+  const std::string folder_of = folder.path().string() + "/";
+  const BadInput cases[] = {
+      {"head below the feet", {"--generated", folder_of + "flipped.npy"}, 3},
+      {"another unit", {"--generated", folder_of + "cm.npy"}, 3},
+      {"Lie parameters as joints", {"--generated", raw}, 3},
+      {"too few labels", {"--generated", joints, "--labels", folder_of + "few.txt"}, 3},
+      {"a label that the extractor lacks", {"--generated", joints, "--labels", folder_of + "unknown.txt"}, 3},
+      {"an empty file", {"--generated", folder_of + "empty.npy"}, 3},
+      {"a pickle that tries to execute", {"--generated", folder_of + "evil.npy"}, 3},
+      {"no such file", {"--generated", folder_of + "nowhere.npy"}, 3},
+      {"no such protocol", {"--generated", joints, "--protocol", "a2m-humanact"}, 2},
+      {"no such option", {"--generated", joints, "--set", "varian=released"}, 2},
+      {"lie without bone lengths", {"--generated", joints, "--values", "lie"}, 2},
+      {"weights that are not here", {"--generated", joints, "--protocol", "actor-uestc40"}, 4}};
+  for (const BadInput& bad : cases) {
+    std::vector<std::string> arguments = bad.arguments;
+    if (std::find(arguments.begin(), arguments.end(), "--protocol") == arguments.end()) {
+      arguments.insert(arguments.end(), {"--protocol", "a2m-humanact12"});
+    }
+    const Result result = Eval(folder, arguments);
+    EXPECT_EQ(result.exit_code, bad.exit_code) << bad.what << ": " << result.err;
+    EXPECT_EQ(result.Json()["error"]["exit_code"], bad.exit_code) << bad.what;
+  }
+  const Result unset =
+      Eval(folder, {"--protocol", "a2m-humanact12", "--generated", joints, "--labels", classes}, false);
+  EXPECT_EQ(unset.exit_code, 4) << unset.err;
+}
+
+TEST(Eval, AMotionWithANumberThatIsNoneIsNamedAndTheOthersAreScored) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  NpyArray broken = PublishedMotions();
+  broken.values[7 * 60 * 72 + 100] = std::nan("");
+  WriteText(folder / "broken.npy", WriteNpy(broken));
+  const Result result = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", (folder / "broken.npy").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.Json()["rows"][0]["motions"], 19);
+  ASSERT_TRUE(Warns(result, "clip_refused"));
+  EXPECT_THAT(result.out, ::testing::HasSubstr("0007"));
+}
+
+TEST(Eval, ARowThatFailsCostsItself) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
+  const std::string other = Published("ntu_rgbd_vibe/vanila_vae_tf_2/motion_joints300000.npy").string();
+  const Result result =
+      Eval(folder, {"--protocol", "a2m-humanact12", "--generated", "good=" + joints, "--generated", "bad=" + other});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  ASSERT_EQ(result.Json()["rows"].size(), 1u);
+  EXPECT_EQ(result.Json()["rows"][0]["name"], "good");
+  EXPECT_TRUE(result.Json()["failed"].contains("bad"));
+}
+
+TEST(Doctor, SaysWhichWeightsAProtocolNeedsAndWhetherTheyAreThere) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  program::Surroundings surroundings;
+  surroundings.before_start = [] { setenv("MOCURATE_WEIGHTS", Published("").c_str(), 1); };
+  const Result found = program::RunProgram(folder, {"doctor", "--protocol", "a2m-ntu13", "--json"}, surroundings);
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_EQ(found.Json()["weights"], "action_recognition_model_vibe_v2.tar");
+  EXPECT_TRUE(found.Json()["found"].is_string());
+  const Result missing =
+      program::RunProgram(folder, {"doctor", "--protocol", "multiact-babel53", "--json"}, surroundings);
+  EXPECT_EQ(missing.exit_code, 4);
+  EXPECT_TRUE(missing.Json()["found"].is_null());
+}
+
+}  // namespace
+}  // namespace mocurate
