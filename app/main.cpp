@@ -147,7 +147,7 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
 void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App* verb_export = app.add_subcommand("export", "Write motions as arrays of numpy, one .npz per clip");
-  verb_export->add_option("path", arguments->path, "dataset or MotionSet")->required();
+  verb_export->add_option("path", arguments->path, "file or folder of motions: dataset, BVH, AMASS, ...")->required();
   verb_export->add_option("-o,--output", arguments->output, "FILE.npz for one clip, or a folder")->required();
   std::vector<std::string> names;
   std::string help = "rotations as:";
@@ -157,11 +157,13 @@ void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   }
   arguments->rotations = names.front();
   verb_export->add_option("--as", arguments->rotations, help)->check(CLI::IsMember(names))->type_name("REPRESENTATION");
+  verb_export->add_option("--source", arguments->source, "source declaration, where the files do not say it");
   verb_export->add_option("--clip", arguments->clips, "which clip, by its id or the end of it (default: all)")
       ->allow_extra_args(false);
   verb_export->add_flag("--force", arguments->force, "overwrite");
   verb_export->footer(
       "Examples:\n  mocurate export walk.h5 -o walk.npz --as axis_angle\n"
+      "  mocurate export walk.bvh -o walk.npz --as quaternion\n"
       "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows");
   verb_export->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return ExportVerb(common, *arguments); }; });

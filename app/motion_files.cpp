@@ -29,11 +29,6 @@ std::vector<fs::path> FilesOf(const fs::path& path) {
   return files;
 }
 
-constexpr const char* kStoreDeclaration =
-    "ingest:\n  source:\n    name: motions\n    format: motions\n    container: the file that is named\n"
-    "    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
-    "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
-
 Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& path) {
   Expected<LoadedJob> job = LoadJob(config, {"ingest.path=."});
   if (!job) return Forward(job);
@@ -48,6 +43,14 @@ Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& pat
 bool IsMotionStore(const fs::path& path) {
   std::error_code unknown;
   return fs::is_regular_file(path, unknown) && IsStoreFile(path);
+}
+
+ConfigSource MotionStoreConfig(const fs::path& path) {
+  const std::string text =
+      "ingest:\n  source:\n    name: motions\n    format: motions\n    container: the file that is named\n"
+      "    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
+      "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
+  return {text, DisplayPath(path), fs::current_path()};
 }
 
 bool AreBareArrays(const fs::path& path) {
@@ -91,7 +94,7 @@ Expected<IngestOptions> DeclareMotions(const fs::path& path, const std::string& 
     if (!declaration) return Forward(declaration);
     return IngestOf(*declaration, path);
   }
-  if (IsMotionStore(path)) return IngestOf({kStoreDeclaration, DisplayPath(path), fs::current_path()}, path);
+  if (IsMotionStore(path)) return IngestOf(MotionStoreConfig(path), path);
   const Expected<WrittenDeclaration> written = DeclareSource(InspectPath(path, std::nullopt), path, "motions");
   if (!written) return Forward(written);
   if (!written->unknown.empty()) {

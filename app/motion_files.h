@@ -24,6 +24,9 @@ bool AreBareArrays(const std::filesystem::path& path);
 /// Whether a file is a dataset or MotionSet of ours, which says everything itself.
 bool IsMotionStore(const std::filesystem::path& path);
 
+/// Declares a dataset or MotionSet of ours.
+ConfigSource MotionStoreConfig(const std::filesystem::path& path);
+
 /// Declares bare arrays as the extractor reads them: its joints, axes, unit and rate.
 Expected<IngestOptions> DeclareArrays(const std::filesystem::path& path, const ExtractorOptions& extractor);
 

@@ -171,7 +171,7 @@ Expected<nlohmann::json> Published(const ProtocolOptions& protocol) {
   return PublishedOf(*values, protocol.paper, protocol.dataset);
 }
 
-const char* Name(ProtocolVariant variant) {
+const char* VariantName(ProtocolVariant variant) {
   return variant == ProtocolVariant::kGiven ? "given" : variant == ProtocolVariant::kReleased ? "released" : "paper";
 }
 
@@ -187,7 +187,7 @@ Status WriteResults(const nlohmann::json& result, const EvaluationResult& evalua
   return tables ? Status() : Forward(tables);
 }
 
-void Print(const CommonArguments& common, const nlohmann::json& result) {
+void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result) {
   if (common.json) {
     std::printf("%s\n", result.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return;
@@ -276,7 +276,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   }
   auto published = Published(plan->protocol);
   if (!published) return Forward(published);
-  nlohmann::json result = {{"protocol", plan->protocol.name},       {"variant", Name(plan->protocol.variant)},
+  nlohmann::json result = {{"protocol", plan->protocol.name},       {"variant", VariantName(plan->protocol.variant)},
                            {"extractor", plan->extractor.name},     {"rows", evaluated->rows},
                            {"comparisons", evaluated->comparisons}, {"published", *published},
                            {"notes", plan->protocol.notes},         {"warnings", evaluated->warnings},
@@ -292,7 +292,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     if (Status written = WriteResults(result, *evaluated, arguments.output); !written) return written;
   }
   common.answered = common.json;
-  Print(common, result);
+  PrintEvaluation(common, result);
   if (evaluated->failed.empty()) return {};
   const auto& [name, error] = *evaluated->failed.begin();
   return Fail(ErrorCode::kTooManyFailures,

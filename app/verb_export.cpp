@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/motion_files.h"
 #include "app/verbs.h"
 #include "canon/exports/motion_arrays.h"
 #include "core/base/file.h"
@@ -90,12 +91,24 @@ Expected<std::vector<fs::path>> PathsFor(const std::vector<const Clip*>& clips, 
   return paths;
 }
 
+/// A dataset of ours as it stands; other files by their declaration.
+Expected<ReadMotions> MotionsOf(const ExportArguments& arguments) {
+  if (arguments.source.empty() && IsMotionStore(arguments.path)) {
+    Expected<Dataset> dataset = ReadDataset(arguments.path);
+    if (!dataset) return Forward(dataset);
+    return ReadMotions{std::move(*dataset), {}};
+  }
+  const Expected<IngestOptions> ingest = DeclareMotions(arguments.path, arguments.source);
+  if (!ingest) return Forward(ingest);
+  return ReadAllMotions({*ingest, {}});
+}
+
 }  // namespace
 
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
-  const Expected<Dataset> dataset = ReadDataset(arguments.path);
-  if (!dataset) return Forward(dataset);
-  const Expected<std::vector<const Clip*>> clips = Choose(*dataset, arguments);
+  const Expected<ReadMotions> read = MotionsOf(arguments);
+  if (!read) return Forward(read);
+  const Expected<std::vector<const Clip*>> clips = Choose(read->set, arguments);
   if (!clips) return Forward(clips);
   const Expected<std::vector<fs::path>> paths = PathsFor(*clips, arguments);
   if (!paths) return Forward(paths);
@@ -117,12 +130,22 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   }
   common.answered = common.json;
   if (common.json) {
-    std::printf("%s\n", nlohmann::json({{"representation", arguments.rotations}, {"files", files}}).dump(1).c_str());
+    nlohmann::json refused = nlohmann::json::object();
+    for (const RefusedClip& clip : read->refused) refused[clip.item] = clip.error.Message();
+    std::printf("%s\n",
+                nlohmann::json({{"representation", arguments.rotations}, {"files", files}, {"refused", refused}})
+                    .dump(1)
+                    .c_str());
   } else {
     std::printf("%s as %s in %s\n", Counted(static_cast<long long>(clips->size()), "clip").c_str(),
                 arguments.rotations.c_str(), DisplayPath(arguments.output).c_str());
   }
-  return {};
+  if (read->refused.empty()) return {};
+  const auto& [name, error] = read->refused.front();
+  return Fail(
+      ErrorCode::kTooManyFailures,
+      Counted(static_cast<long long>(read->refused.size()), "clip") + " could not be read; " + name + ": " + error.what,
+      error.where, error.hint);
 }
 
 }  // namespace mocurate

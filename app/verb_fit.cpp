@@ -10,6 +10,7 @@
 #include "app/fit_answer.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
+#include "app/motion_files.h"
 #include "app/named_configs.h"
 #include "app/scratch_folder.h"
 #include "app/verbs.h"
@@ -36,20 +37,6 @@ struct Declared {
   std::vector<std::string> unknown;  ///< options of ingest.source
   fs::path path;                     ///< where they stand, if not where was asked for: the folder above
 };
-
-bool IsStore(const fs::path& path) {
-  std::error_code unknown;
-  return fs::is_regular_file(path, unknown) && IsStoreFile(path);
-}
-
-/// A dataset or MotionSet says everything itself.
-Declared DeclareStore(const fs::path& path) {
-  const std::string text =
-      "ingest:\n  source:\n    name: fit\n    format: motions\n    container: the file that is named\n"
-      "    files: '{source}/{person}/{recording}#{begin}-{end}'\n    person: '{person}'\n"
-      "    recording: '{recording}'\n    label: ''\n    axes: '+x +y +z'\n";
-  return {{text, DisplayPath(path), fs::current_path()}, {}, {}};
-}
 
 /// Of the clips those that any of the names chooses, in their order; all without names. Error of the first name that
 /// chooses none.
@@ -86,7 +73,7 @@ Expected<Declared> Declare(const FitArguments& arguments) {
     if (!source) return Forward(source);
     return Declared{*source, {}, {}};
   }
-  if (IsStore(arguments.path)) return DeclareStore(arguments.path);
+  if (IsMotionStore(arguments.path)) return Declared{MotionStoreConfig(arguments.path), {}, {}};
   nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
@@ -188,9 +175,9 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   // Not by way of YAML: a path may hold any bytes.
   options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
   std::optional<std::string> unnamed;
-  if (!IsStore(path)) unnamed = TakeUnnamed(IsAssigned(arguments, "ingest.source.files"), options.ingest);
+  if (!IsMotionStore(path)) unnamed = TakeUnnamed(IsAssigned(arguments, "ingest.source.files"), options.ingest);
   if (unnamed) LogInfo(*unnamed);
-  if (!IsStore(path)) TellOfMirror(arguments, options.ingest.source);
+  if (!IsMotionStore(path)) TellOfMirror(arguments, options.ingest.source);
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
   ChooseBodies(arguments, unnamed.has_value(), options);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);

@@ -41,8 +41,9 @@ struct FitArguments {
 };
 
 struct ExportArguments {
-  std::filesystem::path path;      ///< dataset or MotionSet
+  std::filesystem::path path;      ///< a file or folder of motions
   std::filesystem::path output;    ///< FILE.npz of one clip, or a folder
+  std::string source;              ///< source declaration; empty: what the files say of themselves
   std::string rotations;           ///< a name of kRotationArraysNames
   std::vector<std::string> clips;  ///< which of them; empty: all
   bool force = false;              ///< overwrite
