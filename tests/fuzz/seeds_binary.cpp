@@ -92,6 +92,7 @@ void AddPickles(FuzzSeeds& seeds) {
   Add(seeds, "vibe_pickle", EncodeVibeCache({track, track}, "seed"));
   const HumanAct12Clip clip{1, std::vector<double>(72, 0.5), std::vector<double>(72, 0.5), 3};
   Add(seeds, "humanact12_pickle", EncodeHumanAct12Pickle({clip, clip}, "seed"));
+  seeds.push_back({"mdm_results", FromHex(kMdmResults)});
   const std::string model = EncodeSmplModelNpz(SmallModel(), "seed").value();
   seeds.push_back({"smpl_model", model});
   PickleWriter writer;

@@ -187,6 +187,7 @@ inline KeypointView MakeKeypointView(const std::string& name) {
 
 inline Clip MakeEvidenceClip(bool with_motion) {
   Clip clip = MakeClip("p1", "a", 3);
+  clip.fine_label = "stroll";
   JointTracks tracks;
   tracks.names = {"hip centre", "Knie links"};
   tracks.time_s = {0.0, 0.1, 0.25};
