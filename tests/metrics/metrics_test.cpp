@@ -1,9 +1,8 @@
-// Metrics agree with the released code's numbers, and keep their own laws.
+// Laws that metrics keep; their agreement with the released code is tests/eval/precision_test.cpp.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/fid.h"
@@ -12,25 +11,9 @@
 #include "eval/metrics/neighbours.h"
 #include "eval/metrics/permutation_test.h"
 #include "eval/metrics/spread.h"
-#include "tests/support/golden.h"
 
 namespace mocurate {
 namespace {
-
-#define REQUIRE_GOLDENS()                                              \
-  const char* goldens = std::getenv("MOCURATE_GOLDENS");               \
-  if (goldens == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is unset"; \
-  const golden::File file(std::string(goldens) + "/metrics.h5")
-
-Features AsFeatures(const golden::Array<double>& array) {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  return Eigen::Map<const RowMajor>(array.values.data(), static_cast<Eigen::Index>(array.rows()),
-                                    static_cast<Eigen::Index>(array.row_size()));
-}
-
-std::vector<int> AsInts(const golden::Array<std::int64_t>& array) {
-  return std::vector<int>(array.values.begin(), array.values.end());
-}
 
 double Fid(const Features& a, const Features& b) {
   const auto first = StatisticsOf(a);
@@ -39,22 +22,6 @@ double Fid(const Features& a, const Features& b) {
   const auto distance = FrechetDistance(*first, *second);
   EXPECT_TRUE(distance) << distance.error().Message();
   return distance.value_or(std::nan(""));
-}
-
-TEST(FrechetDistance, EqualsTheReleasedCodeOnEveryStoredCase) {
-  REQUIRE_GOLDENS();
-  const auto cases = file.Children("fid");
-  EXPECT_EQ(cases.size(), 16u);
-  for (const std::string& name : cases) {
-    const std::string at = "fid/" + name + "/";
-    const Features a = AsFeatures(file.Doubles(at + "A"));
-    const Features b = AsFeatures(file.Doubles(at + "B"));
-    const bool full_rank = a.rows() > a.cols() && b.rows() > b.cols();
-    const double ours = Fid(a, b);
-    EXPECT_NEAR(ours, file.Doubles(at + "fid_symmetric_eigen")[0], 2e-5) << name;
-    // float32 means of the reference limit agreement for float32 features.
-    EXPECT_NEAR(ours, file.Doubles(at + "fid")[0], full_rank ? 1e-5 : 2e-5) << name;
-  }
 }
 
 TEST(FrechetDistance, IsZeroForASetAndItself) {
@@ -77,26 +44,6 @@ TEST(FrechetDistance, RefusesASingleMotionAndNumbersThatAreNotFinite) {
   Features broken = Features::Zero(3, 3);
   broken(1, 1) = std::nan("");
   EXPECT_NE(StatisticsOf(broken).error().what.find("finite"), std::string::npos);
-}
-
-TEST(Spread, EqualsTheReleasedCodeForItsOwnDraws) {
-  REQUIRE_GOLDENS();
-  for (const std::string& name : file.Children("divmm")) {
-    const Features features = AsFeatures(file.Doubles("divmm/" + name + "/activations"));
-    for (const std::string& seed : file.Children("divmm/" + name)) {
-      if (seed.rfind("seed", 0) != 0) continue;
-      const std::string at = "divmm/" + name + "/" + seed + "/";
-      const auto first = AsInts(file.Integers(at + "div_first"));
-      const auto second = AsInts(file.Integers(at + "div_second"));
-      IndexPairs any;
-      for (std::size_t i = 0; i < first.size(); ++i) any.emplace_back(first[i], second[i]);
-      EXPECT_NEAR(MeanDistance(features, any), file.Doubles(at + "diversity")[0], 1e-5) << at;
-      const auto pairs = AsInts(file.Integers(at + "mm_pairs"));
-      IndexPairs same;
-      for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) same.emplace_back(pairs[i], pairs[i + 1]);
-      EXPECT_NEAR(MeanDistance(features, same), file.Doubles(at + "multimodality")[0], 1e-5) << at;
-    }
-  }
 }
 
 TEST(Spread, MultimodalityPairsStayInTheirClassAndFillTheQuota) {
@@ -129,42 +76,6 @@ TEST(FrechetDistance, OfFloatRowsInBlocksEqualsThatOfDoubles) {
   EXPECT_LT((whole->covariance - blocks->covariance).cwiseAbs().maxCoeff(), 1e-12);
   rows[17] = std::nanf("");
   EXPECT_FALSE(StatisticsOf(rows.data(), count, size));
-}
-
-TEST(Accuracy, OfEquivalentLabelsEqualsMultiActsCounts) {
-  REQUIRE_GOLDENS();
-  const auto logits = file.Floats("multiact_accuracy/logits");
-  const auto truth = AsInts(file.Integers("multiact_accuracy/true"));
-  const auto synonyms = file.Integers("multiact_accuracy/synonyms");
-  const auto listed = file.Integers("multiact_accuracy/has_synonyms");
-  EquivalentClasses equivalent(53);
-  for (int c = 0; c < 53; ++c) {
-    for (int p = 0; p < 53; ++p) {
-      if (listed[c] != 0 && synonyms[c * 53 + p] != 0) equivalent[c].push_back(p);
-    }
-  }
-  const auto share = [&](const char* name) {
-    return static_cast<double>(file.Integers(std::string("multiact_accuracy/") + name)[0]) / truth.size();
-  };
-  const float* values = logits.values.data();
-  EXPECT_DOUBLE_EQ(AcceptedShare(truth, values, 53, 1, equivalent), share("correct_top1"));
-  EXPECT_DOUBLE_EQ(AcceptedShare(truth, values, 53, 5, equivalent), share("correct_top5"));
-  EXPECT_DOUBLE_EQ(AcceptedShare(truth, values, 53, 1), share("strict_top1"));
-  EXPECT_DOUBLE_EQ(AcceptedShare(truth, values, 53, 5), share("strict_top5"));
-}
-
-TEST(Spread, EqualsMultiActForItsOwnDrawsAlsoWhereClassesAreMissing) {
-  REQUIRE_GOLDENS();
-  for (const std::string name : {"all_classes", "missing_classes"}) {
-    const std::string at = "multiact_divmm/" + name + "/";
-    const Features features = AsFeatures(file.Doubles(at + "activations"));
-    const auto pairs = AsInts(file.Integers(at + "mm_pairs"));
-    IndexPairs same;
-    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) same.emplace_back(pairs[i], pairs[i + 1]);
-    const double divisor = 20.0 * static_cast<double>(file.Integers(at + "num_labels")[0]);
-    const double ours = MeanDistance(features, same) * static_cast<double>(same.size()) / divisor;
-    EXPECT_NEAR(ours, file.Doubles(at + "multimodality")[0], 1e-5) << name;
-  }
 }
 
 Features Normals(Eigen::Index count, Eigen::Index size, double shift, const char* purpose) {
@@ -241,28 +152,6 @@ TEST(Interval, ByResamplingHoldsTheMeanNineteenTimesInTwenty) {
     inside += (*interval)[0] <= 0.0 && (*interval)[1] >= 0.0 ? 1 : 0;
   }
   EXPECT_NEAR(inside / 400.0, 0.95, 0.04);
-}
-
-TEST(Accuracy, EqualsTheReleasedConfusionAndTrace) {
-  REQUIRE_GOLDENS();
-  const auto confusion =
-      ConfusionMatrix(AsInts(file.Integers("accuracy/true")), AsInts(file.Integers("accuracy/pred")), 12);
-  const auto expected = file.Integers("accuracy/confusion");
-  for (int r = 0; r < 12; ++r) {
-    for (int c = 0; c < 12; ++c) EXPECT_EQ(confusion(r, c), expected[r * 12 + c]);
-  }
-  EXPECT_NEAR(Accuracy(confusion), file.Doubles("accuracy/a2m_trace_over_num_motions")[0], 1e-12);
-}
-
-TEST(Interval, EachConventionEqualsItsCodeBase) {
-  REQUIRE_GOLDENS();
-  for (const std::string& name : file.Children("ci")) {
-    const std::string at = "ci/" + name + "/";
-    const std::vector<double> values = file.Doubles(at + "values").values;
-    EXPECT_NEAR(Summarise(values, IntervalKind::kStudent).half_width, file.Doubles(at + "multiact_halfwidth")[0], 1e-9);
-    EXPECT_NEAR(Summarise(values, IntervalKind::kActor).half_width, file.Doubles(at + "actor_interval")[0], 1e-9);
-    EXPECT_NEAR(Summarise(values, IntervalKind::kActor).mean, file.Doubles(at + "mean")[0], 1e-9);
-  }
 }
 
 TEST(Interval, StudentQuantileEqualsTheTable) {
