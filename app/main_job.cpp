@@ -374,7 +374,7 @@ class MainJob {
       const ItemResult& item = features->items[i];
       nlohmann::json& kind = recognisers_[scored[i]->role];
       if (item.artifact.empty()) {
-        if (!DryRun()) kind["scored"] = item.outcome.error.Message();
+        if (!DryRun()) kind["scored"] = item.outcome.error.what;
         continue;
       }
       ScoreOptions score;

@@ -1,6 +1,7 @@
 #include "app/motion_files.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "app/config_loading.h"
 #include "app/named_configs.h"
@@ -36,6 +37,23 @@ Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& pat
   std::error_code unknown;
   options.path = fs::absolute(path, unknown).lexically_normal();
   return options;
+}
+
+/// Files of an inspection that are unusable: a finding of severity error, and no clip.
+std::vector<RefusedClip> UnreadableOf(const nlohmann::json& inspection) {
+  std::vector<RefusedClip> unreadable;
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("severity") != "error") continue;
+    const std::string where = finding.at("where").get<std::string>();
+    const nlohmann::json& clips = inspection.at("clips");
+    const bool of_a_clip = std::any_of(clips.begin(), clips.end(), [&](const nlohmann::json& clip) {
+      const std::string file = clip.at("file").get<std::string>();
+      return where.compare(0, file.size(), file) == 0;
+    });
+    if (of_a_clip) continue;
+    unreadable.push_back({where, {ErrorCode::kMalformed, finding.at("message").get<std::string>(), where, ""}});
+  }
+  return unreadable;
 }
 
 }  // namespace
@@ -88,14 +106,18 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   return options;
 }
 
-Expected<IngestOptions> DeclareMotions(const fs::path& path, const std::string& source) {
-  if (!source.empty()) {
-    const Expected<ConfigSource> declaration = SourceOf(source);
-    if (!declaration) return Forward(declaration);
-    return IngestOf(*declaration, path);
-  }
-  if (IsMotionStore(path)) return IngestOf(MotionStoreConfig(path), path);
-  const Expected<WrittenDeclaration> written = DeclareSource(InspectPath(path, std::nullopt), path, "motions");
+Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string& source) {
+  const auto declared = [&](const Expected<ConfigSource>& config, const fs::path& folder,
+                            std::vector<RefusedClip> unreadable) -> Expected<DeclaredMotions> {
+    if (!config) return Forward(config);
+    Expected<IngestOptions> ingest = IngestOf(*config, folder);
+    if (!ingest) return Forward(ingest);
+    return DeclaredMotions{std::move(*ingest), std::move(unreadable)};
+  };
+  if (!source.empty()) return declared(SourceOf(source), path, {});
+  if (IsMotionStore(path)) return declared(MotionStoreConfig(path), path, {});
+  const nlohmann::json inspection = InspectPath(path, std::nullopt);
+  const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions");
   if (!written) return Forward(written);
   if (!written->unknown.empty()) {
     std::string names;
@@ -104,28 +126,35 @@ Expected<IngestOptions> DeclareMotions(const fs::path& path, const std::string& 
                 "give --source: a source declaration, which `mocurate config init " + DisplayPath(path) +
                     " -o source.yaml` writes as far as it is known");
   }
-  return IngestOf({written->yaml, "what the files show", fs::current_path()},
-                  written->path.empty() ? path : written->path);
+  return declared(ConfigSource{written->yaml, "what the files show", fs::current_path()},
+                  written->path.empty() ? path : written->path, UnreadableOf(inspection));
 }
 
-Expected<ItemSpec> MotionsItem(const std::string& name, const MotionFiles& files, const ExtractorOptions& extractor) {
-  const bool bare = files.source.empty() && AreBareArrays(files.path);
-  Expected<IngestOptions> ingest =
-      bare ? DeclareArrays(files.path, extractor) : DeclareMotions(files.path, files.source);
-  if (!ingest) return Forward(ingest);
-  ingest->source.lie_bone_lengths = files.lie_bone_lengths;
-  MotionsOptions options{*ingest, extractor.classes};
+Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles& files,
+                                      const ExtractorOptions& extractor) {
+  DeclaredMotions motions;
+  if (files.source.empty() && AreBareArrays(files.path)) {
+    Expected<IngestOptions> arrays = DeclareArrays(files.path, extractor);
+    if (!arrays) return Forward(arrays);
+    motions.ingest = std::move(*arrays);
+  } else {
+    Expected<DeclaredMotions> declared = DeclareMotions(files.path, files.source);
+    if (!declared) return Forward(declared);
+    motions = std::move(*declared);
+  }
+  motions.ingest.source.lie_bone_lengths = files.lie_bone_lengths;
+  MotionsOptions options{motions.ingest, extractor.classes};
   options.ingest.path.clear();
   ItemSpec item{"motions/" + name, OptionsToJson(options), {}};
   std::error_code unknown;
-  const fs::path root = ingest->path;
+  const fs::path root = motions.ingest.path;
   for (const fs::path& file : FilesOf(root)) {
     const std::string below =
         fs::is_directory(root, unknown) ? file.lexically_relative(root).generic_string() : file.filename().string();
     item.inputs.push_back({"source", below, file, ""});
   }
   if (!files.labels.empty()) item.inputs.push_back({"labels", files.labels.filename().string(), files.labels, ""});
-  return item;
+  return MotionsItem{std::move(item), std::move(motions.unreadable)};
 }
 
 Expected<std::vector<double>> MedianBoneLengths(const fs::path& path, const ExtractorOptions& extractor) {

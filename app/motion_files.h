@@ -30,11 +30,23 @@ ConfigSource MotionStoreConfig(const std::filesystem::path& path);
 /// Declares bare arrays as the extractor reads them: its joints, axes, unit and rate.
 Expected<IngestOptions> DeclareArrays(const std::filesystem::path& path, const ExtractorOptions& extractor);
 
-/// Declares any other motion files by --source, or by what `inspect` finds. Error kUsage names what nothing says.
-Expected<IngestOptions> DeclareMotions(const std::filesystem::path& path, const std::string& source);
+/// How files are to be read, and those that are no motions although their format says so.
+struct DeclaredMotions {
+  IngestOptions ingest;
+  std::vector<RefusedClip> unreadable;
+};
 
-/// The item of the stage `motions` for these files; its input is every file of a folder.
-Expected<ItemSpec> MotionsItem(const std::string& name, const MotionFiles& files, const ExtractorOptions& extractor);
+/// Declares any other motion files by --source, or by what `inspect` finds. Error kUsage names what nothing says.
+Expected<DeclaredMotions> DeclareMotions(const std::filesystem::path& path, const std::string& source);
+
+/// An item of the stage `motions`; its inputs are every file of a folder.
+struct MotionsItem {
+  ItemSpec item;
+  std::vector<RefusedClip> unreadable;
+};
+
+Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles& files,
+                                      const ExtractorOptions& extractor);
 
 /// Median length of each bone over the frames of all motions of bare arrays, in their own unit (J), 0 for the root:
 /// what Lie parameters of a sibling file are laid out with.

@@ -130,7 +130,7 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
 struct MotionsRead {
   std::map<std::string, StageInput> sets;
   std::map<std::string, Error> failed;
-  std::map<std::string, std::vector<Finding>> refused;  ///< clips of a set
+  std::vector<nlohmann::json> warnings;  ///< motions of a set that cannot be read
 };
 
 Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const Plan& plan,
@@ -144,9 +144,12 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
       read.sets[named.name] = {"motions", named.name, files.path, ""};
       continue;
     }
-    auto item = MotionsItem(named.name, files, plan.extractor);
+    auto item = MakeMotionsItem(named.name, files, plan.extractor);
     if (!item) return Forward(item);
-    items.push_back(std::move(*item));
+    for (const RefusedClip& file : item->unreadable) {
+      read.warnings.push_back({{"code", "clip_refused"}, {"row", named.name}, {"message", file.error.Message()}});
+    }
+    items.push_back(std::move(item->item));
     names.push_back(named.name);
   }
   const auto report = runs.Run(MotionsDeclaration(), std::move(items));
@@ -158,7 +161,10 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
       continue;
     }
     read.sets[names[i]] = {"motions", names[i], item.artifact, item.sha256};
-    read.refused[names[i]] = item.outcome.findings;
+    for (const Finding& finding : item.outcome.findings) {
+      read.warnings.push_back(
+          {{"code", finding.code}, {"row", names[i]}, {"message", finding.clip + ": " + finding.message}});
+    }
   }
   return read;
 }
@@ -198,8 +204,8 @@ void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result
                                               result.at("extractor").get<std::string>());
   std::printf("%s", ToMarkdown(table).c_str());
   for (const nlohmann::json& warning : result.at("warnings")) {
-    std::fprintf(stderr, "warning: %s: %s\n", warning.at("row").get<std::string>().c_str(),
-                 warning.at("message").get<std::string>().c_str());
+    const std::string row = warning.at("row").get<std::string>();
+    LogWarning((row.empty() ? "" : row + ": ") + warning.at("message").get<std::string>());
   }
 }
 
@@ -261,11 +267,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   auto evaluated = Evaluate(evaluation, runs);
   if (!evaluated) return Forward(evaluated);
   evaluated->failed.insert(read->failed.begin(), read->failed.end());
-  for (const auto& [name, findings] : read->refused) {
-    for (const Finding& finding : findings) {
-      evaluated->warnings.push_back({{"code", finding.code}, {"row", name}, {"message", finding.message}});
-    }
-  }
+  for (nlohmann::json& warning : read->warnings) evaluated->warnings.push_back(std::move(warning));
   if (plan->real.empty()) {
     evaluated->warnings.push_back(
         {{"code", "no_real_motions"},

@@ -98,9 +98,12 @@ Expected<ReadMotions> MotionsOf(const ExportArguments& arguments) {
     if (!dataset) return Forward(dataset);
     return ReadMotions{std::move(*dataset), {}};
   }
-  const Expected<IngestOptions> ingest = DeclareMotions(arguments.path, arguments.source);
-  if (!ingest) return Forward(ingest);
-  return ReadAllMotions({*ingest, {}});
+  Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source);
+  if (!declared) return Forward(declared);
+  Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}});
+  if (!read) return Forward(read);
+  for (RefusedClip& refused : declared->unreadable) read->refused.push_back(std::move(refused));
+  return read;
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
             "frames each clip is resampled to before distances are taken");
 }
 
-StageDeclaration CanonDeclaration() { return {"canon", 14, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 11, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 

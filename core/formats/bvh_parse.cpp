@@ -275,11 +275,11 @@ class BvhParser {
       }
       return Fail(ErrorCode::kMalformed, first.message.substr(first.message.find(": ") + 2),
                   first.message.substr(0, first.message.find(": ")),
-                  2 * damaged > rows ? "more rows are damaged than whole: mend the file, or leave it out"
+                  2 * damaged > rows ? "more rows are damaged than whole: repair the file, or leave it out"
                                      : "the header announces " + std::to_string(announced_) + " frames, the file has " +
                                            std::to_string(rows) +
                                            " rows: damage may have split or joined some, so that none after it has "
-                                           "its place; mend the file, or leave it out");
+                                           "its place; repair the file, or leave it out");
     }
     std::size_t whole = 0;
     while (whole < bvh_.damaged.size() && bvh_.damaged[whole] == static_cast<int>(whole)) ++whole;

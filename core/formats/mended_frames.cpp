@@ -111,7 +111,7 @@ class FramesMended {
     const std::size_t frame = OddOf(at, frames);
     return Fail(ErrorCode::kMalformed,
                 BreakWords(at, frames[frame], static_cast<long long>(frame), table_.rows_per_frame), Place(at.row),
-                "mend the file, or set ingest.source.damaged_rows: report, which costs that frame alone");
+                "repair the file, or set ingest.source.damaged_rows: report, which costs that frame alone");
   }
 
   /// Rows too many where the second frame begins may stand anywhere in the first, of which nothing tells.

@@ -69,7 +69,7 @@ std::optional<ObservedClip> Observed(const SourceOptions& source, const Clip& cl
 /// What to do about a contradiction, in the words of the declaration.
 std::string Advice(const SourceOptions& source, const Comparison& comparison) {
   if (comparison.code == "units_contradiction" && source.units.empty())
-    return comparison.message + "; files of this format are in metres: mend the files";
+    return comparison.message + "; files of this format are in metres: repair the files";
   if (comparison.code == "units_contradiction") return comparison.message + "; mend ingest.source.units";
   if (comparison.code == "up_contradiction") {
     return "with axes '" + source.axes + "' " + comparison.message + "; mend ingest.source.axes";

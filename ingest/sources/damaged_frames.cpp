@@ -27,7 +27,7 @@ Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged
                       ", hold no numbers of a person",
                   name,
                   "a motion has no missing frame, and at most " + std::to_string(longest) +
-                      " on end are taken from their neighbours: mend the file, or leave it out");
+                      " on end are taken from their neighbours: repair the file, or leave it out");
     }
     for (int f = first; f <= last; ++f) {
       const int before = from ? first - 1 : last + 1, after = to ? last + 1 : first - 1;

@@ -36,7 +36,7 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
   for (const auto& [key, label] : source.labels) known.push_back(key);
   const std::optional<std::string> near = Nearest(text, known);
   return Fail(ErrorCode::kInconsistent, "the label '" + text + "' is not listed under ingest.source.labels", name,
-              near ? "did you mean '" + *near + "'?" : "add it, or mend the file name");
+              near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
 }
 
 std::string BytesOf(const std::vector<double>& values) {

@@ -143,7 +143,7 @@ TEST(BadInput, ABvhWithNanNamesLineFrameAndChannelInARunAndInInspect) {
   const Folder folder;
   WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 1\nFrame Time: 0.033\n0 nan 0\n");
   const std::vector<std::string> parts = {"walk_p1.bvh:10", "'nan' in frame 0, channel 1 is no finite number",
-                                          "mend the file, or leave it out"};
+                                          "repair the file, or leave it out"};
   ExpectError(RunFolder(folder, kBvh), 3, parts);
   ExpectError(RunProgram(folder, {"inspect", (folder / "data/walk_p1.bvh").string(), "--json"}), 3, parts);
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
@@ -90,6 +92,26 @@ TEST_F(ExportVerbs, NamesWhatItDoesNotKnow) {
   EXPECT_EQ(Export({"-o", output, "--as", "euler"}).exit_code, 2);
   const Result none = RunProgram(folder_, {"export", (folder_ / "none.h5").string(), "-o", output});
   EXPECT_EQ(none.exit_code, 3);
+}
+
+TEST(ExportVerb, TakesAnyMotionFileAndNamesTheOnesThatCannotBeRead) {
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
+  const Folder folder;
+  const std::string walk = ReadText(std::filesystem::path(data) / "bvh/misc/olafhaag_walk01.bvh");
+  program::WriteText(folder / "bvh/good.bvh", walk);
+  const Result alone = RunProgram(folder, {"export", (folder / "bvh/good.bvh").string(), "-o",
+                                           (folder / "one.npz").string(), "--as", "quaternion"});
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const auto arrays = ParseNpz(ReadText(folder / "one.npz"), "exported");
+  ASSERT_TRUE(arrays.has_value()) << arrays.error().Message();
+  EXPECT_EQ(arrays->Find("joints")->shape.at(0), 101u) << "as many frames as the file declares";
+  program::WriteText(folder / "bvh/torn.bvh", walk.substr(0, walk.find("MOTION")));
+  const Result both =
+      RunProgram(folder, {"export", (folder / "bvh").string(), "-o", (folder / "all").string(), "--json"});
+  EXPECT_EQ(both.exit_code, 1) << both.err;
+  EXPECT_EQ(both.Json()["files"].size(), 1u);
+  EXPECT_EQ(both.Json()["refused"].size(), 1u);
 }
 
 /// A walk that is fitted, written as joints and fitted again.

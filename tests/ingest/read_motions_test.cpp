@@ -48,7 +48,7 @@ class OtherPrograms : public ::testing::Test {
 };
 
 /// Value k of joint j in frame f of motion n: another number in every place.
-double At(std::size_t n, std::size_t f, std::size_t j, std::size_t k) {
+double ValueAt(std::size_t n, std::size_t f, std::size_t j, std::size_t k) {
   return 0.5 * static_cast<double>(n) + 0.01 * static_cast<double>(f) + 0.001 * static_cast<double>(j * 3 + k);
 }
 
@@ -63,7 +63,7 @@ NpyArray FramesLast(std::vector<std::size_t> shape) {
   for (std::size_t n = 0; n < motions; ++n) {
     for (std::size_t j = 0; j < joints; ++j) {
       for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t f = 0; f < frames; ++f) array.values.push_back(At(n, f, j, k));
+        for (std::size_t f = 0; f < frames; ++f) array.values.push_back(ValueAt(n, f, j, k));
       }
     }
   }
@@ -77,7 +77,7 @@ void ExpectMotion(const Clip& clip, std::size_t n, std::size_t frames) {
     for (std::size_t j = 0; j < 24; ++j) {
       for (std::size_t k = 0; k < 3; ++k) {
         ASSERT_NEAR(clip.motion->joints.at(static_cast<int>(f), static_cast<int>(j))[static_cast<int>(k)],
-                    At(n, f, j, k), 1e-6);
+                    ValueAt(n, f, j, k), 1e-6);
       }
     }
   }
