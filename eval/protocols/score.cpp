@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 #include "core/base/text.h"
 #include "eval/metrics/accuracy.h"
@@ -146,12 +147,15 @@ class RowScore {
     }
   }
 
-  /// Of a real set against itself where nothing is drawn: two halves.
-  void Halve(int repetition, ScoredRows& row, ScoredRows& reference) const {
-    std::vector<int> order = DrawPositions(row_.count(), row_.count(), false, seed(), repetition, "halves");
-    const std::size_t half = order.size() / 2;
-    row = TakeRows(row_, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half)});
-    reference = TakeRows(row_, {order.begin() + static_cast<std::ptrdiff_t>(half), order.end()});
+  /// A real set against itself: two halves of the clips of `rows`.
+  std::pair<ScoredRows, ScoredRows> Halves(const std::vector<int>& rows, int repetition) const {
+    std::vector<int> order = DistinctClips(row_, rows);
+    const auto count = static_cast<int>(order.size());
+    const std::vector<int> drawn = DrawPositions(count, count, false, seed(), repetition, "halves");
+    std::transform(drawn.begin(), drawn.end(), order.begin(),
+                   [of = order](int at) { return of[static_cast<std::size_t>(at)]; });
+    const auto half = order.begin() + count / 2;
+    return {TakeRows(row_, {order.begin(), half}), TakeRows(row_, {half, order.end()})};
   }
 
   Status Repeat(int repetition) {
@@ -167,14 +171,19 @@ class RowScore {
       if (reference_set == nullptr) continue;
       ScoredRows reference;
       if (halves && reference_set == references_.train) {
-        Halve(repetition, row, reference);
+        std::tie(row, reference) = Halves(row.rows, repetition);
       } else {
         reference = RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference");
       }
       if (Status added = AddDistances(name, row.features, reference.features, repetition); !added) return added;
       if (repetition > 0 || reference_set != references_.train) continue;
-      AddNeighbours(Gather(row_, DistinctClips(row_, row.rows)),
-                    Gather(*reference_set, DistinctClips(*reference_set, reference.rows)));
+      if (options_.real) {  // else each motion is its own neighbour
+        const auto [one, other] = halves ? std::pair(row, reference) : Halves(row.rows, repetition);
+        AddNeighbours(one.features, other.features);
+      } else {
+        AddNeighbours(Gather(row_, DistinctClips(row_, row.rows)),
+                      Gather(*reference_set, DistinctClips(*reference_set, reference.rows)));
+      }
     }
     return {};
   }
