@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -106,34 +107,34 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
                       const std::vector<int>& labels, const std::vector<std::string>& clips, const PassOptions& pass,
                       FeatureSet& set) {
   const InputRules& rules = extractor.rules;
-  std::vector<float> values;
-  values.reserve(motions.size() * static_cast<std::size_t>(rules.frames) * static_cast<std::size_t>(rules.size()));
-  std::vector<int> read_out;
-  const Skeleton* mapped = nullptr;
-  std::vector<int> joints;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (motions[i]->skeleton.get() != mapped) {
-      auto found = JointsFor(*rules.skeleton, *motions[i]->skeleton);
-      if (!found) return Forward(found);
-      joints = std::move(*found);
-      mapped = motions[i]->skeleton.get();
-    }
-    const std::size_t begin = values.size();
-    Random random(pass.seed, "crop", std::to_string(i));
-    read_out.push_back(AppendMotionInput(rules, joints, *motions[i], pass.root, pass.start, random, values));
-    const bool finite = std::all_of(values.begin() + static_cast<std::ptrdiff_t>(begin), values.end(),
-                                    [](float value) { return std::isfinite(value); });
-    if (!finite) {
-      return Fail(ErrorCode::kInconsistent, "a joint position is not a finite number", clips[i],
-                  "take the motion out; it is not averaged in");
-    }
+  std::map<const Skeleton*, std::vector<int>> joints;
+  for (const Motion* motion : motions) {
+    if (joints.count(motion->skeleton.get()) > 0) continue;
+    auto found = JointsFor(*rules.skeleton, *motion->skeleton);
+    if (!found) return Forward(found);
+    joints[motion->skeleton.get()] = std::move(*found);
   }
-  if (rules.read_out == ReadOut::kLastFrame) read_out.clear();
   RecogniserHidden hidden;
   hidden.kind = pass.hidden;
   hidden.seed = pass.seed;
-  const auto output = extractor.recogniser->Run(values.data(), static_cast<int>(motions.size()), rules.frames,
-                                                rules.size(), hidden, read_out, pass.threads);
+  const auto count = static_cast<int>(motions.size());
+  const auto size = static_cast<std::ptrdiff_t>(rules.frames) * rules.size();
+  std::vector<char> finite(motions.size());
+  const auto write = [&](int begin, int end, float* values, int* read_out) {
+    for (int n = begin; n < end; ++n, values += size) {
+      const auto i = static_cast<std::size_t>(n);
+      Random random(pass.seed, "crop", std::to_string(i));
+      read_out[n - begin] = WriteMotionInput(rules, joints.at(motions[i]->skeleton.get()), *motions[i], pass.root,
+                                             pass.start, random, values);
+      finite[i] = std::all_of(values, values + size, [](float value) { return std::isfinite(value); }) ? 1 : 0;
+    }
+  };
+  const auto output = extractor.recogniser->Run(write, count, rules.frames, rules.size(), hidden, pass.threads);
+  const auto broken = std::find(finite.begin(), finite.end(), 0);
+  if (output && broken != finite.end()) {
+    return Fail(ErrorCode::kInconsistent, "a joint position is not a finite number",
+                clips[static_cast<std::size_t>(broken - finite.begin())], "take the motion out; it is not averaged in");
+  }
   if (!output) return Forward(output);
   set.pass_begin.push_back(set.count());
   set.feature_size = output->feature_size;

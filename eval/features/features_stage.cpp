@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <map>
-#include <thread>
 
 #include "core/base/file.h"
+#include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/pipeline/worker.h"
 #include "core/quality/contacts.h"
@@ -16,6 +18,8 @@
 
 namespace mocurate {
 namespace {
+
+constexpr int kMeasuredAtOnce = 64;  // motions of a thread
 
 const StageInput* InputOf(const StageRequest& request, const std::string& role) {
   const auto found = std::find_if(request.inputs.begin(), request.inputs.end(),
@@ -47,15 +51,25 @@ Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<s
 }
 
 /// Measures of each motion that need no network, appended to `quality`.
-void AddQuality(const std::vector<const Motion*>& motions, std::map<std::string, std::vector<double>>& quality) {
-  for (const Motion* motion : motions) {
-    const MotionMeasures measures = MeasureMotion(*motion);
-    quality["foot_skate"].push_back(measures.foot_skate);
-    quality["jerk"].push_back(measures.jerk);
-    quality["bone_spread"].push_back(1e-3 * measures.bone_spread_mm);
-    quality["frozen_share"].push_back(static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1));
-    quality["floor_penetration"].push_back(FloorPenetration(*motion).value_or(kNotMeasured));
-    quality["limit_violations"].push_back(LimitViolations(*motion).value_or(kNotMeasured));
+void AddQuality(const std::vector<const Motion*>& motions, int threads,
+                std::map<std::string, std::vector<double>>& quality) {
+  constexpr const char* kNames[] = {"foot_skate",      "jerk", "bone_spread", "frozen_share", "floor_penetration",
+                                    "limit_violations"};
+  std::vector<std::array<double, std::size(kNames)>> of_motion(motions.size());
+  ParallelFor(static_cast<int>(motions.size()), kMeasuredAtOnce, threads, [&](int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      const Motion& motion = *motions[i];
+      const MotionMeasures measures = MeasureMotion(motion);
+      of_motion[i] = {measures.foot_skate,
+                      measures.jerk,
+                      1e-3 * measures.bone_spread_mm,
+                      static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1),
+                      FloorPenetration(motion).value_or(kNotMeasured),
+                      LimitViolations(motion).value_or(kNotMeasured)};
+    }
+  });
+  for (std::size_t k = 0; k < std::size(kNames); ++k) {
+    for (const auto& values : of_motion) quality[kNames[k]].push_back(values[k]);
   }
 }
 
@@ -74,7 +88,7 @@ class FeaturesRun {
     for (const int row : *rows) all.push_back(&*dataset.clips[static_cast<std::size_t>(row)].motion);
     if (Status frame = CheckFrameOfSet(all); !frame) return frame;
     std::map<std::string, std::vector<double>> quality;
-    AddQuality(all, quality);
+    AddQuality(all, threads_, quality);
     const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
     for (int p = 0; p < passes; ++p) {
       const int count = options_.passes == 0 ? 0 : static_cast<int>(options_.motions);
@@ -118,7 +132,7 @@ class FeaturesRun {
         pass.labels.push_back(class_of[static_cast<std::size_t>(requests[i].label)]);
         pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));
       }
-      if (p == 0) AddQuality(pass.motions, set_.quality);
+      if (p == 0) AddQuality(pass.motions, threads_, set_.quality);
       if (Status added = Append(pass, p, passes); !added) return added;
     }
     return {};

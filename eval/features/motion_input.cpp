@@ -66,8 +66,8 @@ Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& mo
               "score motions of skeleton '" + network.name + "', or fit it: mocurate fit --skeleton " + network.name);
 }
 
-int AppendMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
-                      CropStart start, Random& random, std::vector<float>& values) {
+int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
+                     CropStart start, Random& random, float* values) {
   const bool whole = rules.length == LengthRule::kResample;
   const JointPositions resampled = whole ? Resampled(motion, rules.frames) : JointPositions();
   const JointPositions& source = whole ? resampled : motion.joints;
@@ -91,7 +91,7 @@ int AppendMotionInput(const InputRules& rules, const std::vector<int>& joints, c
       } else if (rules.padding == PaddingRule::kZerosMinusRoot) {
         value = -origin;
       }
-      for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(value[axis]));
+      for (int axis = 0; axis < 3; ++axis) *values++ = static_cast<float>(value[axis]);
     }
   }
   return rules.read_out == ReadOut::kLastValid ? valid : rules.frames;

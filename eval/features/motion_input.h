@@ -35,9 +35,9 @@ Expected<InputRules> RulesOf(const ExtractorOptions& options);
 /// motion lacks.
 Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& motion);
 
-/// One motion as the network reads it: appends (frames, 3J) float32 to `values`, and gives the frame after which the
+/// One motion as the network reads it: writes (frames, 3J) float32 to `values`, and gives the frame after which the
 /// output counts.
-int AppendMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
-                      CropStart start, Random& random, std::vector<float>& values);
+int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
+                     CropStart start, Random& random, float* values);
 
 }  // namespace mocurate

@@ -43,7 +43,8 @@ Input InputOf(const InputRules& rules, const Motion& motion, RootRule root, Crop
   Random random(3, "crop", "0");
   const auto joints = JointsFor(*rules.skeleton, *motion.skeleton);
   EXPECT_TRUE(joints) << joints.error().Message();
-  input.read_out = AppendMotionInput(rules, *joints, motion, root, start, random, input.values);
+  input.values.resize(static_cast<std::size_t>(rules.frames * rules.size()));
+  input.read_out = WriteMotionInput(rules, *joints, motion, root, start, random, input.values.data());
   return input;
 }
 

@@ -46,7 +46,6 @@ TEST_P(GruPassOf, IsTheTrainingLayersOutput) {
   GruRecogniserStep(config, batch, std::vector<int>(static_cast<std::size_t>(motions), 0), 0.0, parameters, &reference);
 
   const GruPass pass(config, parameters);
-  const MotionArray array{data.data(), static_cast<std::ptrdiff_t>(frames) * config.input, config.input};
   std::vector<float> features(static_cast<std::size_t>(motions) * config.features),
       logits(static_cast<std::size_t>(motions) * config.classes);
   const int cut = motions / 3;
@@ -57,8 +56,12 @@ TEST_P(GruPassOf, IsTheTrainingLayersOutput) {
       hidden.insert(hidden.end(), rows + static_cast<std::ptrdiff_t>(begin) * config.hidden,
                     rows + static_cast<std::ptrdiff_t>(end) * config.hidden);
     }
-    pass.Run(array, begin, end, frames, batch.length, with_hidden ? hidden.data() : nullptr, features.data(),
-             logits.data());
+    std::vector<int> read_out(static_cast<std::size_t>(end - begin), frames);
+    if (with_lengths) std::copy(batch.length.begin() + begin, batch.length.begin() + end, read_out.begin());
+    const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * config.input;
+    pass.Run({data.data() + begin * stride, stride, config.input}, end - begin, frames, read_out,
+             with_hidden ? hidden.data() : nullptr, features.data() + begin * config.features,
+             logits.data() + begin * config.classes);
   }
   ASSERT_EQ(reference.size(), logits.size());
   for (std::size_t i = 0; i < logits.size(); ++i) ASSERT_NEAR(logits[i], reference[i], 5e-6) << i;

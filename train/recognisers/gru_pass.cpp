@@ -54,9 +54,9 @@ GruPass::GruPass(const GruRecogniserConfig& config, const ParameterList& paramet
   bias2_ = Named(parameters, "linear2.bias");
 }
 
-void GruPass::Run(const MotionArray& motions, int begin, int end, int frames, const std::vector<int>& read_out,
+void GruPass::Run(const MotionArray& motions, int count, int frames, const std::vector<int>& read_out,
                   const float* hidden, float* features, float* logits) const {
-  const int B = end - begin, H = config_.hidden, D = config_.input, F = config_.features, C = config_.classes;
+  const int B = count, H = config_.hidden, D = config_.input, F = config_.features, C = config_.classes;
   const std::size_t cells = static_cast<std::size_t>(B) * H;
   // Per layer (B, input + H): what the layer reads, then its state. The top layer's state lies in `top`, too.
   std::vector<std::vector<float>> rows;
@@ -71,7 +71,7 @@ void GruPass::Run(const MotionArray& motions, int begin, int end, int frames, co
   std::vector<float> top(cells), read(cells), reset_update(2 * cells), candidate_input(cells), candidate_state(cells);
   for (int t = 0; t < frames; ++t) {
     for (int b = 0; b < B; ++b) {
-      const float* frame = motions.data + (begin + b) * motions.motion_stride + t * motions.frame_stride;
+      const float* frame = motions.data + b * motions.motion_stride + t * motions.frame_stride;
       std::copy(frame, frame + D, rows[0].data() + static_cast<std::size_t>(b) * (D + H));
     }
     for (std::size_t l = 0; l < layers_.size(); ++l) {
@@ -85,20 +85,18 @@ void GruPass::Run(const MotionArray& motions, int begin, int end, int frames, co
       GruGates({reset_update.data(), candidate_input.data(), candidate_state.data(), layer.bias.data()}, B, H, state,
                width, is_top ? top.data() : rows[l + 1].data(), is_top ? H : layers_[l + 1].input + H);
     }
-    for (int b = 0; b < B && !read_out.empty(); ++b) {
-      if (read_out[static_cast<std::size_t>(begin + b)] != t + 1) continue;
+    for (int b = 0; b < B; ++b) {
+      if ((read_out.empty() ? frames : read_out[static_cast<std::size_t>(b)]) != t + 1) continue;
       std::copy_n(top.data() + static_cast<std::size_t>(b) * H, H, read.data() + static_cast<std::size_t>(b) * H);
     }
   }
-  float* own_features = features + static_cast<std::size_t>(begin) * F;
-  float* own_logits = logits + static_cast<std::size_t>(begin) * C;
-  MultiplyTransposed(read_out.empty() ? top.data() : read.data(), H, linear1_, B, F, H, own_features, F);
+  MultiplyTransposed(read.data(), H, linear1_, B, F, H, features, F);
   for (int b = 0; b < B; ++b) {
-    for (int k = 0; k < F; ++k) own_features[b * F + k] = std::tanh(own_features[b * F + k] + bias1_[k]);
+    for (int k = 0; k < F; ++k) features[b * F + k] = std::tanh(features[b * F + k] + bias1_[k]);
   }
-  MultiplyTransposed(own_features, F, linear2_, B, C, F, own_logits, C);
+  MultiplyTransposed(features, F, linear2_, B, C, F, logits, C);
   for (int b = 0; b < B; ++b) {
-    for (int k = 0; k < C; ++k) own_logits[b * C + k] += bias2_[k];
+    for (int k = 0; k < C; ++k) logits[b * C + k] += bias2_[k];
   }
 }
 

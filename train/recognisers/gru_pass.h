@@ -24,11 +24,11 @@ class GruPass {
   /// `parameters` as GruRecogniserParameters lists them.
   GruPass(const GruRecogniserConfig& config, const ParameterList& parameters);
 
-  /// Motions [begin, end) of T frames. `read_out` (all motions): frames after which a motion's state counts, or empty:
-  /// all. `hidden` (layers, end - begin, H): initial states, or null: zero. Writes rows [begin, end) of `features`
-  /// (all motions, features) and `logits` (all motions, classes). Safe to call from several threads at once.
-  void Run(const MotionArray& motions, int begin, int end, int frames, const std::vector<int>& read_out,
-           const float* hidden, float* features, float* logits) const;
+  /// `count` motions of T frames. `read_out` (count): frames after which a motion's state counts, or empty: T. `hidden`
+  /// (layers, count, H): initial states, or null: zero. Writes `features` (count, features) and `logits` (count,
+  /// classes). Safe to call from several threads at once.
+  void Run(const MotionArray& motions, int count, int frames, const std::vector<int>& read_out, const float* hidden,
+           float* features, float* logits) const;
 
  private:
   struct Layer {

@@ -63,7 +63,7 @@ GruRecogniserOutput RunGruRecogniser(const GruRecogniserConfig& config, const Pa
   output.logits.resize(static_cast<std::size_t>(batch.batch) * config.classes);
   const MotionArray motions{batch.motion.data(), config.input, static_cast<std::ptrdiff_t>(batch.batch) * config.input};
   GruPass(config, parameters)
-      .Run(motions, 0, batch.batch, batch.frames, batch.length,
+      .Run(motions, batch.batch, batch.frames, batch.length,
            batch.initial_hidden.empty() ? nullptr : batch.initial_hidden.data(), output.features.data(),
            output.logits.data());
   return output;

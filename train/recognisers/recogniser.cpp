@@ -1,11 +1,10 @@
 #include "train/recognisers/recogniser.h"
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/parallel.h"
 #include "core/formats/torch_pickle.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/recognisers/gru_pass.h"
@@ -128,9 +127,8 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::LoadPublished(const std::files
   return std::unique_ptr<Recogniser>(new Recogniser(std::move(impl)));
 }
 
-Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int frames, int dim,
-                                           const RecogniserHidden& hidden, const std::vector<int>& lengths,
-                                           int threads) const {
+Expected<RecogniserOutput> Recogniser::Run(const MotionWriter& write, int count, int frames, int dim,
+                                           const RecogniserHidden& hidden, int threads) const {
   const GruRecogniserConfig& config = impl_->config;
   if (dim != config.input) {
     return Fail(ErrorCode::kInconsistent,
@@ -138,13 +136,9 @@ Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int 
                     std::to_string(config.input),
                 "recogniser", "use the skeleton it was trained on");
   }
-  const bool lengths_fit =
-      lengths.empty() || (static_cast<int>(lengths.size()) == count &&
-                          std::all_of(lengths.begin(), lengths.end(), [&](int n) { return n >= 1 && n <= frames; }));
-  if (frames < 1 || !lengths_fit ||
-      (!hidden.given.empty() &&
-       hidden.given.size() != static_cast<std::size_t>(config.layers) * count * config.hidden)) {
-    return Fail(ErrorCode::kInconsistent, "frames, lengths or initial state do not fit the motions", "recogniser");
+  if (frames < 1 || (!hidden.given.empty() &&
+                     hidden.given.size() != static_cast<std::size_t>(config.layers) * count * config.hidden)) {
+    return Fail(ErrorCode::kInconsistent, "frames or initial state do not fit the motions", "recogniser");
   }
   RecogniserOutput output;
   output.count = count;
@@ -152,22 +146,34 @@ Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int 
   output.feature_size = config.features;
   output.features.resize(static_cast<std::size_t>(count) * config.features);
   output.logits.resize(static_cast<std::size_t>(count) * config.classes);
-  const MotionArray array{motions, static_cast<std::ptrdiff_t>(frames) * dim, dim};
   const GruPass pass(config, impl_->parameters);
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int begin = next.fetch_add(kRecognisedAtOnce); begin < count; begin = next.fetch_add(kRecognisedAtOnce)) {
-      const int size = std::min(kRecognisedAtOnce, count - begin);
-      const std::vector<float> state = HiddenOf(hidden, config.layers, begin, size, count, config.hidden);
-      pass.Run(array, begin, begin + size, frames, lengths, state.empty() ? nullptr : state.data(),
-               output.features.data(), output.logits.data());
-    }
-  };
-  std::vector<std::thread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * dim;
+  ParallelFor(count, kRecognisedAtOnce, threads, [&](int begin, int end) {
+    const std::unique_ptr<float[]> values(new float[static_cast<std::size_t>((end - begin) * stride)]);
+    std::vector<int> read_out(static_cast<std::size_t>(end - begin));
+    write(begin, end, values.get(), read_out.data());
+    const std::vector<float> state = HiddenOf(hidden, config.layers, begin, end - begin, count, config.hidden);
+    pass.Run({values.get(), stride, dim}, end - begin, frames, read_out, state.empty() ? nullptr : state.data(),
+             output.features.data() + static_cast<std::ptrdiff_t>(begin) * config.features,
+             output.logits.data() + static_cast<std::ptrdiff_t>(begin) * config.classes);
+  });
   return output;
+}
+
+Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int frames, int dim,
+                                           const RecogniserHidden& hidden, const std::vector<int>& lengths,
+                                           int threads) const {
+  const bool lengths_fit =
+      lengths.empty() || (static_cast<int>(lengths.size()) == count &&
+                          std::all_of(lengths.begin(), lengths.end(), [&](int n) { return n >= 1 && n <= frames; }));
+  if (!lengths_fit) return Fail(ErrorCode::kInconsistent, "lengths do not fit the motions", "recogniser");
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * dim;
+  const auto copy = [&](int begin, int end, float* values, int* read_out) {
+    std::copy(motions + begin * stride, motions + end * stride, values);
+    for (int n = begin; n < end; ++n)
+      read_out[n - begin] = lengths.empty() ? frames : lengths[static_cast<std::size_t>(n)];
+  };
+  return Run(copy, count, frames, dim, hidden, threads);
 }
 
 int Recogniser::input_size() const { return impl_->config.input; }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,10 @@ struct RecogniserHidden {
   std::vector<float> given;  ///< (layers,n,hidden), used as it is when not empty
 };
 
+/// Writes motions [begin, end) as (end - begin, frames, dim) float32, and for each the frame after which its output
+/// counts. Called from several threads at once.
+using MotionWriter = std::function<void(int begin, int end, float* values, int* read_out)>;
+
 /// A trained recogniser of motions: accuracy and features of every metric.
 class Recogniser {
  public:
@@ -41,9 +46,12 @@ class Recogniser {
   static Expected<std::unique_ptr<Recogniser>> LoadPublished(const std::filesystem::path& path);
   ~Recogniser();
 
-  /// `motions` (count, frames, dim) float32 as RecogniserInput makes them; dim must be input_size(). `lengths` (count),
-  /// if given: the output after that many frames counts, else the last. Chunks of 256 motions over `threads`, which do
-  /// not change the result.
+  /// `count` motions that `write` makes, chunk by chunk; dim must be input_size(). Chunks of 256 motions over
+  /// `threads`, which do not change the result.
+  Expected<RecogniserOutput> Run(const MotionWriter& write, int count, int frames, int dim,
+                                 const RecogniserHidden& hidden = {}, int threads = 1) const;
+  /// The same of motions (count, frames, dim) in memory. `lengths` (count), if given: the output after that many frames
+  /// counts, else the last.
   Expected<RecogniserOutput> Run(const float* motions, int count, int frames, int dim,
                                  const RecogniserHidden& hidden = {}, const std::vector<int>& lengths = {},
                                  int threads = 1) const;
