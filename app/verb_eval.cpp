@@ -152,6 +152,7 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
     items.push_back(std::move(item->item));
     names.push_back(named.name);
   }
+  if (items.empty()) return read;
   const auto report = runs.Run(MotionsDeclaration(), std::move(items));
   if (!report) return Forward(report);
   for (std::size_t i = 0; i < report->items.size(); ++i) {
