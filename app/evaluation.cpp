@@ -7,8 +7,11 @@
 namespace mocurate {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* kReal = "Real";
-constexpr double kChance = 0.05;  // largest p of a difference that is no chance
+constexpr const char* kRealTest = "Real-test";  // where the test part is a reference as well
+constexpr double kChance = 0.05;                // largest p of a difference that is no chance
 
 /// One evaluation: which items there are, and which figures of each.
 class EvaluationRun {
@@ -30,6 +33,9 @@ class EvaluationRun {
     return draw.hidden == HiddenDraw::kNormal || (window && draw.crop != CropDraw::kFirst);
   }
 
+  /// Whether Real is a second pass over the reference, with draws of its own.
+  bool ReadAgain() const { return evaluation_.draw.repetitions > 1 && PassesDiffer(); }
+
   FeaturesOptions OptionsOf(const std::string& purpose, bool generated, bool generator, RealPart part) const {
     FeaturesOptions options;
     options.extractor = evaluation_.extractor;
@@ -38,15 +44,15 @@ class EvaluationRun {
     options.split = evaluation_.split;
     options.hidden = evaluation_.draw.hidden;
     options.crop = evaluation_.draw.crop;
-    const bool passes = evaluation_.draw.repetitions > 1 && (PassesDiffer() || generator);
-    if (!passes && !generator) return options;
+    if (!PassesDiffer() && !generator) return options;  // one pass, from which the stage score draws
     options.seed = evaluation_.seed;
     options.purpose = purpose;
+    if (evaluation_.draw.repetitions == 1 && !generator) return options;
     options.passes = evaluation_.draw.repetitions;
     options.labels = evaluation_.draw.labels;
-    if (generated && !generator) return options;  // the motions that there are, read anew
     options.motions = evaluation_.draw.motions;
-    options.replacement = evaluation_.draw.replacement;
+    options.per_label = generator ? 0 : evaluation_.draw.per_label;
+    options.replacement = evaluation_.draw.replacement && (!generated || generator);
     return options;
   }
 
@@ -55,6 +61,10 @@ class EvaluationRun {
     ItemSpec item{"features/" + key, OptionsToJson(options), {evaluation_.weights, set.motions}};
     item.inputs[0].role = "weights";
     item.inputs[1].role = "motions";
+    std::error_code unknown;
+    if (const fs::path skeleton = evaluation_.extractor.skeleton; fs::is_regular_file(skeleton, unknown)) {
+      item.inputs.push_back({"skeleton", skeleton.filename().string(), skeleton, ""});
+    }
     if (set.generator) {
       item.inputs.push_back(*set.generator);
       item.inputs.back().role = "generator";
@@ -68,10 +78,11 @@ class EvaluationRun {
     if (evaluation_.real) {
       const RealPart train = evaluation_.test_reference ? RealPart::kTrain : evaluation_.real_part;
       AddItem("reference", OptionsOf("reference", false, false, train), *evaluation_.real, items);
-      const bool again = evaluation_.draw.repetitions > 1 && PassesDiffer();
-      if (again) AddItem(kReal, OptionsOf("real", false, false, train), *evaluation_.real, items);
+      if (ReadAgain()) AddItem(kReal, OptionsOf("real", false, false, train), *evaluation_.real, items);
       if (evaluation_.test_reference) {
-        AddItem("reference_test", OptionsOf("reference_test", false, false, RealPart::kTest), *evaluation_.real, items);
+        const ScoredSet& real = *evaluation_.real;
+        AddItem("reference_test", OptionsOf("reference_test", false, false, RealPart::kTest), real, items);
+        if (ReadAgain()) AddItem(kRealTest, OptionsOf("real_test", false, false, RealPart::kTest), real, items);
       }
     }
     for (const ScoredSet& row : evaluation_.rows) {
@@ -86,6 +97,12 @@ class EvaluationRun {
         result_.failed[keys_[i] == "reference" ? kReal : keys_[i]] = item.outcome.error;
         continue;
       }
+      const bool of_test = keys_[i] == "reference_test" || keys_[i] == kRealTest;
+      if (of_test && item.outcome.summary.value("no_parts", false)) {
+        Warn("", "no_test_part",
+             "the real motions have no split: there is no test part and no FID_test; give a dataset with a split");
+        continue;
+      }
       features_[keys_[i]] = item;
       if (keys_[i] == "reference") result_.real_clips = item.outcome.summary.value("clips", 0.0);
       if (keys_[i] != "reference_test") {
@@ -93,7 +110,10 @@ class EvaluationRun {
         WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.outcome.summary);
       }
     }
-    if (features_.count(kReal) == 0 && features_.count("reference") > 0) features_[kReal] = features_["reference"];
+    if (ReadAgain()) return {};
+    for (const auto& [row, reference] : {std::pair(kReal, "reference"), std::pair(kRealTest, "reference_test")}) {
+      if (features_.count(reference) > 0) features_[row] = features_[reference];
+    }
     return {};
   }
 
@@ -120,8 +140,17 @@ class EvaluationRun {
       Warn(row, "other_rate",
            Counted(count("other_rate"), "motion") + " of another rate (" +
                RoundedText(summary.value("rate_hz", 0.0), 6) + " Hz) than the " +
-               RoundedText(evaluation_.extractor.rate_hz, 6) +
-               " Hz of the extractor's training: resample them (canon.rate)");
+               RoundedText(summary.value("rate_of_extractor", 0.0), 6) +
+               " Hz of the extractor's training: resample them: `mocurate run` with canon.rate, or in your program");
+    }
+    if (count("clips") > 0 && summary.value("rate_of_extractor", 0.0) == 0.0) {
+      Warn(row, "rate_not_known", "the extractor does not say the frame rate of its training: it is not checked");
+    }
+    if (count("far") > 0) {
+      Warn(row, "far_from_origin",
+           Counted(count("far"), "motion") +
+               " begin more than 0.5 m from the origin, where the extractor was trained on motions that begin there: "
+               "--set extractor.generated_root=first_frame moves them");
     }
     if (row == kReal && summary.value("is_training_set", false)) {
       Warn(row, "real_is_training_set",
@@ -137,7 +166,8 @@ class EvaluationRun {
   ScoreOptions OptionsOfScore(const std::string& name) const {
     ScoreOptions options;
     options.name = name;
-    options.real = name == kReal;
+    options.real = name == kReal ? RealRow::kTrain : name == kRealTest ? RealRow::kTest : RealRow::kNone;
+    options.fresh = HasGenerator(name);
     options.seed = evaluation_.seed;
     options.draw = evaluation_.draw;
     options.metrics = evaluation_.metrics;
@@ -160,6 +190,7 @@ class EvaluationRun {
       names.push_back(name);
     };
     if (evaluation_.real) add(kReal);
+    if (evaluation_.real && evaluation_.test_reference) add(kRealTest);
     for (const ScoredSet& row : evaluation_.rows) add(row.name);
     const auto report = runs_.Run(ScoreDeclaration(), std::move(items));
     if (!report) return Forward(report);
@@ -172,13 +203,42 @@ class EvaluationRun {
       nlohmann::json row = item.outcome.summary;
       for (const nlohmann::json& warning : row.at("warnings")) result_.warnings.push_back(warning);
       row.erase("warnings");
-      if (evaluation_.extractor.body == BodyRule::kMeanShape) row["assumed"].push_back("own_bones_without_smpl_files");
-      if (evaluation_.draw.repetitions > 1 && names[i] != kReal && !HasGenerator(names[i])) {
-        row["assumed"].push_back("same_motions_in_every_repetition");
-      }
+      if (evaluation_.extractor.body == BodyRule::kMeanShape) NoteOfBody(row);
+      if (IsBareArray(names[i])) row["assumed"].push_back("array_in_extractor_frame");
+      if (!row.at("real").get<bool>() && !HasGenerator(names[i])) NoteOfFiles(row);
       result_.rows.push_back(std::move(row));
     }
     return {};
+  }
+
+  /// Joints of the papers' mean body need SMPL files; without them motions are scored on bones of their own.
+  void NoteOfBody(nlohmann::json& row) {
+    row["assumed"].push_back("own_bones_without_smpl_files");
+    const std::string name = row.at("name").get<std::string>();
+    if (!features_.at(name).outcome.summary.value("rotations", false)) return;
+    Warn(name, "smpl_files_missing",
+         "the motions have rotations, and the protocol scores joints of SMPL's mean body: its files are missing here, "
+         "joints are scored as given");
+  }
+
+  /// What the protocol draws and motions of files cannot give.
+  void NoteOfFiles(nlohmann::json& row) {
+    const DrawOptions& draw = evaluation_.draw;
+    if (draw.repetitions > 1) row["assumed"].push_back("same_motions_in_every_repetition");
+    if (draw.motions > 0) row["assumed"].push_back("labels_as_in_the_files");
+    const std::string name = row.at("name").get<std::string>();
+    const auto motions = row.at("motions").get<std::int64_t>();
+    if (motions < draw.motions) {
+      Warn(name, "fewer_than_protocol",
+           Counted(motions, "motion") + ", the protocol draws " + std::to_string(draw.motions) +
+               " new ones in each repetition: FID of fewer motions is biased upwards");
+    }
+  }
+
+  bool IsBareArray(const std::string& name) const {
+    if (name == kReal || name == kRealTest) return evaluation_.real && evaluation_.real->bare_array;
+    return std::any_of(evaluation_.rows.begin(), evaluation_.rows.end(),
+                       [&](const ScoredSet& row) { return row.name == name && row.bare_array; });
   }
 
   bool HasGenerator(const std::string& name) const {
@@ -194,9 +254,11 @@ class EvaluationRun {
       for (std::size_t j = i + 1; j < evaluation_.rows.size(); ++j) {
         const std::string &a = evaluation_.rows[i].name, &b = evaluation_.rows[j].name;
         if (features_.count(a) == 0 || features_.count(b) == 0) continue;
+        ScoreOptions options = OptionsOfScore("");
+        options.fresh = HasGenerator(a) && HasGenerator(b);
         items.push_back(
             {"compare/" + a + "/" + b,
-             OptionsToJson(OptionsOfScore("")),
+             OptionsToJson(options),
              {FeaturesInput("a", a), FeaturesInput("b", b), FeaturesInput("reference_train", "reference")}});
         pairs.emplace_back(a, b);
       }
@@ -216,19 +278,26 @@ class EvaluationRun {
   /// A difference that is smaller than what real motions differ from each other by, or that exchanges give as well.
   void NoteNoise(const std::string& a, const std::string& b, const nlohmann::json& compared) {
     const nlohmann::json& fid = compared.value("FID_train", nlohmann::json());
-    if (!fid.is_object()) return;
+    if (!fid.is_object()) {
+      return Warn(a, "not_compared",
+                  a + " and " + b +
+                      " are not tested for a difference: they have other numbers of "
+                      "motions, or too many features to resample");
+    }
     double noise = 0.0;
     for (const nlohmann::json& row : result_.rows) {
       const nlohmann::json& value = row.at("metrics").at("FID_train").at("value");
       if (row.at("name") == kReal && value.is_number()) noise = value.get<double>();
     }
-    const double difference = std::abs(fid.at("difference").get<double>()), p = fid.at("p").get<double>();
-    if (difference >= noise && p <= kChance) return;
+    const double difference = std::abs(fid.at("difference").get<double>());
+    const nlohmann::json& p = fid.at("p");
+    if (difference >= noise && (p.is_null() || p.get<double>() <= kChance)) return;
+    const std::string chance = p.is_null() ? "" : "p " + RoundedText(p.get<double>(), 2) + "; ";
     result_.warnings.push_back(
         {{"code", "difference_is_noise"},
          {"row", a},
-         {"message", a + " and " + b + ": FID differs by " + RoundedText(difference, 3) + " (p " + RoundedText(p, 2) +
-                         "; real motions differ from real ones by " + RoundedText(noise, 3) + ")"}});
+         {"message", a + " and " + b + ": FID differs by " + RoundedText(difference, 3) + " (" + chance +
+                         "real motions differ from real ones by " + RoundedText(noise, 3) + ")"}});
   }
 
   const Evaluation& evaluation_;

@@ -16,6 +16,7 @@ struct ScoredSet {
   std::string name;
   StageInput motions;
   std::optional<StageInput> generator;
+  bool bare_array = false;  ///< taken in the extractor's frame, unit, joints and rate
 };
 
 /// What is scored, and how.

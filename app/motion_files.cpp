@@ -1,7 +1,9 @@
 #include "app/motion_files.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/config_loading.h"
 #include "app/named_configs.h"
@@ -24,7 +26,8 @@ std::vector<fs::path> FilesOf(const fs::path& path) {
   std::vector<fs::path> files;
   for (fs::recursive_directory_iterator it(path, problem), end; !problem && it != end; it.increment(problem)) {
     std::error_code unknown;
-    if (it->is_regular_file(unknown)) files.push_back(it->path());
+    const bool hidden = it->path().filename().string().front() == '.';
+    if (!hidden && it->is_regular_file(unknown)) files.push_back(it->path());
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -72,27 +75,37 @@ ConfigSource MotionStoreConfig(const fs::path& path) {
 }
 
 bool AreBareArrays(const fs::path& path) {
+  const std::set<std::string> beside = {".csv", ".txt", ".md", ".json", ".yaml", ".png", ".gif", ".mp4", ".log"};
   const std::vector<fs::path> files = FilesOf(path);
-  return !files.empty() &&
-         std::all_of(files.begin(), files.end(), [](const fs::path& file) { return file.extension() == ".npy"; });
+  const auto array = [](const fs::path& file) { return file.extension() == ".npy"; };
+  return std::any_of(files.begin(), files.end(), array) &&
+         std::all_of(files.begin(), files.end(),
+                     [&](const fs::path& file) { return array(file) || beside.count(file.extension().string()) > 0; });
 }
 
 Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptions& extractor) {
   std::error_code unknown;
   const bool folder = fs::is_directory(path, unknown);
-  std::size_t depth = 0;
+  std::map<std::ptrdiff_t, fs::path> depths;  // folders down to an array -> the first such array
   for (const fs::path& file : FilesOf(path)) {
     const fs::path below = file.lexically_relative(path);
-    depth =
-        std::max<std::size_t>(depth, folder ? static_cast<std::size_t>(std::distance(below.begin(), below.end())) : 1);
+    if (file.extension() == ".npy") depths.emplace(folder ? std::distance(below.begin(), below.end()) : 1, below);
   }
+  if (depths.size() > 1) {
+    return Fail(ErrorCode::kInconsistent,
+                "'" + depths.begin()->second.generic_string() + "' and '" + depths.rbegin()->second.generic_string() +
+                    "' lie in folders of different depth",
+                DisplayPath(path), "put all arrays at one depth, or score the folders one by one");
+  }
+  const std::ptrdiff_t depth = depths.empty() ? 1 : depths.begin()->first;
   IngestOptions options;
   options.path = fs::absolute(path, unknown).lexically_normal();
   SourceOptions& source = options.source;
   source.name = "motions";
   source.format = SourceFormat::kNpy;
+  source.other_files = OtherFiles::kIgnore;  // labels and notes beside the arrays
   source.files = "{recording}.npy";
-  for (std::size_t i = 1; i < depth; ++i) source.files = "{folder" + std::to_string(i) + "}/" + source.files;
+  for (std::ptrdiff_t i = 1; i < depth; ++i) source.files = "{folder" + std::to_string(i) + "}/" + source.files;
   source.recording = "{file}";
   source.person = kUnknownPerson;
   source.label = "";
@@ -142,6 +155,10 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
     if (!declared) return Forward(declared);
     motions = std::move(*declared);
   }
+  if (!files.lie_bone_lengths.empty() && motions.ingest.source.format != SourceFormat::kNpy) {
+    return Fail(ErrorCode::kUsage, "the file holds no bare array, its values cannot be Lie parameters",
+                DisplayPath(files.path), "leave --values and --bone-lengths out");
+  }
   motions.ingest.source.lie_bone_lengths = files.lie_bone_lengths;
   MotionsOptions options{motions.ingest, extractor.classes};
   options.ingest.path.clear();
@@ -152,6 +169,9 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
     const std::string below =
         fs::is_directory(root, unknown) ? file.lexically_relative(root).generic_string() : file.filename().string();
     item.inputs.push_back({"source", below, file, ""});
+  }
+  if (const fs::path skeleton = motions.ingest.source.skeleton; fs::is_regular_file(skeleton, unknown)) {
+    item.inputs.push_back({"skeleton", skeleton.filename().string(), skeleton, ""});
   }
   if (!files.labels.empty()) item.inputs.push_back({"labels", files.labels.filename().string(), files.labels, ""});
   return MotionsItem{std::move(item), std::move(motions.unreadable)};

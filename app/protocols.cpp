@@ -81,6 +81,10 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
 }
 
 Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
+  if (extractor.network != ExtractorNetwork::kGru) {
+    return Fail(ErrorCode::kMissingOnHost, "extractor '" + extractor.name + "' needs an ST-GCN, which this version does not have",
+                extractor.weights, "score with a GRU extractor: --extractor, or another protocol");
+  }
   std::error_code unknown;
   if (fs::is_regular_file(extractor.weights, unknown)) return fs::path(extractor.weights);
   const char* folder = std::getenv("MOCURATE_WEIGHTS");
@@ -90,9 +94,17 @@ Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
                 "the weights of extractor '" + extractor.name + "' are not here, and MOCURATE_WEIGHTS is not set",
                 extractor.weights, hint);
   }
+  std::vector<fs::path> found;
   for (fs::recursive_directory_iterator it(folder, unknown), end; !unknown && it != end; it.increment(unknown)) {
     std::error_code problem;
-    if (it->path().filename() == extractor.weights && it->is_regular_file(problem)) return it->path();
+    if (it->path().filename() == extractor.weights && it->is_regular_file(problem)) found.push_back(it->path());
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    return Fail(ErrorCode::kInconsistent,
+                Counted(static_cast<long long>(found.size()), "file") + " of that name are below MOCURATE_WEIGHTS",
+                DisplayPath(found[0]) + ", " + DisplayPath(found[1]), "keep one, or set extractor.weights to its path");
   }
   return Fail(ErrorCode::kMissingOnHost,
               "the weights of extractor '" + extractor.name + "' are not below MOCURATE_WEIGHTS (" +

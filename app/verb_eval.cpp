@@ -78,7 +78,11 @@ Expected<fs::path> FirstRecogniser(const fs::path& run) {
   for (fs::directory_iterator it(run / "checkpoints", problem), end; !problem && it != end; it.increment(problem)) {
     if (it->path().filename().string().rfind("recogniser_", 0) == 0) found.push_back(it->path());
   }
-  if (!found.empty()) return *std::min_element(found.begin(), found.end());
+  const auto earlier = [](const fs::path& a, const fs::path& b) {  // recogniser_2.h5 before recogniser_10.h5
+    const std::string first = a.filename().string(), second = b.filename().string();
+    return std::make_pair(first.size(), first) < std::make_pair(second.size(), second);
+  };
+  if (!found.empty()) return *std::min_element(found.begin(), found.end(), earlier);
   return Fail(ErrorCode::kNotFound, "the run has no recogniser", DisplayPath(run / "checkpoints"),
               "run it to the stage train, or give --extractor");
 }
@@ -130,6 +134,7 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
 struct MotionsRead {
   std::map<std::string, StageInput> sets;
   std::map<std::string, Error> failed;
+  std::set<std::string> bare_arrays;     ///< sets taken in the extractor's frame
   std::vector<nlohmann::json> warnings;  ///< motions of a set that cannot be read
 };
 
@@ -139,13 +144,20 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
   std::vector<ItemSpec> items;
   std::vector<std::string> names;
   for (const auto& [named, files] : sets) {
-    if (Status there = CheckExists(named.path, "--generated"); !there) return Forward(there);
-    if (IsMotionStore(files.path) && files.labels.empty() && files.source.empty()) {
+    if (Status there = CheckExists(named.path, "--generated"); !there) {
+      read.failed[named.name] = there.error();
+      continue;
+    }
+    if (IsMotionStore(files.path) && files.labels.empty() && files.source.empty() && files.lie_bone_lengths.empty()) {
       read.sets[named.name] = {"motions", named.name, files.path, ""};
       continue;
     }
     auto item = MakeMotionsItem(named.name, files, plan.extractor);
-    if (!item) return Forward(item);
+    if (!item) {
+      read.failed[named.name] = item.error();
+      continue;
+    }
+    if (files.source.empty() && AreBareArrays(files.path)) read.bare_arrays.insert(named.name);
     for (const RefusedClip& file : item->unreadable) {
       read.warnings.push_back({{"code", "clip_refused"}, {"row", named.name}, {"message", file.error.Message()}});
     }
@@ -230,7 +242,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   StageRuns runs(**runner, reports);
 
   std::vector<std::pair<NamedFiles, MotionFiles>> sets;
-  std::set<std::string> taken = {"Real", "reference", "reference_test"};
+  std::set<std::string> taken = {"Real", "Real-test", "reference", "reference_test"};
   std::vector<double> bone_lengths;
   if (!arguments.bone_lengths.empty()) {
     auto lengths = MedianBoneLengths(arguments.bone_lengths, plan->extractor);
@@ -255,10 +267,11 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   evaluation.equivalent = plan->protocol.equivalent;
   evaluation.seed = plan->protocol.seed;
   evaluation.test_reference = plan->protocol.test_reference;
+  evaluation.split = plan->protocol.split;
   for (const auto& [named, files] : sets) {
     const auto set = read->sets.find(named.name);
     if (set == read->sets.end()) continue;
-    ScoredSet scored{named.name, set->second, std::nullopt};
+    ScoredSet scored{named.name, set->second, std::nullopt, read->bare_arrays.count(named.name) > 0};
     if (named.name == "Real") {
       evaluation.real = std::move(scored);
     } else {
@@ -279,14 +292,19 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   }
   auto published = Published(plan->protocol);
   if (!published) return Forward(published);
-  nlohmann::json result = {{"protocol", plan->protocol.name},       {"variant", VariantName(plan->protocol.variant)},
-                           {"extractor", plan->extractor.name},     {"rows", evaluated->rows},
-                           {"comparisons", evaluated->comparisons}, {"published", *published},
-                           {"notes", plan->protocol.notes},         {"warnings", evaluated->warnings},
+  nlohmann::json result = {{"protocol", plan->protocol.name},
+                           {"paper", plan->protocol.paper},
+                           {"variant", VariantName(plan->protocol.variant)},
+                           {"extractor", plan->extractor.name},
+                           {"rows", evaluated->rows},
+                           {"comparisons", evaluated->comparisons},
+                           {"published", *published},
+                           {"notes", plan->protocol.notes},
+                           {"warnings", evaluated->warnings},
                            {"failed", nlohmann::json::object()}};
   for (const auto& [name, error] : evaluated->failed) result["failed"][name] = error.Message();
   const std::vector<double>& sizes = plan->protocol.original_clips;
-  result["original_data"] = plan->protocol.variant == ProtocolVariant::kReleased &&
+  result["original_data"] = plan->protocol.original_data && plan->protocol.variant == ProtocolVariant::kReleased &&
                             std::find(sizes.begin(), sizes.end(), evaluated->real_clips) != sizes.end();
   if (evaluated->rows.empty() && !evaluated->failed.empty()) {
     return tl::unexpected<Error>(evaluated->failed.begin()->second);

@@ -96,7 +96,9 @@ Expected<ReadMotions> MotionsOf(const ExportArguments& arguments) {
   if (arguments.source.empty() && IsMotionStore(arguments.path)) {
     Expected<Dataset> dataset = ReadDataset(arguments.path);
     if (!dataset) return Forward(dataset);
-    return ReadMotions{std::move(*dataset), {}};
+    ReadMotions read;
+    read.set = std::move(*dataset);
+    return read;
   }
   Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source);
   if (!declared) return Forward(declared);

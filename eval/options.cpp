@@ -10,6 +10,10 @@ void DeclareLabels(LabelDraw& labels, OptionVisitor& v) {
            "frequencies of generated labels: uniform (Action2Motion) or those of the real set (ACTOR)");
 }
 
+void DeclarePerLabel(std::int64_t& per_label, OptionVisitor& v) {
+  v.Integer("per_label", per_label, {0.0, 1e6}, "at most so many motions of each label in a repetition; 0: no limit");
+}
+
 void DeclareHidden(HiddenDraw& hidden, OptionVisitor& v) {
   v.Choice("hidden", hidden, {{"zero", HiddenDraw::kZero}, {"normal", HiddenDraw::kNormal}},
            "initial hidden states of the extractor: zero, or drawn anew for each motion as the released codes do");
@@ -31,6 +35,7 @@ void DrawOptions::Declare(OptionVisitor& v) {
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
   v.Integer("motions", motions, {0.0, 1e6}, "motions of a set and repetition; 0: each motion once");
   v.Bool("replacement", replacement, "draw real motions with replacement");
+  DeclarePerLabel(per_label, v);
   DeclareLabels(labels, v);
   DeclareHidden(hidden, v);
   DeclareCrop(crop, v);
@@ -73,14 +78,16 @@ void ProtocolOptions::Declare(OptionVisitor& v) {
            "given: each motion once, nothing drawn; released: as the paper's code draws; paper: as its text says");
   v.Integer("seed", seed, {}, "of every draw");
   v.Bool("test_reference", test_reference, "score against the test part of the real motions as well (FID_test)");
+  v.Text("split", split, "split of the real motions whose parts are meant; empty: the first one");
   v.Group("given", given, "draws of the variant given");
   v.Group("released", released, "draws of the variant released");
   v.Group("from_paper", from_paper, "draws of the variant paper");
   v.Group("metrics", metrics, "sizes that metrics take");
   v.TextMap("equivalent", equivalent,
             "class -> classes that count as right for it, separated by ', '; itself included");
-  v.Numbers("original_clips", original_clips, Unit::kNone, {0.0, 1e9},
-            "clips of the paper's own real set: figures of other sets are not marked against the published ones");
+  v.Numbers("original_clips", original_clips, Unit::kNone, {0.0, 1e9}, "clips of the paper's own real set");
+  v.Bool("original_data", original_data,
+         "the real motions are the paper's own data: figures outside the published intervals are marked");
   v.Texts("notes", notes, "what a reader of the figures has to know");
 }
 
@@ -132,6 +139,7 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Integer("passes", passes, {0.0, 1000.0}, "passes with draws of their own; 0: one, in the order of the motions");
   v.Integer("motions", motions, {0.0, 1e6}, "motions drawn for a pass; 0: all");
   v.Bool("replacement", replacement, "draw with replacement");
+  DeclarePerLabel(per_label, v);
   DeclareLabels(labels, v);
   DeclareHidden(hidden, v);
   DeclareCrop(crop, v);
@@ -139,16 +147,18 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
 
 void ScoreOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "of the row");
-  v.Bool("real", real, "real motions against real motions");
+  v.Choice("real", real, {{"none", RealRow::kNone}, {"train", RealRow::kTrain}, {"test", RealRow::kTest}},
+           "whether the row is real motions, and which reference holds the same ones");
+  v.Bool("fresh", fresh, "every repetition scores motions of its own");
   v.Integer("seed", seed, {}, "of the draws");
   v.Group("draw", draw, "what is drawn");
   v.Group("metrics", metrics, "sizes that metrics take");
   v.TextMap("equivalent", equivalent, "class -> classes that count as right for it");
 }
 
-StageDeclaration FeaturesDeclaration() { return {"features", 1, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration ScoreDeclaration() { return {"score", 1, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration CompareDeclaration() { return {"compare", 1, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration FeaturesDeclaration() { return {"features", 3, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration ScoreDeclaration() { return {"score", 3, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration CompareDeclaration() { return {"compare", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -26,8 +26,9 @@ enum class CropDraw { kFirst, kReleased, kAny };
 /// What is drawn, and how often. The defaults draw nothing: each motion is scored once.
 struct DrawOptions {
   std::int64_t repetitions = 1;
-  std::int64_t motions = 0;  ///< of a set and repetition; 0: each motion once
-  bool replacement = true;   ///< real motions of a repetition
+  std::int64_t motions = 0;    ///< of a set and repetition; 0: each motion once
+  bool replacement = true;     ///< real motions of a repetition
+  std::int64_t per_label = 0;  ///< of a set and repetition at most so many motions of each label; 0: no such limit
   LabelDraw labels = LabelDraw::kUniform;
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
@@ -66,10 +67,12 @@ struct ProtocolOptions {
   ProtocolVariant variant = ProtocolVariant::kGiven;
   std::int64_t seed = 1;
   bool test_reference = false;  ///< FID against the test part of the real motions as well
+  std::string split;            ///< whose parts are meant; empty: the first one
   DrawOptions given, released, from_paper;
   MetricOptions metrics;
   std::map<std::string, std::string> equivalent;  ///< class -> classes that count as it, separated by ", "
-  std::vector<double> original_clips;             ///< sizes of the papers' own real set; another set is another one
+  std::vector<double> original_clips;             ///< sizes of the papers' own real set
+  bool original_data = false;                     ///< the real motions are the papers' own
   std::vector<std::string> notes;
 
   const DrawOptions& draw() const;
@@ -107,6 +110,7 @@ struct FeaturesOptions {
   std::int64_t passes = 0;   ///< 0: one pass over the motions in their order
   std::int64_t motions = 0;  ///< drawn for each pass; 0: all, in their order
   bool replacement = true;
+  std::int64_t per_label = 0;
   LabelDraw labels = LabelDraw::kUniform;  ///< of a generator's requests
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
@@ -114,10 +118,14 @@ struct FeaturesOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Whether a row is real motions itself, and which reference holds the same ones.
+enum class RealRow { kNone, kTrain, kTest };
+
 /// One row of a table: options of the stage `score`.
 struct ScoreOptions {
   std::string name;
-  bool real = false;  ///< a set against its own like: two halves where nothing is drawn
+  RealRow real = RealRow::kNone;  ///< against that reference: two halves where nothing is drawn
+  bool fresh = false;  ///< every repetition scores motions of its own; else repetitions are no independent samples
   std::int64_t seed = 1;
   DrawOptions draw;
   MetricOptions metrics;

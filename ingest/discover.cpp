@@ -134,7 +134,7 @@ std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source
       continue;
     }
     left_out.push_back(ExcludedFile(
-        one.item, file.name + clip.id, "other_joints",
+        one.item, file.name + clip.id, kOtherJoints,
         "it has " + std::to_string(clip.joints) + " joints, those of the source have " + std::to_string(wanted),
         "declare it as a source of its own"));
   }

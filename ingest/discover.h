@@ -14,6 +14,9 @@ namespace mocurate {
 /// Code of the finding about a folder whose files lie where the pattern does not look: no clip.
 inline constexpr const char* kFolderNotRead = "folder_not_read";
 
+/// Code of the finding about an array of another number of joints than the source's.
+inline constexpr const char* kOtherJoints = "other_joints";
+
 /// What a source folder holds: one item per clip for the stage `ingest` (item = clip id, input role "source"), and what
 /// became of every file that is no such item: kLeftOut when ingest.source.other_files says that such files are passed
 /// over, kRefused when it asks for an error or the name declares a label that there is not. One finding each; files

@@ -140,6 +140,9 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
            file.outcome.findings.front().code != kFolderNotRead;
   };
   const auto ruled = std::find_if(discovery.left_out.begin(), discovery.left_out.end(), by_rule);
+  if (ruled != discovery.left_out.end() && ruled->outcome.findings.front().code == kOtherJoints) {
+    return ruled->outcome.error;
+  }
   if (ruled != discovery.left_out.end()) {
     const auto count = std::count_if(discovery.left_out.begin(), discovery.left_out.end(), by_rule);
     return {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <tuple>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -66,25 +67,63 @@ std::string PlainText(const std::string& text) {
   return plain;
 }
 
+/// Whether a name begins with the class and no further letter: "walk_03", "Walk 3", "walk3", not "walker".
+bool BeginsWithClass(const std::string& name, const std::string& plain_class) {
+  std::size_t matched = 0, at = 0;
+  for (; at < name.size() && matched < plain_class.size(); ++at) {
+    const auto c = static_cast<unsigned char>(name[at]);
+    if (std::isalnum(c) == 0) continue;
+    if (static_cast<char>(std::tolower(c)) != plain_class[matched++]) return false;
+  }
+  return matched == plain_class.size() &&
+         (at == name.size() || std::isalpha(static_cast<unsigned char>(name[at])) == 0);
+}
+
+/// A name whose numbers compare as numbers: "2" before "10".
+std::string OrderOfName(const std::string& name) {
+  constexpr std::size_t kDigits = 20;
+  std::string order, digits;
+  for (const char c : name + '\0') {
+    if (std::isdigit(static_cast<unsigned char>(c)) != 0) {
+      digits += c;
+      continue;
+    }
+    if (!digits.empty()) order += std::string(kDigits - std::min(kDigits, digits.size()), '0') + digits;
+    digits.clear();
+    order += c;
+  }
+  return order;
+}
+
 /// Gives clips their labels: those of a file beside the motions, the clip's own, else the class its name begins with.
 class LabelAssignment {
  public:
-  LabelAssignment(const MotionLabels& labels, const std::vector<std::string>& classes)
-      : labels_(labels), classes_(classes) {}
-
-  Status Check(const std::vector<ItemSpec>& items) const {
-    if (labels_.ordered.empty() || labels_.ordered.size() == items.size()) return {};
-    return Fail(ErrorCode::kInconsistent,
-                Counted(static_cast<long long>(labels_.ordered.size()), "label") + " for " +
-                    Counted(static_cast<long long>(items.size()), "motion"),
-                "labels", "one label a motion, in the order of the motions, or lines of 'name,label'");
+  /// The order of motions is that of the files' names, whose numbers count as numbers, and within a file that of its
+  /// entries.
+  LabelAssignment(const MotionLabels& labels, const std::vector<std::string>& classes,
+                  const std::vector<ItemSpec>& items)
+      : labels_(labels), classes_(classes) {
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      place_.push_back({OrderOfName(items[i].inputs.front().name), EntryOfItem(items[i]).value_or(0), i});
+    }
+    std::sort(place_.begin(), place_.end());
   }
 
-  /// `position`: of the item in the sorted list. Error kInconsistent where the labels have no name of the motion.
+  Status Check() const {
+    if (labels_.ordered.empty() || labels_.ordered.size() == place_.size()) return {};
+    return Fail(ErrorCode::kInconsistent,
+                Counted(static_cast<long long>(labels_.ordered.size()), "label") + " for " +
+                    Counted(static_cast<long long>(place_.size()), "motion"),
+                labels_.file, "one label a motion, in the order of the motions, or lines of 'name,label'");
+  }
+
+  /// `position`: of the item in the list. Error kInconsistent where the labels have no name of the motion.
   Status Assign(const ItemSpec& item, std::size_t position, Clip& clip) const {
     const std::string file = StemOfName(item.inputs.front().name);
     if (!labels_.ordered.empty()) {
-      clip.label = labels_.ordered[EntryOfItem(item).value_or(position)];
+      const auto own =
+          std::find_if(place_.begin(), place_.end(), [&](const auto& place) { return std::get<2>(place) == position; });
+      clip.label = labels_.ordered[static_cast<std::size_t>(own - place_.begin())];
     } else if (!labels_.by_name.empty()) {
       for (const std::string& name : {file, clip.identity.recording, clip.id()}) {
         const auto found = labels_.by_name.find(name);
@@ -94,7 +133,7 @@ class LabelAssignment {
       }
       return Fail(ErrorCode::kInconsistent, "the labels name no motion '" + file + "'", clip.id(),
                   "add a line 'name,label' with the file's name without its ending");
-    } else if (clip.label.empty()) {
+    } else if (clip.label.empty() && !EntryOfItem(item)) {
       clip.label = ClassInName(item.inputs.front().name);
     }
     return {};
@@ -117,11 +156,10 @@ class LabelAssignment {
   std::string ClassInName(const std::string& name) const {
     const std::filesystem::path path(name);
     std::string best;
-    for (const std::string& text :
-         {PlainText(path.parent_path().filename().string()), PlainText(path.stem().string())}) {
+    for (const std::string& text : {path.parent_path().filename().string(), path.stem().string()}) {
       for (const std::string& listed : classes_) {
         const std::string plain = PlainText(listed);
-        if (plain.size() > PlainText(best).size() && text.compare(0, plain.size(), plain) == 0) best = listed;
+        if (plain.size() > PlainText(best).size() && BeginsWithClass(text, plain)) best = listed;
       }
     }
     return best;
@@ -129,7 +167,18 @@ class LabelAssignment {
 
   const MotionLabels& labels_;
   const std::vector<std::string>& classes_;
+  std::vector<std::tuple<std::string, std::size_t, std::size_t>> place_;  // file, entry, position in the list
 };
+
+/// Why the first item that cannot be read is none; nothing where all can.
+std::optional<Error> FirstUnreadable(const std::vector<ItemSpec>& items) {
+  for (const ItemSpec& item : items) {
+    const Expected<ReadItem> one = ReadSourceItem({"motions", item.item, item.options, item.inputs, {}, {}});
+    if (!one) return one.error();
+    if (!HasArtifact(one->outcome.kind)) return one->outcome.error;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -138,6 +187,7 @@ Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
   if (!bytes) return Forward(bytes);
   const std::string name = DisplayPath(file);
   MotionLabels labels;
+  labels.file = name;
   if (file.extension() == ".npy") {
     const Expected<NpyArray> array = ParseNpy(*bytes, name);
     if (!array) return Forward(array);
@@ -176,13 +226,22 @@ Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
 Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels) {
   Expected<Discovery> discovery = Discover(options.ingest);
   if (!discovery) return Forward(discovery);
-  LabelAssignment assignment(labels, options.classes);
+  const LabelAssignment assignment(labels, options.classes, discovery->items);
   ReadMotions read;
   read.set.created_by = CreatedBy();
   for (const ItemResult& left_out : discovery->left_out) {
-    if (IsFailure(left_out.outcome.kind)) read.refused.push_back({left_out.item, left_out.outcome.error});
+    if (IsFailure(left_out.outcome.kind)) {
+      read.refused.push_back({left_out.item, left_out.outcome.error});
+    } else {
+      const std::vector<Finding>& told = left_out.outcome.findings;
+      read.left_out.insert(read.left_out.end(), told.begin(), told.end());
+    }
   }
-  if (Status counts = assignment.Check(discovery->items); !counts) return Forward(counts);
+  read.left_out.insert(read.left_out.end(), discovery->findings.begin(), discovery->findings.end());
+  if (Status counts = assignment.Check(); !counts) {
+    if (auto unreadable = FirstUnreadable(discovery->items)) return tl::unexpected<Error>(std::move(*unreadable));
+    return Forward(counts);
+  }
   std::set<std::string> names;
   for (std::size_t i = 0; i < discovery->items.size(); ++i) {
     const ItemSpec& item = discovery->items[i];
@@ -244,6 +303,7 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
   Expected<ReadMotions> read = ReadAllMotions(*options, labels);
   if (!read) return Forward(read);
   StageOutcome outcome;
+  outcome.findings = read->left_out;
   for (const RefusedClip& refused : read->refused) {
     Finding finding;
     finding.clip = refused.item;

@@ -30,12 +30,14 @@ struct RefusedClip {
 struct ReadMotions {
   Dataset set;  ///< sorted by id; recorded rotations kept, joint tracks as joints-only motions, else as they come
   std::vector<RefusedClip> refused;
+  std::vector<Finding> left_out;  ///< about files and entries that the declaration leaves out
 };
 
 /// Labels that stand beside motions: one a motion in their order, or by the name of each.
 struct MotionLabels {
   std::vector<std::string> ordered;
   std::map<std::string, std::string> by_name;  ///< file name without ending, recording or clip id
+  std::string file;                            ///< where they stand
 
   bool empty() const { return ordered.empty() && by_name.empty(); }
 };

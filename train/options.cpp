@@ -81,6 +81,6 @@ void GeneratorOptions::Declare(OptionVisitor& v) {
   v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 3, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration TrainDeclaration() { return {"train", 4, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -31,6 +31,7 @@ void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
   options.read_out = ReadOut::kLastFrame;
   options.real_root = options.generated_root = RootRule::kFirstFrame;
   options.classes = recogniser.labels();
+  options.rate_hz = recogniser.rate_hz();
   extractor.rules.skeleton = recogniser.skeleton();
   extractor.rules.frames = recogniser.input_frames();
   extractor.rules.length = options.length;
@@ -136,6 +137,13 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
                 clips[static_cast<std::size_t>(broken - finite.begin())], "take the motion out; it is not averaged in");
   }
   if (!output) return Forward(output);
+  const auto all_finite = [](const std::vector<float>& values) {
+    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+  };
+  if (!all_finite(output->features) || !all_finite(output->logits)) {
+    return Fail(ErrorCode::kInconsistent, "the network gives numbers that are not finite", extractor.options.name,
+                "its training diverged, or its file is damaged: use another one");
+  }
   set.pass_begin.push_back(set.count());
   set.feature_size = output->feature_size;
   set.classes = extractor.options.classes;

@@ -19,7 +19,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMeasuredAtOnce = 64;  // motions of a thread
+constexpr int kMeasuredAtOnce = 64;     // motions of a thread
+constexpr double kFarFromOrigin = 0.5;  // metres; the roots that published decoders begin with lie within millimetres
 
 const StageInput* InputOf(const StageRequest& request, const std::string& role) {
   const auto found = std::find_if(request.inputs.begin(), request.inputs.end(),
@@ -34,18 +35,20 @@ struct PassMotions {
   std::vector<std::string> clips;
 };
 
-/// Label of a clip -> class of the extractor; -1 for clips without a label.
+/// Label of a clip, else its fine label -> class of the extractor; -1 for clips without a label.
 Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<std::string>& classes) {
   std::vector<int> result;
   for (const Clip& clip : dataset.clips) {
-    const std::optional<int> found = ClassOf(classes, clip.label);
+    std::optional<int> found = ClassOf(classes, clip.label);
+    if (!found && !clip.fine_label.empty()) found = ClassOf(classes, clip.fine_label);
     result.push_back(found.value_or(-1));
     if (clip.label.empty() || found) continue;
     const auto near = Nearest(clip.label, classes);
     std::string list;
     for (const std::string& name : classes) list += (list.empty() ? "" : ", ") + name;
     return Fail(ErrorCode::kInconsistent, "label '" + clip.label + "' is no class of the extractor", clip.id(),
-                (near ? "did you mean '" + *near + "'? " : "") + "give --labels FILE; its classes are: " + list);
+                (near ? "did you mean '" + *near + "'? " : "") +
+                    "name its classes in the labels that you give; they are: " + list);
   }
   return result;
 }
@@ -87,14 +90,18 @@ class FeaturesRun {
     std::vector<const Motion*> all;
     for (const int row : *rows) all.push_back(&*dataset.clips[static_cast<std::size_t>(row)].motion);
     if (Status frame = CheckFrameOfSet(all); !frame) return frame;
+    std::vector<int> labels;
+    for (const int row : *rows) labels.push_back((*classes)[static_cast<std::size_t>(row)]);
     std::map<std::string, std::vector<double>> quality;
     AddQuality(all, threads_, quality);
     const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
     for (int p = 0; p < passes; ++p) {
       const int count = options_.passes == 0 ? 0 : static_cast<int>(options_.motions);
       PassMotions pass;
-      for (const int at :
-           DrawPositions(static_cast<int>(rows->size()), count, options_.replacement, seed(), p, options_.purpose)) {
+      for (const int at : options_.per_label > 0
+                              ? DrawPerLabel(labels, static_cast<int>(options_.per_label), seed(), p, options_.purpose)
+                              : DrawPositions(static_cast<int>(rows->size()), count, options_.replacement, seed(), p,
+                                              options_.purpose)) {
         const auto row = static_cast<std::size_t>((*rows)[static_cast<std::size_t>(at)]);
         pass.motions.push_back(&*dataset.clips[row].motion);
         pass.labels.push_back((*classes)[row]);
@@ -215,6 +222,16 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   outcome.summary["longer"] = window ? lengths([&](int n) { return n > extractor->rules.frames; }) : 0;
   outcome.summary["shorter"] = window ? lengths([&](int n) { return n < extractor->rules.frames; }) : 0;
   const double rate = extractor->options.rate_hz;
+  outcome.summary["rate_of_extractor"] = rate;
+  outcome.summary["rotations"] = !dataset->joints_only;
+  outcome.summary["no_parts"] = dataset->splits.empty();
+  const bool as_given = options->generated && extractor->options.generated_root == RootRule::kAsGiven;
+  outcome.summary["far"] = 0;
+  if (as_given && InputOf(request, "generator") == nullptr) {
+    outcome.summary["far"] = std::count_if(dataset->clips.begin(), dataset->clips.end(), [](const Clip& clip) {
+      return clip.motion->joints.at(0, 0).norm() > kFarFromOrigin;
+    });
+  }
   outcome.summary["other_rate"] = std::count_if(dataset->clips.begin(), dataset->clips.end(), [&](const Clip& clip) {
     return rate > 0.0 && std::abs(clip.rate.hz() - rate) > 0.01 * rate;
   });

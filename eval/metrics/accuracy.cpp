@@ -13,11 +13,6 @@ Eigen::MatrixXi ConfusionMatrix(const std::vector<int>& truth, const std::vector
   return confusion;
 }
 
-double Accuracy(const Eigen::MatrixXi& confusion) {
-  const int total = confusion.sum();
-  return total == 0 ? 0.0 : static_cast<double>(confusion.trace()) / total;
-}
-
 int LargestLogit(const float* logits, int classes) {
   return static_cast<int>(std::max_element(logits, logits + classes) - logits);
 }

@@ -8,17 +8,14 @@ namespace mocurate {
 /// Counts (C, C): rows are true classes, columns predicted ones. Motions without a class (-1) do not count.
 Eigen::MatrixXi ConfusionMatrix(const std::vector<int>& truth, const std::vector<int>& predicted, int classes);
 
-/// Share of the trace; 0 for an empty matrix. [a2m_actor.md D.4]
-double Accuracy(const Eigen::MatrixXi& confusion);
-
 /// Position of the largest of `classes` logits.
 int LargestLogit(const float* logits, int classes);
 
 /// Predictions that count as right for each true class; empty: the class alone. Directional. [multiact.md A.4]
 using EquivalentClasses = std::vector<std::vector<int>>;
 
-/// Shares of the motions with a class whose largest logit, or any of whose `top` largest logits, is accepted.
-/// `logits` (N, C) row-major.
+/// Share of the motions with a class whose largest logit, or any of whose `top` largest logits, is accepted.
+/// `logits` (N, C) row-major; 0 where no motion has a class. [a2m_actor.md D.4]
 double AcceptedShare(const std::vector<int>& truth, const float* logits, int classes, int top,
                      const EquivalentClasses& equivalent = {});
 

@@ -20,30 +20,15 @@ Status CheckFeatures(Eigen::Index count, bool finite) {
 }  // namespace
 
 Expected<FeatureStatistics> StatisticsOf(const Features& features) {
-  if (Status sound = CheckFeatures(features.rows(), features.allFinite()); !sound) return Forward(sound);
+  constexpr Eigen::Index kBlock = 4096;
+  const Eigen::Index count = features.rows(), size = features.cols();
+  if (Status sound = CheckFeatures(count, features.allFinite()); !sound) return Forward(sound);
   FeatureStatistics statistics;
   statistics.mean = features.colwise().mean();
-  const Eigen::MatrixXd centred = features.rowwise() - statistics.mean.transpose();
-  statistics.covariance = centred.transpose() * centred / static_cast<double>(features.rows() - 1);
-  return statistics;
-}
-
-Expected<FeatureStatistics> StatisticsOf(const float* rows, Eigen::Index count, Eigen::Index size) {
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  constexpr Eigen::Index kBlock = 4096;
-  const Eigen::Map<const RowMajor> all(rows, count, size);
-  if (Status sound = CheckFeatures(count, all.allFinite()); !sound) return Forward(sound);
-  FeatureStatistics statistics;
-  statistics.mean = Eigen::VectorXd::Zero(size);
   statistics.covariance = Eigen::MatrixXd::Zero(size, size);
   for (Eigen::Index begin = 0; begin < count; begin += kBlock) {
-    const Eigen::Index n = std::min(kBlock, count - begin);
-    statistics.mean += all.middleRows(begin, n).cast<double>().colwise().sum();
-  }
-  statistics.mean /= static_cast<double>(count);
-  for (Eigen::Index begin = 0; begin < count; begin += kBlock) {
-    const Eigen::Index n = std::min(kBlock, count - begin);
-    const Eigen::MatrixXd centred = all.middleRows(begin, n).cast<double>().rowwise() - statistics.mean.transpose();
+    const Eigen::MatrixXd centred =
+        features.middleRows(begin, std::min(kBlock, count - begin)).rowwise() - statistics.mean.transpose();
     statistics.covariance.selfadjointView<Eigen::Lower>().rankUpdate(centred.transpose());
   }
   statistics.covariance = statistics.covariance.selfadjointView<Eigen::Lower>();

@@ -15,11 +15,9 @@ struct FeatureStatistics {
   Eigen::MatrixXd covariance;
 };
 
-/// Error kInconsistent for fewer than two motions or a number that is not finite.
+/// In blocks of rows: beside the features it needs (D, D) doubles. Error kInconsistent for fewer than two motions or a
+/// number that is not finite.
 Expected<FeatureStatistics> StatisticsOf(const Features& features);
-
-/// The same of rows (count, size) of float32, row-major, in blocks: memory is bounded by (size, size) doubles.
-Expected<FeatureStatistics> StatisticsOf(const float* rows, Eigen::Index count, Eigen::Index size);
 
 /// Frechet distance |m1 - m2|^2 + tr S1 + tr S2 - 2 tr sqrt(S1^(1/2) S2 S1^(1/2)): the self-adjoint form, real whatever
 /// the rank; negative rounding in eigenvalues counts as zero. Error kInconsistent if sizes differ.

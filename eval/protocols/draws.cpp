@@ -1,6 +1,8 @@
 #include "eval/protocols/draws.h"
 
+#include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
@@ -57,18 +59,37 @@ std::vector<int> DrawPositions(int size, int count, bool replacement, std::uint6
   return positions;
 }
 
+std::vector<int> DrawPerLabel(const std::vector<int>& labels, int per_label, std::uint64_t seed, int repetition,
+                              const std::string& purpose) {
+  std::vector<int> members(
+      labels.empty() ? 0 : static_cast<std::size_t>(1 + *std::max_element(labels.begin(), labels.end())));
+  std::vector<int> chosen;
+  for (const int position : DrawPositions(static_cast<int>(labels.size()), static_cast<int>(labels.size()), false, seed,
+                                          repetition, purpose)) {
+    const int label = labels[static_cast<std::size_t>(position)];
+    if (label >= 0 && members[static_cast<std::size_t>(label)]++ < per_label) chosen.push_back(position);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
 std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vector<int>& rows,
                                         const FeaturesOptions& options, int frames, int repetition) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
   const int count = static_cast<int>(options.motions == 0 ? static_cast<std::int64_t>(rows.size()) : options.motions);
   const std::vector<int> real =
       DrawPositions(static_cast<int>(rows.size()), count, options.replacement, seed, repetition, "reference");
+  std::set<int> present;
+  for (const int row : rows) {
+    present.insert(std::max(0, dataset.LabelIndex(dataset.clips[static_cast<std::size_t>(row)].label)));
+  }
+  const std::vector<int> classes(present.begin(), present.end());
   Random random(seed, "requests", std::to_string(repetition));
   std::vector<MotionRequest> requests(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < requests.size(); ++i) {
     MotionRequest& request = requests[i];
     const Clip& like = dataset.clips[static_cast<std::size_t>(rows[static_cast<std::size_t>(real[i % real.size()])])];
-    request.label = options.labels == LabelDraw::kUniform ? static_cast<int>(random.Below(dataset.labels.size()))
+    request.label = options.labels == LabelDraw::kUniform ? classes[random.Below(classes.size())]
                                                           : std::max(0, dataset.LabelIndex(like.label));
     request.frames = frames;
     request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();

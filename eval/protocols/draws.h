@@ -20,7 +20,12 @@ Expected<std::vector<int>> RowsOfPart(const Dataset& dataset, RealPart part, con
 std::vector<int> DrawPositions(int size, int count, bool replacement, std::uint64_t seed, int repetition,
                                const std::string& purpose);
 
-/// What a repetition wants generated: labels uniform over the classes of the dataset or copied from the rows drawn as
+/// At most `per_label` positions of each label, without replacement, those without a label (-1) left out; ascending.
+/// [multiact.md E]
+std::vector<int> DrawPerLabel(const std::vector<int>& labels, int per_label, std::uint64_t seed, int repetition,
+                              const std::string& purpose);
+
+/// What a repetition wants generated: labels uniform over the classes that have clips or copied from the rows drawn as
 /// real motions; bone lengths of the first frame of a real clip drawn for each motion, of any class. `rows`: the real
 /// motions. [a2m_actor.md B.7]
 std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vector<int>& rows,

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
-#include <tuple>
 
 #include "core/base/text.h"
 #include "eval/metrics/accuracy.h"
@@ -20,6 +19,7 @@ namespace {
 
 /// Beyond it a resample of FID takes seconds: D x D eigenvalues.
 constexpr int kLargestResampled = 128;
+constexpr int kSignChanges = 10000;  // behind a p of repetitions
 
 Features Gather(const FeatureSet& set, const std::vector<int>& rows) {
   Features features(static_cast<Eigen::Index>(rows.size()), set.feature_size);
@@ -63,7 +63,9 @@ Expected<double> FidOf(const Features& a, const Features& b) {
   return FrechetDistance(*first, *second);
 }
 
-Expected<EquivalentClasses> EquivalentOf(const ScoreOptions& options, const std::vector<std::string>& classes) {
+/// `unknown`: names in the table that are no class of the extractor.
+EquivalentClasses EquivalentOf(const ScoreOptions& options, const std::vector<std::string>& classes,
+                               std::set<std::string>& unknown) {
   EquivalentClasses equivalent;
   if (options.equivalent.empty()) return equivalent;
   equivalent.resize(classes.size());
@@ -72,16 +74,23 @@ Expected<EquivalentClasses> EquivalentOf(const ScoreOptions& options, const std:
     return found == classes.end() ? -1 : static_cast<int>(found - classes.begin());
   };
   for (const auto& [truth, accepted] : options.equivalent) {
-    if (at(truth) < 0) continue;  // MultiAct's table has a key that is no class
+    if (at(truth) < 0) {
+      unknown.insert(truth);
+      continue;
+    }
     for (const std::string_view part : SplitText(accepted, ',')) {
-      const int predicted = at(std::string(Trim(part)));
-      if (predicted >= 0) equivalent[static_cast<std::size_t>(at(truth))].push_back(predicted);
+      const std::string name(Trim(part));
+      if (at(name) >= 0) {
+        equivalent[static_cast<std::size_t>(at(truth))].push_back(at(name));
+      } else {
+        unknown.insert(name);
+      }
     }
   }
   return equivalent;
 }
 
-/// One metric: values of the repetitions, or one value with an interval from resampling.
+/// One metric: values of the repetitions, and the interval from resampling the motions of the first one.
 struct Figure {
   std::vector<double> values;
   std::optional<std::array<double, 2>> interval;
@@ -102,9 +111,13 @@ class RowScore {
                       std::to_string(reference->feature_size),
                   options_.name, "score both sets by one extractor");
     }
-    auto equivalent = EquivalentOf(options_, row_.classes);
-    if (!equivalent) return Forward(equivalent);
-    equivalent_ = std::move(*equivalent);
+    std::set<std::string> unknown;
+    equivalent_ = EquivalentOf(options_, row_.classes, unknown);
+    if (!unknown.empty()) {
+      Warn("equivalent_without_class", Counted(static_cast<long long>(unknown.size()), "name") +
+                                           " of `equivalent` no class of the extractor, e.g. '" + *unknown.begin() +
+                                           "': they count for nothing");
+    }
     NoteClasses();
     const int repetitions = static_cast<int>(std::max<std::int64_t>(1, options_.draw.repetitions));
     for (int r = 0; r < repetitions; ++r) {
@@ -115,7 +128,10 @@ class RowScore {
 
  private:
   std::uint64_t seed() const { return static_cast<std::uint64_t>(options_.seed); }
-  bool drawn() const { return options_.draw.repetitions > 1 || options_.draw.motions > 0; }
+  bool real() const { return options_.real != RealRow::kNone; }
+  bool drawn() const {
+    return options_.draw.repetitions > 1 || options_.draw.motions > 0 || options_.draw.per_label > 0;
+  }
 
   void Warn(const char* code, const std::string& message) {
     warnings_.push_back({{"code", code}, {"row", options_.name}, {"message", message}});
@@ -134,7 +150,8 @@ class RowScore {
       ++absent_;
     }
     if (labelled_ == 0) {
-      Warn("no_labels", "the motions have no labels: accuracy and multimodality are null; give --labels FILE");
+      Warn("no_labels", "the motions have no labels: accuracy and multimodality are null; give " +
+                            std::string(real() ? "--real-labels FILE" : "--labels FILE"));
     } else if (absent_ > 0) {
       const bool divided = options_.metrics.divisor == MultimodalityDivisor::kAll;
       Warn("class_without_motions",
@@ -159,8 +176,11 @@ class RowScore {
   }
 
   Status Repeat(int repetition) {
-    const bool halves = options_.real && !drawn();
-    ScoredRows row = RowsOfRepetition(row_, options_.draw, seed(), repetition, options_.real ? "real" : "generated");
+    const ScoredRows row = RowsOfRepetition(row_, options_.draw, seed(), repetition, real() ? "real" : "generated");
+    if (row.rows.empty()) {
+      return Fail(ErrorCode::kInconsistent, "no motion has a label, and the protocol draws motions of each label",
+                  options_.name, std::string(real() ? "--real-labels" : "--labels") + " FILE gives them");
+    }
     if (repetition == 0) motions_ = static_cast<int>(row.rows.size());
     AddAccuracy(row);
     if (Status spread = AddSpread(row, repetition); !spread) return spread;
@@ -169,17 +189,18 @@ class RowScore {
                                                                {"FID_test", references_.test}};
     for (const auto& [name, reference_set] : sides) {
       if (reference_set == nullptr) continue;
-      ScoredRows reference;
-      if (halves && reference_set == references_.train) {
-        std::tie(row, reference) = Halves(row.rows, repetition);
-      } else {
-        reference = RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference");
-      }
-      if (Status added = AddDistances(name, row.features, reference.features, repetition); !added) return added;
-      if (repetition > 0 || reference_set != references_.train) continue;
-      if (options_.real) {  // else each motion is its own neighbour
-        const auto [one, other] = halves ? std::pair(row, reference) : Halves(row.rows, repetition);
-        AddNeighbours(one.features, other.features);
+      const bool train = reference_set == references_.train;
+      const bool itself = options_.real == (train ? RealRow::kTrain : RealRow::kTest);
+      std::pair<ScoredRows, ScoredRows> halves;
+      if (itself && (!drawn() || repetition == 0)) halves = Halves(row.rows, repetition);
+      ScoredRows reference = itself && !drawn()
+                                 ? halves.second
+                                 : RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference");
+      const Features& compared = itself && !drawn() ? halves.first.features : row.features;
+      if (Status added = AddDistances(name, compared, reference.features, repetition); !added) return added;
+      if (repetition > 0 || !train) continue;
+      if (itself) {  // else each motion is its own neighbour
+        AddNeighbours(halves.first.features, halves.second.features);
       } else {
         AddNeighbours(Gather(row_, DistinctClips(row_, row.rows)),
                       Gather(*reference_set, DistinctClips(*reference_set, reference.rows)));
@@ -206,7 +227,7 @@ class RowScore {
     }
     const Eigen::MatrixXi confusion = ConfusionMatrix(row.labels, predicted, classes);
     confusion_ = confusion_.size() == 0 ? confusion : Eigen::MatrixXi(confusion_ + confusion);
-    if (drawn()) return;
+    if (figures_["accuracy"].interval) return;  // of the first repetition
     std::vector<double> right;
     for (std::size_t i = 0; i < predicted.size(); ++i) {
       if (row.labels[i] >= 0) right.push_back(predicted[i] == row.labels[i] ? 1.0 : 0.0);
@@ -263,7 +284,7 @@ class RowScore {
                                   " features: the covariance has no full rank and FID is biased upwards; read KID, or "
                                   "score more motions");
     }
-    if (!drawn()) figures_[name].interval = ResampledFid(name, row, reference);
+    figures_[name].interval = ResampledFid(name, row, reference);
     return {};
   }
 
@@ -324,14 +345,12 @@ class RowScore {
         one["interval"] = *figure->second.interval;
         one["interval_kind"] = Name(IntervalKind::kBootstrap);
       }
+      if (figure->second.interval) one["bootstrap_95"] = *figure->second.interval;
       metrics[name] = std::move(one);
     }
-    nlohmann::json json = {{"name", options_.name},
-                           {"motions", motions_},
-                           {"metrics", metrics},
-                           {"warnings", warnings_},
-                           {"assumed", nlohmann::json::array()}};
-    if (options_.real && !drawn()) json["assumed"].push_back("real_in_two_halves");
+    nlohmann::json json = {{"name", options_.name}, {"real", real()},        {"motions", motions_},
+                           {"metrics", metrics},    {"warnings", warnings_}, {"assumed", nlohmann::json::array()}};
+    if (real() && !drawn()) json["assumed"].push_back("real_in_two_halves");
     if (confusion_.size() > 0) {
       for (Eigen::Index r = 0; r < confusion_.rows(); ++r) {
         std::vector<int> line;
@@ -371,6 +390,9 @@ ScoredRows RowsOfRepetition(const FeatureSet& set, const DrawOptions& draw, std:
     std::iota(rows.begin(), rows.end(), static_cast<int>(set.pass_begin[static_cast<std::size_t>(pass)]));
     return TakeRows(set, std::move(rows));
   }
+  if (draw.per_label > 0) {
+    return TakeRows(set, DrawPerLabel(set.label, static_cast<int>(draw.per_label), seed, repetition, purpose));
+  }
   const bool real = purpose != "generated";
   return TakeRows(set, DrawPositions(set.count(), static_cast<int>(draw.motions), real && draw.replacement, seed,
                                      repetition, purpose));
@@ -400,8 +422,8 @@ Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureS
     const auto mean = [](const std::vector<double>& values) {
       return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     };
-    metrics["FID_train"] = {{"difference", mean(first) - mean(second)},
-                            {"p", PairedSignTest(first, second, 10000, random)}};
+    metrics["FID_train"] = {{"difference", mean(first) - mean(second)}, {"p", nullptr}};
+    if (options.fresh) metrics["FID_train"]["p"] = PairedSignTest(first, second, kSignChanges, random);
     return metrics;
   }
   if (a.count() != b.count() || a.feature_size > kLargestResampled || exchanges == 0) return metrics;

@@ -27,13 +27,16 @@ struct References {
 };
 
 /// All metrics of one row: {"name", "motions", "metrics": {NAME: {"value", "interval": [low, high] or null,
-/// "interval_kind", "repetitions": [...]}}, "assumed": [codes], "confusion": (C,C), "warnings": [{"code", "message"}]}.
-/// A metric that cannot be computed has the value null: FID and its like without a reference, multimodality where a
-/// class has no motions, accuracy without labels. Errors: features of another dimension; a number that is not finite.
+/// "interval_kind", "repetitions": [...],
+/// "bootstrap_95": of the first repetition's motions}}, "assumed": [codes], "confusion": (C,C), "warnings": [{"code",
+/// "message"}]}. A metric that cannot be computed has the value null: FID and its like without a reference,
+/// multimodality where a class has no motions, accuracy without labels. Errors: features of another dimension; a number
+/// that is not finite.
 Expected<nlohmann::json> ScoreRow(const ScoreOptions& options, const FeatureSet& row, const References& references);
 
 /// Whether two rows differ: {"a", "b", "metrics": {NAME: {"difference", "p"}}}, by exchanging motions of equal position
-/// between the rows (nothing drawn) or signs of the repetitions' differences.
+/// between the rows (nothing drawn) or signs of the repetitions' differences; p is null where repetitions score the
+/// same motions, which are no independent samples.
 Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureSet& a, const FeatureSet& b,
                                      const FeatureSet& reference);
 

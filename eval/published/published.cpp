@@ -1,8 +1,10 @@
 #include "eval/published/published.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "eval/metrics/interval.h"
 
 namespace mocurate {
 namespace {
@@ -25,6 +27,12 @@ std::vector<std::string> FieldsOfLine(std::string_view line) {
   return fields;
 }
 
+/// Half a unit of the last decimal: "0.092" -> 0.0005.
+double HalfUnitOf(const std::string& number) {
+  const std::size_t point = number.find('.');
+  return 0.5 * std::pow(10.0, point == std::string::npos ? 0.0 : -static_cast<double>(number.size() - point - 1));
+}
+
 }  // namespace
 
 Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const std::string& name) {
@@ -43,6 +51,11 @@ Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const
     }
     values.push_back(
         {fields[0], fields[1], fields[2], fields[3], fields[4], *number, ParseDouble(fields[6]), fields[7], fields[8]});
+    // The papers print both with the same digits; ACTOR's accuracies are percent and percent squared.
+    PublishedValue& value = values.back();
+    value.rounding = HalfUnitOf(fields[5]);
+    const bool squared = value.metric == "accuracy" && value.pm_kind == Name(IntervalKind::kActor);
+    value.pm_rounding = value.rounding * (squared ? 0.01 : 1.0);
   }
   return values;
 }
@@ -54,13 +67,16 @@ nlohmann::json PublishedOf(const std::vector<PublishedValue>& values, const std:
     for (const PublishedValue& value : values) {
       if (value.dataset != dataset || (value.paper == paper) != own) continue;
       list.push_back({{"method", value.method},
+                      {"paper", value.paper},
                       {"dataset", value.dataset},
                       {"metric", value.metric},
                       {"value", value.value},
                       {"pm", value.pm ? nlohmann::json(*value.pm) : nlohmann::json()},
                       {"pm_kind", value.pm_kind},
                       {"table", value.table},
-                      {"source", value.source}});
+                      {"source", value.source},
+                      {"rounding", value.rounding},
+                      {"pm_rounding", value.pm_rounding}});
     }
   }
   return list;

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/file.h"
+#include "eval/metrics/interval.h"
 
 namespace mocurate {
 namespace {
@@ -63,6 +66,69 @@ void AddPublished(const nlohmann::json& value, const std::vector<const MetricCol
   cell.interval_kind = value.at("pm_kind").get<std::string>();
 }
 
+/// The interval of a published mean, as wide as its printed digits leave open. ACTOR prints 1.96 times the variance of
+/// 20 repetitions (a2m_actor.md F7).
+std::array<double, 2> IntervalOf(const nlohmann::json& published) {
+  constexpr double kRepetitions = 20.0, kNormal = 1.96;
+  const double value = published.at("value").get<double>();
+  const double pm = published.at("pm").get<double>() + published.value("pm_rounding", 0.0);
+  const bool variance = published.at("pm_kind") == Name(IntervalKind::kActor);
+  const double half =
+      (variance ? kNormal * std::sqrt(pm / kNormal / kRepetitions) : pm) + published.value("rounding", 0.0);
+  return {value - half, value + half};
+}
+
+/// Whether a published number is of the row: the same method by the same paper's protocol. The papers call real motions
+/// "Real motions", "Real", "Real*" and "Real-train"; "Real [A2M]" is quoted.
+bool IsOfRow(const nlohmann::json& published, const nlohmann::json& row, const nlohmann::json& result) {
+  if (published.at("paper") != result.value("paper", nlohmann::json())) return false;
+  const std::string method = published.at("method").get<std::string>();
+  if (method == row.at("name") || !row.value("real", false)) return method == row.at("name");
+  if (row.at("name") != "Real") return false;
+  return method == "Real motions" || method == "Real" || method == "Real*" || method == "Real-train";
+}
+
+/// Marks figures outside every published interval of their row.
+void MarkRows(const nlohmann::json& result, const std::vector<const MetricColumn*>& columns,
+              std::vector<Table::Row>& rows) {
+  std::set<std::pair<std::size_t, std::size_t>> compared;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (const nlohmann::json& published : result.value("published", nlohmann::json::array())) {
+      if (!published.at("pm").is_number() || !IsOfRow(published, result.at("rows")[r], result)) continue;
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        Table::Cell& cell = rows[r].cells[c];
+        if (published.at("metric") != columns[c]->key || !cell.value) continue;
+        const auto [low, high] = IntervalOf(published);
+        const bool outside = *cell.value < low || *cell.value > high;
+        const bool first = compared.insert({r, c}).second;
+        cell.marked = outside && (first || cell.marked);
+      }
+    }
+  }
+}
+
+/// What was assumed of rows, as sentences: a code and the rows it holds of.
+std::vector<std::string> AssumptionNotes(const nlohmann::json& result) {
+  static const std::map<std::string, std::string> kTexts = {
+      {"own_bones_without_smpl_files", "joints as given; the protocol scores SMPL's mean body"},
+      {"same_motions_in_every_repetition", "every repetition scores the same motions, hidden states and crops differ"},
+      {"labels_as_in_the_files", "labels as in the files; the protocol draws them"},
+      {"real_in_two_halves", "one half of the clips against the other"},
+      {"array_in_extractor_frame", "a bare array, taken in the frame, unit, joints and rate of the extractor"}};
+  std::map<std::string, std::string> rows;
+  for (const nlohmann::json& row : result.at("rows")) {
+    for (const std::string& code : row.value("assumed", std::vector<std::string>())) {
+      rows[code] += (rows[code].empty() ? "" : ", ") + row.at("name").get<std::string>();
+    }
+  }
+  std::vector<std::string> notes;
+  for (const auto& [code, names] : rows) {
+    const auto text = kTexts.find(code);
+    notes.push_back(names + ": " + (text == kTexts.end() ? code : text->second) + ".");
+  }
+  return notes;
+}
+
 }  // namespace
 
 Table ResultTable(const nlohmann::json& result, const std::string& title) {
@@ -90,19 +156,10 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
   for (const nlohmann::json& value : result.value("published", nlohmann::json::array())) {
     AddPublished(value, columns, published);
   }
-  if (result.value("original_data", false)) {
-    for (Table::Row& ours : table.rows) {
-      const auto same = std::find_if(published.begin(), published.end(),
-                                     [&](const Table::Row& row) { return row.name == ours.name; });
-      for (std::size_t c = 0; same != published.end() && c < columns.size(); ++c) {
-        const auto& interval = same->cells[c].interval;
-        const auto& value = ours.cells[c].value;
-        ours.cells[c].marked = interval && value && (*value < (*interval)[0] || *value > (*interval)[1]);
-      }
-    }
-  }
+  if (result.value("original_data", false)) MarkRows(result, columns, table.rows);
   table.rows.insert(table.rows.end(), published.begin(), published.end());
   table.notes = result.value("notes", std::vector<std::string>());
+  for (const std::string& note : AssumptionNotes(result)) table.notes.push_back(note);
   return table;
 }
 

@@ -91,7 +91,10 @@ Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std
   const NpyArray& array = *exported.joints;
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
     return NobodySeen(array.values.size(), name);
-  ObservedClip clip = PlacesIn(array, {false, 1, array.shape[0], array.shape[1]}, 0, name);
+  ArrayShape shape;
+  shape.frames = array.shape[0];
+  shape.joints = array.shape[1];
+  ObservedClip clip = PlacesIn(array, shape, 0, name);
   clip.format = "npz";
   clip.layout_evidence = "array 'joints' of a file of `mocurate export`";
   clip.rate_hz = exported.rate_hz;

@@ -184,7 +184,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   ingested.findings = std::move(damaged.findings);
   if (!ingested.findings.empty() && source.damaged_rows == DamagedRows::kRefuse) {
     return Fail(ErrorCode::kMalformed, ingested.findings[0].message, file.name,
-                "repair the file, or set ingest.source.damaged_rows: report");
+                "repair the file, or give a source declaration with damaged_rows: report");
   }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate =

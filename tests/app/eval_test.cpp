@@ -181,7 +181,8 @@ TEST(Eval, RealComesFirstRowsFollowAndReleasedDrawsAsThePaperDoes) {
     EXPECT_EQ(row["metrics"]["FID_train"]["repetitions"].size(), 3u);
     EXPECT_EQ(row["metrics"]["FID_train"]["interval_kind"], "a2m_1.96_sd_over_sqrt_n");
   }
-  EXPECT_EQ(drawn_rows[1]["assumed"][0], "same_motions_in_every_repetition");
+  EXPECT_THAT(drawn_rows[1]["assumed"].get<std::vector<std::string>>(),
+              ::testing::Contains("same_motions_in_every_repetition"));
   EXPECT_EQ(drawn.out, Eval(folder, released).out) << "same inputs, same bytes";
   released.insert(released.end(), {"-j", "1"});
   const Folder other;  // another cache
@@ -302,6 +303,63 @@ TEST(Eval, ARowThatFailsCostsItself) {
   ASSERT_EQ(result.Json()["rows"].size(), 1u);
   EXPECT_EQ(result.Json()["rows"][0]["name"], "good");
   EXPECT_TRUE(result.Json()["failed"].contains("bad"));
+}
+
+TEST(Eval, AFileThatIsNotThereCostsItsRowAlone) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
+  const Result result = Eval(
+      folder, {"--protocol", "a2m-humanact12", "--generated", "good=" + joints, "--generated", "typo=nowhere.npy"});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_EQ(result.Json()["rows"][0]["name"], "good");
+  EXPECT_TRUE(result.Json()["failed"].contains("typo"));
+}
+
+TEST(Eval, FilesAreLabelledByWholeWordsOfTheirNamesAndListedLabelsFollowTheirNumbers) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const NpyArray all = PublishedMotions();
+  const auto write = [&](const std::string& name, std::size_t motion) {
+    NpyArray one = all;
+    one.shape = {60, 72};
+    const auto begin = all.values.begin() + static_cast<std::ptrdiff_t>(motion * 60 * 72);
+    one.values.assign(begin, begin + 60 * 72);
+    WriteText(folder / name, WriteNpy(one));
+  };
+  write("named/walk_1.npy", 0);
+  write("named/walker_1.npy", 1);
+  write("named/run2.npy", 2);
+  const Result named = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", "s=" + (folder / "named").string(),
+                                     "-o", (folder / "out").string()});
+  ASSERT_EQ(named.exit_code, 0) << named.err;
+  const auto labels = ReadFeatures(folder / "out/features/s.h5");
+  ASSERT_TRUE(labels) << labels.error().Message();
+  EXPECT_THAT(labels->label, ::testing::UnorderedElementsAre(1, -1, 2));
+  write("numbered/2.npy", 0);
+  write("numbered/10.npy", 1);
+  WriteText(folder / "labels.txt", "walk\nrun\n");
+  const Result numbered =
+      Eval(folder, {"--protocol", "a2m-humanact12", "--generated", "s=" + (folder / "numbered").string(), "--labels",
+                    (folder / "labels.txt").string(), "-o", (folder / "out2").string()});
+  ASSERT_EQ(numbered.exit_code, 0) << numbered.err;
+  const auto ordered = ReadFeatures(folder / "out2/features/s.h5");
+  ASSERT_TRUE(ordered) << ordered.error().Message();
+  for (std::size_t i = 0; i < ordered->clip.size(); ++i) {
+    EXPECT_EQ(ordered->label[i], ordered->clip[i].find("10") == std::string::npos ? 1 : 2) << ordered->clip[i];
+  }
+}
+
+TEST(Eval, RealMotionsWithoutASplitHaveNoTestPart) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
+  const Result result = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", "s=" + joints, "--real", joints,
+                                      "--set", "test_reference=true"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Warns(result, "no_test_part"));
+  EXPECT_TRUE(result.Json()["rows"][1]["metrics"]["FID_test"]["value"].is_null());
+  EXPECT_EQ(result.Json()["rows"].size(), 2u);
 }
 
 TEST(Doctor, SaysWhichWeightsAProtocolNeedsAndWhetherTheyAreThere) {

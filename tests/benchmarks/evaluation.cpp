@@ -126,7 +126,7 @@ class Evaluation {
   void Score(const std::string& purpose, bool released) {
     ScoreOptions options;
     options.name = purpose;
-    options.real = purpose == "real";
+    options.real = purpose == "real" ? RealRow::kTrain : RealRow::kNone;
     if (released) options.draw.repetitions = kRepetitions;
     if (released) options.draw.motions = kMotions;
     StageRequest request;
@@ -154,13 +154,14 @@ class Evaluation {
 
 int FidOfManyFeatures(int repeats) {
   constexpr Eigen::Index kCount = 100000, kSize = 512;
-  std::vector<float> features(static_cast<std::size_t>(kCount * kSize));
+  Features features(kCount, kSize);
   Random random(0, "features");
-  for (float& value : features) value = static_cast<float>(random.Uniform(-1.0, 1.0));
+  for (Eigen::Index i = 0; i < features.size(); ++i) features.data()[i] = random.Uniform(-1.0, 1.0);
+  const Features other = features.bottomRows(kCount - 1);
   double distance = 0.0;
   benchmarks::Report("fid_100000x512", 1, "distance", repeats, [&] {
-    const auto a = StatisticsOf(features.data(), kCount, kSize);
-    const auto b = StatisticsOf(features.data() + kSize, kCount - 1, kSize);
+    const auto a = StatisticsOf(features);
+    const auto b = StatisticsOf(other);
     distance = *FrechetDistance(*a, *b);
   });
   return distance < 1.0 ? 0 : 1;

@@ -91,6 +91,38 @@ TEST_F(ToyEvaluation, WhereNothingIsDrawnRealIsScoredInTwoHalvesWithIntervalsFro
   EXPECT_EQ(real["motions"], dataset_.clips.size());
 }
 
+TEST_F(ToyEvaluation, RealClipsOfTheTestPartAreScoredAgainstThemselvesInHalvesAndAgainstOtherClipsAsTheyAre) {
+  const auto with_label = [](const std::string& label) {
+    Dataset part = dataset_;
+    part.clips.erase(std::remove_if(part.clips.begin(), part.clips.end(),
+                                    [&](const Clip& clip) { return (clip.label == "walk") != (label == "walk"); }),
+                     part.clips.end());
+    part.splits.clear();
+    Save(part, "part.h5");
+    return FeatureSetOf("part.h5", FeaturesOptions());
+  };
+  const FeatureSet train = with_label("wave"), test = with_label("walk");
+  ScoreOptions options;
+  options.name = "Real-test";
+  options.real = RealRow::kTest;
+  const auto row = ScoreRow(options, test, {&train, &test});
+  ASSERT_TRUE(row) << row.error().Message();
+  EXPECT_GT(ValueOf(*row, "FID_train"), 20.0 * ValueOf(*row, "FID_test"));
+  EXPECT_GT(ValueOf(*row, "FID_test"), 0.0) << "not the same clips on both sides";
+}
+
+TEST_F(ToyEvaluation, WithoutLabelsADrawPerLabelIsAnError) {
+  Dataset unlabelled = dataset_;
+  for (Clip& clip : unlabelled.clips) clip.label.clear();
+  Save(unlabelled, "unlabelled.h5");
+  ScoreOptions options;
+  options.draw.per_label = 20;
+  const FeatureSet row = FeatureSetOf("unlabelled.h5", FeaturesOptions());
+  const auto scored = ScoreRow(options, row, {nullptr, nullptr});
+  ASSERT_FALSE(scored);
+  EXPECT_EQ(scored.error().code, ErrorCode::kInconsistent);
+}
+
 TEST_F(ToyEvaluation, AClassWithoutMotionsIsAWarningAndItsMetricNull) {
   Dataset lacking = dataset_;
   lacking.clips.erase(

@@ -158,7 +158,7 @@ class ToyEvaluation : public testing::Test {
                                const FeatureSet& reference) {
     ScoreOptions options;
     options.name = real ? "Real" : "generated";
-    options.real = real;
+    options.real = real ? RealRow::kTrain : RealRow::kNone;
     options.seed = seed;
     options.draw = draws;
     options.metrics.diversity_pairs = 500;

@@ -63,19 +63,16 @@ TEST(Spread, AClassWithoutMotionsHasNoPairs) {
   EXPECT_EQ(DrawMultimodalityPairs({0, 0, 2}, 3, 20, random).size(), 40u);
 }
 
-TEST(FrechetDistance, OfFloatRowsInBlocksEqualsThatOfDoubles) {
+TEST(FrechetDistance, StatisticsOfManyBlocksAreThoseOfTheWhole) {
   Random random(5, "test");
-  const Eigen::Index count = 9000, size = 6;  // three blocks
-  std::vector<float> rows(static_cast<std::size_t>(count * size));
-  for (float& value : rows) value = static_cast<float>(3.0 + random.Normal());
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto whole = StatisticsOf(Features(Eigen::Map<const RowMajor>(rows.data(), count, size).cast<double>()));
-  const auto blocks = StatisticsOf(rows.data(), count, size);
-  ASSERT_TRUE(whole && blocks);
-  EXPECT_LT((whole->mean - blocks->mean).cwiseAbs().maxCoeff(), 1e-12);
-  EXPECT_LT((whole->covariance - blocks->covariance).cwiseAbs().maxCoeff(), 1e-12);
-  rows[17] = std::nanf("");
-  EXPECT_FALSE(StatisticsOf(rows.data(), count, size));
+  Features rows(9000, 6);  // three blocks
+  for (Eigen::Index i = 0; i < rows.size(); ++i) rows.data()[i] = 3.0 + random.Normal();
+  const auto blocks = StatisticsOf(rows);
+  ASSERT_TRUE(blocks);
+  const Eigen::MatrixXd centred = rows.rowwise() - rows.colwise().mean();
+  EXPECT_LT((centred.transpose() * centred / 8999.0 - blocks->covariance).cwiseAbs().maxCoeff(), 1e-12);
+  rows(17, 3) = std::nan("");
+  EXPECT_FALSE(StatisticsOf(rows));
 }
 
 Features Normals(Eigen::Index count, Eigen::Index size, double shift, const char* purpose) {

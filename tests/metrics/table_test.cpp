@@ -175,8 +175,10 @@ nlohmann::json Result() {
   return {{"rows",
            {{{"name", "Real"}, {"metrics", {{"FID_train", Metric(0.1)}, {"accuracy", Metric(0.9)}, {"KID", none}}}},
             {{"name", "Ours"}, {"metrics", {{"FID_train", Metric(2.8)}, {"accuracy", none}, {"KID", none}}}}}},
+          {"paper", "a paper"},
           {"published",
            {{{"method", "Ours"},
+             {"paper", "a paper"},
              {"dataset", "HumanAct12"},
              {"metric", "FID_train"},
              {"value", 2.458},
@@ -204,6 +206,12 @@ TEST(ResultTable, MarksWhatLiesOutsideThePublishedIntervalOnTheOriginalDataAlone
   result["original_data"] = true;
   EXPECT_TRUE(ResultTable(result, "toy").rows[1].cells[0].marked);
   result["rows"][1]["metrics"]["FID_train"]["value"] = 2.5;
+  EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
+  result["published"][0]["rounding"] = 0.0005;
+  result["rows"][1]["metrics"]["FID_train"]["value"] = 2.5374;  // 2.458 + 0.079 as printed may be 2.538
+  EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
+  result["published"].push_back(result["published"][0]);
+  result["published"][1]["value"] = 9.0;  // the same figure as another table prints it
   EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
 }
 

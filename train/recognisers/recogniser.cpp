@@ -20,6 +20,7 @@ struct Recogniser::Impl {
   std::string dataset_sha256;
   RecogniserInputKind input = RecogniserInputKind::kCrop;
   int frames = 60;
+  double rate_hz = 0.0;
 };
 
 namespace {
@@ -101,6 +102,7 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   if (!options) return Forward(options);
   impl->input = options->input;
   impl->frames = static_cast<int>(options->frames);
+  if (const auto rate = FrameRate::Parse(checkpoint->facts.value("rate", std::string()))) impl->rate_hz = rate->hz();
   if (static_cast<int>(impl->labels.size()) != impl->config.classes) {
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(impl->labels.size()) + " labels, but the network has " +
@@ -182,6 +184,7 @@ int Recogniser::hidden_size() const { return impl_->config.hidden; }
 SkeletonPtr Recogniser::skeleton() const { return impl_->skeleton; }
 const std::string& Recogniser::dataset_sha256() const { return impl_->dataset_sha256; }
 const std::vector<std::string>& Recogniser::labels() const { return impl_->labels; }
+double Recogniser::rate_hz() const { return impl_->rate_hz; }
 RecogniserInputKind Recogniser::input_kind() const { return impl_->input; }
 int Recogniser::input_frames() const { return impl_->frames; }
 

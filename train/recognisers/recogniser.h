@@ -65,6 +65,8 @@ class Recogniser {
   const std::string& dataset_sha256() const;
   /// Class names; empty for published weights.
   const std::vector<std::string>& labels() const;
+  /// Frames a second of the training data; 0: not known.
+  double rate_hz() const;
   /// How clips must be prepared for it.
   RecogniserInputKind input_kind() const;
   int input_frames() const;

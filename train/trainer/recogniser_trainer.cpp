@@ -156,7 +156,7 @@ void RecogniserTraining::Keep() {
                   {"split", clips_.split},     {"validation_rule", clips_.validation_rule},
                   {"phase", phase_},           {"epoch", epoch_},
                   {"best_epoch", best_epoch_}, {"best_accuracy", best_.accuracy},
-                  {"best_loss", best_.loss}};
+                  {"best_loss", best_.loss},   {"rate", clips_.train.front().clip->motion->rate.Text()}};
 }
 
 void RecogniserTraining::Restore() {
