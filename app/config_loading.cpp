@@ -145,7 +145,7 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
-  if (Status seeds = CheckSeeds(options->train); !seeds) return Forward(seeds);
+  if (Status networks = CheckNetworks(options->train); !networks) return Forward(networks);
   if (Status values = CheckValues(*options, *node); !values) return Forward(values);
   DropForeignWords(*node, *options);
   ResolveDefaults(*options);

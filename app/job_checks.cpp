@@ -54,17 +54,23 @@ Status CheckIngestActions(const IngestOptions& options) {
 
 Status CheckSplitNames(const JobOptions& options, JobStage last) {
   struct Asked {
-    const char* option;
+    std::string option;
     const std::string* split;
     bool used;
   };
-  const bool recognises = !options.train.seeds.empty();
-  const Asked asked[] = {
-      {"audit.split", &options.audit.split, true},
-      {"train.recogniser.split", &options.train.recogniser.split, last >= JobStage::kTrain && recognises},
-      {"train.generator.split", &options.train.generator.split,
-       last >= JobStage::kTrain && options.train.generator_enabled},
-      {"evaluate.split", &options.evaluate.split, last >= JobStage::kTable && recognises}};
+  const std::string recogniser = RecogniserOf(options);
+  std::vector<Asked> asked = {{"audit.split", &options.audit.split, true}};
+  for (std::size_t i = 0; i < options.train.networks.size(); ++i) {
+    const std::string& split = options.train.networks[i].data.split;
+    asked.push_back({"train.networks." + std::to_string(i) + ".split", &split, last >= JobStage::kTrain});
+  }
+  asked.push_back({"evaluate.split", &options.evaluate.split, last >= JobStage::kTable && !recogniser.empty()});
+  std::vector<std::string> networks;
+  for (const NetworkOptions& network : options.train.networks) networks.push_back(network.name);
+  if (!recogniser.empty() && std::find(networks.begin(), networks.end(), recogniser) == networks.end()) {
+    return tl::unexpected<Error>(
+        Unknown("network", recogniser, "evaluate.recogniser", networks, "train.networks has: "));
+  }
   std::vector<std::string> known;
   for (const SplitOptions& split : options.assemble.splits) known.push_back(split.name);
   for (const Asked& name : asked) {

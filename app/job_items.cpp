@@ -125,7 +125,7 @@ Error FirstReason(const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*
 Finding ComparisonDropped(const std::string& why) {
   Finding finding;
   finding.code = "comparison_dropped";
-  finding.message = "no comparison with the raw tracks (train.baseline): " + why;
+  finding.message = "no comparison with the raw tracks (trained_on: unfitted): " + why;
   finding.action = "dropped";
   return finding;
 }
@@ -217,8 +217,7 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std:
 }
 
 nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result) {
-  metrics["generator_training"] = result.training.value("Action2Motion", nlohmann::json());
-  for (const std::string& note : TrainingNotes(options.train)) metrics["notes"].push_back(note);
+  for (const std::string& note : TrainingNotes(options.train, RecogniserOf(options))) metrics["notes"].push_back(note);
   for (const auto& [network, error] : result.untrained) {
     metrics["notes"].push_back(network + " was not trained: " + error.Message());
   }

@@ -15,6 +15,13 @@ namespace mocurate {
 
 struct JobResult;
 
+/// A network of a run: which of TrainOptions::networks, its row in tables, its checkpoint.
+struct TrainedNetwork {
+  std::size_t network = 0;
+  std::string row;
+  StageInput checkpoint;
+};
+
 /// What became of one source clip, stage by stage.
 struct ClipRecord {
   std::string item;

@@ -47,7 +47,18 @@ void ResolveDefaults(JobOptions& options) {
       if (std::find(order.begin(), order.end(), label) == order.end()) order.push_back(label);
     }
   }
-  if (options.evaluate.split.empty()) options.evaluate.split = options.train.recogniser.split;
+  const std::string recogniser = RecogniserOf(options);
+  for (const NetworkOptions& network : options.train.networks) {
+    if (network.name == recogniser && options.evaluate.split.empty()) options.evaluate.split = network.data.split;
+  }
+}
+
+std::string RecogniserOf(const JobOptions& options) {
+  if (!options.evaluate.recogniser.empty()) return options.evaluate.recogniser;
+  for (const NetworkOptions& network : options.train.networks) {
+    if (!GeneratesMotions(network.kind) && network.trained_on == TrainingSetChoice::kDataset) return network.name;
+  }
+  return {};
 }
 
 ProportionsOptions ProportionsOf(const JobOptions& options) {

@@ -45,6 +45,10 @@ struct JobOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Name of the network that gives the features of the metrics: the one that `evaluate` names, else the first recogniser
+/// of the dataset; empty where there is none.
+std::string RecogniserOf(const JobOptions& options);
+
 /// Fills what groups take from each other:
 /// the skeleton of stages that do not name their own, the split of `evaluate` from the recogniser's.
 void ResolveDefaults(JobOptions& options);

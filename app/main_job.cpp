@@ -188,20 +188,21 @@ class MainJob {
 
   /// The comparison with raw tracks never costs the dataset: where it cannot be made, a finding says so.
   void DropComparison(const std::string& why) {
-    options_.train.baseline = false;
+    unfitted_ = false;
     comparison_.push_back(ComparisonDropped(why));
     LogWarning(comparison_.back().message);
   }
 
   /// Before the work, as far as the declaration of the source tells.
   void CheckComparison() {
-    const std::string missing = options_.train.baseline ? JointsWithoutTrack(options_) : "";
+    unfitted_ = options_.train.NeedsUnfitted();
+    const std::string missing = unfitted_ ? JointsWithoutTrack(options_) : "";
     if (missing.empty() || last_ < JobStage::kCanon) return;
     DropComparison("the source tracks no " + missing + " of skeleton '" + options_.canon.skeleton + "'");
   }
 
   Status Canonicalise() {
-    const bool both = options_.train.baseline;
+    const bool both = unfitted_;
     Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical, both ? kFittedBranch : "");
     if (!done || !both) return done;
     return CanonItems("tracks", &ClipRecord::evidence, &ClipRecord::baseline, kRawBranch);
@@ -240,11 +241,11 @@ class MainJob {
   }
 
   Status Assemble() {
-    const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical, options_.train.baseline ? kFittedBranch : "");
+    const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical, unfitted_ ? kFittedBranch : "");
     if (!dataset) return Forward(dataset);
     AddSetFindings(NoteLeftOutOfSet(*dataset, clips_));
     dataset_ = *dataset;
-    if (options_.train.baseline) {
+    if (unfitted_) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);
       const ExitCode fault = baseline ? ExitCode::kDone : ExitCodeOf(baseline.error().code);
       if (fault > ExitCode::kInputUnusable) return Forward(baseline);
@@ -266,21 +267,47 @@ class MainJob {
     return {};
   }
 
-  /// All networks at once; one that fails costs the others nothing.
+  /// All networks at once; one that fails costs the others nothing, but those that go on from it.
   Status Train() {
     if (dataset_.artifact.empty()) return {};
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
-    if (!baseline_.artifact.empty()) inputs.baseline = InputFrom("dataset", baseline_);
-    const std::vector<TrainItem> items = TrainItems(options_.train, inputs);
+    if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
+    std::vector<TrainItem> waiting = TrainItems(options_.train, inputs);
+    std::map<std::string, ItemResult> done;
+    while (!waiting.empty()) {
+      const auto ready = std::stable_partition(waiting.begin(), waiting.end(), [&](const TrainItem& item) {
+        return item.after.empty() || done.count(item.after) > 0;
+      });
+      std::vector<TrainItem> items(waiting.begin(), ready);
+      waiting.erase(waiting.begin(), ready);
+      if (Status trained = TrainWave(std::move(items), done); !trained) return trained;
+    }
+    return {};
+  }
+
+  Status TrainWave(std::vector<TrainItem> items, std::map<std::string, ItemResult>& done) {
     std::vector<ItemSpec> specs;
-    specs.reserve(items.size());
-    for (const TrainItem& item : items) specs.push_back(item.spec);
+    std::vector<TrainItem> run;
+    for (TrainItem& item : items) {
+      if (!item.after.empty()) {
+        const ItemResult& before = done.at(item.after);
+        if (before.artifact.empty() && !DryRun()) {
+          result_.untrained[item.spec.item] = before.outcome.error;
+          done[item.spec.item] = before;
+          continue;
+        }
+        if (!before.artifact.empty()) item.spec.inputs.push_back(InputFrom("start", before));
+      }
+      specs.push_back(item.spec);
+      run.push_back(std::move(item));
+    }
     const auto report = runs_.Run(TrainDeclaration(), std::move(specs));
     if (!report) return Forward(report);
-    for (std::size_t i = 0; i < report->items.size(); ++i) {
-      const ItemResult& item = report->items[i];
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      const ItemResult item = i < report->items.size() ? report->items[i] : ItemResult();
+      done[run[i].spec.item] = item;
       if (!item.artifact.empty()) {
-        networks_.push_back(InputFrom(items[i].role.c_str(), item));
+        networks_.push_back({run[i].network, run[i].row, InputFrom("network", item)});
         result_.training[item.item] = item.outcome.summary;
         if (Status copied = CopyCheckpoint(item); !copied) return copied;
       } else if (!DryRun()) {
@@ -292,21 +319,26 @@ class MainJob {
 
   Status CopyCheckpoint(const ItemResult& item) {
     if (DryRun()) return {};
-    std::string name = item.item;
-    std::replace(name.begin(), name.end(), '/', '_');
     if (Status made = MakeFolder(folder() / "checkpoints"); !made) return made;
-    return CopyWhole(item.artifact, outputs_.Place("checkpoints/" + name + ".h5"));
+    return CopyWhole(item.artifact, outputs_.Place("checkpoints/" + FileNameOf(item.item) + ".h5"));
+  }
+
+  const NetworkOptions& OptionsOf(const TrainedNetwork& network) const {
+    return options_.train.networks[network.network];
   }
 
   /// An evaluation that fails costs the table, not the report.
   Status ScoreNetworks() {
-    const auto first = std::find_if(networks_.begin(), networks_.end(),
-                                    [](const StageInput& network) { return network.role == "recogniser"; });
-    if (dataset_.artifact.empty() || first == networks_.end()) return {};
+    const std::string recogniser = RecogniserOf(options_);
+    const auto first = std::find_if(networks_.begin(), networks_.end(), [&](const TrainedNetwork& network) {
+      return OptionsOf(network).name == recogniser;
+    });
+    if (dataset_.artifact.empty()) return {};
     if (Status scored = ScoreRecognisers(); !scored) return scored;
+    if (first == networks_.end()) return {};
     Evaluation evaluation;
-    evaluation.extractor = OwnExtractor();
-    evaluation.weights = *first;
+    evaluation.extractor = OwnExtractor(OptionsOf(*first).data);
+    evaluation.weights = first->checkpoint;
     evaluation.draw = options_.evaluate.draw();
     evaluation.metrics = options_.evaluate.metrics();
     evaluation.seed = options_.evaluate.seed;
@@ -314,8 +346,10 @@ class MainJob {
     evaluation.split = options_.evaluate.split;
     const StageInput dataset = InputFrom("motions", dataset_);
     evaluation.real = ScoredSet{"Real", dataset, std::nullopt};
-    for (const StageInput& network : networks_) {
-      if (network.role == "generator") evaluation.rows.push_back({network.name, dataset, network});
+    for (const TrainedNetwork& network : networks_) {
+      if (GeneratesMotions(OptionsOf(network).kind)) {
+        evaluation.rows.push_back({network.row, dataset, network.checkpoint});
+      }
     }
     auto evaluated = ::mocurate::Evaluate(evaluation, runs_);
     if (!evaluated) return Forward(evaluated);
@@ -326,10 +360,10 @@ class MainJob {
       result_.unevaluated->where = "row '" + row + "'" + (error.where.empty() ? "" : ", " + error.where);
     }
     if (evaluated->rows.empty()) return {};
-    result_.metrics = std::move(recognisers_);
+    result_.metrics["recognisers"] = std::move(recognisers_);
     result_.metrics["protocol"] = "own";
     result_.metrics["variant"] = "released";
-    result_.metrics["extractor"] = first->name;
+    result_.metrics["extractor"] = first->checkpoint.name;
     result_.metrics["rows"] = std::move(evaluated->rows);
     result_.metrics["comparisons"] = std::move(evaluated->comparisons);
     result_.metrics["warnings"] = std::move(evaluated->warnings);
@@ -339,61 +373,61 @@ class MainJob {
   }
 
   /// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.
-  ExtractorOptions OwnExtractor() const {
+  static ExtractorOptions OwnExtractor(const TrainingDataOptions& data) {
     ExtractorOptions extractor;
     extractor.name = "own";
-    extractor.frames = options_.train.recogniser.frames;
-    extractor.length =
-        options_.train.recogniser.input == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
+    extractor.frames = data.frames;
+    extractor.length = data.input == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
     return extractor;
   }
 
-  /// Accuracy and confusion of every recogniser on the test clips, by its kind.
+  /// Accuracy and confusion of every recogniser on the test clips, by its name.
   Status ScoreRecognisers() {
-    std::vector<const StageInput*> scored;
-    FeaturesOptions options;
-    options.extractor = OwnExtractor();
-    options.part = RealPart::kTest;
-    options.split = options_.evaluate.split;
+    std::vector<const TrainedNetwork*> scored;
     std::vector<ItemSpec> items;
-    for (const StageInput& network : networks_) {
-      if (network.role == "generator") continue;
-      const bool baseline = network.role == "baseline_recogniser";
-      if (baseline && baseline_.artifact.empty()) continue;
-      ItemSpec item{"features/" + network.name, OptionsToJson(options), {network}};
+    for (const TrainedNetwork& network : networks_) {
+      const NetworkOptions& own = OptionsOf(network);
+      if (GeneratesMotions(own.kind)) continue;
+      FeaturesOptions options;
+      options.extractor = OwnExtractor(own.data);
+      options.part = RealPart::kTest;
+      options.split = options_.evaluate.split.empty() ? own.data.split : options_.evaluate.split;
+      const bool unfitted = own.trained_on == TrainingSetChoice::kUnfitted;
+      ItemSpec item{"features/" + network.checkpoint.name, OptionsToJson(options), {network.checkpoint}};
       item.inputs[0].role = "weights";
-      item.inputs.push_back(InputFrom("motions", baseline ? baseline_ : dataset_));
+      item.inputs.push_back(InputFrom("motions", unfitted ? baseline_ : dataset_));
       items.push_back(std::move(item));
       scored.push_back(&network);
     }
+    if (items.empty()) return {};
     const auto features = runs_.Run(FeaturesDeclaration(), std::move(items), "recognisers");
     if (!features) return Forward(features);
     items.clear();
-    std::vector<const StageInput*> rows;
+    std::vector<const TrainedNetwork*> rows;
     for (std::size_t i = 0; i < features->items.size(); ++i) {
       const ItemResult& item = features->items[i];
-      nlohmann::json& kind = recognisers_[scored[i]->role];
+      nlohmann::json& kind = recognisers_[OptionsOf(*scored[i]).name];
       if (item.artifact.empty()) {
         if (!DryRun()) kind["scored"] = item.outcome.error.what;
         continue;
       }
       ScoreOptions score;
-      score.name = scored[i]->name;
+      score.name = scored[i]->checkpoint.name;
       score.metrics = options_.evaluate.metrics();
       kind["labels"] = item.outcome.summary.at("classes");
-      items.push_back({"score/" + scored[i]->name, OptionsToJson(score), {InputFrom("row", item)}});
+      items.push_back({"score/" + score.name, OptionsToJson(score), {InputFrom("row", item)}});
       rows.push_back(scored[i]);
     }
     const auto scores = runs_.Run(ScoreDeclaration(), std::move(items), "recognisers");
     if (!scores) return Forward(scores);
     for (std::size_t i = 0; i < scores->items.size(); ++i) {
-      if (!scores->items[i].artifact.empty()) AddRecogniser(rows[i]->role, scores->items[i].outcome.summary);
+      if (!scores->items[i].artifact.empty()) AddRecogniser(OptionsOf(*rows[i]).name, scores->items[i].outcome.summary);
     }
     return {};
   }
 
-  void AddRecogniser(const std::string& role, const nlohmann::json& row) {
-    nlohmann::json& kind = recognisers_[role];
+  void AddRecogniser(const std::string& name, const nlohmann::json& row) {
+    nlohmann::json& kind = recognisers_[name];
     const nlohmann::json& accuracy = row.at("metrics").at("accuracy").at("value");
     if (!accuracy.is_number()) return;
     kind["test_accuracy"].push_back(accuracy);
@@ -436,6 +470,7 @@ class MainJob {
   JobOptions options_;
   JobStage last_;
   bool synthetic_ = false;
+  bool unfitted_ = false;  ///< the clips before fitting go through the same stages, to compare
   Runner& runner_;
   const std::vector<std::string>& only_;
   RunOutputs outputs_;
@@ -446,8 +481,8 @@ class MainJob {
   std::map<std::string, ItemResult> persons_;
   std::optional<StageInput> duplicates_;  ///< findings about clips that show the same
   std::vector<StageInput> truth_;
-  std::vector<StageInput> networks_;
-  nlohmann::json recognisers_ = nlohmann::json::object();  ///< accuracy by kind
+  std::vector<TrainedNetwork> networks_;
+  nlohmann::json recognisers_ = nlohmann::json::object();  ///< accuracy by name of the network
   ItemResult dataset_, baseline_;
   std::vector<Finding> comparison_;  ///< why there is none
 };

@@ -82,7 +82,8 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
 
 Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
   if (extractor.network != ExtractorNetwork::kGru) {
-    return Fail(ErrorCode::kMissingOnHost, "extractor '" + extractor.name + "' needs an ST-GCN, which this version does not have",
+    return Fail(ErrorCode::kMissingOnHost,
+                "extractor '" + extractor.name + "' needs an ST-GCN, which this version does not have",
                 extractor.weights, "score with a GRU extractor: --extractor, or another protocol");
   }
   std::error_code unknown;

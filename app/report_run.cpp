@@ -98,15 +98,6 @@ nlohmann::json StageSummary(const StageReport& stage) {
           {"refused", stage.refused}, {"crashed", stage.crashed}};
 }
 
-/// What each network was trained with stands beside what came of it.
-nlohmann::json TrainingSummary(const TrainOptions& options, const JobResult& result) {
-  nlohmann::json training = result.training;
-  for (auto& [item, summary] : training.items()) {
-    if (summary.contains("epochs")) summary["batch"] = options.recogniser.batch;
-  }
-  return training;
-}
-
 nlohmann::json ClipSummary(const ClipRecord& clip) {
   nlohmann::json summary = {{"item", clip.item},
                             {"kept", clip.kept()},
@@ -136,7 +127,7 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
                         {"created_by", CreatedBy()},
                         {"audit", result.audit},
                         {"metrics", result.metrics},
-                        {"training", TrainingSummary(options.train, result)},
+                        {"training", result.training},
                         {"untrained", nlohmann::json::object()},
                         {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
@@ -229,7 +220,7 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs,
   ItemSpec item{"report", OptionsToJson(run.options.report), {}};
   item.inputs.push_back({"run", "run.json", input, ""});
   item.inputs.push_back(InputFrom("dataset", run.dataset));
-  item.inputs.insert(item.inputs.end(), run.networks.begin(), run.networks.end());
+  for (const TrainedNetwork& network : run.networks) item.inputs.push_back(network.checkpoint);
   for (const ClipRecord* clip : ClipsToDraw(run.clips, static_cast<int>(run.options.report.filmstrip_clips))) {
     AddDrawing(*clip, run.fits, item);
   }

@@ -17,7 +17,7 @@ struct ReportedRun {
   const std::vector<ClipRecord>& clips;
   const std::map<std::string, ItemResult>& persons;  ///< stage proportions
   const ItemResult& dataset;
-  const std::vector<StageInput>& networks;
+  const std::vector<TrainedNetwork>& networks;
   bool fits = false;  ///< clips have pages, videos and pictures of their fits
 };
 

@@ -6,45 +6,51 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
+#include "train/items.h"
 
 namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// One output, or with `*` in its name one per seed or clip.
+/// One output, or with `*` in its name one per clip.
 struct Output {
   JobStage stage;
   const char* folder;
   std::string_view name;
 };
 
-constexpr Output kOutputs[] = {{JobStage::kCanon, "", "curation_log.jsonl"},
-                               {JobStage::kAssemble, "", "dataset.h5"},
-                               {JobStage::kTrain, "checkpoints", "Action2Motion.h5"},
-                               {JobStage::kTrain, "checkpoints", "recogniser_*.h5"},
-                               {JobStage::kTrain, "checkpoints", "baseline_recogniser_*.h5"},
-                               {JobStage::kTrain, "checkpoints", "crop_recogniser_*.h5"},
-                               {JobStage::kTable, "", "metrics.json"},
-                               {JobStage::kTable, "tables", "table.md"},
-                               {JobStage::kTable, "tables", "table.csv"},
-                               {JobStage::kTable, "tables", "table.tex"},
-                               {JobStage::kTable, "tables", "table.json"},
-                               {JobStage::kReport, "", "report_input.json"},
-                               {JobStage::kReport, "report", "index.html"},
-                               {JobStage::kReport, "report", "clip_*.html"},
-                               {JobStage::kReport, "report", "clip_*.mp4"},
-                               {JobStage::kReport, "report", "clip.png"},
-                               {JobStage::kReport, "report", "overlay.png"},
-                               {JobStage::kReport, "report", "cloud.png"}};
+constexpr Output kOutputs[] = {
+    {JobStage::kCanon, "", "curation_log.jsonl"}, {JobStage::kAssemble, "", "dataset.h5"},
+    {JobStage::kTable, "", "metrics.json"},       {JobStage::kTable, "tables", "table.md"},
+    {JobStage::kTable, "tables", "table.csv"},    {JobStage::kTable, "tables", "table.tex"},
+    {JobStage::kTable, "tables", "table.json"},   {JobStage::kReport, "", "report_input.json"},
+    {JobStage::kReport, "report", "index.html"},  {JobStage::kReport, "report", "clip_*.html"},
+    {JobStage::kReport, "report", "clip_*.mp4"},  {JobStage::kReport, "report", "clip.png"},
+    {JobStage::kReport, "report", "overlay.png"}, {JobStage::kReport, "report", "cloud.png"}};
 
 constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", "run.json"};
 
-/// `*` stands for the digits of a seed or a clip.
+/// Checkpoints of the networks that runs trained, as the journal lists them: below the folder.
+std::vector<std::string> TrainedCheckpoints(const fs::path& folder) {
+  std::vector<std::string> names;
+  const auto journal = ReadFile(folder / "journal.jsonl");
+  if (!journal) return names;
+  for (const std::string_view line : SplitText(*journal, '\n')) {
+    const nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
+    if (!entry.is_object() || entry.value("stage", nlohmann::json()) != TrainDeclaration().name) continue;
+    names.push_back("checkpoints/" + FileNameOf(entry.value("item", std::string())) + ".h5");
+  }
+  return names;
+}
+
+/// `*` stands for the digits of a clip.
 bool Matches(std::string_view pattern, std::string_view name) {
   const std::size_t star = pattern.find('*');
   if (star == std::string_view::npos) return name == pattern;
@@ -76,6 +82,12 @@ std::vector<std::string> RunOutputs::Leftovers(JobStage first, JobStage last) co
       if (fs::is_regular_file(status) || fs::is_symlink(status)) found.insert(name);
     }
   }
+  if (first > JobStage::kTrain || last < JobStage::kTrain) return {found.begin(), found.end()};
+  for (const std::string& name : TrainedCheckpoints(folder_)) {
+    std::error_code gone;
+    const fs::file_status status = fs::symlink_status(folder_ / name, gone);
+    if (placed_.count(name) == 0 && (fs::is_regular_file(status) || fs::is_symlink(status))) found.insert(name);
+  }
   return {found.begin(), found.end()};
 }
 
@@ -103,6 +115,12 @@ void RunOutputs::WarnOfLeftovers() const {
 
 std::vector<std::string> RunFilesIn(const fs::path& folder) {
   std::vector<std::string> names = RunOutputs(folder).Leftovers(JobStage::kIngest, JobStage::kReport);
+  std::error_code missing;
+  for (fs::directory_iterator entry(folder / "checkpoints", missing), end; entry != end; entry.increment(missing)) {
+    const std::string name = "checkpoints/" + entry->path().filename().native();
+    const bool listed = std::find(names.begin(), names.end(), name) != names.end();
+    if (entry->path().extension() == ".h5" && !listed) names.push_back(name);
+  }
   for (const char* name : kRecords) {
     std::error_code unknown;
     const fs::file_status status = fs::symlink_status(folder / name, unknown);

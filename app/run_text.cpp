@@ -14,15 +14,16 @@ void PrintFigures(const JobResult& result) {
     std::printf("1-nearest-neighbour accuracy %.3f (%s)\n", neighbour.value("accuracy", 0.0),
                 Counted(neighbour.value("count", 0), "test clip").c_str());
   }
-  for (const char* kind : {"recogniser", "baseline_recogniser", "crop_recogniser"}) {
-    if (!result.metrics.is_object() || !result.metrics.contains(kind)) continue;
-    const nlohmann::json& recogniser = result.metrics[kind];
+  const nlohmann::json none = nlohmann::json::object();
+  const nlohmann::json& recognisers =
+      result.metrics.is_object() && result.metrics.contains("recognisers") ? result.metrics["recognisers"] : none;
+  for (const auto& [name, recogniser] : recognisers.items()) {
     if (!recogniser.contains("mean") || !recogniser["mean"].is_number()) {
-      std::printf("%-20s not scored: %s\n", kind, recogniser.value("scored", "").c_str());
+      std::printf("%-20s not scored: %s\n", name.c_str(), recogniser.value("scored", "").c_str());
       continue;
     }
     const auto seeds = static_cast<long long>(recogniser.value("test_accuracy", std::vector<double>()).size());
-    std::printf("%-20s accuracy %.3f on %s, mean of %s\n", kind, recogniser.value("mean", 0.0),
+    std::printf("%-20s accuracy %.3f on %s, mean of %s\n", name.c_str(), recogniser.value("mean", 0.0),
                 recogniser.value("scored", "").c_str(), Counted(seeds, "seed").c_str());
   }
   if (result.fit_error.is_object()) {

@@ -110,6 +110,7 @@ MetricOptions EvaluateOptions::metrics() const {
 }
 
 void EvaluateOptions::Declare(OptionVisitor& v) {
+  v.Text("recogniser", recogniser, "network that gives the features of the metrics; empty: the first gru_recogniser");
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
   v.Integer("motions", motions, {10.0, 1e6}, "motions per set and repetition");

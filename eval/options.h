@@ -82,6 +82,7 @@ struct ProtocolOptions {
 /// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
+  std::string recogniser;  ///< name of the network that gives the features; empty: the first recogniser
   RealPart real = RealPart::kAll;
   std::string split;  ///< whose parts are meant; empty: the first one
   std::int64_t repetitions = 20;

@@ -15,7 +15,7 @@ namespace mocurate {
 using AnswerRequests = std::function<Expected<std::vector<Motion>>(const std::vector<MotionRequest>& requests)>;
 
 /// Opens the generator of a checkpoint file. `eval` does not know the networks: the worker program passes the loader.
-using OpenGenerator = std::function<Expected<AnswerRequests>(const std::filesystem::path& checkpoint)>;
+using OpenGenerator = std::function<Expected<AnswerRequests>(const std::filesystem::path& checkpoint, int threads)>;
 
 /// Stage `features`: role "weights" (published weights, or a checkpoint of a recogniser) and "motions" (a dataset or
 /// MotionSet); with a role "generator" its answers to requests drawn from that dataset are scored instead. -> feature

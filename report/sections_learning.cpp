@@ -13,15 +13,6 @@ namespace {
 
 constexpr int kMostPoints = 240;
 
-struct RecogniserKind {
-  const char* key;
-  const char* name;
-};
-
-constexpr RecogniserKind kRecognisers[] = {{"recogniser", "Fitted motion"},
-                                           {"baseline_recogniser", "Raw tracks"},
-                                           {"crop_recogniser", "Fitted motion, windows as published"}};
-
 /// Markdown as plain text: no stars, no escapes.
 std::string PlainText(std::string_view markdown) {
   std::string text;
@@ -130,11 +121,6 @@ std::map<std::string, const nlohmann::json*> Trainings(const nlohmann::json& run
   if (listed.is_object()) {
     for (const auto& [item, summary] : listed.items()) trainings[item] = &summary;
   }
-  const nlohmann::json& generator = Field(Field(run, "metrics"), "generator_training");
-  const bool known = std::any_of(trainings.begin(), trainings.end(), [&](const auto& entry) {
-    return TextOf(*entry.second, "kind") == TextOf(generator, "kind");
-  });
-  if (generator.is_object() && !generator.empty() && !known) trainings["generator"] = &generator;
   return trainings;
 }
 
@@ -166,27 +152,26 @@ std::string GeneratorCharts(const std::string& item, const nlohmann::json& train
   const nlohmann::json& history = Field(training, "history");
   LineChart loss{item + ": loss" + LengthText({{item, &training}}), "iteration", "loss", {}};
   LineChart kl{item + ": Kullback-Leibler term", "iteration", "KL", {}};
-  for (const char* column : {"loss", "reconstruction"}) {
-    const std::vector<double> values = NumbersOf(Field(history, column));
-    if (!values.empty()) loss.curves.push_back({column, Thinned({}, values)});
-  }
-  if (const std::vector<double> values = NumbersOf(Field(history, "kl")); !values.empty()) {
-    kl.curves.push_back({"kl", Thinned({}, values)});
+  const std::vector<double> steps = NumbersOf(Field(history, "step"));
+  for (const auto& [column, values] : history.items()) {
+    if (column == "step") continue;
+    LineChart& chart = column == "kl" ? kl : loss;
+    chart.curves.push_back({column, Thinned(steps, NumbersOf(values))});
   }
   return Chart(loss) + Chart(kl);
 }
 
 std::string RecogniserCharts(const std::string& kind,
                              const std::vector<std::pair<std::string, const nlohmann::json*>>& seeds) {
-  LineChart loss{kind + ": training loss by seed" + LengthText(seeds), "epoch", "loss", {}};
-  LineChart accuracy{kind + ": accuracy on the validation fold by seed", "epoch", "accuracy", {}};
+  LineChart loss{kind + ": training loss by seed" + LengthText(seeds), "step", "loss", {}};
+  LineChart accuracy{kind + ": accuracy on the validation fold by seed", "step", "accuracy", {}};
   for (const auto& [item, training] : seeds) {
     const nlohmann::json& history = Field(*training, "history");
-    const std::vector<double> values = NumbersOf(Field(history, "train_loss"));
-    if (!values.empty()) loss.curves.push_back({"seed " + item, Thinned({}, values)});
+    const std::vector<double> values = NumbersOf(Field(history, "loss"));
+    if (!values.empty()) loss.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "step")), values)});
     const std::vector<double> checked = NumbersOf(Field(history, "validation_accuracy"));
     if (!checked.empty())
-      accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "check_epoch")), checked)});
+      accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "check_step")), checked)});
   }
   return Chart(loss) + Chart(accuracy);
 }
@@ -216,22 +201,20 @@ std::string TableHtml(const ReportInput& input) {
 
 std::string RecognisersHtml(const ReportInput& input) {
   const nlohmann::json& metrics = Field(input.run, "metrics");
-  HtmlTable table{"Share of the test clips that are recognised",
-                  {"Recogniser trained on", "Mean", "By seed", "Test clips"},
-                  {},
-                  true};
-  for (const RecogniserKind& kind : kRecognisers) {
-    const nlohmann::json& scored = Field(metrics, kind.key);
+  HtmlTable table{
+      "Share of the test clips that are recognised", {"Recogniser", "Mean", "By seed", "Test clips"}, {}, true};
+  const nlohmann::json& recognisers = Field(metrics, "recognisers");
+  for (const auto& [name, scored] : recognisers.items()) {
     const auto mean = NumberOf(scored, "mean");
     if (!mean) {
       const std::string why = TextOf(scored, "scored");
-      if (!why.empty()) table.rows.push_back({kind.name, "not scored: " + EscapeHtml(why), "–", "0"});
+      if (!why.empty()) table.rows.push_back({EscapeHtml(name), "not scored: " + EscapeHtml(why), "–", "0"});
       continue;
     }
     std::string seeds;
     for (const double accuracy : NumbersOf(Field(scored, "test_accuracy")))
       seeds += (seeds.empty() ? "" : ", ") + FixedText(accuracy, 3);
-    table.rows.push_back({kind.name, FixedText(*mean, 3), seeds, CountText(CountOf(scored, "test_clips"))});
+    table.rows.push_back({EscapeHtml(name), FixedText(*mean, 3), seeds, CountText(CountOf(scored, "test_clips"))});
   }
   nlohmann::json nearest = Field(metrics, "nearest_neighbour");
   if (!nearest.is_object()) nearest = Field(Field(input.run, "audit"), "nearest_neighbour");
@@ -241,9 +224,14 @@ std::string RecognisersHtml(const ReportInput& input) {
                           CountText(CountOf(nearest, "count"))});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
-  const std::string confusion = ConfusionTable(Field(metrics, "recogniser"));
-  if (confusion.empty()) return table.Html();
-  return table.Html() + "<h3>Confusion of the recogniser on the test clips</h3>\n" + confusion;
+  std::string html = table.Html();
+  for (const auto& [name, scored] : recognisers.items()) {
+    const std::string confusion = ConfusionTable(scored);
+    if (confusion.empty()) continue;
+    html += "<h3>Confusion of " + EscapeHtml(name) + " on the test clips</h3>\n" + confusion;
+    break;
+  }
+  return html;
 }
 
 std::string CurvesHtml(const ReportInput& input) {

@@ -2,113 +2,148 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <set>
 
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kMostIterations = 1e8;  // range of generator.iterations
+constexpr double kMostIterations = 1e8;  // range of `iterations`
 
-void AddRecognisers(const std::string& role, RecogniserOptions recogniser, const std::vector<double>& seeds,
-                    const StageInput& dataset, std::vector<TrainItem>& items) {
-  for (const double seed : seeds) {
-    recogniser.seed = static_cast<std::int64_t>(seed);
-    const NetworkOptions options{NetworkKind::kRecogniser, recogniser, {}};
-    items.push_back({{role + "/" + std::to_string(recogniser.seed), OptionsToJson(options), {dataset}}, role});
+/// The items of one seed: the network after each step of `samples_at`, then after all.
+void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const StageInput& dataset,
+             std::vector<TrainItem>& items) {
+  NetworkOptions one = network;
+  one.seeds = {seed};
+  one.learning.samples_at.clear();
+  const std::string item = network.name + "/" + std::to_string(one.seed());
+  const std::string row = network.seeds.size() > 1 ? item : network.name;
+  std::string after;
+  for (const double step : network.learning.samples_at) {
+    one.learning.until = static_cast<std::int64_t>(step);
+    if (one.learning.until >= network.learning.iterations) continue;
+    const std::string end = "@" + std::to_string(one.learning.until);
+    items.push_back({{item + end, OptionsToJson(one), {dataset}}, at, row + end, after});
+    after = item + end;
   }
+  one.learning.until = network.learning.until;
+  items.push_back({{item, OptionsToJson(one), {dataset}}, at, row, after});
+}
+
+Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
+  std::set<double> seen;
+  for (const double seed : network.seeds) {
+    if (seed != std::floor(seed)) {
+      return Fail(ErrorCode::kConfig, RoundedText(seed) + " is not a whole number", where);
+    }
+    if (!seen.insert(seed).second) {
+      return Fail(ErrorCode::kConfig, "seed " + RoundedText(seed, 12) + " stands there twice", where,
+                  "a network is named after its seed");
+    }
+  }
+  if (!network.seeds.empty()) return {};
+  return Fail(ErrorCode::kConfig, "the list is empty", where, "one network is trained per seed: leave the network out");
 }
 
 }  // namespace
 
-void TrainOptions::Declare(OptionVisitor& v) {
-  v.Group("recogniser", recogniser, "the GRU that gives features and accuracy");
-  v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one recogniser per seed; the first gives the features");
-  v.Bool("baseline", baseline, "train the same recogniser on the unfitted tracks, to compare");
-  v.Bool("crop", crop, "train the same recogniser on windows of consecutive frames, as the papers do");
-  v.Bool("generator_enabled", generator_enabled, "train Action2Motion");
-  v.Group("generator", generator, "Action2Motion");
+std::string FileNameOf(std::string item) {
+  std::replace(item.begin(), item.end(), '/', '_');
+  return item;
 }
 
-void NetworkOptions::Declare(OptionVisitor& v) {
-  v.Choice("network", network,
-           {{"recogniser", NetworkKind::kRecogniser}, {"action2motion", NetworkKind::kAction2Motion}},
-           "which network is trained");
-  switch (network) {
-    case NetworkKind::kRecogniser:
-      return v.Group("recogniser", recogniser, "the GRU that gives features and accuracy");
-    case NetworkKind::kAction2Motion:
-      return v.Group("generator", generator, "Action2Motion");
-  }
+void TrainOptions::Declare(OptionVisitor& v) {
+  v.List("networks", networks, "networks that are trained; generators become rows of the table");
+}
+
+bool TrainOptions::NeedsUnfitted() const {
+  return std::any_of(networks.begin(), networks.end(),
+                     [](const NetworkOptions& network) { return network.trained_on == TrainingSetChoice::kUnfitted; });
 }
 
 std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInputs& inputs) {
   std::vector<TrainItem> items;
-  if (options.generator_enabled) {
-    const NetworkOptions generator{NetworkKind::kAction2Motion, {}, options.generator};
-    items.push_back({{"Action2Motion", OptionsToJson(generator), {inputs.dataset}}, "generator"});
-  }
-  AddRecognisers("recogniser", options.recogniser, options.seeds, inputs.dataset, items);
-  if (options.baseline && inputs.baseline) {
-    AddRecognisers("baseline_recogniser", options.recogniser, options.seeds, *inputs.baseline, items);
-  }
-  if (options.crop) {
-    RecogniserOptions crop = options.recogniser;
-    crop.input = RecogniserInputKind::kCrop;
-    AddRecognisers("crop_recogniser", crop, options.seeds, inputs.dataset, items);
+  for (const bool generators : {true, false}) {
+    for (std::size_t i = 0; i < options.networks.size(); ++i) {
+      const NetworkOptions& network = options.networks[i];
+      const bool unfitted = network.trained_on == TrainingSetChoice::kUnfitted;
+      if (GeneratesMotions(network.kind) != generators || (unfitted && !inputs.unfitted)) continue;
+      for (const double seed : network.seeds) {
+        AddSeed(network, i, seed, unfitted ? *inputs.unfitted : inputs.dataset, items);
+      }
+    }
   }
   return items;
 }
 
-Status CheckSeeds(const TrainOptions& options) {
-  const std::vector<double>& seeds = options.seeds;
-  for (auto seed = seeds.begin(); seed != seeds.end(); ++seed) {
-    if (std::floor(*seed) != *seed) {
-      return Fail(ErrorCode::kConfig, FormatDouble(*seed) + " is not a whole number", "train.seeds",
-                  "each seed is a whole number and stands once, as in [1, 2, 3]");
+Status CheckNetworks(const TrainOptions& options) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < options.networks.size(); ++i) {
+    const NetworkOptions& network = options.networks[i];
+    const std::string where = "train.networks[" + std::to_string(i) + "]";
+    const bool of_a_file = !network.name.empty() && network.name.front() != '.' &&
+                           network.name.find_first_of("@\\\n") == std::string::npos;
+    if (!of_a_file) {
+      return Fail(ErrorCode::kConfig, "'" + network.name + "' is no name for a network", where + ".name",
+                  "a name without '@' and '\\'; it names rows and, with '_' for '/', files");
     }
-    if (std::find(seeds.begin(), seed, *seed) != seed) {
-      return Fail(ErrorCode::kConfig, "seed " + FormatDouble(*seed) + " stands there twice", "train.seeds",
-                  "each seed is a whole number and stands once, as in [1, 2, 3]");
+    if (!names.insert(FileNameOf(network.name)).second) {
+      return Fail(ErrorCode::kConfig, "two networks have the name '" + network.name + "'", where + ".name",
+                  "give each a name of its own");
+    }
+    if (Status seeds = CheckSeeds(network, where + ".seeds"); !seeds) return seeds;
+    const std::vector<double>& steps = network.learning.samples_at;
+    if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
+      return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at");
     }
   }
   return {};
 }
 
 Status ScaleTraining(double budget, TrainOptions& options) {
-  const double iterations = std::max(1.0, std::round(budget * static_cast<double>(options.generator.iterations)));
-  if (!(iterations <= kMostIterations)) {
-    return Fail(ErrorCode::kUsage,
-                RoundedText(budget) + " times " + Counted(options.generator.iterations, "iteration") +
-                    " is more than a generator can be trained (1e8)",
-                "--budget", "choose a smaller budget");
+  TrainOptions scaled = options;
+  for (NetworkOptions& network : scaled.networks) {
+    if (!GeneratesMotions(network.kind)) continue;
+    const double iterations = std::max(1.0, std::round(budget * static_cast<double>(network.learning.iterations)));
+    if (!(iterations <= kMostIterations)) {
+      return Fail(ErrorCode::kUsage,
+                  RoundedText(budget) + " times " + Counted(network.learning.iterations, "iteration") +
+                      " is more than '" + network.name + "' can be trained (1e8)",
+                  "--budget", "choose a smaller budget");
+    }
+    network.learning.iterations = static_cast<std::int64_t>(iterations);
   }
-  options.generator.iterations = static_cast<std::int64_t>(iterations);
+  options = std::move(scaled);
   return {};
 }
 
-std::vector<std::string> TrainingNotes(const TrainOptions& options) {
+std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::string& recogniser) {
   std::vector<std::string> notes;
-  if (!options.seeds.empty()) {
-    const RecogniserOptions& recogniser = options.recogniser;
-    const std::string epochs = Counted(recogniser.epochs, "epoch");
-    const std::string all = " on all training clips, after as many without the validation part";
-    const std::string chosen = "at most " + epochs;
-    notes.push_back("Recogniser: " +
-                    (recogniser.anneal
-                         ? epochs + (recogniser.refit ? all : "")
-                         : chosen + (recogniser.refit ? " to select and as many as were best to refit" : "")) +
-                    ", in batches of " + Counted(recogniser.batch, "clip") + ".");
-  }
-  if (!options.generator_enabled) return notes;
-  const GeneratorOptions& generator = options.generator;
-  notes.push_back("Action2Motion: " + Counted(generator.iterations, "iteration") + " of " +
-                  Counted(generator.batch, "clip") + " on " +
-                  (generator.all_clips ? "all clips, test clips included, as published." : "training clips only."));
-  if (generator.input != options.recogniser.input) {
-    notes.emplace_back(
-        "The generator learns windows and the recogniser sees whole clips (or the reverse): FID and accuracy of the "
-        "two rows are not like for like; set train.generator.input and train.recogniser.input alike.");
+  const auto features = std::find_if(options.networks.begin(), options.networks.end(),
+                                     [&](const NetworkOptions& network) { return network.name == recogniser; });
+  for (const NetworkOptions& network : options.networks) {
+    const std::string on =
+        network.data.all_clips ? "all clips, test clips included, as published" : "training clips only";
+    const std::string batches = Counted(network.learning.batch, "clip");
+    if (!GeneratesMotions(network.kind)) {
+      const GruRecogniserOptions& rules = network.recogniser;
+      const std::string epochs = Counted(rules.epochs, "epoch");
+      const std::string all = " on all training clips, after as many without the validation part";
+      const std::string length =
+          rules.anneal ? epochs + (rules.refit ? all : "")
+                       : "at most " + epochs + (rules.refit ? " to select and as many as were best to refit" : "");
+      notes.push_back(network.name + ": " + length + ", in batches of " + batches + ".");
+      continue;
+    }
+    notes.push_back(network.name + ": " + Counted(network.learning.iterations, "iteration") + " of " + batches +
+                    " on " + on + ".");
+    if (features == options.networks.end() || features->data.input == network.data.input) continue;
+    notes.push_back(
+        network.name +
+        " learns windows and the recogniser sees whole clips (or the reverse): its FID and accuracy are not "
+        "like for like with Real; set `input` of the two alike.");
   }
   return notes;
 }

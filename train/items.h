@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,51 +11,43 @@ namespace mocurate {
 
 /// Which networks a job trains: its group `train`.
 struct TrainOptions {
-  RecogniserOptions recogniser;
-  std::vector<double> seeds{1, 2, 3};  ///< one recogniser each; the first gives the features of the metrics
-  bool baseline = false;               ///< the same recogniser on unfitted tracks
-  bool crop = false;                   ///< the same recogniser on the papers' window of consecutive frames
-  bool generator_enabled = true;
-  GeneratorOptions generator;
+  std::vector<NetworkOptions> networks;
 
   void Declare(OptionVisitor& v);
-};
-
-enum class NetworkKind { kRecogniser, kAction2Motion };
-
-/// Options of one item of the stage `train`: which network it is, and the options of that network alone, so that an
-/// item's key does not move with options of another.
-struct NetworkOptions {
-  NetworkKind network = NetworkKind::kRecogniser;
-  RecogniserOptions recogniser;  ///< with kRecogniser
-  GeneratorOptions generator;    ///< with kAction2Motion
-
-  void Declare(OptionVisitor& v);
+  /// Whether a network is trained on the clips before fitting.
+  bool NeedsUnfitted() const;
 };
 
 /// The data sets that the items of a job train on.
 struct TrainingInputs {
   StageInput dataset;
-  std::optional<StageInput> baseline;  ///< the same clips before fitting
+  std::optional<StageInput> unfitted;  ///< the same clips before fitting
 };
 
-/// One network of a job, and what it is to the stages after it.
+/// One network of a job: a seed of it, perhaps after some of its steps.
 struct TrainItem {
-  ItemSpec spec;     ///< item "recogniser/SEED", "baseline_recogniser/SEED", "crop_recogniser/SEED" or "Action2Motion"
-  std::string role;  ///< of its checkpoint: "recogniser", "baseline_recogniser", "crop_recogniser" or "generator"
+  ItemSpec spec;
+  std::size_t network = 0;  ///< position in TrainOptions::networks
+  std::string row;          ///< of a generator in tables: NAME, NAME/SEED where it has several, NAME@STEP
+  std::string after;        ///< item whose checkpoint it goes on from, its input of role "start"; or empty
 };
 
-/// The items of the stage `train`, the one that takes longest (the generator) first. Seeds are decided here: one
-/// recogniser per number of `seeds`, whatever `recogniser.seed` says.
+/// The items of the stage `train`, generators, which take longest, first: item "NAME/SEED", or "NAME/SEED@STEP" for a
+/// network that is kept after so many steps. Networks on unfitted clips only where `inputs` has them.
 std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInputs& inputs);
 
-/// A recogniser is named after its seed: error kConfig for a seed that is not whole or stands twice in `seeds`.
-Status CheckSeeds(const TrainOptions& options);
+/// Name of the file of an item: "Ours w/o Lie/1" -> "Ours w_o Lie_1".
+std::string FileNameOf(std::string item);
 
-/// Multiplies the generator's iterations by `budget`. Error kUsage when the product is more than the option allows.
+/// Error kConfig for a seed that is not whole or stands twice, for names that stand twice or are no names of files, and
+/// for steps of `samples_at` that do not rise.
+Status CheckNetworks(const TrainOptions& options);
+
+/// Multiplies the generators' iterations by `budget`. Error kUsage when a product is more than the option allows.
 Status ScaleTraining(double budget, TrainOptions& options);
 
-/// What stands below a table of results about how its networks were trained: sentences.
-std::vector<std::string> TrainingNotes(const TrainOptions& options);
+/// What stands below a table of results about how its networks were trained: sentences. `recogniser`: the network that
+/// gives the features.
+std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::string& recogniser);
 
 }  // namespace mocurate

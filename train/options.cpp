@@ -2,6 +2,8 @@
 
 namespace mocurate {
 
+bool GeneratesMotions(NetworkKind kind) { return kind != NetworkKind::kGruRecogniser; }
+
 void AugmentationOptions::Declare(OptionVisitor& v) {
   v.Number("yaw", yaw_rad, Unit::kRadian, {0.0, 3.2}, "rotation about the vertical, uniform in plus or minus this");
   v.Number("scale", scale, Unit::kNone, {0.0, 0.5}, "size, uniform in 1 plus or minus this");
@@ -11,23 +13,44 @@ void AugmentationOptions::Declare(OptionVisitor& v) {
   v.Bool("mirror", mirror, "mirror half of the clips (changes sides: only for actions that have none)");
 }
 
-void RecogniserOptions::Declare(OptionVisitor& v) {
-  v.Integer("seed", seed, {0.0, {}},
-            "of initial weights, order and augmentation; a job trains one for each of its train.seeds instead");
+void TrainingDataOptions::Declare(OptionVisitor& v) {
   v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
+  v.Bool("all_clips", all_clips, "train on every clip, as the released code does");
+  v.Number("fraction", fraction, Unit::kNone, {0.01, 1.0},
+           "part of the training clips of each class; a smaller fraction is a part of a larger one");
+  v.Bool("balance", balance, "draw every class equally often, whatever its number of clips");
   v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
-           "whole clip resampled to `frames`, or the paper's crop of `frames` with repeated last pose");
-  v.Integer("frames", frames, {2.0, 1000.0}, "frames that the recogniser sees");
+           "windows of consecutive frames (as published), or whole clips resampled to `frames`");
+  v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
+  v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window");
+  v.Group("augmentation", augmentation, "random changes of the training clips");
+}
+
+void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
+  v.Integer("batch", batch, {1.0, 4096.0}, "clips per step; fewer when the training part is smaller");
+  v.Integer(
+      "shards", shards, {1.0, 64.0},
+      "parts of a batch whose gradients are summed in order; each may have a core, the bytes do not depend on it");
+  v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "of the optimiser");
+  v.Number("weight_decay", weight_decay, Unit::kNone, {0.0, 1.0}, "L2 term of Adam");
+  v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no bound");
+  v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for runs that are killed");
+  v.Choice("device", device, {{"cpu", TrainDevice::kCpu}, {"cuda", TrainDevice::kCuda}},
+           "where it is trained; cuda needs a libtorch with CUDA");
+  if (!GeneratesMotions(kind)) return;
+  v.Integer("iterations", iterations, {1.0, 1e8}, "training steps");
+  v.Integer("until", until, {0.0, 1e8}, "stop after so many of the steps; 0: all");
+  v.Numbers("samples_at", samples_at, Unit::kNone, {1.0, 1e8},
+            "steps at which the network is kept and scored as a row NAME@STEP");
+}
+
+void GruRecogniserOptions::Declare(OptionVisitor& v) {
   v.Integer("layers", layers, {1.0, 8.0}, "GRU layers of the network");
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent state");
   v.Integer("epochs", epochs, {1.0, 100000.0}, "passes over the training clips");
-  v.Integer("batch", batch, {1.0, 4096.0}, "clips per step");
-  v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "of Adam");
-  v.Number("weight_decay", weight_decay, Unit::kNone, {0.0, 1.0}, "L2 term of Adam");
   v.Number("label_smoothing", label_smoothing, Unit::kNone, {0.0, 0.5}, "of the cross entropy");
   v.Bool("standardise", standardise,
-         "train on numbers of zero mean and unit spread; the stored weights take plain joints again");
-  v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no bound");
+         "train on numbers of zero mean and unit deviation; the stored weights take plain joints again");
   v.Bool("anneal", anneal,
          "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
   v.Choice("initial_hidden", initial_hidden, {{"zero", InitialHidden::kZero}, {"normal", InitialHidden::kNormal}},
@@ -36,13 +59,9 @@ void RecogniserOptions::Declare(OptionVisitor& v) {
   v.Bool("refit", refit, "train once more, on all training clips, for as many epochs as were chosen");
   v.Number("smallest_validation", smallest_validation, Unit::kNone, {0.01, 0.5},
            "part of the training clips held out when the split has no validation part and persons are too few");
-  v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
-void GeneratorOptions::Declare(OptionVisitor& v) {
-  v.Integer("seed", seed, {0.0, {}}, "of initial weights, order, crops and noise");
-  v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
-  v.Bool("all_clips", all_clips, "train on every clip, as the released code does");
+void Action2MotionOptions::Declare(OptionVisitor& v) {
   v.Bool("lie", lie, "decode rotations and compute joints; without it joints are decoded");
   v.Choice("protocol", protocol, {{"released", Protocol::kReleased}, {"paper", Protocol::kPaper}},
            "whose rules hold where code and paper differ; each part below can be set alone");
@@ -66,21 +85,98 @@ void GeneratorOptions::Declare(OptionVisitor& v) {
                    "weight of the KL term (released 0.001 with Lie, 0.0001 without; paper 0.01)");
   v.Choice("lie_exp", lie_exp, {{"released", LieExpChoice::kReleased}, {"exact", LieExpChoice::kExact}},
            "whether angles below 0.01 rad are floored, as released");
-  v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
-  v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
-           "windows of consecutive frames (as released), or whole clips resampled; as the recogniser of the table sees "
-           "them");
-  v.Integer("frames", frames, {2.0, 1000.0}, "frames per training crop");
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent states");
   v.Integer("latent", latent, {1.0, 1024.0}, "size of the noise per frame");
-  v.Integer("iterations", iterations, {1.0, 1e8}, "training steps");
-  v.Integer("batch", batch, {1.0, 4096.0}, "clips per step; fewer when the training part is smaller");
-  v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "of Adam");
-  v.Number("weight_decay", weight_decay, Unit::kNone, {0.0, 1.0}, "L2 term of Adam");
-  v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for runs that are killed");
-  v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 4, "mocurate-learn", WholeSetLimits()}; }
+void CondGruOptions::Declare(OptionVisitor& v) {
+  v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent state");
+  v.Number("teacher_forcing", teacher_forcing, Unit::kNone, {0.0, 1.0},
+           "chance that a sequence is fed the truth while training");
+  v.Choice("evaluation", evaluation,
+           {{"rollout", CondGruEvaluation::kRollout}, {"released_zeros", CondGruEvaluation::kReleasedZeros}},
+           "what it answers: a rollout, or a real pose and frames of zeros, which the published rows scored (F4)");
+}
+
+void ActMoCoGanOptions::Declare(OptionVisitor& v) {
+  v.Bool("lie", lie, "generate rotations and compute joints; without it joints are generated");
+  v.Integer("hidden", hidden, {8.0, 1024.0}, "size of the recurrent states");
+  v.Integer("latent", latent, {1.0, 1024.0}, "size of the noise per frame");
+  v.Number("category_weight", category_weight, Unit::kNone, {0.0, 100.0}, "of the class in the generator's loss");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 100.0}, "of the pose discriminator; 0: there is none");
+  v.Number("smoothness_weight", smoothness_weight, Unit::kNone, {0.0, 100.0},
+           "of the differences between frames (0.3 with the released switch)");
+}
+
+void TwoStageGanOptions::Declare(OptionVisitor& v) {
+  v.Integer("latent", latent, {1.0, 1024.0}, "size of a pose's latent");
+  v.Integer("pose_hidden", pose_hidden, {4.0, 1024.0}, "width of the pose generator and its critic");
+  v.Integer("motion_hidden", motion_hidden, {4.0, 1024.0}, "width of the motion generator and its critic");
+  v.Number("pose_share", pose_share, Unit::kNone, {0.01, 0.99}, "part of the iterations for the pose generator");
+  v.Integer("critic_steps", critic_steps, {1.0, 100.0}, "steps of a critic for each of its generator");
+  v.Number("weight_clip", weight_clip, Unit::kNone, {1e-6, 10.0}, "largest absolute weight of a critic");
+}
+
+NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
+  switch (kind) {
+    case NetworkKind::kGruRecogniser:
+      name = "recogniser";
+      data.input = RecogniserInputKind::kResample;
+      data.augmentation = {0.35, 0.1, 0.01, 0.15, 0.2, false};
+      learning.batch = 32;
+      learning.shards = 1;
+      learning.learning_rate = 2e-3;
+      learning.weight_decay = 0.0;
+      learning.gradient_clip = 1.0;
+      learning.save_every = 500;
+      return;
+    case NetworkKind::kAction2Motion:
+      name = "Action2Motion";
+      return;
+    case NetworkKind::kCondGru:
+      name = "CondGRU";
+      return;
+    case NetworkKind::kActMoCoGan:
+      name = "Act-MoCoGAN";
+      return;
+    case NetworkKind::kTwoStageGan:
+      name = "Two-stage GAN";
+      learning.learning_rate = 5e-5;
+      learning.weight_decay = 0.0;
+      return;
+  }
+}
+
+void NetworkOptions::Declare(OptionVisitor& v) {
+  v.Choice("kind", kind,
+           {{"gru_recogniser", NetworkKind::kGruRecogniser},
+            {"action2motion", NetworkKind::kAction2Motion},
+            {"cond_gru", NetworkKind::kCondGru},
+            {"act_mocogan", NetworkKind::kActMoCoGan},
+            {"two_stage_gan", NetworkKind::kTwoStageGan}},
+           "which network it is; the options below are those of its kind");
+  if (kind != defaults_of_) *this = NetworkOptions(kind);
+  v.Text("name", name, "of its row in tables and of its checkpoints");
+  v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one network per seed");
+  v.Choice("trained_on", trained_on,
+           {{"dataset", TrainingSetChoice::kDataset}, {"unfitted", TrainingSetChoice::kUnfitted}},
+           "the dataset, or the same clips before fitting, to compare");
+  data.Declare(v);
+  learning.Declare(v, kind);
+  switch (kind) {
+    case NetworkKind::kGruRecogniser:
+      return recogniser.Declare(v);
+    case NetworkKind::kAction2Motion:
+      return action2motion.Declare(v);
+    case NetworkKind::kCondGru:
+      return cond_gru.Declare(v);
+    case NetworkKind::kActMoCoGan:
+      return act_mocogan.Declare(v);
+    case NetworkKind::kTwoStageGan:
+      return two_stage_gan.Declare(v);
+  }
+}
+
+StageDeclaration TrainDeclaration() { return {"train", 5, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -3,17 +3,25 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/options.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
 
-/// How a clip becomes what a recogniser sees.
+/// What a network is. A variant of a paper's table is an option of one kind, not another kind.
+enum class NetworkKind { kGruRecogniser, kAction2Motion, kCondGru, kActMoCoGan, kTwoStageGan };
+
+/// Whether networks of the kind answer requests with motions.
+bool GeneratesMotions(NetworkKind kind);
+
+/// How a clip becomes a window of a fixed number of frames.
 enum class RecogniserInputKind { kResample, kCrop };
 enum class InitialHidden { kZero, kNormal };
 
-/// Random changes of training clips, drawn anew each time a clip is read. All zero: none (the default for generators).
+/// Random changes of training clips, drawn anew each time a clip is read. All zero: none, as every paper trains its
+/// generator.
 struct AugmentationOptions {
   double yaw_rad = 0.0;  ///< rotation about the vertical, uniform in +-
   double scale = 0.0;    ///< size, uniform in 1 +-
@@ -24,26 +32,48 @@ struct AugmentationOptions {
   void Declare(OptionVisitor& v);
 };
 
-struct RecogniserOptions {
-  std::int64_t seed = 0;
-  std::string split;  ///< name of the dataset's split; empty: the first one, or all clips if there is none
-  RecogniserInputKind input = RecogniserInputKind::kResample;
+/// Which clips of a dataset a network learns from, and how they become batches.
+struct TrainingDataOptions {
+  std::string split;       ///< name of the dataset's split; empty: the first one, or all clips if there is none
+  bool all_clips = false;  ///< learn from every clip, as released (no held-out part)
+  double fraction = 1.0;   ///< part of the training clips of each class; smaller fractions are parts of larger ones
+  bool balance = false;    ///< every class equally often, whatever its number of clips
+  RecogniserInputKind input = RecogniserInputKind::kCrop;  ///< crop: the papers' windows; resample: whole clips
+  bool include_last_start = false;                         ///< of a crop; released: never (a2m_actor.md F15)
   std::int64_t frames = 60;
+  AugmentationOptions augmentation;
+  void Declare(OptionVisitor& v);
+};
+
+enum class TrainDevice { kCpu, kCuda };
+
+/// How long and with which steps a network learns.
+struct LearningOptions {
+  std::int64_t iterations = 50;  ///< steps; recognisers count epochs instead
+  std::int64_t until = 0;        ///< stop after so many of them; 0: all
+  std::int64_t batch = 128;      ///< clips per step; fewer where the training part is smaller
+  std::int64_t shards = 2;       ///< parts of a batch whose gradients are summed in order, one core each
+  double learning_rate = 2e-4;
+  double weight_decay = 1e-5;
+  double gradient_clip = 0.0;      ///< largest norm of a step's gradient; 0: no bound
+  std::int64_t save_every = 50;    ///< steps between two saved states
+  std::vector<double> samples_at;  ///< steps whose network is kept and scored as a row of its own
+  TrainDevice device = TrainDevice::kCpu;
+  void Declare(OptionVisitor& v, NetworkKind kind);
+};
+
+/// Action2Motion's GRU classifier (a2m_actor.md D.1); MultiAct's has 4 layers of 256 (multiact.md E).
+struct GruRecogniserOptions {
   std::int64_t hidden = 128;
-  std::int64_t layers = 2;  ///< Action2Motion's; MultiAct's has 4 of 256
+  std::int64_t layers = 2;
   std::int64_t epochs = 60;
-  std::int64_t batch = 32;
-  double learning_rate = 2e-3;
-  double weight_decay = 0.0;
   double label_smoothing = 0.0;
-  bool standardise = true;     ///< train on standardised numbers, folded into the weights afterwards
-  double gradient_clip = 1.0;  ///< largest norm of a step's gradient; 0: no bound
-  bool anneal = true;          ///< learning rate falls to zero along half a cosine
+  bool standardise = true;  ///< train on standardised numbers, folded into the weights afterwards
+  bool anneal = true;       ///< learning rate falls to zero along half a cosine
   InitialHidden initial_hidden = InitialHidden::kZero;
   std::int64_t check_every = 5;      ///< epochs between two checks on the validation fold
   bool refit = true;                 ///< train again on all training clips once the number of epochs is chosen
-  double smallest_validation = 0.1;  ///< without a validation part and persons: fraction of the training clips held out
-  AugmentationOptions augmentation = {0.35, 0.1, 0.01, 0.15, 0.2, false};
+  double smallest_validation = 0.1;  ///< without a validation part and persons: fraction of the clips held out
   void Declare(OptionVisitor& v);
 };
 
@@ -53,10 +83,8 @@ enum class TimeChoice { kProtocol, kNone, kReleased, kPaper };
 enum class LossChoice { kProtocol, kMean, kSquaredNorm };
 enum class LieExpChoice { kReleased, kExact };
 
-struct GeneratorOptions {
-  std::int64_t seed = 0;
-  std::string split;       ///< as above; training clips only
-  bool all_clips = false;  ///< train on every clip, as released (no held-out part)
+/// Action2Motion (a2m_actor.md B) with and without Lie.
+struct Action2MotionOptions {
   bool lie = true;
   Protocol protocol = Protocol::kReleased;
   std::optional<double> self_feed_probability;  ///< absent: 0.6 released, 0.4 paper
@@ -65,18 +93,70 @@ struct GeneratorOptions {
   LossChoice reconstruction = LossChoice::kProtocol;
   std::optional<double> kl_weight;  ///< absent: 0.001 with Lie, 0.0001 without (released); 0.01 (paper, HumanAct12)
   LieExpChoice lie_exp = LieExpChoice::kReleased;
-  bool include_last_start = false;
-  RecogniserInputKind input = RecogniserInputKind::kCrop;  ///< crop: the released windows; resample: whole clips
-  std::int64_t frames = 60;
   std::int64_t hidden = 128;
   std::int64_t latent = 30;
-  std::int64_t iterations = 300;
-  std::int64_t batch = 128;
-  double learning_rate = 2e-4;
-  double weight_decay = 1e-5;
-  std::int64_t save_every = 50;
-  AugmentationOptions augmentation;
   void Declare(OptionVisitor& v);
+};
+
+/// What is scored of CondGRU: the rollout, or what the released evaluation scored, a real pose and frames of zeros
+/// (a2m_actor.md F4).
+enum class CondGruEvaluation { kRollout, kReleasedZeros };
+
+/// Conditioned GRU (a2m_actor.md B.9).
+struct CondGruOptions {
+  std::int64_t hidden = 128;
+  double teacher_forcing = 0.5;  ///< chance that a sequence is fed the truth while training
+  CondGruEvaluation evaluation = CondGruEvaluation::kRollout;
+  void Declare(OptionVisitor& v);
+};
+
+/// Act-MoCoGAN (a2m_actor.md B.9). Which of its switches the paper used is not recorded.
+struct ActMoCoGanOptions {
+  bool lie = false;
+  std::int64_t hidden = 128;
+  std::int64_t latent = 30;
+  double category_weight = 0.7;    ///< of the class in the generator's loss
+  double pose_weight = 0.5;        ///< of the pose discriminator; 0: there is none
+  double smoothness_weight = 0.0;  ///< of frame differences; 0.3 where the released switch is on
+  void Declare(OptionVisitor& v);
+};
+
+/// Two-stage GAN (a2m_actor.md B.9): poses first, then sequences of their latents, both by Wasserstein critics.
+struct TwoStageGanOptions {
+  std::int64_t latent = 30;
+  std::int64_t pose_hidden = 128;
+  std::int64_t motion_hidden = 256;
+  double pose_share = 0.5;        ///< of the iterations, for the pose generator
+  std::int64_t critic_steps = 5;  ///< of a critic for each of its generator
+  double weight_clip = 0.01;      ///< largest weight of a critic
+  void Declare(OptionVisitor& v);
+};
+
+/// Which clips: the dataset, or the same clips before fitting.
+enum class TrainingSetChoice { kDataset, kUnfitted };
+
+/// One network of a job: `train.networks: [{name, kind, ...}]`. Only the options of its kind are known.
+struct NetworkOptions {
+  std::string name;  ///< of its row and its checkpoints
+  NetworkKind kind = NetworkKind::kAction2Motion;
+  std::vector<double> seeds{1};  ///< of initial weights, order, crops and noise; one network each
+  TrainingSetChoice trained_on = TrainingSetChoice::kDataset;
+  TrainingDataOptions data;
+  LearningOptions learning;
+  GruRecogniserOptions recogniser;
+  Action2MotionOptions action2motion;
+  CondGruOptions cond_gru;
+  ActMoCoGanOptions act_mocogan;
+  TwoStageGanOptions two_stage_gan;
+
+  /// With the defaults of its kind.
+  explicit NetworkOptions(NetworkKind kind = NetworkKind::kAction2Motion);
+  void Declare(OptionVisitor& v);
+  /// Of one network: the first of `seeds`.
+  std::uint64_t seed() const { return static_cast<std::uint64_t>(seeds.front()); }
+
+ private:
+  NetworkKind defaults_of_;
 };
 
 StageDeclaration TrainDeclaration();

@@ -14,13 +14,14 @@
 namespace {
 
 /// The generator of a checkpoint, as the evaluation asks it.
-mocurate::Expected<mocurate::AnswerRequests> OpenGeneratorCheckpoint(const std::filesystem::path& checkpoint) {
+mocurate::Expected<mocurate::AnswerRequests> OpenGeneratorCheckpoint(const std::filesystem::path& checkpoint,
+                                                                     int threads) {
   using namespace mocurate;
   auto loaded = MotionGenerator::Load(checkpoint);
   if (!loaded) return Forward(loaded);
   const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
-  return [generator](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
-    auto answered = generator->Generate(requests);
+  return [generator, threads](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
+    auto answered = generator->Generate(requests, threads);
     if (!answered) return Forward(answered);
     std::vector<Motion> motions;
     motions.reserve(answered->clips.size());

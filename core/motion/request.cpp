@@ -29,9 +29,16 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
         }
         request.bone_length.push_back(length.get<double>());
       }
+    } else if (key == "first_pose" && value.is_array()) {
+      for (const nlohmann::json& number : value) {
+        if (!number.is_number()) {
+          return Fail(ErrorCode::kMalformed, "first_pose holds " + number.dump() + ", no number in metres", where);
+        }
+        request.first_pose.push_back(number.get<double>());
+      }
     } else {
       return Fail(ErrorCode::kMalformed, "'" + key + "' is unknown or has a value that it cannot have", where,
-                  "label, frames > 0, seed >= 0, bone_length [metres], source_clip");
+                  "label, frames > 0, seed >= 0, bone_length [metres], first_pose [metres], source_clip");
     }
   }
   return request;
@@ -42,6 +49,7 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
 void to_json(nlohmann::json& json, const MotionRequest& request) {
   json = {{"label", request.label}, {"frames", request.frames}, {"seed", request.seed}};
   if (!request.bone_length.empty()) json["bone_length"] = request.bone_length;
+  if (!request.first_pose.empty()) json["first_pose"] = request.first_pose;
   if (!request.source_clip.empty()) json["source_clip"] = request.source_clip;
 }
 

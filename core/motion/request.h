@@ -16,12 +16,14 @@ struct MotionRequest {
   int frames = 60;
   std::uint64_t seed = 0;           ///< of this motion alone: the answer does not depend on its neighbours in the list
   std::vector<double> bone_length;  ///< (J) metres, bone that ends at the joint, 0 for the root; empty: rest lengths
+  std::vector<double> first_pose;   ///< (3J) metres, root at the origin, for networks that start from one; or empty
   std::string source_clip;          ///< id of the clip the bone lengths come from, or empty
 };
 
 void to_json(nlohmann::json& json, const MotionRequest& request);
 
-/// A request file: {"schema": "mocurate-request/1", "requests": [{label, frames, seed, bone_length, source_clip}]}.
+/// A request file: {"schema": "mocurate-request/1", "requests": [{label, frames, seed, bone_length, first_pose,
+/// source_clip}]}.
 Status WriteRequests(const std::vector<MotionRequest>& requests, const std::filesystem::path& path);
 /// Error kNotFound, kUnreadable; kMalformed naming the request and the field.
 Expected<std::vector<MotionRequest>> ReadRequests(const std::filesystem::path& path);

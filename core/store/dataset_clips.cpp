@@ -133,6 +133,14 @@ const std::string& DatasetClips::Label(std::size_t row) const {
 }
 
 const AxisConvention& DatasetClips::axes() const { return file_->axes; }
+const SkeletonPtr& DatasetClips::skeleton() const { return file_->skeleton; }
+
+const std::vector<std::string>& DatasetClips::labels() const {
+  static const std::vector<std::string> kNone;
+  return file_->content.Has("/labels/name") ? file_->content.Values<std::string>("/labels/name") : kNone;
+}
+
+std::vector<Split> DatasetClips::splits() const { return store::UnpackSplits(file_->content); }
 
 /// The file as if it held this clip alone, checked.
 Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/motion/clip.h"
+#include "core/store/store.h"
 
 namespace mocurate {
 
@@ -25,6 +26,9 @@ class DatasetClips {
   const std::string& Id(std::size_t row) const;
   const std::string& Label(std::size_t row) const;
   const AxisConvention& axes() const;
+  const SkeletonPtr& skeleton() const;
+  const std::vector<std::string>& labels() const;
+  std::vector<Split> splits() const;
 
   /// What ReadDataset gives at this place, `row` below size(). The rules of the table are checked. Error kMalformed.
   Expected<Clip> Read(std::size_t row) const;

@@ -6,6 +6,7 @@
 
 #include "core/motion/clip.h"
 #include "core/store/array.h"
+#include "core/store/store.h"
 
 /// Between the value types of core/motion and the fields of the table. Pack* refuse what has inconsistent shapes;
 /// Unpack* need checked content. `prefix` is "" or "/truth".
@@ -33,6 +34,8 @@ struct MotionRow {
 Status PackMotions(const std::vector<MotionRow>& rows, const Skeleton& skeleton, bool joints_only,
                    const std::string& prefix, Content& content);
 std::vector<Motion> UnpackMotions(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton);
+
+std::vector<Split> UnpackSplits(const Content& content);
 
 /// Identity, labels, segments, provenance; not motion and evidence.
 void PackClips(const std::vector<const Clip*>& clips, Content& content);

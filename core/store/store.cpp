@@ -58,20 +58,6 @@ Status PackSplits(const std::vector<Split>& splits, Content& content) {
   return {};
 }
 
-std::vector<Split> UnpackSplits(const Content& content) {
-  std::vector<Split> splits;
-  for (const std::string& name : content.splits) {
-    const std::string path = "/splits/" + name;
-    const auto rows = [&](const char* part) {
-      const auto& values = content.Values<std::int32_t>(path + part);
-      return std::vector<int>(values.begin(), values.end());
-    };
-    splits.push_back({name, rows("/train"), rows("/validation"), rows("/test"), content.Text(path + "/rule"),
-                      content.Text(path + "/leak_check")});
-  }
-  return splits;
-}
-
 void PackFindings(const std::vector<Finding>& findings, Content& content) {
   const std::uint64_t N = findings.size();
   const auto texts = [&](const char* name, const auto& member) {
@@ -147,6 +133,24 @@ Expected<SkeletonPtr> CheckedSkeleton(const Content& content, const std::string&
 
 }  // namespace
 
+namespace store {
+
+std::vector<Split> UnpackSplits(const Content& content) {
+  std::vector<Split> splits;
+  for (const std::string& name : content.splits) {
+    const std::string path = "/splits/" + name;
+    const auto rows = [&](const char* part) {
+      const auto& values = content.Values<std::int32_t>(path + part);
+      return std::vector<int>(values.begin(), values.end());
+    };
+    splits.push_back({name, rows("/train"), rows("/validation"), rows("/test"), content.Text(path + "/rule"),
+                      content.Text(path + "/leak_check")});
+  }
+  return splits;
+}
+
+}  // namespace store
+
 int Dataset::LabelIndex(const std::string& label) const {
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] == label) return static_cast<int>(i);
@@ -211,7 +215,7 @@ Expected<Dataset> ReadDataset(const std::filesystem::path& path) {
     const auto& parents = content->Values<std::int32_t>("/fine_labels/parent");
     for (std::size_t i = 0; i < names.size(); ++i) dataset.fine_labels.push_back({names[i], parents[i]});
   }
-  dataset.splits = UnpackSplits(*content);
+  dataset.splits = store::UnpackSplits(*content);
   dataset.findings = UnpackFindings(*content);
   dataset.recipe = content->Text("/recipe");
   dataset.created_by = content->Text("/@created_by");

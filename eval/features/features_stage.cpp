@@ -192,7 +192,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   FeaturesRun run(*options, *extractor, request.threads);
   Status done;
   if (const StageInput* generator = InputOf(request, "generator")) {
-    const auto answer = open_generator(generator->path);
+    const auto answer = open_generator(generator->path, request.threads);
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
   } else {

@@ -1,6 +1,7 @@
 #include "eval/protocols/draws.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -15,6 +16,16 @@ std::vector<double> FirstFrameBones(const Motion& motion) {
   std::vector<Vector3d> joints(motion.joint_count());
   for (int j = 0; j < motion.joint_count(); ++j) joints[j] = motion.joints.at(0, j);
   return BoneLengths(*motion.skeleton, joints.data());
+}
+
+/// The first frame with its root at the origin.
+std::vector<double> FirstPose(const Motion& motion) {
+  std::vector<double> pose;
+  for (int j = 0; j < motion.joint_count(); ++j) {
+    const Vector3d position = motion.joints.at(0, j) - motion.joints.at(0, 0);
+    pose.insert(pose.end(), {position.x(), position.y(), position.z()});
+  }
+  return pose;
 }
 
 }  // namespace
@@ -84,7 +95,15 @@ std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vecto
     present.insert(std::max(0, dataset.LabelIndex(dataset.clips[static_cast<std::size_t>(row)].label)));
   }
   const std::vector<int> classes(present.begin(), present.end());
-  Random random(seed, "requests", std::to_string(repetition));
+  std::map<int, std::vector<int>> of_label;
+  for (const int row : rows) {
+    of_label[std::max(0, dataset.LabelIndex(dataset.clips[static_cast<std::size_t>(row)].label))].push_back(row);
+  }
+  Random random(seed, "requests", std::to_string(repetition)), poses(seed, "first poses", std::to_string(repetition));
+  const auto clip_of_label = [&](int label) {
+    const std::vector<int>& members = of_label.at(label);
+    return &dataset.clips[static_cast<std::size_t>(members[poses.Below(members.size())])];
+  };
   std::vector<MotionRequest> requests(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < requests.size(); ++i) {
     MotionRequest& request = requests[i];
@@ -96,6 +115,7 @@ std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vecto
     const Clip& source = dataset.clips[static_cast<std::size_t>(rows[random.Below(rows.size())])];
     request.bone_length = FirstFrameBones(*source.motion);
     request.source_clip = source.id();
+    request.first_pose = FirstPose(*clip_of_label(request.label)->motion);
   }
   return requests;
 }

@@ -23,11 +23,11 @@ using ::testing::Not;
 std::vector<std::string> TinyTraining(const Folder& folder) {
   std::vector<std::string> arguments = program::SmallJob(folder, "r");
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("table"));
-  for (const char* option : {"train.recogniser.split=''", "train.recogniser.epochs=1", "train.recogniser.hidden=8",
-                             "train.recogniser.frames=10", "train.generator.split=''", "train.generator.hidden=8",
-                             "train.generator.latent=2", "train.generator.frames=10", "train.generator.iterations=1",
-                             "train.generator.batch=4", "evaluate.repetitions=1", "evaluate.motions=20",
-                             "evaluate.diversity_pairs=5", "evaluate.multimodality_quota=2"}) {
+  for (const char* option :
+       {"train.networks=[{kind: action2motion, name: Action2Motion, hidden: 8, latent: 2, frames: 10, iterations: 1, "
+        "batch: 4}, {kind: gru_recogniser, name: recogniser, epochs: 1, hidden: 8, frames: 10}]",
+        "evaluate.repetitions=1", "evaluate.motions=20", "evaluate.diversity_pairs=5",
+        "evaluate.multimodality_quota=2"}) {
     arguments.insert(arguments.end(), {"--set", option});
   }
   arguments.emplace_back("--json");
@@ -60,7 +60,7 @@ void Exchange(const fs::path& record, const fs::path& other) {
 
 /// What a person is told about what a run has made: a checkpoint, the dataset, the run folder.
 void ExpectInspectToTell(const Folder& folder) {
-  const Result generator = RunProgram(folder, {"inspect", (folder / "r/checkpoints/Action2Motion.h5").string()});
+  const Result generator = RunProgram(folder, {"inspect", (folder / "r/checkpoints/Action2Motion_1.h5").string()});
   EXPECT_EQ(generator.exit_code, 0) << generator.err;
   for (const char* part :
        {"a trained network", "action2motion, ", "1 iteration\n", "kinect20, 20 joints", "5: clap, kick"}) {
@@ -94,16 +94,16 @@ TEST(WrongCheckpoint, IsRefusedNamingBothKindsAndTheFile) {
   ASSERT_EQ(good.exit_code, 0) << good.out << good.err;
   ExpectInspectToTell(folder);
 
-  const fs::path generator = RecordOf(folder, "Action2Motion");
+  const fs::path generator = RecordOf(folder, "Action2Motion/1");
   const fs::path recogniser = RecordOf(folder, "recogniser/1");
   const std::string right_generator = ReadText(generator);
 
   Exchange(generator, recogniser);
   const Result no_generator = RunProgram(folder, TinyTraining(folder));
   EXPECT_EQ(no_generator.exit_code, 3) << no_generator.out;
-  EXPECT_THAT(no_generator.err, HasSubstr("holds a network of kind 'gru_recogniser', 'action2motion' is needed"));
+  EXPECT_THAT(no_generator.err, HasSubstr("holds a network of kind 'gru_recogniser'"));
   EXPECT_THAT(no_generator.err, HasSubstr(generator.parent_path().native()));
-  EXPECT_THAT(no_generator.err, HasSubstr("give the checkpoint of the other network"));
+  EXPECT_THAT(no_generator.err, HasSubstr("give the checkpoint of a generator"));
   EXPECT_EQ(no_generator.Json()["unevaluated"]["code"], "inconsistent");
 
   WriteText(generator, right_generator);

@@ -87,7 +87,8 @@ TEST(Comparison, NeverCostsTheFittedDatasetAndIsSaidBeforeTheWork) {
                           "assemble.splits=[]", "--set", "ingest.path=" + (folder / "kard").string(), "--json"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
-  const std::size_t said = result.err.find("no comparison with the raw tracks (train.baseline): the source tracks no ");
+  const std::size_t said =
+      result.err.find("no comparison with the raw tracks (trained_on: unfitted): the source tracks no ");
   ASSERT_NE(said, std::string::npos) << result.err;
   EXPECT_LT(said, result.err.find("ingest: 2 items"));
   EXPECT_EQ(result.err.find("refused"), std::string::npos) << result.err;

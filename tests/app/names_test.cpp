@@ -48,14 +48,14 @@ TEST(Names, OfActionsOfTheStudioMustExist) {
 TEST(Names, OfSplitsMustExistForTheStagesThatAskForThem) {
   const Folder folder;
   const std::string splits = "assemble.splits=[{name: persons, by: person, test: [p01]}]";
-  const std::vector<std::string> all = {splits, "train.recogniser.split=persons", "train.generator.split=persons"};
-  for (const char* option : {"audit.split", "train.recogniser.split", "train.generator.split", "evaluate.split"}) {
+  const std::vector<std::string> all = {splits, "train.networks.0.split=persons", "train.networks.1.split=persons"};
+  for (const char* option : {"audit.split", "train.networks.0.split", "train.networks.1.split", "evaluate.split"}) {
     std::vector<std::string> assignments = all;
     assignments.push_back(std::string(option) + "=person");
     ExpectRefusedBeforeAnyWork(folder, RunWith(folder, assignments, "report"),
                                {std::string(option) + ": there is no split 'person'", "did you mean 'persons'?"});
   }
-  EXPECT_EQ(RunWith(folder, {splits, "train.generator.split=person"}, "ingest").exit_code, 0);
+  EXPECT_EQ(RunWith(folder, {splits, "train.networks.0.split=person"}, "ingest").exit_code, 0);
 }
 
 TEST(Names, OfPersonsOfASplitThatDrawsNoOthersMustExistBeforeAnythingIsIngested) {

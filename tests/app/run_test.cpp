@@ -104,9 +104,8 @@ TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
 std::vector<std::string> PagedJob(const Folder& folder, const std::string& output) {
   std::vector<std::string> arguments = SmallJob(folder, output);
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("report"));
-  for (const char* assignment :
-       {"ingest.synthetic.actions=[walk, wave]", "ingest.synthetic.subjects=2", "train.seeds=[]",
-        "train.generator_enabled=false", "report.videos=false", "tolerated_doubtful=1"}) {
+  for (const char* assignment : {"ingest.synthetic.actions=[walk, wave]", "ingest.synthetic.subjects=2",
+                                 "train.networks=[]", "report.videos=false", "tolerated_doubtful=1"}) {
     arguments.insert(arguments.end(), {"--set", assignment});
   }
   return arguments;

@@ -138,8 +138,7 @@ TEST_F(Declarations, ARunThatReplacesRecordedRotationsSaysSo) {
   std::vector<std::string> job = {"run", folder_ / "made.yaml", "-o", folder_ / "r"};
   for (const char* assignment :
        {"fitting.method=joint_tracks", "fitting.other_joints=leave_out", "fitting.joint_tracks.uncertainty=false",
-        "fitting.joint_tracks.solver=banded", "skeleton=smpl24", "train.seeds=[]", "train.generator_enabled=false",
-        "report.videos=false"}) {
+        "fitting.joint_tracks.solver=banded", "skeleton=smpl24", "report.videos=false"}) {
     job.insert(job.end(), {"--set", assignment});
   }
   const Result text = RunProgram(folder_, job);
@@ -476,8 +475,9 @@ TEST(JobNames, MeanTheFilesOfThatNameInConfigs) {
       EXPECT_EQ(named.Json(), file.Json()) << name;
     }
   }
-  EXPECT_EQ(ShownConfig(folder, "kard").Json()["train"]["seeds"].size(), 3u) << "the job, not the source declaration";
-  EXPECT_TRUE(ShownConfig(folder, "reannotate/kard").Json()["train"]["seeds"].empty());
+  EXPECT_EQ(ShownConfig(folder, "kard").Json()["train"]["networks"].size(), 4u)
+      << "the job, not the source declaration";
+  EXPECT_TRUE(ShownConfig(folder, "reannotate/kard").Json()["train"]["networks"].empty());
 }
 
 TEST(JobNames, ThatNoJobHasAreWrongConfigWithTheNearestJob) {

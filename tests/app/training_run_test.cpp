@@ -27,16 +27,11 @@ std::vector<std::string> TrainingJob(const Folder& folder, const std::vector<std
       "ingest.synthetic.actions=[wave, kick]",
       "assemble.splits=[{name: s, by: fraction, test_share: 0.3, validation_share: 0}, {name: all_test, "
       "by: fraction, test_share: 1, validation_share: 0}]",
-      "train.recogniser.split=s",
-      "train.generator.split=s",
+      "train.networks=[{kind: action2motion, name: Action2Motion, split: s, input: resample, frames: 10, hidden: 4, "
+      "iterations: 1}, {kind: gru_recogniser, name: recogniser, split: s, seeds: [1, 2], frames: 10, hidden: 4, "
+      "epochs: "
+      "2}]",
       "audit.split=s",
-      "train.seeds=[1, 2]",
-      "train.recogniser.frames=10",
-      "train.recogniser.hidden=4",
-      "train.recogniser.epochs=2",
-      "train.generator.frames=10",
-      "train.generator.hidden=4",
-      "train.generator.iterations=1",
       "evaluate.repetitions=1",
       "evaluate.motions=10",
       "evaluate.diversity_pairs=2",
@@ -92,7 +87,7 @@ TEST(TrainingRun, AllNetworksAreItemsOfOneStageAndPagesHaveVideos) {
     if (stage["stage"] != "train") continue;
     EXPECT_EQ(stage["items"], 3);
   }
-  for (const char* name : {"recogniser_1", "recogniser_2", "Action2Motion"}) {
+  for (const char* name : {"recogniser_1", "recogniser_2", "Action2Motion_1"}) {
     EXPECT_TRUE(fs::exists(folder / ("r/checkpoints/" + std::string(name) + ".h5"))) << name;
   }
   EXPECT_TRUE(fs::exists(folder / "r/report/clip_001.mp4"));
@@ -100,19 +95,19 @@ TEST(TrainingRun, AllNetworksAreItemsOfOneStageAndPagesHaveVideos) {
 
 TEST(TrainingRun, AGeneratorThatFailsLeavesTheRecognisersAndTheReportSaysSo) {
   const Folder folder;
-  const Result result = TrainingProgram(folder, TrainingJob(folder, {"train.generator.split=all_test"}));
+  const Result result = TrainingProgram(folder, TrainingJob(folder, {"train.networks.0.split=all_test"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("1 of 3 networks was not trained; Action2Motion"));
+  EXPECT_THAT(result.err, HasSubstr("1 of 3 networks was not trained; Action2Motion/1"));
   EXPECT_THAT(result.err, HasSubstr("all_test"));
   const nlohmann::json document = result.Json();
-  EXPECT_TRUE(document["untrained"].contains("Action2Motion"));
-  EXPECT_EQ(document["metrics"]["recogniser"]["test_accuracy"].size(), 2u);
+  EXPECT_TRUE(document["untrained"].contains("Action2Motion/1"));
+  EXPECT_EQ(document["metrics"]["recognisers"]["recogniser"]["test_accuracy"].size(), 2u);
   ASSERT_EQ(document["metrics"]["rows"].size(), 1u);
   EXPECT_EQ(document["metrics"]["rows"][0]["name"], "Real");
   const std::string page = ReadText(folder / "r/report/index.html");
   EXPECT_THAT(page, HasSubstr("Not trained"));
   EXPECT_THAT(page, HasSubstr("all_test"));
-  EXPECT_THAT(page, HasSubstr("batches of 32 clips)"));
+  EXPECT_THAT(page, HasSubstr("recogniser: training loss by seed (2 epochs, batches of "));
 }
 
 TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersStay) {
@@ -137,10 +132,13 @@ TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersS
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5")) << "a mistyped path costs nothing";
 
   ASSERT_EQ(
-      TrainingProgram(folder, TrainingJob(folder, {"train.seeds=[1]", "train.generator_enabled=false"})).exit_code, 0);
+      TrainingProgram(folder, TrainingJob(folder, {"train.networks=[{kind: gru_recogniser, name: recogniser, split: s, "
+                                                   "frames: 10, hidden: 4, epochs: 2}]"}))
+          .exit_code,
+      0);
   EXPECT_TRUE(fs::exists(folder / "r/checkpoints/recogniser_1.h5"));
   EXPECT_FALSE(fs::exists(folder / "r/checkpoints/recogniser_2.h5"));
-  EXPECT_FALSE(fs::exists(folder / "r/checkpoints/Action2Motion.h5"));
+  EXPECT_FALSE(fs::exists(folder / "r/checkpoints/Action2Motion_1.h5"));
 
   std::vector<std::string> shorter = TrainingJob(folder, {});
   shorter.insert(shorter.end(), {"--to", "assemble"});
@@ -172,17 +170,17 @@ TEST(TrainingRun, AnEvaluationThatFailsLeavesTheReportWhichSaysWhyThereIsNoTable
 TEST(TrainingRun, RecognisersThatFailLeaveTheGenerator) {
   const Folder folder;
   const Result result =
-      TrainingProgram(folder, TrainingJob(folder, {"train.recogniser.split=all_test", "evaluate.split=s"}));
+      TrainingProgram(folder, TrainingJob(folder, {"train.networks.1.split=all_test", "evaluate.split=s"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("2 of 3 networks were not trained; recogniser/1"));
-  EXPECT_TRUE(fs::exists(folder / "r/checkpoints/Action2Motion.h5"));
+  EXPECT_TRUE(fs::exists(folder / "r/checkpoints/Action2Motion_1.h5"));
   EXPECT_THAT(ReadText(folder / "r/report/index.html"), HasSubstr("recogniser/2"));
 }
 
 TEST(TrainingRun, WithoutAnyNetworkTheExitCodeIsStill1) {
   const Folder folder;
   const Result result = TrainingProgram(
-      folder, TrainingJob(folder, {"train.recogniser.split=all_test", "train.generator.split=all_test"}));
+      folder, TrainingJob(folder, {"train.networks.1.split=all_test", "train.networks.0.split=all_test"}));
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("3 of 3 networks were not trained"));
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
@@ -190,7 +188,7 @@ TEST(TrainingRun, WithoutAnyNetworkTheExitCodeIsStill1) {
 
 TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
   const Folder folder;
-  std::vector<std::string> arguments = TrainingJob(folder, {"train.baseline=true"});
+  std::vector<std::string> arguments = TrainingJob(folder, {"train.networks.1.trained_on=unfitted"});
   arguments.erase(std::find(arguments.begin(), arguments.end(), "--json"));
   arguments.insert(arguments.end(), {"--to", "assemble"});
   const Result result = TrainingProgram(folder, arguments);

@@ -1,38 +1,50 @@
-// One Action2Motion training step (forward, backward, Adam), batch 128, 60 frames, HumanAct12 sizes: prints one JSON
-// line of the form that the Python reference prints. Arguments: lie | plain [repeats].
+// Action2Motion training as a run does it: batches of 128 windows of 60 frames drawn from 1,191 clips, HumanAct12
+// sizes; loader, forward, backward, Adam. One JSON line of the form that the Python reference prints. Arguments: lie |
+// plain [threads [shards [steps]]].
 
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
-#include "tests/benchmarks/json_line.h"
-#include "tests/train/chains.h"
-#include "train/checkpoint/adam.h"
-#include "train/networks/action2motion.h"
+#include "tests/benchmarks/made_networks.h"
+#include "train/trainer/trainer.h"
 
 int main(int argc, char** argv) {
   using namespace mocurate;
+  using Clock = std::chrono::steady_clock;
   const bool lie = argc < 2 || std::string(argv[1]) == "lie";
-  const int repeats = argc > 2 ? std::atoi(argv[2]) : 5;
-  Action2MotionConfig config;
-  if (lie) config.lie = HumanAct12Chains();
-  ParameterList parameters = Action2MotionParameters(config);
+  const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
+  TrainingSet set;
+  set.skeleton = benchmarks::HumanAct12Skeleton();
+  for (int c = 0; c < 12; ++c) set.labels.push_back("label" + std::to_string(c));
   Random random(0, "benchmark");
-  Initialise(parameters, random);
-  Action2MotionBatch batch;
-  batch.batch = 128;
-  batch.frames = 60;
-  batch.motion.resize(static_cast<std::size_t>(128) * 60 * 72);
-  for (float& value : batch.motion) value = static_cast<float>(random.Uniform(-0.5, 0.5));
-  for (int b = 0; b < 128; ++b) batch.label.push_back(b % 12);
-  batch.noise.resize(static_cast<std::size_t>(128) * 60 * 30);
-  for (float& value : batch.noise) value = static_cast<float>(random.Normal());
-  Adam adam;
-  AdamOptions options;
-  options.learning_rate = 2e-4;
-  options.weight_decay = 1e-5;
-  benchmarks::Report(lie ? "a2m_step_lie" : "a2m_step_plain", 128, "sequences", repeats, [&] {
-    Action2MotionStep(config, batch, parameters);
-    adam.Step(options, parameters);
-  });
+  for (int i = 0; i < 1191; ++i) {
+    TrainingSet::Clip clip;
+    clip.id = std::to_string(i);
+    clip.label = i % 12;
+    clip.first = set.joints.size() / 72;
+    clip.frames = 20 + static_cast<int>(random.Below(115));
+    for (int k = 0; k < clip.frames * 72; ++k) set.joints.push_back(static_cast<float>(random.Uniform(-0.5, 0.5)));
+    set.clips.push_back(clip);
+  }
+  NetworkOptions options(NetworkKind::kAction2Motion);
+  options.action2motion.lie = lie;
+  options.action2motion.time_counter = TimeChoice::kReleased;
+  options.learning.shards = argc > 3 ? std::atoi(argv[3]) : threads;
+  options.learning.iterations = 1 + (argc > 4 ? std::atoi(argv[4]) : 20);
+  TrainingControl control;
+  control.threads = threads;
+  Clock::time_point begin;
+  int steps = 0;
+  control.progress = [&](double, const std::string&) {
+    if (steps++ == 0) begin = Clock::now();  // the first warms up
+  };
+  if (!TrainNetwork(set, options, control)) return 1;
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count() / (steps - 1);
+  std::printf(
+      "{\"name\": \"a2m_step_%s\", \"seconds_median\": %.6f, \"items\": 128, \"unit\": \"sequences\", "
+      "\"items_per_s\": %.3f, \"threads\": %d, \"shards\": %d}\n",
+      lie ? "lie" : "plain", seconds, 128.0 / seconds, threads, static_cast<int>(options.learning.shards));
   return 0;
 }

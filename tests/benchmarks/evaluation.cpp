@@ -21,10 +21,10 @@
 #include "eval/protocols/score.h"
 #include "eval/stages.h"
 #include "tests/benchmarks/json_line.h"
+#include "tests/benchmarks/made_networks.h"
 #include "tests/train/chains.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/options.h"
-#include "train/recognisers/gru_recogniser.h"
 
 namespace mocurate {
 namespace {
@@ -82,16 +82,15 @@ Dataset RandomDataset(const SkeletonPtr& skeleton, int clips) {
 }
 
 Status WriteRecogniser(const SkeletonPtr& skeleton, const std::filesystem::path& path) {
-  RecogniserOptions options;
-  options.input = RecogniserInputKind::kCrop;
+  NetworkOptions options(NetworkKind::kGruRecogniser);
+  options.data.input = RecogniserInputKind::kCrop;
   Checkpoint checkpoint;
   checkpoint.kind = kGruRecogniserKind;
   checkpoint.options = OptionsToJson(options);
   for (int c = 0; c < kClasses; ++c) checkpoint.labels.push_back("label" + std::to_string(10 + c));
   checkpoint.skeleton = skeleton;
   checkpoint.parameters = GruRecogniserParameters({});
-  Random random(0, "benchmark");
-  Initialise(checkpoint.parameters, random);
+  benchmarks::FillRandomly(checkpoint.parameters);
   return WriteCheckpoint(checkpoint, path);
 }
 

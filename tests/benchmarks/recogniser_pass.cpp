@@ -5,8 +5,8 @@
 
 #include "core/base/random.h"
 #include "tests/benchmarks/json_line.h"
+#include "tests/benchmarks/made_networks.h"
 #include "train/checkpoint/checkpoint.h"
-#include "train/recognisers/gru_recogniser.h"
 #include "train/recognisers/recogniser.h"
 
 int main(int argc, char** argv) {
@@ -14,11 +14,11 @@ int main(int argc, char** argv) {
   const std::filesystem::path path = std::filesystem::temp_directory_path() / "mocurate_recogniser_pass.h5";
   Checkpoint checkpoint;
   checkpoint.kind = kGruRecogniserKind;
-  checkpoint.options = OptionsToJson(RecogniserOptions());
+  checkpoint.options = OptionsToJson(NetworkOptions(NetworkKind::kGruRecogniser));
   checkpoint.labels.assign(12, "label");
   checkpoint.parameters = GruRecogniserParameters({});
+  benchmarks::FillRandomly(checkpoint.parameters);
   Random random(0, "benchmark");
-  Initialise(checkpoint.parameters, random);
   if (!WriteCheckpoint(checkpoint, path)) return 1;
   const auto recogniser = Recogniser::Load(path);
   std::filesystem::remove(path);

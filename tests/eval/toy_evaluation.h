@@ -24,7 +24,7 @@
 namespace mocurate {
 
 /// What the worker program hands to the stage: the networks of train.
-inline Expected<AnswerRequests> OpenTrained(const std::filesystem::path& checkpoint) {
+inline Expected<AnswerRequests> OpenTrained(const std::filesystem::path& checkpoint, int) {
   auto loaded = MotionGenerator::Load(checkpoint);
   if (!loaded) return Forward(loaded);
   const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
@@ -46,23 +46,23 @@ class ToyEvaluation : public testing::Test {
     folder_ = ::mkdtemp(pattern.data());
     dataset_ = ToyDataset(4);
     Save(dataset_, "dataset.h5");
-    RecogniserOptions recogniser;
-    recogniser.frames = 16;
-    recogniser.hidden = 16;
-    recogniser.epochs = 40;
-    recogniser.learning_rate = 1e-2;
-    recogniser.refit = false;
-    for (const std::int64_t seed : {1, 2}) {
-      recogniser.seed = seed;
-      Train("recogniser/" + std::to_string(seed), {NetworkKind::kRecogniser, recogniser, {}});
+    NetworkOptions recogniser(NetworkKind::kGruRecogniser);
+    recogniser.data.frames = 16;
+    recogniser.recogniser.hidden = 16;
+    recogniser.recogniser.epochs = 60;
+    recogniser.recogniser.refit = false;
+    recogniser.learning.learning_rate = 1e-2;
+    for (const int seed : {1, 2}) {
+      recogniser.seeds = {static_cast<double>(seed)};
+      Train("recogniser/" + std::to_string(seed), recogniser);
     }
-    GeneratorOptions generator;
-    generator.lie = false;
-    generator.frames = 16;
-    generator.hidden = 8;
-    generator.latent = 2;
-    generator.iterations = 3;
-    Train("Action2Motion", {NetworkKind::kAction2Motion, {}, generator});
+    NetworkOptions generator(NetworkKind::kAction2Motion);
+    generator.data.frames = 16;
+    generator.action2motion.lie = false;
+    generator.action2motion.hidden = 8;
+    generator.action2motion.latent = 2;
+    generator.learning.iterations = 3;
+    Train("Action2Motion", generator);
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
 
@@ -194,7 +194,7 @@ class ToyEvaluation : public testing::Test {
 
 /// Generators that no program had to train: each answers a list of requests in its own way, whatever the checkpoint.
 inline OpenGenerator Answering(AnswerRequests answer) {
-  return [answer = std::move(answer)](const std::filesystem::path&) -> Expected<AnswerRequests> { return answer; };
+  return [answer = std::move(answer)](const std::filesystem::path&, int) -> Expected<AnswerRequests> { return answer; };
 }
 
 /// A real motion of the wanted class, drawn by the request's seed.

@@ -33,9 +33,8 @@ Checkpoint SmallCheckpoint() {
   checkpoint.labels = {"a", "b"};
   checkpoint.skeleton = test::Walker();
   checkpoint.history["loss"] = {3.0, 2.0};
-  AddLinear("classifier", 3, 2, checkpoint.parameters);
-  Random random(1, "seeds");
-  Initialise(checkpoint.parameters, random);
+  checkpoint.parameters = {{"classifier.weight", {2, 3}, {1, 2, 3, 4, 5, 6}}, {"classifier.bias", {2}, {0.5, -0.5}}};
+  checkpoint.optimisers = {{"adam", 3, checkpoint.parameters, checkpoint.parameters}};
   return checkpoint;
 }
 

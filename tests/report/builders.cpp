@@ -56,21 +56,30 @@ nlohmann::json Metrics(const std::string& label) {
   const nlohmann::json metrics = {{"FID_train", {{"value", 0.2}, {"interval", nullptr}, {"interval_kind", nullptr}}}};
   return {
       {"rows", {{{"name", "Real"}, {"metrics", metrics}}, {{"name", "Action2Motion"}, {"metrics", metrics}}}},
-      {"recogniser",
-       {{"test_accuracy", {0.9, 1.0}},
-        {"mean", 0.95},
-        {"test_clips", 10},
-        {"confusion", {{9, 1}, {0, 10}}},
-        {"labels", {label, "wave"}}}},
-      {"nearest_neighbour", {{"split", "s"}, {"accuracy", 0.8}, {"correct", 8}, {"count", 10}}},
-      {"generator_training",
-       {{"kind", "action2motion"},
-        {"iterations", 300},
-        {"batch", 8},
-        {"clips", 40},
-        {"loss", 0.5},
-        {"history",
-         {{"loss", {3.0, 2.0, 1.0, 0.5}}, {"reconstruction", {2.0, 1.5, 0.9, 0.4}}, {"kl", {1.0, 0.5, 0.1, 0.1}}}}}}};
+      {"recognisers",
+       {{"recogniser",
+         {{"test_accuracy", {0.9, 1.0}},
+          {"mean", 0.95},
+          {"test_clips", 10},
+          {"confusion", {{9, 1}, {0, 10}}},
+          {"labels", {label, "wave"}}}}}},
+      {"nearest_neighbour", {{"split", "s"}, {"accuracy", 0.8}, {"correct", 8}, {"count", 10}}}};
+
+}
+
+/// Summaries of the networks that were trained.
+nlohmann::json Training() {
+  return {{"Action2Motion/1",
+           {{"kind", "action2motion"},
+            {"iterations", 300},
+            {"batch", 8},
+            {"clips", 40},
+            {"loss", 0.5},
+            {"history",
+             {{"step", {1.0, 2.0, 3.0, 4.0}},
+              {"loss", {3.0, 2.0, 1.0, 0.5}},
+              {"reconstruction", {2.0, 1.5, 0.9, 0.4}},
+              {"kl", {1.0, 0.5, 0.1, 0.1}}}}}}};
 }
 
 }  // namespace
@@ -150,6 +159,7 @@ SmallRun::SmallRun(const std::string& label) {
               {"rule", "by person"},
               {"leak_check", "ok"}}}}}},
          {"metrics", Metrics(label)},
+         {"training", Training()},
          {"fit_error",
           {{"joint_mm", 8.0},
            {"evidence_mm", 30.0},

@@ -201,10 +201,10 @@ TEST(ReportPage, WithoutTestClipsTheNearestNeighbourIsNotScored) {
 TEST(ReportPage, ARecogniserWithoutTestClipsIsNotScoredAndHasNoConfusion) {
   SmallRun run;
   EXPECT_THAT(PageOf(run), HasSubstr("<h3>Confusion"));
-  run.run["metrics"]["recogniser"] = {{"test_clips", 0}, {"scored", "no clip tests"}};
+  run.run["metrics"]["recognisers"]["recogniser"] = {{"test_clips", 0}, {"scored", "no clip tests"}};
   run.run["audit"]["splits"] = {{{"name", "s"}, {"train", 3}, {"validation", 0}, {"test", 0}, {"rule", "by person"}}};
   const std::string page = PageOf(run);
-  EXPECT_THAT(page, HasSubstr("Fitted motion</th><td>not scored: no clip tests</td>"));
+  EXPECT_THAT(page, HasSubstr("recogniser</th><td>not scored: no clip tests</td>"));
   EXPECT_THAT(page, HasSubstr("The recogniser is not scored: no clip tests."));
   EXPECT_THAT(page, HasSubstr("0: no clip tests, nothing is scored"));
   EXPECT_THAT(page, Not(HasSubstr("<h3>Confusion")));
@@ -230,9 +230,10 @@ TEST(ReportPage, ShowsWhatWasFoundAboutTheSplits) {
 
 TEST(ReportPage, SaysHowLongAndInWhichBatchesNetworksWereTrained) {
   SmallRun run;
-  run.run["training"] = {
-      {"recogniser/1",
-       {{"kind", "gru_recogniser"}, {"epochs", 40}, {"batch", 32}, {"history", {{"train_loss", {2.0, 1.0}}}}}}};
+  run.run["training"]["recogniser/1"] = {{"kind", "gru_recogniser"},
+                                         {"epochs", 40},
+                                         {"batch", 32},
+                                         {"history", {{"step", {10.0, 20.0}}, {"loss", {2.0, 1.0}}}}};
   const std::string page = PageOf(run);
   EXPECT_THAT(page, HasSubstr("recogniser: training loss by seed (40 epochs, batches of 32 clips)"));
   EXPECT_THAT(page, HasSubstr("loss (300 iterations, batches of 8 clips)"));

@@ -1,4 +1,4 @@
-// Which networks a job trains: one per seed and kind, the longest first, each with options of its own only.
+// Which networks a job trains: one item per seed, each with options of its own only.
 
 #include "train/items.h"
 
@@ -12,125 +12,133 @@ namespace {
 
 StageInput Input(const std::string& name) { return {"dataset", name, "/nowhere/" + name, "sha of " + name}; }
 
-TrainOptions EveryKind() {
+NetworkOptions Named(NetworkKind kind, const std::string& name, std::vector<double> seeds) {
+  NetworkOptions network(kind);
+  network.name = name;
+  network.seeds = std::move(seeds);
+  return network;
+}
+
+TrainOptions Several() {
   TrainOptions options;
-  options.seeds = {4, 9};
-  options.baseline = true;
-  options.crop = true;
+  options.networks = {Named(NetworkKind::kGruRecogniser, "recogniser", {4, 9}),
+                      Named(NetworkKind::kGruRecogniser, "unfitted recogniser", {4}),
+                      Named(NetworkKind::kAction2Motion, "Ours", {1}),
+                      Named(NetworkKind::kAction2Motion, "Ours w/o Lie", {1, 2})};
+  options.networks[1].trained_on = TrainingSetChoice::kUnfitted;
+  options.networks[3].action2motion.lie = false;
   return options;
 }
 
 std::vector<TrainItem> ItemsOf(const TrainOptions& options) {
-  return TrainItems(options, {Input("dataset"), Input("baseline")});
+  return TrainItems(options, {Input("dataset"), Input("unfitted")});
 }
 
-std::set<std::string> KeysOf(const std::vector<TrainItem>& items, const std::string& role) {
+std::set<std::string> KeysOf(const std::vector<TrainItem>& items, std::size_t network) {
   std::set<std::string> keys;
   for (const TrainItem& item : items) {
-    if (item.role == role) keys.insert(Cache::Key(TrainDeclaration(), item.spec));
+    if (item.network == network) keys.insert(Cache::Key(TrainDeclaration(), item.spec));
   }
   return keys;
 }
 
-TEST(TrainItems, TheGeneratorTakesLongestAndStartsFirst) { EXPECT_EQ(ItemsOf(EveryKind()).front().role, "generator"); }
-
-TEST(TrainItems, ThereIsOneRecogniserOfEachKindPerSeedAndTheSeedIsInItsOptions) {
-  TrainOptions options = EveryKind();
-  options.recogniser.seed = 77;  // seeds decide
-  std::vector<std::string> names;
-  for (const TrainItem& item : ItemsOf(options)) {
+TEST(TrainItems, GeneratorsTakeLongestAndStartFirstAndEachSeedIsAnItem) {
+  std::vector<std::string> names, rows;
+  for (const TrainItem& item : ItemsOf(Several())) {
     names.push_back(item.spec.item);
-    if (item.role == "generator") continue;
+    rows.push_back(item.row);
     const auto network = OptionsFromJson<NetworkOptions>(item.spec.options);
     ASSERT_TRUE(network) << network.error().Message();
-    EXPECT_EQ(item.spec.item, item.role + "/" + std::to_string(network->recogniser.seed));
-    EXPECT_EQ(network->recogniser.input == RecogniserInputKind::kCrop, item.role == "crop_recogniser");
-    EXPECT_EQ(item.spec.inputs.at(0).name, item.role == "baseline_recogniser" ? "baseline" : "dataset");
+    EXPECT_EQ(item.spec.item, network->name + "/" + std::to_string(network->seed()));
+    EXPECT_EQ(item.spec.inputs.at(0).name, item.network == 1 ? "unfitted" : "dataset");
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"Action2Motion", "recogniser/4", "recogniser/9", "baseline_recogniser/4",
-                                             "baseline_recogniser/9", "crop_recogniser/4", "crop_recogniser/9"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"Ours/1", "Ours w/o Lie/1", "Ours w/o Lie/2", "recogniser/4",
+                                             "recogniser/9", "unfitted recogniser/4"}));
+  EXPECT_EQ(rows[0], "Ours");
+  EXPECT_EQ(rows[1], "Ours w/o Lie/1");
 }
 
-TEST(TrainItems, SeedsAreWholeAndDistinctOrTheConfigIsRefused) {
-  TrainOptions options;
-  EXPECT_TRUE(CheckSeeds(options));
-  options.seeds = {1, 1.5};
-  const Status broken = CheckSeeds(options);
-  ASSERT_FALSE(broken);
-  EXPECT_EQ(broken.error().code, ErrorCode::kConfig);
-  EXPECT_EQ(broken.error().where, "train.seeds");
-  EXPECT_EQ(broken.error().what, "1.5 is not a whole number");
-  options.seeds = {3, 1, 3};
-  const Status twice = CheckSeeds(options);
-  ASSERT_FALSE(twice);
-  EXPECT_EQ(twice.error().what, "seed 3 stands there twice");
+TEST(TrainItems, ANetworkThatIsKeptOnTheWayGoesOnFromThere) {
+  TrainOptions options = Several();
+  options.networks[2].learning.iterations = 100;
+  options.networks[2].learning.samples_at = {10, 40, 100};
+  std::vector<std::string> names, after;
+  for (const TrainItem& item : ItemsOf(options)) {
+    if (item.network != 2) continue;
+    names.push_back(item.spec.item);
+    after.push_back(item.after);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1@40", "Ours/1"}));
+  EXPECT_EQ(after, (std::vector<std::string>{"", "Ours/1@10", "Ours/1@40"}));
 }
 
 TEST(TrainItems, AnOptionOfOneNetworkLeavesTheKeysOfTheOthersAlone) {
-  const TrainOptions before = EveryKind();
+  const TrainOptions before = Several();
   TrainOptions longer = before;
-  longer.generator.iterations *= 2;
-  EXPECT_EQ(KeysOf(ItemsOf(before), "recogniser"), KeysOf(ItemsOf(longer), "recogniser"));
-  EXPECT_NE(KeysOf(ItemsOf(before), "generator"), KeysOf(ItemsOf(longer), "generator"));
-  TrainOptions wider = before;
-  wider.recogniser.hidden *= 2;
-  EXPECT_NE(KeysOf(ItemsOf(before), "recogniser"), KeysOf(ItemsOf(wider), "recogniser"));
-  EXPECT_EQ(KeysOf(ItemsOf(before), "generator"), KeysOf(ItemsOf(wider), "generator"));
+  longer.networks[2].learning.iterations *= 2;
+  EXPECT_EQ(KeysOf(ItemsOf(before), 0), KeysOf(ItemsOf(longer), 0));
+  EXPECT_EQ(KeysOf(ItemsOf(before), 3), KeysOf(ItemsOf(longer), 3));
+  EXPECT_NE(KeysOf(ItemsOf(before), 2), KeysOf(ItemsOf(longer), 2));
 }
 
-TEST(TrainItems, WithoutABaselineDatasetNothingIsTrainedOnIt) {
-  for (const TrainItem& item : TrainItems(EveryKind(), {Input("dataset"), std::nullopt})) {
-    EXPECT_NE(item.role, "baseline_recogniser");
+TEST(TrainItems, WithoutUnfittedClipsNothingIsTrainedOnThem) {
+  EXPECT_TRUE(Several().NeedsUnfitted());
+  for (const TrainItem& item : TrainItems(Several(), {Input("dataset"), std::nullopt})) EXPECT_NE(item.network, 1u);
+}
+
+TEST(NetworkOptions, KnowTheOptionsOfTheirKindAloneAndItsDefaults) {
+  nlohmann::json options = OptionsToJson(NetworkOptions(NetworkKind::kAction2Motion));
+  EXPECT_FALSE(options.contains("epochs"));
+  options["epochs"] = 3;
+  EXPECT_FALSE(OptionsFromJson<NetworkOptions>(options));
+  const auto recogniser = OptionsFromJson<NetworkOptions>({{"kind", "gru_recogniser"}, {"epochs", 3}});
+  ASSERT_TRUE(recogniser) << recogniser.error().Message();
+  EXPECT_EQ(recogniser->learning.batch, NetworkOptions(NetworkKind::kGruRecogniser).learning.batch);
+  EXPECT_EQ(recogniser->recogniser.epochs, 3);
+  for (const NetworkKind kind :
+       {NetworkKind::kGruRecogniser, NetworkKind::kCondGru, NetworkKind::kActMoCoGan, NetworkKind::kTwoStageGan}) {
+    const auto read = OptionsFromJson<NetworkOptions>(OptionsToJson(NetworkOptions(kind)));
+    ASSERT_TRUE(read) << read.error().Message();
+    EXPECT_EQ(OptionsToJson(*read), OptionsToJson(NetworkOptions(kind)));
   }
 }
 
-TEST(TrainItems, OptionsOfAnotherNetworkAreUnknown) {
-  nlohmann::json options = OptionsToJson(NetworkOptions{NetworkKind::kAction2Motion, {}, {}});
-  EXPECT_FALSE(options.contains("recogniser"));
-  options["recogniser"] = {{"epochs", 3}};
-  EXPECT_FALSE(OptionsFromJson<NetworkOptions>(options));
+TEST(CheckNetworks, RefusesNamesAndSeedsThatStandTwice) {
+  EXPECT_TRUE(CheckNetworks(Several()));
+  TrainOptions options = Several();
+  options.networks[1].name = "recogniser";
+  EXPECT_EQ(CheckNetworks(options).error().where, "train.networks[1].name");
+  options = Several();
+  options.networks[0].seeds = {1, 1.5};
+  EXPECT_EQ(CheckNetworks(options).error().where, "train.networks[0].seeds");
+  options.networks[0].seeds = {3, 1, 3};
+  EXPECT_EQ(CheckNetworks(options).error().code, ErrorCode::kConfig);
+  options = Several();
+  options.networks[2].name = "a@b";
+  EXPECT_FALSE(CheckNetworks(options));
+  options = Several();
+  options.networks[2].learning.samples_at = {5, 5};
+  EXPECT_FALSE(CheckNetworks(options));
 }
 
 TEST(TrainingBudget, MultipliesTheGeneratorsIterationsAndStaysInRange) {
-  TrainOptions options;
-  options.generator.iterations = 300;
+  TrainOptions options = Several();
+  options.networks[2].learning.iterations = 300;
   ASSERT_TRUE(ScaleTraining(2.5, options));
-  EXPECT_EQ(options.generator.iterations, 750);
+  EXPECT_EQ(options.networks[2].learning.iterations, 750);
   ASSERT_TRUE(ScaleTraining(1e-6, options));
-  EXPECT_EQ(options.generator.iterations, 1);
-  options.generator.iterations = 1000;
+  EXPECT_EQ(options.networks[2].learning.iterations, 1);
+  options.networks[2].learning.iterations = 1000;
   const Status refused = ScaleTraining(1e6, options);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
-  EXPECT_EQ(options.generator.iterations, 1000);
+  EXPECT_EQ(options.networks[2].learning.iterations, 1000);
 }
 
-TEST(TrainingNotes, SayHowLongEachNetworkIsTrained) {
-  TrainOptions options;
-  options.recogniser.epochs = 1;
-  options.generator.iterations = 300;
-  const std::vector<std::string> notes = TrainingNotes(options);
-  EXPECT_EQ(
-      notes.at(0),
-      "Recogniser: 1 epoch on all training clips, after as many without the validation part, in batches of 32 clips.");
-  options.recogniser.anneal = false;
-  EXPECT_EQ(TrainingNotes(options).at(0),
-            "Recogniser: at most 1 epoch to select and as many as were best to refit, in batches of 32 clips.");
-  EXPECT_NE(notes.at(1).find("300 iterations of 128 clips"), std::string::npos);
-}
-
-TEST(TrainingNotes, SayWhetherTestClipsWereTrainedOnAndWhetherRowsAreAlike) {
-  TrainOptions options;
-  options.seeds.clear();
-  options.generator.all_clips = true;
-  EXPECT_NE(TrainingNotes(options).at(0).find("test clips included"), std::string::npos);
-  options.generator.input = options.recogniser.input;
-  EXPECT_EQ(TrainingNotes(options).size(), 1u);
-  options.generator.input = RecogniserInputKind::kCrop;
-  options.recogniser.input = RecogniserInputKind::kResample;
-  EXPECT_EQ(TrainingNotes(options).size(), 2u);
-  options.generator_enabled = false;
-  EXPECT_TRUE(TrainingNotes(options).empty());
+TEST(TrainingNotes, AreOnePerNetworkAndOneWhereRowsAreNotAlike) {
+  const TrainOptions options = Several();
+  EXPECT_EQ(TrainingNotes(options, "recogniser").size(), 6u) << "two generators learn windows, the recogniser clips";
+  EXPECT_EQ(TrainingNotes(options, "").size(), 4u);
 }
 
 }  // namespace

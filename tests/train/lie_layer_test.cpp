@@ -4,8 +4,8 @@
 
 #include "core/base/random.h"
 #include "tests/train/chains.h"
-#include "train/data/training_clips.h"
-#include "train/networks/lie_kinematics.h"
+#include "train/data/batches.h"
+#include "train/layers/lie_kinematics.h"
 
 namespace mocurate {
 namespace {

@@ -203,39 +203,34 @@ TEST_F(StageVersions, Audit) {
         {"audit", OptionsToJson(AuditOptions()), {Input("dataset", "dataset", "dataset.h5")}}, kComputed);
 }
 
-RecogniserOptions SmallRecogniser() {
-  RecogniserOptions options;
-  options.seed = 3;
-  options.frames = 12;
-  options.hidden = 8;
-  options.epochs = 4;
-  options.check_every = 2;
-  options.batch = 4;
+NetworkOptions SmallRecogniser() {
+  NetworkOptions options(NetworkKind::kGruRecogniser);
+  options.seeds = {3};
+  options.data.frames = 12;
+  options.recogniser.hidden = 8;
+  options.recogniser.epochs = 4;
+  options.recogniser.check_every = 2;
+  options.learning.batch = 4;
   return options;
 }
 
-GeneratorOptions SmallGenerator() {
-  GeneratorOptions options;
-  options.lie = true;
-  options.frames = 8;
-  options.hidden = 8;
-  options.latent = 3;
-  options.iterations = 3;
-  options.batch = 4;
+NetworkOptions SmallGenerator() {
+  NetworkOptions options(NetworkKind::kAction2Motion);
+  options.data.frames = 8;
+  options.action2motion.hidden = 8;
+  options.action2motion.latent = 3;
+  options.learning.iterations = 3;
+  options.learning.batch = 4;
   return options;
 }
 
 TEST_F(StageVersions, TrainingAndEvaluating) {
   Write(WriteDataset(SmallDataset(), Path("dataset.h5")));
   const StageInput dataset = Input("dataset", "dataset", "dataset.h5");
-  const ItemResult recogniser =
-      Judge(TrainDeclaration(), "train_recogniser",
-            {"recogniser/3", OptionsToJson(NetworkOptions{NetworkKind::kRecogniser, SmallRecogniser(), {}}), {dataset}},
-            kTrained);
-  const ItemResult generator = Judge(
-      TrainDeclaration(), "train_generator",
-      {"Action2Motion", OptionsToJson(NetworkOptions{NetworkKind::kAction2Motion, {}, SmallGenerator()}), {dataset}},
-      kTrained);
+  const ItemResult recogniser = Judge(TrainDeclaration(), "train_recogniser",
+                                      {"recogniser/3", OptionsToJson(SmallRecogniser()), {dataset}}, kTrained);
+  const ItemResult generator = Judge(TrainDeclaration(), "train_generator",
+                                     {"Action2Motion", OptionsToJson(SmallGenerator()), {dataset}}, kTrained);
   ASSERT_FALSE(recogniser.artifact.empty() || generator.artifact.empty());
   if (HasFailure()) GTEST_SKIP() << "features are judged when their input, the networks, is as recorded";
   FeaturesOptions options;

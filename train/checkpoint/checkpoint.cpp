@@ -12,22 +12,14 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kSchema = "mocurate-checkpoint/1";
+constexpr const char* kSchema = "mocurate-checkpoint/2";
+constexpr const char* kFamily = "mocurate-checkpoint/";
 using Fields = std::map<std::string, store::Array>;
 
 void PutParameters(const std::string& group, const ParameterList& parameters, Fields& fields) {
   for (const Parameter& parameter : parameters) {
     const std::vector<std::uint64_t> shape(parameter.shape.begin(), parameter.shape.end());
     fields[group + "/" + parameter.name] = store::MakeArray(shape, parameter.value);
-  }
-}
-
-void PutMoments(const std::string& group, const Checkpoint& checkpoint, const std::vector<std::vector<float>>& moments,
-                Fields& fields) {
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    const Parameter& parameter = checkpoint.parameters[i];
-    const std::vector<std::uint64_t> shape(parameter.shape.begin(), parameter.shape.end());
-    fields[group + "/" + parameter.name] = store::MakeArray(shape, moments[i]);
   }
 }
 
@@ -55,6 +47,10 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
   if (!reader) return Forward(reader);
   const std::string where = DisplayPath(path);
   const std::string schema = AttributeText(*reader, "/@schema");
+  if (schema != kSchema && schema.rfind(kFamily, 0) == 0) {
+    return Fail(ErrorCode::kInconsistent, "the checkpoint is of version '" + schema + "'", where,
+                std::string("this program reads ") + kSchema + ": train again, or use the program that wrote it");
+  }
   if (schema != kSchema) {
     return Fail(
         ErrorCode::kInconsistent,
@@ -91,7 +87,6 @@ Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::s
     parameter.name = name.get<std::string>();
     parameter.shape.assign(found->second.shape.begin(), found->second.shape.end());
     parameter.value = found->second.as<float>();
-    parameter.gradient.assign(parameter.value.size(), 0.0f);
     parameters.push_back(std::move(parameter));
   }
   return parameters;
@@ -105,7 +100,6 @@ Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const st
   checkpoint.dataset_sha256 = about.at("dataset_sha256").get<std::string>();
   checkpoint.step = about.at("step").get<std::int64_t>();
   checkpoint.finished = about.at("finished").get<bool>();
-  checkpoint.adam.steps = about.at("adam_steps").get<std::int64_t>();
   if (about.contains("skeleton")) {
     Expected<SkeletonPtr> skeleton = SkeletonFromJson(about.at("skeleton"), where + ":/about");
     if (!skeleton) return Forward(skeleton);
@@ -117,17 +111,18 @@ Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const st
   Expected<ParameterList> best = TakeParameters(about.at("best"), "/best", fields, where);
   if (!best) return Forward(best);
   checkpoint.best = std::move(*best);
-  const nlohmann::json none = nlohmann::json::array();
-  const nlohmann::json& moments = checkpoint.adam.steps > 0 ? about.at("parameters") : none;
-  for (const bool second : {false, true}) {
-    Expected<ParameterList> list = TakeParameters(moments, second ? "/adam/second" : "/adam/first", fields, where);
-    if (!list) return Forward(list);
-    for (std::size_t i = 0; i < list->size(); ++i) {
-      if ((*list)[i].value.size() != checkpoint.parameters[i].value.size()) {
-        return Fail(ErrorCode::kMalformed, "the moments of '" + (*list)[i].name + "' have another size than it", where);
-      }
-      (second ? checkpoint.adam.second : checkpoint.adam.first).push_back(std::move((*list)[i].value));
-    }
+  for (const nlohmann::json& stored : about.at("optimisers")) {
+    OptimiserState state;
+    state.name = stored.at("name").get<std::string>();
+    state.steps = stored.at("steps").get<std::int64_t>();
+    const std::string group = "/optimisers/" + state.name;
+    Expected<ParameterList> first = TakeParameters(stored.at("first"), group + "/first", fields, where);
+    if (!first) return Forward(first);
+    Expected<ParameterList> second = TakeParameters(stored.at("second"), group + "/second", fields, where);
+    if (!second) return Forward(second);
+    state.first = std::move(*first);
+    state.second = std::move(*second);
+    checkpoint.optimisers.push_back(std::move(state));
   }
   for (const auto& [path, array] : fields) {
     if (path.compare(0, 9, "/history/") == 0) checkpoint.history[path.substr(9)] = array.as<double>();
@@ -141,8 +136,15 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
   Fields fields;
   PutParameters("/parameters", checkpoint.parameters, fields);
   PutParameters("/best", checkpoint.best, fields);
-  PutMoments("/adam/first", checkpoint, checkpoint.adam.first, fields);
-  PutMoments("/adam/second", checkpoint, checkpoint.adam.second, fields);
+  nlohmann::json optimisers = nlohmann::json::array();
+  for (const OptimiserState& state : checkpoint.optimisers) {
+    PutParameters("/optimisers/" + state.name + "/first", state.first, fields);
+    PutParameters("/optimisers/" + state.name + "/second", state.second, fields);
+    optimisers.push_back({{"name", state.name},
+                          {"steps", state.steps},
+                          {"first", NamesOf(state.first)},
+                          {"second", NamesOf(state.second)}});
+  }
   for (const auto& [name, column] : checkpoint.history) {
     fields["/history/" + name] = store::MakeArray({column.size()}, column);
   }
@@ -153,7 +155,7 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
                           {"dataset_sha256", checkpoint.dataset_sha256},
                           {"step", checkpoint.step},
                           {"finished", checkpoint.finished},
-                          {"adam_steps", checkpoint.adam.steps},
+                          {"optimisers", optimisers},
                           {"parameters", NamesOf(checkpoint.parameters)},
                           {"best", NamesOf(checkpoint.best)}};
   if (checkpoint.skeleton != nullptr) about["skeleton"] = SkeletonToJson(*checkpoint.skeleton);
@@ -194,7 +196,7 @@ Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std
 
 bool IsCheckpoint(const std::filesystem::path& path) {
   const Expected<store::Hdf5Reader> reader = store::Hdf5Reader::Open(path);
-  return reader && AttributeText(*reader, "/@schema") == kSchema;
+  return reader && AttributeText(*reader, "/@schema").rfind(kFamily, 0) == 0;
 }
 
 Expected<nlohmann::json> DescribeCheckpoint(const std::filesystem::path& path) {
@@ -205,7 +207,7 @@ Expected<nlohmann::json> DescribeCheckpoint(const std::filesystem::path& path) {
   nlohmann::json json = {{"schema", kSchema},
                          {"network", checkpoint->kind},
                          {"steps", checkpoint->step},
-                         {"step", checkpoint->kind == kGruRecogniserKind ? "epoch" : "iteration"},
+                         {"step", "iteration"},
                          {"finished", checkpoint->finished},
                          {"labels", checkpoint->labels},
                          {"skeleton", nullptr},

@@ -5,142 +5,149 @@
 #include <utility>
 
 #include "core/base/file.h"
-#include "core/base/random.h"
+#include "core/base/parallel.h"
 #include "core/base/version.h"
-#include "train/trainer/generator_rules.h"
+#include "train/checkpoint/checkpoint.h"
+#include "train/networks/network.h"
+#include "train/trainer/values.h"
 
 namespace mocurate {
 
 struct MotionGenerator::Impl {
-  Action2MotionConfig config;
-  Checkpoint checkpoint;
-  GeneratorOptions options;
+  std::shared_ptr<Network> network;
+  NetworkOptions options;
+  SkeletonPtr skeleton;
+  std::vector<std::string> labels;
   FrameRate rate;
+
+  Status Check(const MotionRequest& request, std::size_t index) const;
+  RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;
 };
 
 namespace {
 
-constexpr std::size_t kGeneratedAtOnce = 500;  // fits the caches; larger ones gain nothing
+constexpr int kGeneratedAtOnce = 500;  // motions whose states fit the caches; larger chunks gain nothing
 
-Status CheckRequest(const MotionRequest& request, const Action2MotionConfig& config, std::size_t index) {
+}  // namespace
+
+Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t index) const {
   const std::string where = "request " + std::to_string(index);
-  if (request.label < 0 || request.label >= config.classes) {
+  const auto joints = static_cast<std::size_t>(skeleton->joint_count());
+  if (request.label < 0 || static_cast<std::size_t>(request.label) >= labels.size()) {
     return Fail(
         ErrorCode::kInconsistent,
-        "label " + std::to_string(request.label) + ", the generator knows 0 to " + std::to_string(config.classes - 1),
+        "label " + std::to_string(request.label) + ", the generator knows 0 to " + std::to_string(labels.size() - 1),
         where);
   }
   if (request.frames < 1) return Fail(ErrorCode::kInconsistent, "no frames are asked for", where);
-  if (!request.bone_length.empty() && static_cast<int>(request.bone_length.size()) != config.joints) {
+  if (!request.bone_length.empty() && request.bone_length.size() != joints) {
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(request.bone_length.size()) + " bone lengths, the skeleton has " +
-                    std::to_string(config.joints) + " joints",
+                    std::to_string(joints) + " joints",
+                where);
+  }
+  if (!request.first_pose.empty() && request.first_pose.size() != 3 * joints) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(request.first_pose.size()) + " numbers of a first pose, the skeleton has " +
+                    std::to_string(joints) + " joints",
                 where);
   }
   return {};
 }
 
-struct Batch {
-  std::vector<int> label;
-  std::vector<float> noise;        // (T,B,latent)
-  std::vector<float> bone_length;  // (B,J)
-};
-
-Batch GeneratorBatch(const MotionRequest* requests, std::size_t count, const Action2MotionConfig& config,
-                     const std::vector<double>& rest_length) {
-  Batch batch;
-  const std::size_t frames = static_cast<std::size_t>(requests[0].frames),
-                    latent = static_cast<std::size_t>(config.latent);
-  batch.noise.resize(frames * count * latent);
+RequestBatch MotionGenerator::Impl::BatchOf(const MotionRequest* requests, std::size_t count) const {
+  const auto B = static_cast<std::int64_t>(count);
+  const std::int64_t J = skeleton->joint_count();
+  const std::vector<double> rest_length = skeleton->RestBoneLengths();
+  RequestBatch batch;
+  batch.frames = requests[0].frames;
+  batch.label = torch::empty({B}, torch::kInt64);
+  batch.bone_length = torch::empty({B, J});
+  const bool poses = std::any_of(requests, requests + count, [](const auto& one) { return !one.first_pose.empty(); });
+  if (poses) batch.first_pose = torch::zeros({B, 3 * J});
   for (std::size_t b = 0; b < count; ++b) {
-    batch.label.push_back(requests[b].label);
+    batch.label.data_ptr<std::int64_t>()[b] = requests[b].label;
     const std::vector<double>& length = requests[b].bone_length.empty() ? rest_length : requests[b].bone_length;
-    batch.bone_length.insert(batch.bone_length.end(), length.begin(), length.end());
-    Random random(requests[b].seed, "generator.motion");
-    for (std::size_t t = 0; t < frames; ++t) {
-      float* row = batch.noise.data() + (t * count + b) * latent;
-      for (std::size_t k = 0; k < latent; ++k) row[k] = static_cast<float>(random.Normal());
+    std::copy(length.begin(), length.end(), batch.bone_length.data_ptr<float>() + b * static_cast<std::size_t>(J));
+    const std::vector<double>& pose = requests[b].first_pose;
+    if (!pose.empty()) {
+      std::copy(pose.begin(), pose.end(), batch.first_pose.data_ptr<float>() + b * 3 * static_cast<std::size_t>(J));
     }
   }
   return batch;
 }
 
-}  // namespace
-
 MotionGenerator::MotionGenerator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MotionGenerator::~MotionGenerator() = default;
 
 Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::filesystem::path& path) {
-  Expected<Checkpoint> checkpoint = ReadCheckpoint(path, kAction2MotionKind);
+  const Expected<Checkpoint> checkpoint = ReadCheckpoint(path);
   if (!checkpoint) return Forward(checkpoint);
   const std::string where = DisplayPath(path);
-  Expected<Action2MotionConfig> config = ConfigOf(*checkpoint, where);
-  if (!config) return Forward(config);
-  Expected<GeneratorOptions> options = OptionsFromJson<GeneratorOptions>(checkpoint->options, where);
+  Expected<NetworkOptions> options = OptionsFromJson<NetworkOptions>(checkpoint->options, where);
   if (!options) return Forward(options);
-  const nlohmann::json rate_text = checkpoint->facts.value("rate", nlohmann::json("30"));
-  const Expected<FrameRate> rate = FrameRate::Parse(rate_text.is_string() ? rate_text.get<std::string>() : "");
+  if (!GeneratesMotions(options->kind)) {
+    return Fail(ErrorCode::kInconsistent,
+                "the checkpoint holds a network of kind '" + checkpoint->kind + "', which generates no motions", where,
+                "give the checkpoint of a generator");
+  }
+  const Expected<FrameRate> rate = FrameRate::Parse(checkpoint->facts.value("rate", std::string("30")));
   if (!rate) return Forward(rate);
+  if (checkpoint->skeleton == nullptr || checkpoint->labels.empty()) {
+    return Fail(ErrorCode::kMalformed, "the checkpoint names no skeleton or no labels", where, "train again");
+  }
+  torch::set_num_threads(1);
   auto impl = std::make_unique<Impl>();
-  impl->config = std::move(*config);
-  impl->checkpoint = std::move(*checkpoint);
+  impl->network = MakeNetwork(*options, SizesOf(*checkpoint->skeleton, checkpoint->labels.size()));
+  if (Status fits = SetValues(checkpoint->parameters, where, *impl->network); !fits) return Forward(fits);
   impl->options = std::move(*options);
+  impl->skeleton = checkpoint->skeleton;
+  impl->labels = checkpoint->labels;
   impl->rate = *rate;
   return std::unique_ptr<MotionGenerator>(new MotionGenerator(std::move(impl)));
 }
 
-Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionRequest>& requests) const {
-  const Action2MotionConfig& config = impl_->config;
+Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionRequest>& requests, int threads) const {
   if (requests.empty()) return std::vector<float>();
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    if (Status fits = CheckRequest(requests[i], config, i); !fits) return Forward(fits);
+    if (Status fits = impl_->Check(requests[i], i); !fits) return Forward(fits);
     if (requests[i].frames != requests[0].frames) {
       return Fail(ErrorCode::kInconsistent, "requests ask for different numbers of frames",
                   "request " + std::to_string(i));
     }
   }
-  const std::size_t frames = static_cast<std::size_t>(requests[0].frames),
-                    pose = static_cast<std::size_t>(config.pose());
-  const std::vector<double> rest_length = impl_->checkpoint.skeleton->RestBoneLengths();
-  const LieLayer layer = config.lie ? LieLayer(*config.lie, config.exp) : LieLayer();
-  std::vector<float> result(requests.size() * frames * pose);
-  for (std::size_t begin = 0; begin < requests.size(); begin += kGeneratedAtOnce) {
-    const std::size_t count = std::min(kGeneratedAtOnce, requests.size() - begin);
-    const Batch batch = GeneratorBatch(requests.data() + begin, count, config, rest_length);
-    const std::vector<float> output = Action2MotionGenerate(config, impl_->checkpoint.parameters, batch.label,
-                                                            static_cast<int>(frames), batch.noise, batch.bone_length);
-    std::vector<float> joints(count * pose);
-    for (std::size_t t = 0; t < frames; ++t) {
-      const float* rows = output.data() + t * count * pose;
-      if (config.lie) {
-        layer.Forward(rows, batch.bone_length.data(), static_cast<int>(count), joints.data());
-        rows = joints.data();
-      }
-      for (std::size_t b = 0; b < count; ++b) {
-        std::copy(rows + b * pose, rows + (b + 1) * pose, result.data() + ((begin + b) * frames + t) * pose);
-      }
-    }
-  }
+  const std::int64_t T = requests[0].frames, D = 3 * impl_->skeleton->joint_count();
+  std::vector<float> result(requests.size() * static_cast<std::size_t>(T * D));
+  ParallelFor(static_cast<int>(requests.size()), kGeneratedAtOnce, threads, [&](int begin, int end) {
+    const torch::NoGradGuard no_gradient;
+    const MotionRequest* first = requests.data() + begin;
+    const auto count = static_cast<std::size_t>(end - begin);
+    std::vector<std::uint64_t> seeds;
+    for (std::size_t b = 0; b < count; ++b) seeds.push_back(first[b].seed);
+    Draws draws(std::move(seeds));
+    const Motions motions = impl_->network->Answer(impl_->BatchOf(first, count), draws);
+    torch::from_blob(result.data() + static_cast<std::int64_t>(begin) * T * D, {static_cast<std::int64_t>(count), T, D})
+        .copy_(motions.joints.transpose(0, 1));
+  });
   return result;
 }
 
-Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& requests) const {
+Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& requests, int threads) const {
   Dataset set;
-  set.skeleton = impl_->checkpoint.skeleton;
+  set.skeleton = impl_->skeleton;
   set.joints_only = true;
-  for (const std::string& label : labels()) set.labels.push_back(label);
+  set.labels = impl_->labels;
   set.recipe = "generated";
   set.created_by = std::string(CreatedBy());
-  const int J = impl_->config.joints;
+  const int J = impl_->skeleton->joint_count();
   for (std::size_t begin = 0; begin < requests.size();) {
     std::size_t end = begin + 1;
-    while (end < requests.size() && requests[end].frames == requests[begin].frames && end - begin < kGeneratedAtOnce)
-      ++end;
+    while (end < requests.size() && requests[end].frames == requests[begin].frames) ++end;
     const std::vector<MotionRequest> part(requests.begin() + static_cast<std::ptrdiff_t>(begin),
                                           requests.begin() + static_cast<std::ptrdiff_t>(end));
-    const Expected<std::vector<float>> joints = Joints(part);
+    const Expected<std::vector<float>> joints = Joints(part, threads);
     if (!joints) return Forward(joints);
-    const std::size_t size = static_cast<std::size_t>(part[0].frames) * 3 * J;
+    const std::size_t size = static_cast<std::size_t>(part[0].frames) * 3 * static_cast<std::size_t>(J);
     for (std::size_t i = 0; i < part.size(); ++i) {
       Clip clip;
       char number[24];
@@ -156,8 +163,7 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
       motion.skeleton = set.skeleton;
       motion.rate = impl_->rate;
       motion.joints = JointPositions(part[i].frames, J);
-      std::copy(joints->begin() + static_cast<std::ptrdiff_t>(i * size),
-                joints->begin() + static_cast<std::ptrdiff_t>((i + 1) * size), motion.joints.xyz.begin());
+      std::copy_n(joints->begin() + static_cast<std::ptrdiff_t>(i * size), size, motion.joints.xyz.begin());
       clip.motion = std::move(motion);
       set.clips.push_back(std::move(clip));
     }
@@ -166,14 +172,8 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
   return set;
 }
 
-SkeletonPtr MotionGenerator::skeleton() const { return impl_->checkpoint.skeleton; }
-const std::vector<std::string>& MotionGenerator::labels() const { return impl_->checkpoint.labels; }
-int MotionGenerator::training_frames() const { return static_cast<int>(impl_->options.frames); }
-
-Expected<Dataset> GenerateMotions(const std::filesystem::path& checkpoint, const std::vector<MotionRequest>& requests) {
-  const Expected<std::unique_ptr<MotionGenerator>> generator = MotionGenerator::Load(checkpoint);
-  if (!generator) return Forward(generator);
-  return (*generator)->Generate(requests);
-}
+SkeletonPtr MotionGenerator::skeleton() const { return impl_->skeleton; }
+const std::vector<std::string>& MotionGenerator::labels() const { return impl_->labels; }
+int MotionGenerator::training_frames() const { return static_cast<int>(impl_->options.data.frames); }
 
 }  // namespace mocurate

@@ -13,17 +13,18 @@ namespace mocurate {
 /// A trained generator of motions: answers Requests.
 class MotionGenerator {
  public:
-  /// From a checkpoint of Action2Motion. Errors of ReadCheckpoint.
+  /// From a checkpoint of any network that generates. Errors of ReadCheckpoint.
   static Expected<std::unique_ptr<MotionGenerator>> Load(const std::filesystem::path& path);
   ~MotionGenerator();
 
   /// Joints of every request, (n, frames, 3J) float32 metres, not re-centred (a2m_actor.md B.7). All requests must ask
   /// for the same number of frames. Errors kInconsistent naming the request (label, bone lengths or frames do not fit).
-  Expected<std::vector<float>> Joints(const std::vector<MotionRequest>& requests) const;
+  /// `threads` do not change a motion.
+  Expected<std::vector<float>> Joints(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
   /// The same as a MotionSet: joints only, clip ids "generated//000000#0-60" in the order of the requests, label from
   /// the request. Frames may differ between requests.
-  Expected<Dataset> Generate(const std::vector<MotionRequest>& requests) const;
+  Expected<Dataset> Generate(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
   SkeletonPtr skeleton() const;
   const std::vector<std::string>& labels() const;
@@ -35,8 +36,5 @@ class MotionGenerator {
   explicit MotionGenerator(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-/// Loads `checkpoint` and answers `requests`.
-Expected<Dataset> GenerateMotions(const std::filesystem::path& checkpoint, const std::vector<MotionRequest>& requests);
 
 }  // namespace mocurate

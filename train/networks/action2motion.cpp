@@ -1,287 +1,207 @@
 #include "train/networks/action2motion.h"
 
-#include <torch/torch.h>
-
-#include <map>
-#include <string>
-
-#include "train/recognisers/gru_layer.h"
-#include "train/recognisers/tensors.h"
+#include "train/layers/lie_function.h"
 
 namespace mocurate {
 namespace {
 
 using torch::Tensor;
 
-// A cell whose input passes through a linear layer first. No activation lies between them (B.5), so the two products
-// are one: W_ih (E x + e) + b_ih = (W_ih E) x + (W_ih e + b_ih).
-struct Cell {
-  Tensor input_weight, hidden_weight, input_bias, hidden_bias;
-
-  Cell(const Weights& weights, const std::string& gru, const std::string& embed) {
-    input_weight = weights.at(gru + "weight_ih");
-    hidden_weight = weights.at(gru + "weight_hh");
-    input_bias = weights.at(gru + "bias_ih");
-    hidden_bias = weights.at(gru + "bias_hh");
-    if (embed.empty()) return;
-    input_bias = torch::addmv(input_bias, input_weight, weights.at(embed + ".bias"));
-    input_weight = torch::mm(input_weight, weights.at(embed + ".weight"));
-  }
-  Tensor Step(const Tensor& input, const Tensor& hidden) const {
-    return GruLayer(input.unsqueeze(0), hidden, input_weight, hidden_weight, input_bias, hidden_bias).squeeze(0);
-  }
-};
-
-struct Gaussian {
-  Tensor mean, log_variance;
-
-  Gaussian(const Weights& weights, const std::string& net, const Tensor& hidden) {
-    mean = torch::linear(hidden, weights.at(net + "/mu_net.weight"), weights.at(net + "/mu_net.bias"));
-    log_variance = torch::linear(hidden, weights.at(net + "/logvar_net.weight"), weights.at(net + "/logvar_net.bias"));
-  }
-};
-
-struct Decoder {
-  const Weights& weights;
-  bool lie;
-  Cell first, second;
-  Tensor hidden0, hidden1;
-
-  Decoder(const Weights& all, const Action2MotionConfig& config, int batch)
-      : weights(all),
-        lie(config.lie.has_value()),
-        first(all, "decoder/gru.0.", "decoder/embed"),
-        second(all, "decoder/gru.1.", ""),
-        hidden0(torch::zeros({batch, config.hidden})),
-        hidden1(hidden0) {}
-
-  Tensor Step(const Tensor& input) {
-    hidden0 = first.Step(input, hidden0);
-    hidden1 = second.Step(hidden0, hidden1);
-    const Tensor y = torch::linear(hidden1, weights.at("decoder/output.weight"), weights.at("decoder/output.bias"));
-    if (!lie) return y;
-    const Tensor bent = torch::linear(torch::tanh(y.slice(1, 3)), weights.at("decoder/output_lie.weight"),
-                                      weights.at("decoder/output_lie.bias"));
-    return torch::cat({y.slice(1, 0, 3), torch::tanh(bent) * 3.1415926}, 1);
-  }
-};
-
-// Forward kinematics with its analytic derivative, on (N,3J) rows.
-struct Kinematics : torch::autograd::Function<Kinematics> {
-  static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& parameters, const Tensor& bone_length,
-                        std::int64_t layer) {
-    const Tensor dense = parameters.contiguous();
-    context->save_for_backward({dense, bone_length});
-    context->saved_data["layer"] = layer;
-    Tensor joints = torch::empty_like(dense);
-    reinterpret_cast<const LieLayer*>(layer)->Forward(dense.data_ptr<float>(), bone_length.data_ptr<float>(),
-                                                      static_cast<int>(dense.size(0)), joints.data_ptr<float>());
-    return joints;
-  }
-  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
-                                                 torch::autograd::variable_list gradient) {
-    const auto saved = context->get_saved_variables();
-    const auto* layer = reinterpret_cast<const LieLayer*>(context->saved_data["layer"].toInt());
-    const Tensor by_joints = gradient[0].contiguous();
-    Tensor by_parameters = torch::empty_like(saved[0]);
-    layer->Backward(saved[0].data_ptr<float>(), saved[1].data_ptr<float>(), by_joints.data_ptr<float>(),
-                    static_cast<int>(by_joints.size(0)), by_parameters.data_ptr<float>());
-    return {by_parameters, Tensor(), Tensor()};
-  }
-};
-
-Tensor ApplyKinematics(const LieLayer& layer, const Tensor& parameters, const Tensor& bone_length) {
-  return Kinematics::apply(parameters, bone_length, static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(&layer)));
-}
-
-// (T,B,C [+1]): one-hot label and time counter.
-Tensor Conditions(const Action2MotionConfig& config, const std::vector<int>& label, int frames) {
-  const int width = config.input() - config.pose();
-  const int batch = static_cast<int>(label.size());
-  Tensor condition = torch::zeros({frames, batch, width});
-  float* row = condition.data_ptr<float>();
-  for (int t = 0; t < frames; ++t) {
-    const double time = config.time_counter == TimeCounter::kPaper ? (t + 1.0) / frames
-                        : frames > 1                               ? static_cast<double>(t) / (frames - 1)
-                                                                   : 0.0;
-    for (int b = 0; b < batch; ++b, row += width) {
-      row[label[b]] = 1.0f;
-      if (config.time_counter != TimeCounter::kNone) row[config.classes] = static_cast<float>(time);
-    }
-  }
-  return condition;
-}
-
-// Per number, before any sum: log(s_p/s_q) + (exp(lv_q) + (m_q-m_p)^2) / (2 exp(lv_p)) - 1/2.
+/// Per number, before any sum: log(s_p/s_q) + (exp(lv_q) + (m_q - m_p)^2) / (2 exp(lv_p)) - 1/2 (B.6).
 Tensor KlTerms(const Tensor& mean_q, const Tensor& lv_q, const Tensor& mean_p, const Tensor& lv_p) {
   return 0.5 * (lv_p - lv_q) + (torch::exp(lv_q) + (mean_q - mean_p).square()) * (0.5 * torch::exp(-lv_p)) - 0.5;
 }
 
-struct Rollout {
-  Tensor output;        // (T,B,3J)
-  Tensor joints;        // (T,B,3J); undefined unless joints are fed back
-  Tensor prior_hidden;  // (T,B,hidden)
-};
-
-Rollout RunDecoder(const Action2MotionConfig& config, const Weights& weights, const LieLayer& layer,
-                   const Action2MotionBatch& batch, const Tensor& motion, const Tensor& condition, const Tensor& z,
-                   const Tensor& bone_length) {
-  const bool feed_joints = config.feedback == Feedback::kJoints && config.lie.has_value();
-  const Cell prior(weights, "prior/gru.0.", "prior/embed");
-  Decoder decoder(weights, config, batch.batch);
-  Tensor hidden = torch::zeros({batch.batch, config.hidden});
-  Tensor previous = torch::zeros({batch.batch, config.pose()});
-  std::vector<Tensor> outputs, joints, hiddens;
-  for (int t = 0; t < batch.frames; ++t) {
-    const Tensor input = torch::cat({previous, condition[t]}, 1);
-    hidden = prior.Step(input, hidden);
-    hiddens.push_back(hidden);
-    const Tensor y = decoder.Step(torch::cat({input, z[t]}, 1));
-    outputs.push_back(y);
-    if (feed_joints) joints.push_back(ApplyKinematics(layer, y, bone_length[t]));
-    previous = !batch.self_feed ? motion[t] : feed_joints ? joints.back() : y;
-  }
-  Rollout rollout{torch::stack(outputs), Tensor(), torch::stack(hiddens)};
-  if (feed_joints) rollout.joints = torch::stack(joints);
-  return rollout;
+TimeChoice TimeOf(const Action2MotionOptions& options) {
+  if (options.time_counter != TimeChoice::kProtocol) return options.time_counter;
+  if (options.protocol == Protocol::kPaper) return TimeChoice::kPaper;
+  return options.lie ? TimeChoice::kReleased : TimeChoice::kNone;
 }
 
-void KeepTrace(const Gaussian& posterior, const Gaussian& prior, const Tensor& z, const Rollout& rollout,
-               const Tensor& joints, const Tensor& reconstruction, const Tensor& kl, Action2MotionTrace& trace) {
-  trace.output = Numbers(rollout.output);
-  trace.joints = Numbers(joints);
-  trace.z = Numbers(z);
-  trace.mean = Numbers(posterior.mean);
-  trace.log_variance = Numbers(posterior.log_variance);
-  trace.prior_mean = Numbers(prior.mean);
-  trace.prior_log_variance = Numbers(prior.log_variance);
-  for (const float value : Numbers(reconstruction)) trace.reconstruction.push_back(value);
-  for (const float value : Numbers(kl)) trace.kl.push_back(value);
+double KlWeightOf(const Action2MotionOptions& options) {
+  if (options.kl_weight) return *options.kl_weight;
+  if (options.protocol == Protocol::kPaper) return 0.01;
+  return options.lie ? 1e-3 : 1e-4;
 }
 
 }  // namespace
 
-ParameterList Action2MotionParameters(const Action2MotionConfig& config) {
-  ParameterList parameters;
-  for (const std::string net : {"prior", "posterior"}) {
-    AddLinear(net + "/embed", config.input(), config.hidden, parameters);
-    AddGru(net + "/gru.0.", "", config.hidden, config.hidden, parameters);
-    AddLinear(net + "/mu_net", config.hidden, config.latent, parameters);
-    AddLinear(net + "/logvar_net", config.hidden, config.latent, parameters);
-  }
-  AddLinear("decoder/embed", config.input() + config.latent, config.hidden, parameters);
-  AddGru("decoder/gru.0.", "", config.hidden, config.hidden, parameters);
-  AddGru("decoder/gru.1.", "", config.hidden, config.hidden, parameters);
-  AddLinear("decoder/output", config.hidden, config.pose(), parameters);
-  if (config.lie) AddLinear("decoder/output_lie", config.pose() - 3, config.pose() - 3, parameters);
-  return parameters;
+Action2Motion::GaussianNetImpl::GaussianNetImpl(std::int64_t input, std::int64_t hidden, std::int64_t latent) {
+  embed = register_module("embed", torch::nn::Linear(input, hidden));
+  gru = torch::nn::GRUCell(hidden, hidden);
+  register_module("gru", torch::nn::ModuleList(gru));
+  mu_net = register_module("mu_net", torch::nn::Linear(hidden, latent));
+  logvar_net = register_module("logvar_net", torch::nn::Linear(hidden, latent));
 }
 
-Action2MotionLoss Action2MotionStep(const Action2MotionConfig& config, const Action2MotionBatch& batch,
-                                    ParameterList& parameters, Action2MotionTrace* trace) {
-  torch::set_num_threads(1);
-  const int T = batch.frames, B = batch.batch;
-  const LieLayer layer = config.lie ? LieLayer(*config.lie, config.exp) : LieLayer();
-  const Weights weights = MakeWeights(parameters, true);
-  const Tensor motion = View(batch.motion, {T, B, config.pose()});
-  const Tensor noise = View(batch.noise, {T, B, config.latent});
-  const Tensor condition = Conditions(config, batch.label, T);
-  Tensor bone_length;
-  if (config.lie) {
-    bone_length = torch::empty({T, B, config.joints});
-    layer.BoneLengths(batch.motion.data(), T * B, bone_length.data_ptr<float>());
-  }
-
-  const Cell encoder(weights, "posterior/gru.0.", "posterior/embed");
-  const Tensor encoded = GruLayer(torch::cat({motion, condition}, 2), torch::zeros({B, config.hidden}),
-                                  encoder.input_weight, encoder.hidden_weight, encoder.input_bias, encoder.hidden_bias);
-  const Gaussian posterior(weights, "posterior", encoded);
-  const Tensor z = posterior.mean + noise * torch::exp(0.5 * posterior.log_variance);
-  const Rollout rollout = RunDecoder(config, weights, layer, batch, motion, condition, z, bone_length);
-  const Gaussian prior(weights, "prior", rollout.prior_hidden);
-  Tensor joints = rollout.output;
-  if (config.lie) {
-    joints = rollout.joints.defined() ? rollout.joints
-                                      : ApplyKinematics(layer, rollout.output.view({T * B, config.pose()}),
-                                                        bone_length.view({T * B, config.joints}))
-                                            .view({T, B, config.pose()});
-  }
-  const double rows = config.reconstruction == Reconstruction::kMean ? B * config.pose() : B;
-  const Tensor reconstruction = (joints - motion).square().sum({1, 2}) / rows;
-  const Tensor kl =
-      KlTerms(posterior.mean, posterior.log_variance, prior.mean, prior.log_variance).sum({1, 2}) / double(B);
-  const Tensor total = reconstruction.sum() + config.kl_weight * kl.sum();
-
-  std::vector<Tensor> inputs;
-  for (const Parameter& parameter : parameters) inputs.push_back(weights.at(parameter.name));
-  const std::vector<Tensor> gradients = torch::autograd::grad({total}, inputs);
-  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i].gradient = Numbers(gradients[i]);
-  if (trace != nullptr) KeepTrace(posterior, prior, z, rollout, joints, reconstruction, kl, *trace);
-  return {total.item<double>(), reconstruction.sum().item<double>(), kl.sum().item<double>()};
+Action2Motion::DecoderImpl::DecoderImpl(std::int64_t input, std::int64_t hidden, std::int64_t pose, bool lie) {
+  embed = register_module("embed", torch::nn::Linear(input, hidden));
+  first = torch::nn::GRUCell(hidden, hidden);
+  second = torch::nn::GRUCell(hidden, hidden);
+  register_module("gru", torch::nn::ModuleList(first, second));
+  output = register_module("output", torch::nn::Linear(hidden, pose));
+  if (lie) output_lie = register_module("output_lie", torch::nn::Linear(pose - 3, pose - 3));
 }
 
-Action2MotionAnswers Action2MotionForward(const Action2MotionConfig& config, const ParameterList& parameters,
-                                          const Action2MotionRows& rows) {
-  torch::set_num_threads(1);
-  torch::NoGradGuard no_gradient;
-  const Weights weights = MakeWeights(parameters, false);
-  const Tensor prior_rows = View(rows.prior, {rows.frames, rows.batch, config.input()});
-  const Tensor decoder_rows = View(rows.decoder, {rows.frames, rows.batch, config.input() + config.latent});
-  const Cell prior(weights, "prior/gru.0.", "prior/embed");
-  Decoder decoder(weights, config, rows.batch);
-  Tensor hidden = torch::zeros({rows.batch, config.hidden});
-  std::vector<Tensor> hiddens, outputs;
-  for (int t = 0; t < rows.frames; ++t) {
-    hidden = prior.Step(prior_rows[t], hidden);
-    hiddens.push_back(hidden);
-    outputs.push_back(decoder.Step(decoder_rows[t]));
+Action2Motion::Action2Motion(const Action2MotionOptions& options, const LearningOptions& learning,
+                             const NetworkSizes& sizes)
+    : classes_(sizes.classes),
+      pose_(sizes.pose()),
+      hidden_(options.hidden),
+      latent_(options.latent),
+      time_(TimeOf(options)),
+      lie_(options.lie),
+      learning_rate_(learning.learning_rate),
+      weight_decay_(learning.weight_decay) {
+  const bool paper = options.protocol == Protocol::kPaper;
+  feed_joints_ =
+      lie_ && (options.feedback == FeedbackChoice::kJoints || (options.feedback == FeedbackChoice::kProtocol && paper));
+  mean_loss_ =
+      options.reconstruction == LossChoice::kMean || (options.reconstruction == LossChoice::kProtocol && !paper);
+  self_feed_ = options.self_feed_probability.value_or(paper ? 0.4 : 0.6);
+  kl_weight_ = KlWeightOf(options);
+  if (lie_) {
+    kinematics_ =
+        LieLayer(sizes.chains, options.lie_exp == LieExpChoice::kReleased ? LieExp::kReleased : LieExp::kExact);
   }
-  const Gaussian gaussian(weights, "prior", torch::stack(hiddens));
-  return {Numbers(torch::stack(hiddens)), Numbers(gaussian.mean), Numbers(gaussian.log_variance),
-          Numbers(torch::stack(outputs))};
+  const std::int64_t input = pose_ + classes_ + (time_ == TimeChoice::kNone ? 0 : 1);
+  prior_ = register_module("prior", GaussianNet(input, hidden_, latent_));
+  posterior_ = register_module("posterior", GaussianNet(input, hidden_, latent_));
+  decoder_ = register_module("decoder", Decoder(input + latent_, hidden_, pose_, lie_));
 }
 
-double GaussianKl(const std::vector<float>& mean_q, const std::vector<float>& log_variance_q,
-                  const std::vector<float>& mean_p, const std::vector<float>& log_variance_p, int batch) {
-  const std::int64_t size = static_cast<std::int64_t>(mean_q.size());
-  return KlTerms(View(mean_q, {size}), View(log_variance_q, {size}), View(mean_p, {size}), View(log_variance_p, {size}))
-             .sum()
-             .item<double>() /
-         batch;
+std::vector<OptimiserGroup> Action2Motion::Groups() {
+  OptimiserGroup group;  // the released code has one Adam a network; they step alike
+  group.name = "adam";
+  group.parameters = parameters();
+  group.learning_rate = learning_rate_;
+  group.weight_decay = weight_decay_;
+  return {group};
 }
 
-std::vector<float> Action2MotionGenerate(const Action2MotionConfig& config, const ParameterList& parameters,
-                                         const std::vector<int>& label, int frames, const std::vector<float>& noise,
-                                         const std::vector<float>& bone_length) {
-  torch::set_num_threads(1);
-  torch::NoGradGuard no_gradient;
-  const int B = static_cast<int>(label.size());
-  const LieLayer layer = config.lie ? LieLayer(*config.lie, config.exp) : LieLayer();
-  const bool feed_joints = config.feedback == Feedback::kJoints && config.lie.has_value();
-  const Weights weights = MakeWeights(parameters, false);
-  const Tensor condition = Conditions(config, label, frames);
-  const Cell prior_cell(weights, "prior/gru.0.", "prior/embed");
-  Decoder decoder(weights, config, B);
-  Tensor hidden = torch::zeros({B, config.hidden});
-  Tensor previous = torch::zeros({B, config.pose()});
-  const std::size_t width = static_cast<std::size_t>(B) * config.pose();
-  std::vector<float> output(width * frames), joints(feed_joints ? width : 0);
-  for (int t = 0; t < frames; ++t) {
-    const Tensor input = torch::cat({previous, condition[t]}, 1);
-    hidden = prior_cell.Step(input, hidden);
-    const Gaussian prior(weights, "prior", hidden);
-    const Tensor eps =
-        torch::from_blob(const_cast<float*>(noise.data()) + static_cast<std::size_t>(t) * B * config.latent,
-                         {B, config.latent}, torch::kFloat32);
-    const Tensor z = torch::addcmul(prior.mean, eps, torch::exp(0.5 * prior.log_variance));
-    previous = decoder.Step(torch::cat({input, z}, 1)).contiguous();
-    std::copy(previous.data_ptr<float>(), previous.data_ptr<float>() + width, output.data() + t * width);
-    if (feed_joints) {
-      layer.Forward(output.data() + t * width, bone_length.data(), B, joints.data());
-      previous = View(joints, {B, config.pose()}).clone();
-    }
+Tensor Action2Motion::Conditions(const Tensor& label, std::int64_t frames) const {
+  const Tensor one_hot = OneHot(label, classes_).unsqueeze(0).expand({frames, -1, -1});  // (T,B,C)
+  if (time_ == TimeChoice::kNone) return one_hot;
+  Tensor time = torch::arange(frames, one_hot.options());
+  time = time_ == TimeChoice::kPaper ? (time + 1.0) / frames : time / std::max<std::int64_t>(1, frames - 1);
+  return torch::cat({one_hot, time.view({-1, 1, 1}).expand({-1, label.size(0), 1})}, 2);
+}
+
+Tensor Action2Motion::Decode(const Tensor& state) {
+  const Tensor y = decoder_->output->forward(state);  // (B,D)
+  if (!lie_) return y;
+  const Tensor rotations = decoder_->output_lie->forward(torch::tanh(y.slice(1, 3)));  // (B,D-3)
+  return torch::cat({y.slice(1, 0, 3), torch::tanh(rotations) * kReleasedPi}, 1);
+}
+
+Tensor Action2Motion::Joints(const Tensor& output, const Tensor& bone_length) const {
+  if (!lie_) return output;
+  return LieJoints(kinematics_, output.view({-1, pose_}), bone_length.reshape({-1, pose_ / 3})).view(output.sizes());
+}
+
+struct Action2Motion::Rollout {
+  Tensor output;       // (T,B,D)
+  Tensor joints;       // (T,B,D); undefined unless joints are fed back
+  Tensor prior_state;  // (T,B,H)
+};
+
+Action2Motion::Rollout Action2Motion::Unroll(const Batch& batch, const Tensor& condition, const Tensor& z,
+                                             const Tensor& bone_length, bool self_feed) {
+  const GruWeights prior(prior_->gru, prior_->embed), first(decoder_->first, decoder_->embed), second(decoder_->second);
+  const Tensor zero = torch::zeros({batch.size(), hidden_}, batch.motion.options());
+  Tensor prior_state = zero, state0 = zero, state1 = zero;
+  Tensor before = torch::zeros({batch.size(), pose_}, batch.motion.options());
+  std::vector<Tensor> outputs, joints, prior_states;
+  for (std::int64_t t = 0; t < batch.frames(); ++t) {
+    const Tensor input = torch::cat({before, condition[t]}, 1);  // (B,I)
+    prior_state = GruStep(input, prior_state, prior);            // (B,H)
+    state0 = GruStep(torch::cat({input, z[t]}, 1), state0, first);
+    state1 = GruStep(state0, state1, second);
+    const Tensor y = Decode(state1);  // (B,D)
+    if (feed_joints_) joints.push_back(Joints(y, bone_length[t]));
+    before = !self_feed ? batch.motion[t] : feed_joints_ ? joints.back() : y;
+    prior_states.push_back(prior_state);
+    outputs.push_back(y);
   }
-  return output;
+  return {torch::stack(outputs), feed_joints_ ? torch::stack(joints) : Tensor(), torch::stack(prior_states)};
+}
+
+Losses Action2Motion::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
+  const std::int64_t T = batch.frames(), B = batch.size();
+  const bool self_feed = draws.Coin("self_feed", self_feed_);
+  const Tensor noise = draws.Normal("noise", T, B, latent_).to(batch.motion.device());
+  const Tensor condition = Conditions(batch.label, T);
+  const Tensor bone_length = lie_ ? LieBoneLengths(kinematics_, batch.motion) : Tensor();  // (T,B,J)
+
+  const Tensor zero = torch::zeros({B, hidden_}, batch.motion.options());
+  const Tensor encoded = GruLayer(torch::cat({batch.motion, condition}, 2), zero,
+                                  GruWeights(posterior_->gru, posterior_->embed));  // (T,B,H)
+  const Tensor mean_q = posterior_->mu_net->forward(encoded), lv_q = posterior_->logvar_net->forward(encoded);
+  const Tensor z = mean_q + noise * torch::exp(0.5 * lv_q);  // (T,B,Z)
+
+  const Rollout rollout = Unroll(batch, condition, z, bone_length, self_feed);
+  const Tensor mean_p = prior_->mu_net->forward(rollout.prior_state),
+               lv_p = prior_->logvar_net->forward(rollout.prior_state);
+  const Tensor joints = feed_joints_ ? rollout.joints : Joints(rollout.output, bone_length);
+
+  const double rows = static_cast<double>(mean_loss_ ? batch.whole * pose_ : batch.whole);
+  const Tensor reconstruction = (joints - batch.motion).square().sum({1, 2}) / rows;                     // (T)
+  const Tensor kl = KlTerms(mean_q, lv_q, mean_p, lv_p).sum({1, 2}) / static_cast<double>(batch.whole);  // (T)
+  Losses losses;
+  losses.total = reconstruction.sum() + kl_weight_ * kl.sum();
+  losses.terms = {{"loss", losses.total / T}, {"reconstruction", reconstruction.sum() / T}, {"kl", kl.sum() / T}};
+  losses.outputs = {{"reconstruction", reconstruction},
+                    {"kl", kl},
+                    {"output", rollout.output},
+                    {"joints", joints},
+                    {"z", z},
+                    {"mean", mean_q},
+                    {"log_variance", lv_q},
+                    {"prior_mean", mean_p},
+                    {"prior_log_variance", lv_p}};
+  return losses;
+}
+
+Motions Action2Motion::Answer(const RequestBatch& requests, Draws& draws) {
+  const std::int64_t B = requests.label.size(0), T = requests.frames;
+  const Tensor noise = draws.Normal("generator.motion", T, B, latent_);
+  const Tensor condition = Conditions(requests.label, T);
+  const GruWeights prior(prior_->gru, prior_->embed), first(decoder_->first, decoder_->embed), second(decoder_->second);
+  Tensor state = torch::zeros({B, hidden_}), state0 = state, state1 = state;
+  Tensor before = torch::zeros({B, pose_});
+  const Tensor output = torch::empty({T, B, pose_});
+  for (std::int64_t t = 0; t < T; ++t) {
+    const Tensor input = torch::cat({before, condition[t]}, 1);
+    state = GruStep(input, state, prior);
+    const Tensor deviation = torch::exp(0.5 * prior_->logvar_net->forward(state));
+    const Tensor z = torch::addcmul(prior_->mu_net->forward(state), noise[t], deviation);  // (B,Z)
+    state0 = GruStep(torch::cat({input, z}, 1), state0, first);
+    state1 = GruStep(state0, state1, second);
+    const Tensor y = Decode(state1);
+    output[t].copy_(y);
+    before = feed_joints_ ? Joints(y, requests.bone_length) : y;
+  }
+  if (!lie_) return {output, output};
+  const Tensor lengths = requests.bone_length.unsqueeze(0).expand({T, -1, -1});
+  return {Joints(output, lengths), output};
+}
+
+NamedTensors Action2Motion::Parts(const NamedTensors& inputs) {
+  if (inputs.count("mu1") > 0) {
+    const Tensor kl = KlTerms(inputs.at("mu1"), inputs.at("logvar1"), inputs.at("mu2"), inputs.at("logvar2"));
+    return {{"kl", kl.sum()}};
+  }
+  const Tensor &prior_rows = inputs.at("prior_input"), &decoder_rows = inputs.at("decoder_input");
+  const Tensor zero = torch::zeros({prior_rows.size(1), hidden_});
+  const Tensor states = GruLayer(prior_rows, zero, GruWeights(prior_->gru, prior_->embed));
+  const Tensor first = GruLayer(decoder_rows, zero, GruWeights(decoder_->first, decoder_->embed));
+  const Tensor second = GruLayer(first, zero, GruWeights(decoder_->second));
+  std::vector<Tensor> outputs;
+  for (const Tensor& state : second.unbind(0)) outputs.push_back(Decode(state));
+  return {{"h", states},
+          {"mu", prior_->mu_net->forward(states)},
+          {"logvar", prior_->logvar_net->forward(states)},
+          {"decoder_out", torch::stack(outputs)}};
 }
 
 }  // namespace mocurate

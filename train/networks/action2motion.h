@@ -1,92 +1,64 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <vector>
 
-#include "train/checkpoint/parameters.h"
-#include "train/networks/lie_kinematics.h"
+#include "train/layers/gru_layer.h"
+#include "train/layers/lie_kinematics.h"
+#include "train/networks/network.h"
 
 namespace mocurate {
 
-/// i/(T-1) as released, (i+1)/T as in the paper (a2m_actor.md F3), or none.
-enum class TimeCounter { kNone, kReleased, kPaper };
-/// What is fed back: the raw decoder output (released) or joints after forward kinematics (paper, F2).
-enum class Feedback { kRaw, kJoints };
-/// Reconstruction per frame: mean over batch and numbers (released), or squared norm averaged over the batch (paper,
-/// F13).
-enum class Reconstruction { kMean, kSquaredNorm };
+/// Action2Motion (Guo et al. 2020; a2m_actor.md B): a conditional VAE per frame. D = 3 J numbers of a pose, C classes,
+/// I = D + C + 1 (without time counter D + C), H = 128, Z = 30. HumanAct12: 117,820 + 117,820 + 227,110 parameters.
+///
+///   prior, posterior   Linear(I,H) - GRUCell(H,H) - mu Linear(H,Z), logvar Linear(H,Z)
+///   decoder            Linear(I + Z,H) - 2 x GRUCell(H,H) - Linear(H,D)
+///   with Lie           root: the first 3 numbers; rotations: tanh - Linear(D - 3,D - 3) - pi tanh; joints by
+///   kinematics
+///
+/// A frame reads [pose before | one-hot class | time | z]; no activation follows the first linear layer.
+class Action2Motion : public Network {
+ public:
+  Action2Motion(const Action2MotionOptions& options, const LearningOptions& learning, const NetworkSizes& sizes);
 
-/// Sizes and rules of Action2Motion (a2m_actor.md B.5 to B.8).
-struct Action2MotionConfig {
-  int joints = 24;
-  int classes = 12;
-  int hidden = 128;
-  int latent = 30;
-  std::optional<LieChains> lie;  ///< absent: the variant without Lie
-  LieExp exp = LieExp::kReleased;
-  TimeCounter time_counter = TimeCounter::kReleased;
-  Feedback feedback = Feedback::kRaw;
-  Reconstruction reconstruction = Reconstruction::kMean;
-  double kl_weight = 1e-3;
+  std::vector<OptimiserGroup> Groups() override;
+  Losses Loss(const Batch& batch, Draws& draws, int phase) override;
+  Motions Answer(const RequestBatch& requests, Draws& draws) override;
+  /// Given "prior_input" and "decoder_input" (T,B,...): the states, means and outputs of T calls without feedback.
+  /// Given "mu1", "logvar1", "mu2", "logvar2": "kl", summed.
+  NamedTensors Parts(const NamedTensors& inputs) override;
 
-  int pose() const { return 3 * joints; }
-  int input() const { return pose() + classes + (time_counter == TimeCounter::kNone ? 0 : 1); }
+ private:
+  /// Prior and posterior.
+  struct GaussianNetImpl : torch::nn::Module {
+    GaussianNetImpl(std::int64_t input, std::int64_t hidden, std::int64_t latent);
+    torch::nn::Linear embed{nullptr}, mu_net{nullptr}, logvar_net{nullptr};
+    torch::nn::GRUCell gru{nullptr};
+  };
+  TORCH_MODULE(GaussianNet);
+
+  struct DecoderImpl : torch::nn::Module {
+    DecoderImpl(std::int64_t input, std::int64_t hidden, std::int64_t pose, bool lie);
+    torch::nn::Linear embed{nullptr}, output{nullptr}, output_lie{nullptr};
+    torch::nn::GRUCell first{nullptr}, second{nullptr};
+  };
+  TORCH_MODULE(Decoder);
+
+  struct Rollout;
+
+  torch::Tensor Conditions(const torch::Tensor& label, std::int64_t frames) const;  // (T,B,C [+1])
+  torch::Tensor Decode(const torch::Tensor& state);                                 // (B,H) -> (B,D)
+  torch::Tensor Joints(const torch::Tensor& output, const torch::Tensor& bone_length) const;
+  Rollout Unroll(const Batch& batch, const torch::Tensor& condition, const torch::Tensor& z,
+                 const torch::Tensor& bone_length, bool self_feed);
+
+  std::int64_t classes_, pose_, hidden_, latent_;
+  TimeChoice time_;
+  bool lie_, feed_joints_, mean_loss_;
+  double self_feed_, kl_weight_, learning_rate_, weight_decay_;
+  LieLayer kinematics_;
+  GaussianNet prior_{nullptr}, posterior_{nullptr};
+  Decoder decoder_{nullptr};
 };
-
-/// Parameters of "prior/...", "posterior/..." and "decoder/..." with the released names, values zero.
-ParameterList Action2MotionParameters(const Action2MotionConfig& config);
-
-/// Input of one training step: B motions of T frames.
-struct Action2MotionBatch {
-  int batch = 0;
-  int frames = 0;
-  std::vector<float> motion;  ///< (T,B,3J) metres, frame-major
-  std::vector<int> label;     ///< (B)
-  std::vector<float> noise;   ///< (T,B,latent) standard normal
-  bool self_feed = true;      ///< feed the model's own prediction back, else the truth
-};
-
-struct Action2MotionLoss {
-  double total = 0.0;  ///< reconstruction + kl_weight * KL, sums over frames
-  double reconstruction = 0.0;
-  double kl = 0.0;
-};
-
-/// What a step saw on the way, for comparison with other implementations. Frame-major, (T,B,...).
-struct Action2MotionTrace {
-  std::vector<double> reconstruction, kl;  ///< (T)
-  std::vector<float> output, joints;       ///< (T,B,3J) decoder output; joints after kinematics
-  std::vector<float> z, mean, log_variance, prior_mean, prior_log_variance;  ///< (T,B,latent)
-};
-
-/// Loss of a batch; gradients of all parameters are overwritten (B.6). One thread.
-Action2MotionLoss Action2MotionStep(const Action2MotionConfig& config, const Action2MotionBatch& batch,
-                                    ParameterList& parameters, Action2MotionTrace* trace = nullptr);
-
-/// The prior and the decoder on given rows, one row of a motion a frame, from zero hidden states and without feedback:
-/// for comparison with other implementations.
-struct Action2MotionRows {
-  int batch = 0;
-  int frames = 0;
-  std::vector<float> prior;    ///< (T,B,input)
-  std::vector<float> decoder;  ///< (T,B,input + latent)
-};
-struct Action2MotionAnswers {
-  std::vector<float> hidden;              ///< (T,B,hidden) of the prior
-  std::vector<float> mean, log_variance;  ///< (T,B,latent) of the prior
-  std::vector<float> output;              ///< (T,B,3J) of the decoder
-};
-Action2MotionAnswers Action2MotionForward(const Action2MotionConfig& config, const ParameterList& parameters,
-                                          const Action2MotionRows& rows);
-
-/// KL of two diagonal normals, summed over all numbers and divided by `batch` (B.6, 4).
-double GaussianKl(const std::vector<float>& mean_q, const std::vector<float>& log_variance_q,
-                  const std::vector<float>& mean_p, const std::vector<float>& log_variance_p, int batch);
-
-/// Motions from the prior (B.7): decoder outputs (T,B,3J) for labels (B) and noise (T,B,latent).
-std::vector<float> Action2MotionGenerate(const Action2MotionConfig& config, const ParameterList& parameters,
-                                         const std::vector<int>& label, int frames, const std::vector<float>& noise,
-                                         const std::vector<float>& bone_length);
 
 }  // namespace mocurate

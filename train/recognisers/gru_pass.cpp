@@ -24,6 +24,23 @@ void MultiplyTransposed(const float* a, int lda, const std::vector<float>& b, in
 
 }  // namespace
 
+ParameterList GruRecogniserParameters(const GruRecogniserConfig& config) {
+  ParameterList parameters;
+  for (int layer = 0; layer < config.layers; ++layer) {
+    const std::string end = "_l" + std::to_string(layer);
+    parameters.push_back(
+        {"recurrent.weight_ih" + end, {3 * config.hidden, layer == 0 ? config.input : config.hidden}, {}});
+    parameters.push_back({"recurrent.weight_hh" + end, {3 * config.hidden, config.hidden}, {}});
+    parameters.push_back({"recurrent.bias_ih" + end, {3 * config.hidden}, {}});
+    parameters.push_back({"recurrent.bias_hh" + end, {3 * config.hidden}, {}});
+  }
+  parameters.push_back({"linear1.weight", {config.features, config.hidden}, {}});
+  parameters.push_back({"linear1.bias", {config.features}, {}});
+  parameters.push_back({"linear2.weight", {config.classes, config.features}, {}});
+  parameters.push_back({"linear2.bias", {config.classes}, {}});
+  return parameters;
+}
+
 GruPass::GruPass(const GruRecogniserConfig& config, const ParameterList& parameters) : config_(config) {
   const int H = config.hidden;
   for (int l = 0; l < config.layers; ++l) {

@@ -3,9 +3,23 @@
 #include <cstddef>
 #include <vector>
 
-#include "train/recognisers/gru_recogniser.h"
+#include "train/checkpoint/parameters.h"
 
 namespace mocurate {
+
+/// Sizes of Action2Motion's recogniser (a2m_actor.md D.1): GRU(input, hidden, layers) - output of the last frame -
+/// Linear(hidden, features) - tanh (the features) - Linear(features, classes) (the logits). MultiAct's has 4 layers of
+/// 256 (multiact.md E).
+struct GruRecogniserConfig {
+  int input = 72;
+  int classes = 12;
+  int hidden = 128;
+  int layers = 2;
+  int features = 30;
+};
+
+/// Names and shapes of its parameters, without values.
+ParameterList GruRecogniserParameters(const GruRecogniserConfig& config);
 
 /// Where the numbers of a set of motions lie: frame t of motion n starts at data + n * motion_stride + t *
 /// frame_stride.
@@ -16,8 +30,8 @@ struct MotionArray {
 };
 
 /// The recogniser without gradients: the layers of a chunk of motions advance frame by frame, so that what a frame
-/// needs stays in the second-level cache; matrix products by BLAS, gates by GruGates. GruLayer (libtorch) is its
-/// reference.
+/// needs stays in the second-level cache; matrix products by BLAS, gates by GruGates. The network that is trained
+/// (GruRecogniser, libtorch) is its reference.
 class GruPass {
  public:
   GruPass() = default;

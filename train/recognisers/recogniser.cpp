@@ -5,10 +5,10 @@
 
 #include "core/base/file.h"
 #include "core/base/parallel.h"
+#include "core/base/random.h"
 #include "core/formats/torch_pickle.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/recognisers/gru_pass.h"
-#include "train/recognisers/gru_recogniser.h"
 
 namespace mocurate {
 
@@ -52,7 +52,18 @@ Status Build(const ParameterList& stored, const std::string& where, GruRecognise
   }
   config = {*input, *classes, *hidden, layers, *features};
   parameters = GruRecogniserParameters(config);
-  return CopyValues(stored, where, parameters);
+  for (Parameter& parameter : parameters) {
+    const int found = FindParameter(stored, parameter.name);
+    if (found < 0) return Fail(ErrorCode::kInconsistent, "parameter '" + parameter.name + "' is missing", where);
+    if (stored[found].shape != parameter.shape) {
+      return Fail(ErrorCode::kInconsistent,
+                  "parameter '" + parameter.name + "' is " + ShapeText(stored[found].shape) + ", the network has " +
+                      ShapeText(parameter.shape),
+                  where);
+    }
+    parameter.value = stored[found].value;
+  }
+  return {};
 }
 
 // Rows [begin, begin + count) of (layers,n,H), or drawn ones.
@@ -98,10 +109,10 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   impl->labels = checkpoint->labels;
   impl->skeleton = checkpoint->skeleton;
   impl->dataset_sha256 = checkpoint->dataset_sha256;
-  const Expected<RecogniserOptions> options = OptionsFromJson<RecogniserOptions>(checkpoint->options, where);
+  const Expected<NetworkOptions> options = OptionsFromJson<NetworkOptions>(checkpoint->options, where);
   if (!options) return Forward(options);
-  impl->input = options->input;
-  impl->frames = static_cast<int>(options->frames);
+  impl->input = options->data.input;
+  impl->frames = static_cast<int>(options->data.frames);
   if (const auto rate = FrameRate::Parse(checkpoint->facts.value("rate", std::string()))) impl->rate_hz = rate->hz();
   if (static_cast<int>(impl->labels.size()) != impl->config.classes) {
     return Fail(ErrorCode::kInconsistent,

@@ -1,6 +1,4 @@
-#include "train/recognisers/gru_layer.h"
-
-#include <torch/torch.h>
+#include "train/layers/gru_layer.h"
 
 namespace mocurate {
 namespace {
@@ -125,9 +123,53 @@ struct Layer : torch::autograd::Function<Layer> {
 
 }  // namespace
 
-Tensor GruLayer(const Tensor& input, const Tensor& hidden, const Tensor& input_weight, const Tensor& hidden_weight,
-                const Tensor& input_bias, const Tensor& hidden_bias) {
-  return Layer::apply(input, hidden, input_weight, hidden_weight, input_bias, hidden_bias);
+GruWeights::GruWeights(const torch::nn::GRUCell& cell)
+    : input(cell->weight_ih), hidden(cell->weight_hh), input_bias(cell->bias_ih), hidden_bias(cell->bias_hh) {}
+
+GruWeights::GruWeights(const torch::nn::GRU& gru, int layer) {
+  const auto parameters = gru->named_parameters(false);
+  const std::string end = "_l" + std::to_string(layer);
+  input = parameters["weight_ih" + end];
+  hidden = parameters["weight_hh" + end];
+  input_bias = parameters["bias_ih" + end];
+  hidden_bias = parameters["bias_hh" + end];
+}
+
+GruWeights::GruWeights(const torch::nn::GRUCell& cell, const torch::nn::Linear& embedding) : GruWeights(cell) {
+  input_bias = torch::addmv(input_bias, input, embedding->bias);
+  input = torch::mm(input, embedding->weight);
+}
+
+Tensor GruLayer(const Tensor& input, const Tensor& hidden, const GruWeights& weights) {
+  if (!input.device().is_cpu()) return PlainGruLayer(input, hidden, weights);
+  return Layer::apply(input, hidden, weights.input, weights.hidden, weights.input_bias, weights.hidden_bias);
+}
+
+Tensor PlainGruLayer(const Tensor& input, const Tensor& hidden, const GruWeights& weights) {
+  Tensor state = hidden;
+  std::vector<Tensor> states;
+  for (const Tensor& frame : input.unbind(0)) {
+    const auto from_input = torch::linear(frame, weights.input, weights.input_bias).chunk(3, 1);    // 3 x (B,H)
+    const auto from_state = torch::linear(state, weights.hidden, weights.hidden_bias).chunk(3, 1);  // 3 x (B,H)
+    const Tensor r = torch::sigmoid(from_input[0] + from_state[0]);
+    const Tensor z = torch::sigmoid(from_input[1] + from_state[1]);
+    const Tensor n = torch::tanh(from_input[2] + r * from_state[2]);
+    state = n + z * (state - n);
+    states.push_back(state);
+  }
+  return torch::stack(states);
+}
+
+Tensor GruStep(const Tensor& input, const Tensor& hidden, const GruWeights& weights) {
+  return GruLayer(input.unsqueeze(0), hidden, weights).squeeze(0);
+}
+
+Tensor GruStack(const Tensor& input, const Tensor& hidden, const torch::nn::GRU& gru) {
+  Tensor outputs = input;
+  for (int layer = 0; layer < static_cast<int>(gru->options.num_layers()); ++layer) {
+    outputs = GruLayer(outputs, hidden[layer], GruWeights(gru, layer));
+  }
+  return outputs;
 }
 
 }  // namespace mocurate

@@ -11,12 +11,24 @@ namespace mocurate {
 /// out. Bones in the order of the chains; a chain starts from the identity.
 class LieLayer {
  public:
+  /// A bone ends at `joint`; they stand in the order of the chains.
+  struct Bone {
+    int joint = 0;
+    int parent = 0;
+    bool starts_chain = false;
+    double offset[3] = {0, 0, 0};  ///< unit vector
+  };
+
   LieLayer() = default;
   LieLayer(const LieChains& chains, LieExp exp);
 
   int joint_count() const { return static_cast<int>(parent_.size()); }
   /// Parent along the chains; 0 for the root.
   const std::vector<int>& parents() const { return parent_; }
+
+  const std::vector<Bone>& bones() const { return bones_; }
+  /// Smallest squared angle: below it the factors of Rodrigues' formula stay as they are.
+  double floor() const { return floor_; }
 
   /// `parameters` (count, 3J): root translation, then w_1..w_{J-1}. `bone_length` (count, J) metres. -> `joints`
   /// (count, 3J).
@@ -30,13 +42,7 @@ class LieLayer {
   void BoneLengths(const float* joints, int count, float* bone_length) const;
 
  private:
-  struct Bone {
-    int joint = 0;
-    int parent = 0;
-    bool starts_chain = false;
-    double offset[3] = {0, 0, 0};  ///< unit vector
-  };
-  double floor_ = 0.0;  ///< of the squared angle
+  double floor_ = 0.0;
   std::vector<Bone> bones_;
   std::vector<int> parent_;
 };

@@ -1,4 +1,4 @@
-#include "train/networks/lie_kinematics.h"
+#include "train/layers/lie_kinematics.h"
 
 #include <algorithm>
 #include <cmath>

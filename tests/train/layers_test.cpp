@@ -1,0 +1,92 @@
+// Each written-out layer gives what its plain form gives, forward and backward.
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include "tests/train/chains.h"
+#include "train/layers/draws.h"
+#include "train/layers/gru_layer.h"
+#include "train/layers/lie_function.h"
+
+namespace mocurate {
+namespace {
+
+using torch::Tensor;
+
+void ExpectAlike(const std::vector<Tensor>& a, const std::vector<Tensor>& b, double tolerance, const char* what) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double scale = std::max(1e-6, b[i].abs().max().item<double>());
+    EXPECT_LE((a[i] - b[i]).abs().max().item<double>(), tolerance * scale) << what << " " << i;
+  }
+}
+
+TEST(GruLayer, EqualsItsPlainFormWithAllGradients) {
+  torch::manual_seed(3);
+  for (const auto& [T, B, I, H] : {std::array<std::int64_t, 4>{1, 1, 3, 5}, {7, 4, 6, 8}, {3, 9, 20, 16}}) {
+    torch::nn::GRU gru(I, H);
+    const Tensor input = torch::randn({T, B, I}, torch::requires_grad());
+    const Tensor state = torch::randn({B, H}, torch::requires_grad());
+    const Tensor weight = torch::randn({T, B, H});
+    std::vector<Tensor> inputs = gru->parameters();
+    inputs.insert(inputs.end(), {input, state});
+    std::vector<std::vector<Tensor>> results;
+    for (const bool plain : {false, true}) {
+      const GruWeights weights(gru, 0);
+      const Tensor output = plain ? PlainGruLayer(input, state, weights) : GruLayer(input, state, weights);
+      results.push_back(torch::autograd::grad({(output * weight).sum()}, inputs));
+      results.back().push_back(output.detach());
+    }
+    ExpectAlike(results[0], results[1], 2e-5, "GRU");
+    const Tensor library = std::get<0>(gru->forward(input, state.unsqueeze(0)));
+    ExpectAlike({results[0].back()}, {library}, 1e-5, "libtorch's GRU");
+  }
+}
+
+TEST(GruWeights, OfACellBehindALinearLayerAreBothInOne) {
+  torch::manual_seed(4);
+  const torch::nn::Linear embedding(6, 5);
+  const torch::nn::GRUCell cell(5, 7);
+  const Tensor input = torch::randn({4, 6}), state = torch::randn({4, 7});
+  const Tensor one = GruStep(input, state, GruWeights(cell, embedding));
+  torch::nn::Linear layer = embedding;
+  torch::nn::GRUCell second = cell;
+  ExpectAlike({one.detach()}, {second->forward(layer->forward(input), state).detach()}, 1e-5, "cell");
+}
+
+TEST(LieJoints, EqualTheirPlainFormWithTheGradient) {
+  torch::manual_seed(5);
+  const LieLayer layer(HumanAct12Chains(), LieExp::kReleased);
+  const Tensor parameters = torch::randn({6, 72}, torch::requires_grad());
+  const Tensor lengths = torch::rand({6, 24}) + 0.1, weight = torch::randn({6, 72});
+  std::vector<std::vector<Tensor>> results;
+  for (const bool plain : {false, true}) {
+    const Tensor joints = plain ? PlainLieJoints(layer, parameters, lengths) : LieJoints(layer, parameters, lengths);
+    results.push_back(torch::autograd::grad({(joints * weight).sum()}, {parameters}));
+    results.back().push_back(joints.detach());
+  }
+  ExpectAlike(results[0], results[1], 1e-5, "joints");
+  Tensor measured = LieBoneLengths(layer, results[0].back());
+  EXPECT_LE((measured - lengths).slice(1, 1).abs().max().item<double>(), 1e-5);
+}
+
+TEST(Draws, OfAMotionDoNotDependOnItsNeighboursAndShardsHaveTheirOwn) {
+  Draws together({7, 8, 9}), alone({8});
+  const Tensor of_three = together.Normal("noise", 5, 3, 4), of_one = alone.Normal("noise", 5, 1, 4);
+  EXPECT_TRUE(torch::equal(of_three.select(1, 1), of_one.select(1, 0)));
+  Draws first(1, 20, 0, 0), again(1, 20, 0, 0), other_shard(1, 20, 0, 1), other_phase(1, 20, 1, 0);
+  const Tensor values = first.Normal("noise", 40, 50, 10);
+  EXPECT_TRUE(torch::equal(values, again.Normal("noise", 40, 50, 10)));
+  EXPECT_FALSE(torch::equal(values, other_shard.Normal("noise", 40, 50, 10)));
+  EXPECT_FALSE(torch::equal(values, other_phase.Normal("noise", 40, 50, 10)));
+  EXPECT_NEAR(values.mean().item<double>(), 0.0, 0.03);
+  EXPECT_NEAR(values.std().item<double>(), 1.0, 0.03);
+  EXPECT_NEAR(values.pow(4).mean().item<double>(), 3.0, 0.3);
+  const Tensor uniform = first.Uniform("u", 40, 50, 10);
+  EXPECT_GE(uniform.min().item<double>(), 0.0);
+  EXPECT_LT(uniform.max().item<double>(), 1.0);
+  EXPECT_EQ(first.Coin("coin", 0.5), other_shard.Coin("coin", 0.5)) << "a coin is that of the whole batch";
+}
+
+}  // namespace
+}  // namespace mocurate

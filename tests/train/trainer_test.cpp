@@ -1,0 +1,322 @@
+// Every network trains, stops and goes on bit for bit with any number of threads, and its checkpoint answers requests.
+
+#include "train/trainer/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "core/base/file.h"
+#include "tests/train/toy_dataset.h"
+#include "train/data/batches.h"
+#include "train/generators/motion_generator.h"
+#include "train/recognisers/recogniser.h"
+#include "train/recognisers/recogniser_input.h"
+
+namespace mocurate {
+namespace {
+
+constexpr NetworkKind kAllKinds[] = {NetworkKind::kGruRecogniser, NetworkKind::kAction2Motion, NetworkKind::kCondGru,
+                                     NetworkKind::kActMoCoGan, NetworkKind::kTwoStageGan};
+
+class Trainer : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("mocurate_train_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string BytesOf(const Expected<Checkpoint>& checkpoint) {
+    EXPECT_TRUE(checkpoint) << checkpoint.error().Message();
+    if (!checkpoint) return "";
+    const std::filesystem::path path = folder_ / "checkpoint.h5";
+    EXPECT_TRUE(WriteCheckpoint(*checkpoint, path));
+    return *ReadFile(path);
+  }
+
+  std::filesystem::path folder_;
+};
+
+NetworkOptions Small(NetworkKind kind) {
+  NetworkOptions options(kind);
+  options.data.frames = 12;
+  options.learning.batch = 8;
+  options.learning.shards = 2;
+  options.learning.iterations = 12;
+  options.learning.save_every = 1000;
+  options.recogniser.hidden = 16;
+  options.recogniser.epochs = 3;
+  options.recogniser.check_every = 2;
+  options.action2motion.hidden = options.cond_gru.hidden = options.act_mocogan.hidden = 16;
+  options.action2motion.latent = options.act_mocogan.latent = options.two_stage_gan.latent = 4;
+  options.two_stage_gan.pose_hidden = options.two_stage_gan.motion_hidden = 16;
+  options.two_stage_gan.critic_steps = 2;
+  return options;
+}
+
+const TrainingSet& Toy() {
+  static const TrainingSet set = PackTrainingSet(ToyDataset(3));
+  return set;
+}
+
+class EveryNetwork : public Trainer, public testing::WithParamInterface<NetworkKind> {};
+
+TEST_P(EveryNetwork, GivesTheSameBytesAgainAndWithMoreThreads) {
+  const NetworkOptions options = Small(GetParam());
+  const std::string once = BytesOf(TrainNetwork(Toy(), options, {}));
+  TrainingControl threads;
+  threads.threads = 3;
+  EXPECT_EQ(once, BytesOf(TrainNetwork(Toy(), options, threads)));
+  NetworkOptions other = options;
+  other.seeds = {5};
+  EXPECT_NE(once, BytesOf(TrainNetwork(Toy(), other, {})));
+}
+
+TEST_P(EveryNetwork, StoppedAnywhereGoesOnBitForBit) {
+  NetworkOptions options = Small(GetParam());
+  options.learning.save_every = 4;
+  const std::string straight = BytesOf(TrainNetwork(Toy(), options, {}));
+  for (const int stop_at : {1, 5, 9}) {
+    TrainingControl control;
+    control.scratch = folder_ / ("scratch" + std::to_string(stop_at));
+    int asked = 0;
+    control.stop = [&] { return ++asked == stop_at + 1; };
+    const Expected<Checkpoint> stopped = TrainNetwork(Toy(), options, control);
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::kInterrupted);
+    EXPECT_EQ(straight, BytesOf(TrainNetwork(Toy(), options, control))) << "stopped after " << stop_at;
+  }
+}
+
+TEST_P(EveryNetwork, AnswersRequestsOneByOneAsByHundreds) {
+  const NetworkOptions options = Small(GetParam());
+  if (!GeneratesMotions(GetParam())) return;
+  const Expected<Checkpoint> trained = TrainNetwork(Toy(), options, {});
+  ASSERT_TRUE(trained) << trained.error().Message();
+  ASSERT_TRUE(WriteCheckpoint(*trained, folder_ / "generator.h5"));
+  const auto generator = MotionGenerator::Load(folder_ / "generator.h5");
+  ASSERT_TRUE(generator) << generator.error().Message();
+  std::vector<MotionRequest> requests;
+  for (int i = 0; i < 100; ++i) {
+    MotionRequest request;
+    request.label = i % 3;
+    request.frames = 12;
+    request.seed = static_cast<std::uint64_t>(i);
+    request.bone_length = {0.0, 0.3, 0.25 + 0.001 * i, 0.4, 0.4};
+    request.first_pose.assign(15, 0.01 * i);
+    requests.push_back(request);
+  }
+  ASSERT_TRUE(WriteRequests(requests, folder_ / "requests.json"));
+  const auto read = ReadRequests(folder_ / "requests.json");
+  ASSERT_TRUE(read) << read.error().Message();
+  const auto all = (*generator)->Joints(*read, 2);
+  ASSERT_TRUE(all) << all.error().Message();
+  const auto one = (*generator)->Joints({requests[37]});
+  for (std::size_t k = 0; k < one->size(); ++k) ASSERT_NEAR((*one)[k], (*all)[37 * one->size() + k], 1e-4);
+  const auto set = (*generator)->Generate(requests);
+  ASSERT_TRUE(set) << set.error().Message();
+  EXPECT_EQ(set->clips[37].label, "quick");
+  EXPECT_TRUE(WriteDataset(*set, folder_ / "motions.h5"));
+  if (GetParam() == NetworkKind::kAction2Motion) {
+    const Motion& motion = *set->clips[37].motion;
+    EXPECT_NEAR((motion.joints.at(5, 2) - motion.joints.at(5, 1)).norm(), 0.25 + 0.037, 1e-5);
+  }
+  requests[4].label = 9;
+  const auto wrong = (*generator)->Joints(requests);
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().where, "request 4");
+}
+
+INSTANTIATE_TEST_SUITE_P(Networks, EveryNetwork, testing::ValuesIn(kAllKinds));
+
+TEST_F(Trainer, ANetworkKeptAfterSomeStepsGoesOnToTheSameWeights) {
+  NetworkOptions options = Small(NetworkKind::kAction2Motion);
+  const Expected<Checkpoint> straight = TrainNetwork(Toy(), options, {});
+  options.learning.until = 5;
+  const Expected<Checkpoint> early = TrainNetwork(Toy(), options, {});
+  ASSERT_TRUE(straight && early);
+  EXPECT_EQ(early->step, 5);
+  ASSERT_TRUE(WriteCheckpoint(*early, folder_ / "early.h5"));
+  TrainingControl control;
+  control.start = folder_ / "early.h5";
+  options.learning.until = 0;
+  int steps = 0;
+  control.stop = [&] { return ++steps > 7; };
+  const Expected<Checkpoint> later = TrainNetwork(Toy(), options, control);
+  ASSERT_TRUE(later) << later.error().Message();
+  for (std::size_t i = 0; i < straight->parameters.size(); ++i) {
+    EXPECT_EQ(straight->parameters[i].value, later->parameters[i].value) << straight->parameters[i].name;
+  }
+}
+
+double TestAccuracy(const Dataset& dataset, const std::filesystem::path& path) {
+  const auto recogniser = Recogniser::Load(path);
+  EXPECT_TRUE(recogniser) << recogniser.error().Message();
+  Random random(0, "unused");
+  double right = 0.0;
+  for (const int row : dataset.splits[0].test) {
+    const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
+    const std::vector<float> input =
+        RecogniserInput(*clip.motion, (*recogniser)->input_kind(), (*recogniser)->input_frames(), random);
+    const auto output = (*recogniser)->Run(input.data(), 1, (*recogniser)->input_frames(), 15);
+    right += output->Predicted(0) == dataset.LabelIndex(clip.label) ? 1.0 : 0.0;
+  }
+  return right / static_cast<double>(dataset.splits[0].test.size());
+}
+
+TEST_F(Trainer, ARecogniserLearnsMotionsThatDiffer) {
+  const Dataset dataset = ToyDataset(6);
+  NetworkOptions options = Small(NetworkKind::kGruRecogniser);
+  options.data.frames = 16;
+  options.data.augmentation.yaw_rad = 0.1;
+  options.data.augmentation.noise_m = 0.005;
+  options.recogniser.epochs = 60;
+  options.learning.learning_rate = 1e-2;
+  const Expected<Checkpoint> checkpoint = TrainNetwork(PackTrainingSet(dataset), options, {});
+  ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
+  ASSERT_TRUE(WriteCheckpoint(*checkpoint, folder_ / "recogniser.h5"));
+  EXPECT_GE(TestAccuracy(dataset, folder_ / "recogniser.h5"), 0.9)
+      << "last accuracy on the training clips " << checkpoint->history.at("accuracy").back();
+  EXPECT_FALSE(checkpoint->history.at("validation_accuracy").empty());
+  EXPECT_EQ(checkpoint->facts.at("rate"), "30");
+}
+
+TEST_F(Trainer, AVaeLearnsToReconstruct) {
+  for (const bool lie : {true, false}) {
+    NetworkOptions options = Small(NetworkKind::kAction2Motion);
+    options.action2motion.lie = lie;
+    options.learning.iterations = 150;
+    options.learning.learning_rate = 1e-2;
+    const Expected<Checkpoint> checkpoint = TrainNetwork(Toy(), options, {});
+    ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
+    const std::vector<double>& loss = checkpoint->history.at("reconstruction");
+    EXPECT_LT(loss.back(), 0.3 * loss.front());
+  }
+}
+
+TEST_F(Trainer, SmallerFractionsAreParts) {
+  const TrainingSet set = PackTrainingSet(ToyDataset(10));
+  TrainingDataOptions options;
+  std::vector<int> larger;
+  for (const double fraction : {1.0, 0.5, 0.2, 0.05}) {
+    options.fraction = fraction;
+    const auto rows = SelectTrainingRows(set, options, false, 1, 0.1);
+    ASSERT_TRUE(rows) << rows.error().Message();
+    EXPECT_TRUE(larger.empty() || std::includes(larger.begin(), larger.end(), rows->train.begin(), rows->train.end()));
+    EXPECT_GE(rows->train.size(), 3u) << "no class is lost";
+    larger = rows->train;
+  }
+}
+
+TEST_F(Trainer, BalancedBatchesHoldEveryClassAlike) {
+  TrainingSet set = PackTrainingSet(ToyDataset(10));
+  std::vector<int> rows;  // 24 of one class, 3 of another
+  for (int i = 0; i < static_cast<int>(set.clips.size()); ++i) {
+    const int label = set.clips[static_cast<std::size_t>(i)].label;
+    const auto have = std::count_if(rows.begin(), rows.end(),
+                                    [&](int row) { return set.clips[static_cast<std::size_t>(row)].label == label; });
+    if ((label == 0 && have < 24) || (label == 1 && have < 3)) rows.push_back(i);
+  }
+  TrainingDataOptions options;
+  options.balance = true;
+  const BatchOrder order(set, options, rows, 9, false, 1);
+  std::map<int, int> seen;
+  for (std::int64_t step = 0; step < 4 * order.batches_per_pass(); ++step) {
+    for (const int row : order.RowsOf(step)) ++seen[set.clips[static_cast<std::size_t>(row)].label];
+  }
+  EXPECT_NEAR(seen[0], seen[1], 4);
+}
+
+TEST_F(Trainer, BadInputEndsWithItsCode) {
+  NetworkOptions options = Small(NetworkKind::kAction2Motion);
+  options.data.split = "style";
+  const auto split = TrainNetwork(Toy(), options, {});
+  ASSERT_FALSE(split);
+  EXPECT_EQ(split.error().code, ErrorCode::kConfig);
+  options = Small(NetworkKind::kAction2Motion);
+  options.learning.device = TrainDevice::kCuda;
+  const auto device = TrainNetwork(Toy(), options, {});
+  ASSERT_FALSE(device);
+  EXPECT_EQ(device.error().code, ErrorCode::kMissingOnHost);
+  TrainingSet unlabelled = Toy();
+  unlabelled.clips[static_cast<std::size_t>(unlabelled.splits[0].train[2])].label = -1;
+  const auto label = TrainNetwork(unlabelled, Small(NetworkKind::kCondGru), {});
+  ASSERT_FALSE(label);
+  EXPECT_EQ(label.error().where, unlabelled.clips[static_cast<std::size_t>(unlabelled.splits[0].train[2])].id);
+  TrainingSet few = Toy();
+  few.splits[0].train.resize(1);
+  EXPECT_FALSE(TrainNetwork(few, Small(NetworkKind::kAction2Motion), {}));
+}
+
+TEST_F(Trainer, ClipsOfOneFrameAndMotionsThatStandStillTrain) {
+  Dataset dataset = ToyDataset(3);
+  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+    Motion& motion = *dataset.clips[i].motion;
+    const int frames = i % 2 == 0 ? 1 : motion.joints.frames;
+    JointPositions still(frames, 5);
+    for (int f = 0; f < frames; ++f) {
+      for (int j = 0; j < 5; ++j) still.at(f, j) = motion.joints.at(0, j);
+    }
+    motion.joints = still;
+  }
+  const TrainingSet set = PackTrainingSet(dataset);
+  for (const NetworkKind kind : kAllKinds) {
+    const auto trained = TrainNetwork(set, Small(kind), {});
+    EXPECT_TRUE(trained) << trained.error().Message();
+  }
+}
+
+TEST_F(Trainer, ALossThatIsNotFiniteEndsTheTrainingAndItsBatchIsKept) {
+  NetworkOptions options = Small(NetworkKind::kAction2Motion);
+  options.action2motion.lie = false;
+  TrainingSet set = Toy();
+  for (float& value : set.joints) value *= 1e20f;
+  TrainingControl control;
+  control.scratch = folder_ / "scratch";
+  const auto diverged = TrainNetwork(set, options, control);
+  ASSERT_FALSE(diverged);
+  EXPECT_EQ(diverged.error().code, ErrorCode::kInconsistent);
+  const auto kept = ReadCheckpoint(folder_ / "scratch/diverged.h5");
+  ASSERT_TRUE(kept) << kept.error().Message();
+  EXPECT_GE(FindParameter(kept->parameters, "batch.motion"), 0);
+}
+
+TEST_F(Trainer, ACheckpointOfAnotherNetworkIsRefusedNamingBoth) {
+  ASSERT_TRUE(WriteCheckpoint(*TrainNetwork(Toy(), Small(NetworkKind::kAction2Motion), {}), folder_ / "generator.h5"));
+  const auto recogniser = Recogniser::Load(folder_ / "generator.h5");
+  ASSERT_FALSE(recogniser);
+  EXPECT_EQ(recogniser.error().code, ErrorCode::kInconsistent);
+  ASSERT_TRUE(WriteCheckpoint(*TrainNetwork(Toy(), Small(NetworkKind::kGruRecogniser), {}), folder_ / "recogniser.h5"));
+  const auto generator = MotionGenerator::Load(folder_ / "recogniser.h5");
+  ASSERT_FALSE(generator);
+  EXPECT_EQ(generator.error().code, ErrorCode::kInconsistent);
+}
+
+TEST_F(Trainer, ADamagedCheckpointIsRefused) {
+  const std::filesystem::path path = folder_ / "generator.h5";
+  const std::string bytes = BytesOf(TrainNetwork(Toy(), Small(NetworkKind::kAction2Motion), {}));
+  Random random(1, "damage");
+  for (int round = 0; round < 30; ++round) {
+    std::string damaged = bytes;
+    damaged[damaged.size() / 4 + random.Below(damaged.size() / 2)] ^= 1;
+    ASSERT_TRUE(WriteFile(path, damaged));
+    const Expected<Checkpoint> checkpoint = ReadCheckpoint(path);
+    if (checkpoint) {
+      EXPECT_EQ(BytesOf(checkpoint), bytes);  // the change lay outside of what is stored
+    }
+  }
+  ASSERT_TRUE(WriteFile(path, bytes.substr(0, bytes.size() / 2)));
+  EXPECT_FALSE(ReadCheckpoint(path));
+  ASSERT_TRUE(WriteFile(path, ""));
+  EXPECT_FALSE(ReadCheckpoint(path));
+  EXPECT_EQ(ReadCheckpoint(folder_ / "nothing.h5").error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace mocurate

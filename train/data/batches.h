@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/random.h"
+#include "train/data/training_set.h"
+#include "train/options.h"
+
+namespace mocurate {
+
+/// Rows of a training set in the parts of a training.
+struct TrainingRows {
+  std::vector<int> train;
+  std::vector<int> validation;  ///< drawn from the training part of the split, never from its test part
+  std::string split;            ///< name, or empty without one
+  std::string validation_rule;  ///< in words
+};
+
+/// Clips of the training part of the split that the options name, less what `fraction` leaves out. With `held_out`, the
+/// split's own validation part, or all clips of one training person (by `seed`), or a fraction `smallest_validation` of
+/// the clips becomes the validation part. Errors: kConfig (unknown split), kInconsistent (a clip without label or
+/// motion, fewer than 2 training clips).
+Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const TrainingDataOptions& options, bool held_out,
+                                          std::uint64_t seed, double smallest_validation);
+
+/// What goes into each step: passes over the rows in shuffled order, by class where the options balance them.
+class BatchOrder {
+ public:
+  /// `keep_last`: a pass ends with a smaller batch; else that is dropped (a2m_actor.md B.6).
+  BatchOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows, std::int64_t batch,
+             bool keep_last, std::uint64_t seed);
+
+  std::int64_t batches_per_pass() const { return per_pass_; }
+  std::vector<int> RowsOf(std::int64_t step) const;
+
+ private:
+  std::vector<int> PassOf(std::int64_t pass) const;
+
+  std::vector<int> rows_;
+  std::vector<std::vector<int>> by_class_;  ///< positions in rows_, where classes are balanced
+  std::int64_t batch_, per_pass_;
+  std::uint64_t seed_;
+  mutable std::int64_t pass_ = -1;  ///< of `order_`
+  mutable std::vector<int> order_;
+};
+
+/// Windows of clips, frame-major.
+struct MotionRows {
+  int frames = 0;
+  std::vector<float> motion;        ///< (T,B,3J) metres, first root at the origin
+  std::vector<std::int64_t> label;  ///< (B)
+};
+
+/// Windows of `rows` as the options say. Draws are keyed by (seed, `key`, position); without `augment` there are no
+/// random changes.
+MotionRows MakeMotionRows(const TrainingSet& set, const TrainingDataOptions& options, const std::vector<int>& rows,
+                          std::uint64_t seed, const std::string& key, bool augment);
+
+/// Positions 0..count-1 in the order of one pass, drawn by Fisher-Yates.
+std::vector<int> ShuffledOrder(int count, Random random);
+
+/// Chains of a skeleton: its own, or derived from the tree where it declares none (the first child continues a chain,
+/// raw offsets are the directions of the rest pose).
+LieChains ChainsOf(const Skeleton& skeleton);
+
+}  // namespace mocurate

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/store/store.h"
+
+namespace mocurate {
+
+/// The clips of a dataset as networks read them: the joints of all frames packed as float32, one clip after the other.
+struct TrainingSet {
+  struct Clip {
+    std::string id, person;
+    int label = -1;         ///< class; -1: none
+    std::size_t first = 0;  ///< its first frame in `joints`
+    int frames = 0;         ///< 0: no motion
+  };
+  SkeletonPtr skeleton;
+  FrameRate rate;  ///< of the first clip
+  std::vector<std::string> labels;
+  std::vector<Split> splits;
+  std::vector<Clip> clips;
+  std::vector<float> joints;  ///< (frames of all clips, J, 3) metres
+
+  JointPositions Joints(std::size_t clip) const;
+};
+
+/// Reads the file clip by clip and checks its hashes. Errors of ReadDataset.
+Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path);
+
+/// The same of a dataset in memory.
+TrainingSet PackTrainingSet(const Dataset& dataset);
+
+}  // namespace mocurate

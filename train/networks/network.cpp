@@ -1,0 +1,43 @@
+#include "train/networks/network.h"
+
+#include "core/base/random.h"
+#include "train/data/batches.h"
+#include "train/networks/act_mocogan.h"
+#include "train/networks/action2motion.h"
+#include "train/networks/cond_gru.h"
+#include "train/networks/gru_recogniser.h"
+#include "train/networks/two_stage_gan.h"
+
+namespace mocurate {
+
+std::vector<int> Network::Phases(std::int64_t /*step*/, std::int64_t /*steps*/) const { return {0}; }
+
+ValidationScore Network::Validate(const Batch& /*batch*/) { return {}; }
+
+std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes) {
+  Random key(options.seed(), "network.initial");
+  torch::manual_seed((static_cast<std::uint64_t>(key.Next()) << 32) | key.Next());
+  switch (options.kind) {
+    case NetworkKind::kGruRecogniser:
+      return std::make_shared<GruRecogniser>(options.recogniser, options.learning, sizes);
+    case NetworkKind::kAction2Motion:
+      return std::make_shared<Action2Motion>(options.action2motion, options.learning, sizes);
+    case NetworkKind::kCondGru:
+      return std::make_shared<CondGru>(options.cond_gru, options.learning, sizes);
+    case NetworkKind::kActMoCoGan:
+      return std::make_shared<ActMoCoGan>(options.act_mocogan, options.learning, sizes);
+    case NetworkKind::kTwoStageGan:
+      return std::make_shared<TwoStageGan>(options.two_stage_gan, options.learning, sizes);
+  }
+  return nullptr;
+}
+
+NetworkSizes SizesOf(const Skeleton& skeleton, std::size_t classes) {
+  return {skeleton.joint_count(), static_cast<int>(classes), ChainsOf(skeleton)};
+}
+
+torch::Tensor OneHot(const torch::Tensor& label, std::int64_t classes) {
+  return torch::one_hot(label, classes).to(torch::kFloat32);
+}
+
+}  // namespace mocurate

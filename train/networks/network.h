@@ -1,0 +1,113 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/motion/skeleton.h"
+#include "train/layers/draws.h"
+#include "train/options.h"
+
+namespace mocurate {
+
+/// What a network is built for.
+struct NetworkSizes {
+  int joints = 24;
+  int classes = 12;
+  LieChains chains;  ///< of the skeleton; read where a network decodes rotations
+
+  std::int64_t pose() const { return 3 * static_cast<std::int64_t>(joints); }
+};
+
+/// Motions of one shard of a training batch.
+struct Batch {
+  torch::Tensor motion;    ///< (T,B,D) float32 joints, metres, first root at the origin
+  torch::Tensor label;     ///< (B) int64
+  std::int64_t whole = 0;  ///< motions of the whole batch: means divide by it, so that gradients of shards add up
+
+  std::int64_t frames() const { return motion.size(0); }
+  std::int64_t size() const { return motion.size(1); }
+};
+
+/// Loss of a shard. `terms` are scalars for the history, `outputs` what other implementations can be compared in.
+struct Losses {
+  torch::Tensor total;
+  std::vector<std::pair<std::string, torch::Tensor>> terms;
+  std::vector<std::pair<std::string, torch::Tensor>> outputs;
+};
+
+/// Parameters that one optimiser steps.
+struct OptimiserGroup {
+  enum class Rule { kAdam, kRmsProp };
+  std::string name;
+  std::vector<torch::Tensor> parameters;
+  Rule rule = Rule::kAdam;
+  double learning_rate = 2e-4;
+  double weight_decay = 0.0;
+  double beta1 = 0.9;
+};
+
+/// Motions that are asked for: B of them, of the same number of frames.
+struct RequestBatch {
+  torch::Tensor label;  ///< (B) int64
+  int frames = 60;
+  torch::Tensor bone_length;  ///< (B,J) metres, 0 for the root
+  torch::Tensor first_pose;   ///< (B,D) metres, root at the origin; undefined where requests give none
+};
+
+/// What a network answers.
+struct Motions {
+  torch::Tensor joints;  ///< (T,B,D) metres
+  torch::Tensor output;  ///< (T,B,D) what the last layer gives: Lie parameters, or the joints themselves
+};
+
+/// Accuracy and loss of a classifier on held-out motions, sums over the batch.
+struct ValidationScore {
+  double right = 0.0;
+  double loss = 0.0;
+};
+
+/// Named tensors, as inputs and outputs of a part of a network.
+using NamedTensors = std::map<std::string, torch::Tensor>;
+
+/// A network that a trainer can train. Parameters bear the released names (`register_module`).
+class Network : public torch::nn::Module {
+ public:
+  /// Optimisers, one a phase of a training step, in their order.
+  virtual std::vector<OptimiserGroup> Groups() = 0;
+  /// The phases that step `step` of `steps` runs, in order: positions in Groups().
+  virtual std::vector<int> Phases(std::int64_t step, std::int64_t steps) const;
+  /// Loss of one shard by the parameters of that phase.
+  virtual Losses Loss(const Batch& batch, Draws& draws, int phase) = 0;
+  /// After the optimiser of that phase has stepped.
+  virtual void AfterStep(int /*phase*/) {}
+
+  /// Motions for requests; no gradients are kept.
+  virtual Motions Answer(const RequestBatch& requests, Draws& draws) = 0;
+
+  /// Of classifiers only.
+  virtual ValidationScore Validate(const Batch& batch);
+  /// Before training: mean and standard deviation of every number of a frame, (D) each.
+  virtual void Standardise(const torch::Tensor& /*mean*/, const torch::Tensor& /*deviation*/) {}
+  /// After training: stores what it learned in its parameters alone.
+  virtual void Finish() {}
+
+  /// Parts of the network on given inputs, for comparison with other implementations.
+  virtual NamedTensors Parts(const NamedTensors& inputs) = 0;
+};
+
+/// The network that `options` ask for, its initial values drawn from their seed.
+std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes);
+
+/// Sizes for a dataset.
+NetworkSizes SizesOf(const Skeleton& skeleton, std::size_t classes);
+
+/// (B) classes -> (B,classes) float32.
+torch::Tensor OneHot(const torch::Tensor& label, std::int64_t classes);
+
+}  // namespace mocurate

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/motion/skeleton.h"
+#include "train/checkpoint/parameters.h"
+#include "train/options.h"
+
+namespace mocurate {
+
+/// For comparison with other implementations: a network built with given weights, fed with given inputs and draws. No
+/// type of libtorch appears, and all networks are traced by the same three functions.
+struct TracedNetwork {
+  NetworkOptions options;
+  int joints = 24;
+  int classes = 12;
+  LieChains chains;
+  ParameterList weights;  ///< by name; those that are missing keep their initial values
+};
+
+/// A named array; `value` of integers and truth values as numbers.
+using TraceValues = std::map<std::string, Parameter>;
+
+/// Training steps on one batch in one shard.
+struct TraceBatch {
+  int frames = 0;
+  std::vector<float> motion;       ///< (T,B,3J)
+  std::vector<int> label;          ///< (B)
+  std::vector<TraceValues> draws;  ///< of each step, by purpose: as many steps are taken
+  int phase = 0;
+};
+
+/// What the steps gave: terms, outputs and gradients of the first, parameters after each.
+struct StepTrace {
+  double total = 0.0;
+  std::map<std::string, double> terms;
+  TraceValues outputs, gradients;
+  std::vector<ParameterList> after;
+};
+
+/// Error kInconsistent where weights do not fit the network.
+Expected<StepTrace> TraceStep(const TracedNetwork& network, const TraceBatch& batch);
+
+/// Network::Parts on `inputs`; with `cotangents`, the gradients of their inner product with the parts.
+struct PartsTrace {
+  TraceValues parts, gradients;
+};
+Expected<PartsTrace> TraceParts(const TracedNetwork& network, const TraceValues& inputs,
+                                const TraceValues& cotangents = {});
+
+/// Motions for labels: "joints" and "output", (T,B,3J).
+Expected<TraceValues> TraceAnswer(const TracedNetwork& network, const std::vector<int>& label, int frames,
+                                  const std::vector<float>& bone_length, const TraceValues& draws);
+
+/// Names and shapes of the parameters, in the order in which they are registered.
+std::vector<std::pair<std::string, std::vector<std::int64_t>>> ShapesOf(const TracedNetwork& network);
+
+/// Number of learned values by the first part of their names ("prior", "decoder", ...).
+std::map<std::string, std::int64_t> CountOfParts(const TracedNetwork& network);
+
+}  // namespace mocurate

@@ -1,0 +1,416 @@
+#include "train/trainer/trainer.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/pi.h"
+#include "core/base/text.h"
+#include "train/data/batches.h"
+#include "train/networks/network.h"
+#include "train/trainer/optimisers.h"
+#include "train/trainer/values.h"
+
+namespace mocurate {
+namespace {
+
+using torch::Tensor;
+
+constexpr std::int64_t kHistoryRows = 2000;      // of a training, however long
+constexpr std::int64_t kValidatedAtOnce = 128;   // motions
+constexpr double kSmallestDeviation = 0.02;      // metres, of a standardised number
+constexpr std::int64_t kRoundSteps = 1LL << 40;  // keeps the draws of two rounds apart
+
+double ResidentMegabytes() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+Status CheckDevice(TrainDevice device) {
+  if (device == TrainDevice::kCpu || torch::cuda::is_available()) return {};
+  return Fail(ErrorCode::kMissingOnHost, "no CUDA device is here, or this libtorch has no CUDA", "device: cuda",
+              "set device: cpu");
+}
+
+/// One training: a round on the training part, and for recognisers a second one on all of it.
+class Training {
+ public:
+  Training(const TrainingSet& set, const NetworkOptions& options, const TrainingControl& control)
+      : set_(set), options_(options), control_(control), recognises_(options.kind == NetworkKind::kGruRecogniser) {}
+
+  Expected<Checkpoint> Run() {
+    if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
+    torch::set_num_threads(1);  // shards have a thread each; the bytes must not depend on a thread count
+    auto rows =
+        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
+    if (!rows) return Forward(rows);
+    rows_ = std::move(*rows);
+    if (Status begun = Begin(); !begun) return Forward(begun);
+    while (!ended_) {
+      if (control_.stop()) return Interrupted();
+      if (Status stepped = Step(); !stepped) return Forward(stepped);
+      if (round_step_ == until_) EndRound();
+      if (!ended_ && state_.step % options_.learning.save_every == 0) {
+        if (Status saved = Save(); !saved) return Forward(saved);
+      }
+    }
+    network_->Finish();
+    Store();
+    state_.best.clear();
+    state_.finished = true;
+    return std::move(state_);
+  }
+
+  /// Runs a few steps of a fresh training.
+  Expected<TrainingCost> Measure() {
+    if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
+    constexpr int kMeasured = 4;
+    torch::set_num_threads(1);
+    auto rows =
+        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
+    if (!rows) return Forward(rows);
+    rows_ = std::move(*rows);
+    StartRound(0);
+    TrainingCost cost;
+    cost.steps = until_ * (recognises_ && options_.recogniser.refit ? 2 : 1);
+    for (const Tensor& parameter : network_->parameters()) cost.parameters += parameter.numel();
+    if (Status warm = Step(); !warm) return Forward(warm);
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < kMeasured; ++i) {
+      if (Status done = Step(); !done) return Forward(done);
+    }
+    cost.seconds_per_step = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / kMeasured;
+    return cost;
+  }
+
+ private:
+  torch::Device device() const {
+    return options_.learning.device == TrainDevice::kCuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU);
+  }
+
+  std::filesystem::path StateFile() const { return control_.scratch / "training_state.h5"; }
+
+  /// From the state in scratch, from the checkpoint that the training goes on from, or anew.
+  Status Begin() {
+    state_.kind = OptionsToJson(options_).at("kind").get<std::string>();
+    state_.options = OptionsToJson(options_);
+    state_.skeleton = set_.skeleton;
+    state_.dataset_sha256 = control_.dataset_sha256;
+    state_.labels = set_.labels;
+    std::error_code unknown;
+    for (const std::filesystem::path& file :
+         {control_.scratch.empty() ? std::filesystem::path() : StateFile(), control_.start}) {
+      if (file.empty() || !std::filesystem::exists(file, unknown)) continue;
+      Expected<Checkpoint> stored = ReadCheckpoint(file, state_.kind);
+      if (!stored && file == control_.start) return Forward(stored);
+      if (!stored) {
+        LogWarning("training starts anew: " + stored.error().Message());
+        continue;
+      }
+      if (SameTraining(*stored)) return Resume(std::move(*stored), DisplayPath(file));
+    }
+    StartRound(0);
+    return {};
+  }
+
+  bool SameTraining(const Checkpoint& stored) const {
+    nlohmann::json own = state_.options, other = stored.options;
+    for (const char* key : {"until", "samples_at", "save_every"}) {
+      own.erase(key);
+      other.erase(key);
+    }
+    return own == other && stored.dataset_sha256 == control_.dataset_sha256;
+  }
+
+  Status Resume(Checkpoint stored, const std::string& where) {
+    const nlohmann::json facts = stored.facts;
+    best_epoch_ = facts.value("best_epoch", std::int64_t{0});
+    best_.right = facts.value("best_accuracy", 0.0);
+    best_.loss = facts.value("best_loss", 0.0);
+    StartRound(facts.value("round", 0));
+    round_step_ = facts.value("round_step", std::int64_t{0});
+    state_.step = stored.step;
+    state_.history = std::move(stored.history);
+    state_.best = std::move(stored.best);
+    if (Status set = SetValues(stored.parameters, where, *network_); !set) return set;
+    if (Status restored = optimisers_->Restore(stored.optimisers, where); !restored) return restored;
+    ended_ = round_step_ >= until_;
+    return {};
+  }
+
+  void StartRound(int round) {
+    round_ = round;
+    round_step_ = 0;
+    if (round == 1) {
+      rows_.train.insert(rows_.train.end(), rows_.validation.begin(), rows_.validation.end());
+      std::sort(rows_.train.begin(), rows_.train.end());
+    }
+    network_ = MakeNetwork(options_, SizesOf(*set_.skeleton, set_.labels.size()));
+    if (recognises_) Standardise();
+    network_->to(device());
+    optimisers_ = std::make_unique<Optimisers>(*network_);
+    order_ = std::make_unique<BatchOrder>(set_, options_.data, rows_.train, options_.learning.batch, recognises_,
+                                          options_.seed());
+    steps_ = options_.learning.iterations;
+    if (recognises_) steps_ = order_->batches_per_pass() * (round == 0 ? options_.recogniser.epochs : best_epoch_);
+    until_ = options_.learning.until > 0 && !recognises_ ? std::min(steps_, options_.learning.until) : steps_;
+  }
+
+  /// Mean and deviation of every number over the unchanged training windows.
+  void Standardise() {
+    const std::int64_t D = 3 * set_.skeleton->joint_count();
+    Tensor sum = torch::zeros({D}, torch::kFloat64), squares = sum.clone();
+    double count = 0.0;
+    for (const int row : rows_.train) {
+      const Batch one = BatchOf({row}, "standardise", false);
+      const Tensor values = one.motion.view({-1, D}).to(torch::kFloat64);
+      sum += values.sum(0);
+      squares += values.square().sum(0);
+      count += static_cast<double>(values.size(0));
+    }
+    const Tensor mean = sum / count;
+    const Tensor deviation = (squares / count - mean.square()).clamp_min(0.0).sqrt().clamp_min(kSmallestDeviation);
+    network_->Standardise(mean.to(torch::kFloat32).to(device()), deviation.to(torch::kFloat32).to(device()));
+  }
+
+  Batch BatchOf(const std::vector<int>& rows, const std::string& key, bool augment) const {
+    MotionRows made = MakeMotionRows(set_, options_.data, rows, options_.seed(), key, augment);
+    const auto B = static_cast<std::int64_t>(rows.size());
+    Batch batch;
+    batch.motion = torch::from_blob(made.motion.data(), {made.frames, B, 3 * set_.skeleton->joint_count()}).clone();
+    batch.label = torch::from_blob(made.label.data(), {B}, torch::kInt64).clone();
+    batch.motion = batch.motion.to(device());
+    batch.label = batch.label.to(device());
+    batch.whole = B;
+    return batch;
+  }
+
+  /// The batch in parts, of which each has a thread.
+  std::vector<Batch> ShardsOf(const Batch& batch) const {
+    const std::int64_t shards = std::min(options_.learning.shards, batch.size());
+    std::vector<Batch> parts;
+    for (std::int64_t s = 0; s < shards; ++s) {
+      const std::int64_t begin = batch.size() * s / shards, end = batch.size() * (s + 1) / shards;
+      parts.push_back({batch.motion.slice(1, begin, end).contiguous(), batch.label.slice(0, begin, end), batch.size()});
+    }
+    return parts;
+  }
+
+  double RateFactor() const {
+    if (!recognises_ || !options_.recogniser.anneal) return 1.0;
+    return 0.5 * (1.0 + std::cos(kPi * static_cast<double>(round_step_) / static_cast<double>(steps_)));
+  }
+
+  Status Step() {
+    const Batch batch =
+        BatchOf(order_->RowsOf(round_step_), std::to_string(round_) + "/" + std::to_string(round_step_), true);
+    const std::vector<Batch> shards = ShardsOf(batch);
+    std::map<std::string, double> terms;
+    for (const int phase : network_->Phases(round_step_, steps_)) {
+      const std::vector<Tensor>& parameters = optimisers_->group(phase).parameters;
+      std::vector<Losses> losses(shards.size());
+      std::vector<std::vector<Tensor>> gradients(shards.size());
+      ParallelFor(static_cast<int>(shards.size()), 1, control_.threads, [&](int begin, int end) {
+        for (int s = begin; s < end; ++s) {
+          Draws draws(options_.seed(), round_step_ + round_ * kRoundSteps, phase, s);
+          const auto at = static_cast<std::size_t>(s);
+          losses[at] = network_->Loss(shards[at], draws, phase);
+          gradients[at] = torch::autograd::grad({losses[at].total}, parameters, {}, false, false, true);
+        }
+      });
+      std::vector<Tensor> sum = std::move(gradients[0]);
+      double total = losses[0].total.item<double>();
+      for (const auto& [name, value] : losses[0].terms) terms[name] += value.item<double>();
+      for (std::size_t s = 1; s < shards.size(); ++s) {
+        total += losses[s].total.item<double>();
+        for (const auto& [name, value] : losses[s].terms) terms[name] += value.item<double>();
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+          if (sum[i].defined()) sum[i] = sum[i] + gradients[s][i];
+        }
+      }
+      if (!std::isfinite(total)) return Diverged(batch, total);
+      optimisers_->Step(phase, sum, RateFactor(), options_.learning.gradient_clip);
+      network_->AfterStep(phase);
+    }
+    ++round_step_;
+    ++state_.step;
+    Record(terms);
+    if (recognises_ && round_ == 0) Check();
+    Progress(terms);
+    return {};
+  }
+
+  Status Diverged(const Batch& batch, double loss) {
+    std::string kept = "a scratch folder would hold the batch";
+    if (!control_.scratch.empty()) {
+      Store();
+      Checkpoint dump = state_;
+      const Tensor motion = batch.motion.to(torch::kCPU).contiguous(), label = batch.label.to(torch::kCPU);
+      Parameter values{"batch.motion", motion.sizes().vec(), {}};
+      values.value.assign(motion.data_ptr<float>(), motion.data_ptr<float>() + motion.numel());
+      Parameter classes{"batch.label", label.sizes().vec(), {}};
+      for (std::int64_t b = 0; b < label.numel(); ++b) {
+        classes.value.push_back(static_cast<float>(label.data_ptr<std::int64_t>()[b]));
+      }
+      dump.parameters.push_back(std::move(values));
+      dump.parameters.push_back(std::move(classes));
+      const std::filesystem::path file = control_.scratch / "diverged.h5";
+      if (Status made = MakeFolder(control_.scratch); !made) return made;
+      if (Status written = WriteCheckpoint(dump, file); !written) return written;
+      kept = "batch and weights are kept in " + DisplayPath(file);
+    }
+    return Fail(ErrorCode::kInconsistent,
+                "the loss is " + RoundedText(loss, 4) + " after " + Counted(state_.step, "step") + "; " + kept,
+                options_.name, "lower learning_rate, or set gradient_clip");
+  }
+
+  void Record(const std::map<std::string, double>& terms) {
+    const std::int64_t stride = std::max<std::int64_t>(1, steps_ / kHistoryRows);
+    if (round_step_ % stride != 0 && round_step_ != until_) return;
+    state_.history["step"].push_back(static_cast<double>(state_.step));
+    for (const auto& [name, value] : terms) Column(name).push_back(value);
+    for (auto& [name, column] : state_.history) {
+      const bool of_checks = name.rfind("validation_", 0) == 0 || name == "check_step";
+      if (!of_checks) column.resize(state_.history["step"].size(), std::nan(""));
+    }
+  }
+
+  /// A column as long as those before it: a phase may begin late.
+  std::vector<double>& Column(const std::string& name) {
+    std::vector<double>& column = state_.history[name];
+    column.resize(state_.history["step"].size() - 1, std::nan(""));
+    return column;
+  }
+
+  void Progress(const std::map<std::string, double>& terms) {
+    using Clock = std::chrono::steady_clock;
+    if (first_step_ < 0) {
+      first_step_ = round_step_;
+      began_ = Clock::now();
+    }
+    const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    const double rate = seconds > 0.0 ? static_cast<double>(round_step_ - first_step_) / seconds : 0.0;
+    const double share = static_cast<double>(round_step_) / static_cast<double>(until_);
+    std::string text = options_.name + ": step " + std::to_string(round_step_) + " of " + std::to_string(until_);
+    if (rate > 0.0) {
+      text += ", " + RoundedText(rate, 3) + " steps/s, " +
+              RoundedText(static_cast<double>(until_ - round_step_) / rate / 60.0, 2) + " min left";
+    }
+    for (const auto& [name, value] : terms) text += ", " + name + " " + RoundedText(value, 3);
+    text += ", " + RoundedText(ResidentMegabytes(), 3) + " MB";
+    const bool rounds = recognises_ && options_.recogniser.refit;
+    control_.progress(rounds ? 0.5 * (round_ + share) : share, text);
+  }
+
+  /// At the end of every so many epochs, on the validation fold.
+  void Check() {
+    const std::int64_t per_pass = order_->batches_per_pass();
+    if (round_step_ % per_pass != 0) return;
+    const std::int64_t epoch = round_step_ / per_pass;
+    const GruRecogniserOptions& rules = options_.recogniser;
+    if (epoch % rules.check_every != 0 && epoch != rules.epochs) return;
+    const torch::NoGradGuard no_gradient;
+    ValidationScore score;
+    const auto count = static_cast<std::int64_t>(rows_.validation.size());
+    for (std::int64_t begin = 0; begin < count; begin += kValidatedAtOnce) {
+      const auto first = rows_.validation.begin() + begin;
+      const std::vector<int> rows(first, first + std::min(kValidatedAtOnce, count - begin));
+      const ValidationScore part = network_->Validate(BatchOf(rows, "validation", false));
+      score.right += part.right;
+      score.loss += part.loss;
+    }
+    score.right /= static_cast<double>(count);
+    score.loss /= static_cast<double>(count);
+    state_.history["check_step"].push_back(static_cast<double>(state_.step));
+    state_.history["validation_accuracy"].push_back(score.right);
+    state_.history["validation_loss"].push_back(score.loss);
+    // A rate that is annealed is meant to end: what stands in the middle was still on its way.
+    const bool better = rules.anneal || best_epoch_ == 0 || score.right > best_.right ||
+                        (score.right == best_.right && score.loss < best_.loss);
+    if (!better) return;
+    best_ = score;
+    best_epoch_ = epoch;
+    state_.best = ValuesOf(*network_);
+  }
+
+  void EndRound() {
+    if (recognises_ && round_ == 0 && options_.recogniser.refit) return StartRound(1);
+    if (recognises_ && round_ == 0) (void)SetValues(state_.best, options_.name, *network_);
+    ended_ = true;
+  }
+
+  void Store() {
+    state_.parameters = ValuesOf(*network_);
+    state_.optimisers = optimisers_->State();
+    state_.facts = {
+        {"split", rows_.split},
+        {"clips", rows_.train.size()},
+        {"batch", std::min<std::int64_t>(options_.learning.batch, static_cast<std::int64_t>(rows_.train.size()))},
+        {"rate", set_.rate.Text()},
+        {"parameters", CountValues(state_.parameters)},
+        {"round", round_},
+        {"round_step", round_step_}};
+    if (!recognises_) return;
+    state_.facts["validation_rule"] = rows_.validation_rule;
+    state_.facts["epochs"] = state_.step / std::max<std::int64_t>(1, order_->batches_per_pass());
+    state_.facts["best_epoch"] = best_epoch_;
+    state_.facts["best_accuracy"] = best_.right;
+    state_.facts["best_loss"] = best_.loss;
+  }
+
+  Status Save() {
+    if (control_.scratch.empty()) return {};
+    Store();
+    if (Status made = MakeFolder(control_.scratch); !made) return made;
+    return WriteCheckpoint(state_, StateFile());
+  }
+
+  Expected<Checkpoint> Interrupted() {
+    if (Status saved = Save(); !saved) return Forward(saved);
+    return Fail(ErrorCode::kInterrupted, "training was stopped after " + Counted(state_.step, "step"), options_.name,
+                "run again to go on");
+  }
+
+  const TrainingSet& set_;
+  const NetworkOptions& options_;
+  const TrainingControl& control_;
+  const bool recognises_;
+  TrainingRows rows_;
+  std::shared_ptr<Network> network_;
+  std::unique_ptr<Optimisers> optimisers_;
+  std::unique_ptr<BatchOrder> order_;
+  Checkpoint state_;
+  int round_ = 0;
+  bool ended_ = false;
+  std::int64_t round_step_ = 0;  ///< done in this round
+  std::int64_t steps_ = 0;       ///< of this round
+  std::int64_t until_ = 0;       ///< where it ends
+  std::int64_t best_epoch_ = 0;
+  ValidationScore best_;  ///< means
+  std::int64_t first_step_ = -1;
+  std::chrono::steady_clock::time_point began_;
+};
+
+}  // namespace
+
+Expected<Checkpoint> TrainNetwork(const TrainingSet& set, const NetworkOptions& options,
+                                  const TrainingControl& control) {
+  return Training(set, options, control).Run();
+}
+
+Expected<TrainingCost> MeasureCost(const TrainingSet& set, const NetworkOptions& options, int threads) {
+  TrainingControl control;
+  control.threads = threads;
+  return Training(set, options, control).Measure();
+}
+
+}  // namespace mocurate
