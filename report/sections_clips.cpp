@@ -114,8 +114,9 @@ std::string Verdict(const ReportInput& input, const Suspicion& suspicion) {
   const nlohmann::json& recognisers = Field(Field(input.run, "metrics"), "recognisers");
   const nlohmann::json& named = Field(recognisers, extractor.substr(0, extractor.rfind('/')).c_str());
   const nlohmann::json none;
-  const nlohmann::json& recogniser =
-      named.is_object() ? named : recognisers.is_object() && !recognisers.empty() ? *recognisers.begin() : none;
+  const nlohmann::json& recogniser = named.is_object()                                 ? named
+                                     : recognisers.is_object() && !recognisers.empty() ? *recognisers.begin()
+                                                                                       : none;
   if (const auto mean = NumberOf(recogniser, "mean"))
     text += " The recogniser is right on " + PercentText(*mean) + " of the test clips.";
   else if (const std::string why = TextOf(recogniser, "scored"); !why.empty())

@@ -107,7 +107,7 @@ TEST(TrainingRun, AGeneratorThatFailsLeavesTheRecognisersAndTheReportSaysSo) {
   const std::string page = ReadText(folder / "r/report/index.html");
   EXPECT_THAT(page, HasSubstr("Not trained"));
   EXPECT_THAT(page, HasSubstr("all_test"));
-  EXPECT_THAT(page, HasSubstr("recogniser: training loss by seed (2 epochs, batches of "));
+  EXPECT_THAT(page, HasSubstr("recogniser: training loss by seed (2 epochs, "));
 }
 
 TEST(TrainingRun, WhatALaterRunOfTheFolderDoesNotWriteIsRemovedAndFilesOfOthersStay) {

@@ -54,17 +54,15 @@ nlohmann::json Measures(double spread, double jerk, double missing) {
 
 nlohmann::json Metrics(const std::string& label) {
   const nlohmann::json metrics = {{"FID_train", {{"value", 0.2}, {"interval", nullptr}, {"interval_kind", nullptr}}}};
-  return {
-      {"rows", {{{"name", "Real"}, {"metrics", metrics}}, {{"name", "Action2Motion"}, {"metrics", metrics}}}},
-      {"recognisers",
-       {{"recogniser",
-         {{"test_accuracy", {0.9, 1.0}},
-          {"mean", 0.95},
-          {"test_clips", 10},
-          {"confusion", {{9, 1}, {0, 10}}},
-          {"labels", {label, "wave"}}}}}},
-      {"nearest_neighbour", {{"split", "s"}, {"accuracy", 0.8}, {"correct", 8}, {"count", 10}}}};
-
+  return {{"rows", {{{"name", "Real"}, {"metrics", metrics}}, {{"name", "Action2Motion"}, {"metrics", metrics}}}},
+          {"recognisers",
+           {{"recogniser",
+             {{"test_accuracy", {0.9, 1.0}},
+              {"mean", 0.95},
+              {"test_clips", 10},
+              {"confusion", {{9, 1}, {0, 10}}},
+              {"labels", {label, "wave"}}}}}},
+          {"nearest_neighbour", {{"split", "s"}, {"accuracy", 0.8}, {"correct", 8}, {"count", 10}}}};
 }
 
 /// Summaries of the networks that were trained.

@@ -31,13 +31,20 @@ TEST(GruLayer, EqualsItsPlainFormWithAllGradients) {
     std::vector<Tensor> inputs = gru->parameters();
     inputs.insert(inputs.end(), {input, state});
     std::vector<std::vector<Tensor>> results;
-    for (const bool plain : {false, true}) {
+    for (const int form : {0, 1, 2}) {
       const GruWeights weights(gru, 0);
-      const Tensor output = plain ? PlainGruLayer(input, state, weights) : GruLayer(input, state, weights);
+      Tensor output = form == 0 ? GruLayer(input, state, weights) : PlainGruLayer(input, state, weights);
+      if (form == 2) {  // frame by frame
+        GruFrames frames(weights, T, B);
+        std::vector<Tensor> states = {state};
+        for (const Tensor& frame : input.unbind(0)) states.push_back(frames.Step(frame, states.back()));
+        output = torch::stack(states).slice(0, 1);
+      }
       results.push_back(torch::autograd::grad({(output * weight).sum()}, inputs));
       results.back().push_back(output.detach());
     }
     ExpectAlike(results[0], results[1], 2e-5, "GRU");
+    ExpectAlike(results[2], results[1], 2e-5, "frames of a GRU");
     const Tensor library = std::get<0>(gru->forward(input, state.unsqueeze(0)));
     ExpectAlike({results[0].back()}, {library}, 1e-5, "libtorch's GRU");
   }

@@ -1,71 +1,15 @@
 #include "train/layers/gru_layer.h"
 
+#include <algorithm>
+
+#include "train/recognisers/gru_gates.h"
+
 namespace mocurate {
 namespace {
 
 using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-
-// r and z before their sigmoid: sum of the parts from input and state.
-void AddGates(const float* from_input, const float* from_state, std::int64_t batch, std::int64_t hidden, float* rz) {
-  for (std::int64_t b = 0; b < batch; ++b) {
-    for (std::int64_t k = 0; k < 2 * hidden; ++k) rz[k] = from_input[k] + from_state[k];
-    from_input += 3 * hidden;
-    from_state += 3 * hidden;
-    rz += 2 * hidden;
-  }
-}
-
-// n before its tanh: from_input + r * from_state.
-void AddCandidate(const float* from_input, const float* from_state, const float* rz, std::int64_t batch,
-                  std::int64_t hidden, float* n) {
-  for (std::int64_t b = 0; b < batch; ++b) {
-    for (std::int64_t k = 0; k < hidden; ++k) n[k] = from_input[2 * hidden + k] + rz[k] * from_state[2 * hidden + k];
-    from_input += 3 * hidden;
-    from_state += 3 * hidden;
-    rz += 2 * hidden;
-    n += hidden;
-  }
-}
-
-void Mix(const float* rz, const float* n, const float* before, std::int64_t batch, std::int64_t hidden, float* after) {
-  for (std::int64_t b = 0; b < batch; ++b) {
-    for (std::int64_t k = 0; k < hidden; ++k) after[k] = n[k] + rz[hidden + k] * (before[k] - n[k]);
-    rz += 2 * hidden;
-    n += hidden;
-    before += hidden;
-    after += hidden;
-  }
-}
-
-// From the gradient `by_output` of one frame: gradients of the gate sums from input and state, and the direct part of
-// the gradient of the state before (in place of `by_output`).
-void GateGradients(const float* rz, const float* n, const float* from_state, const float* before, std::int64_t batch,
-                   std::int64_t hidden, float* by_output, float* by_input_sum, float* by_state_sum) {
-  for (std::int64_t b = 0; b < batch; ++b) {
-    for (std::int64_t k = 0; k < hidden; ++k) {
-      const float r = rz[k], z = rz[hidden + k], g = by_output[k];
-      const float by_n = g * (1.0f - z) * (1.0f - n[k] * n[k]);
-      const float by_r = by_n * from_state[2 * hidden + k] * r * (1.0f - r);
-      const float by_z = g * (before[k] - n[k]) * z * (1.0f - z);
-      by_input_sum[k] = by_r;
-      by_input_sum[hidden + k] = by_z;
-      by_input_sum[2 * hidden + k] = by_n;
-      by_state_sum[k] = by_r;
-      by_state_sum[hidden + k] = by_z;
-      by_state_sum[2 * hidden + k] = by_n * r;
-      by_output[k] = g * z;
-    }
-    rz += 2 * hidden;
-    n += hidden;
-    from_state += 3 * hidden;
-    before += hidden;
-    by_output += hidden;
-    by_input_sum += 3 * hidden;
-    by_state_sum += 3 * hidden;
-  }
-}
 
 struct Layer : torch::autograd::Function<Layer> {
   static Tensor forward(AutogradContext* context, const Tensor& input, const Tensor& hidden, const Tensor& input_weight,
@@ -78,16 +22,12 @@ struct Layer : torch::autograd::Function<Layer> {
     states[0].copy_(hidden);
     const Tensor weight = hidden_weight.t();
     for (std::int64_t t = 0; t < T; ++t) {
-      Tensor state_part = from_state[t], gates = rz[t], candidate = n[t];
+      Tensor state_part = from_state[t];
       torch::addmm_out(state_part, hidden_bias, states[t], weight);
-      const float* input_part = from_input.data_ptr<float>() + t * B * 3 * H;
-      AddGates(input_part, state_part.data_ptr<float>(), B, H, gates.data_ptr<float>());
-      gates.sigmoid_();
-      AddCandidate(input_part, state_part.data_ptr<float>(), gates.data_ptr<float>(), B, H,
-                   candidate.data_ptr<float>());
-      candidate.tanh_();
       float* state = states.data_ptr<float>() + t * B * H;
-      Mix(gates.data_ptr<float>(), candidate.data_ptr<float>(), state, B, H, state + B * H);
+      GruForwardGates(from_input.data_ptr<float>() + t * B * 3 * H, state_part.data_ptr<float>(), state,
+                      static_cast<int>(B), static_cast<int>(H), rz.data_ptr<float>() + t * B * 2 * H,
+                      n.data_ptr<float>() + t * B * H, state + B * H);
     }
     context->save_for_backward({rows, input_weight, hidden_weight, from_state, rz, n, states});
     return states.slice(0, 1).clone();
@@ -103,10 +43,10 @@ struct Layer : torch::autograd::Function<Layer> {
     const Tensor by_state = torch::zeros({B, H});
     for (std::int64_t t = T - 1; t >= 0; --t) {
       by_state.add_(by_output[t]);
-      float* by_state_part = by_state_sum.data_ptr<float>() + t * B * 3 * H;
-      GateGradients(rz.data_ptr<float>() + t * B * 2 * H, n.data_ptr<float>() + t * B * H,
-                    from_state.data_ptr<float>() + t * B * 3 * H, states.data_ptr<float>() + t * B * H, B, H,
-                    by_state.data_ptr<float>(), by_input_sum.data_ptr<float>() + t * B * 3 * H, by_state_part);
+      GruBackwardGates(rz.data_ptr<float>() + t * B * 2 * H, n.data_ptr<float>() + t * B * H,
+                       from_state.data_ptr<float>() + t * B * 3 * H, states.data_ptr<float>() + t * B * H,
+                       static_cast<int>(B), static_cast<int>(H), by_state.data_ptr<float>(),
+                       by_input_sum.data_ptr<float>() + t * B * 3 * H, by_state_sum.data_ptr<float>() + t * B * 3 * H);
       by_state.addmm_(by_state_sum.slice(0, t * B, (t + 1) * B), hidden_weight);
     }
     Tensor by_input;
@@ -120,6 +60,80 @@ struct Layer : torch::autograd::Function<Layer> {
             by_state_sum.sum(0)};
   }
 };
+
+/// The weights as an input of every frame: its backward runs when those of all frames have written their rows.
+struct Gather : torch::autograd::Function<Gather> {
+  static Tensor forward(AutogradContext* context, const Tensor& input_weight, const Tensor& /*hidden_weight*/,
+                        const Tensor& /*input_bias*/, const Tensor& /*hidden_bias*/, const Tensor& input,
+                        const Tensor& before, const Tensor& by_from_input, const Tensor& by_from_state) {
+    context->save_for_backward({input, before, by_from_input, by_from_state});
+    return torch::zeros({1}, input_weight.options());
+  }
+
+  static variable_list backward(AutogradContext* context, variable_list /*gradients*/) {
+    const variable_list saved = context->get_saved_variables();
+    const Tensor &by_input = saved[2], &by_state = saved[3];
+    return {torch::mm(by_input.t(), saved[0]),
+            torch::mm(by_state.t(), saved[1]),
+            by_input.sum(0),
+            by_state.sum(0),
+            Tensor(),
+            Tensor(),
+            Tensor(),
+            Tensor()};
+  }
+};
+
+/// One frame whose rows begin at `row`. Rows are written through pointers: autograd must not take them for changed.
+struct Frame : torch::autograd::Function<Frame> {
+  static Tensor forward(AutogradContext* context, const Tensor& input, const Tensor& hidden, const Tensor& ticket,
+                        const Tensor& input_weight, const Tensor& hidden_weight, const Tensor& input_bias,
+                        const Tensor& hidden_bias, const Tensor& inputs, const Tensor& befores,
+                        const Tensor& by_from_input, const Tensor& by_from_state, std::int64_t row) {
+    const std::int64_t B = hidden.size(0), H = hidden.size(1), I = input.size(1);
+    const Tensor dense = input.contiguous(), state = hidden.contiguous();
+    std::copy_n(dense.data_ptr<float>(), B * I, inputs.data_ptr<float>() + row * I);
+    std::copy_n(state.data_ptr<float>(), B * H, befores.data_ptr<float>() + row * H);
+    const Tensor from_input = torch::addmm(input_bias, dense, input_weight.t());
+    const Tensor from_state = torch::addmm(hidden_bias, state, hidden_weight.t());
+    const Tensor rz = torch::empty({B, 2 * H}), n = torch::empty({B, H}), after = torch::empty({B, H});
+    GruForwardGates(from_input.data_ptr<float>(), from_state.data_ptr<float>(), state.data_ptr<float>(),
+                    static_cast<int>(B), static_cast<int>(H), rz.data_ptr<float>(), n.data_ptr<float>(),
+                    after.data_ptr<float>());
+    context->save_for_backward(
+        {input_weight, hidden_weight, from_state, rz, n, befores, by_from_input, by_from_state, ticket});
+    context->saved_data["row"] = row;
+    return after;
+  }
+
+  static variable_list backward(AutogradContext* context, variable_list gradients) {
+    const variable_list saved = context->get_saved_variables();
+    const Tensor &from_state = saved[2], &rz = saved[3], &n = saved[4];
+    const std::int64_t row = context->saved_data["row"].toInt(), B = n.size(0), H = n.size(1);
+    Tensor by_state = gradients[0].clone(at::MemoryFormat::Contiguous);
+    const Tensor by_from_input = saved[6].slice(0, row, row + B), by_from_state = saved[7].slice(0, row, row + B);
+    GruBackwardGates(rz.data_ptr<float>(), n.data_ptr<float>(), from_state.data_ptr<float>(),
+                     saved[5].data_ptr<float>() + row * H, static_cast<int>(B), static_cast<int>(H),
+                     by_state.data_ptr<float>(), by_from_input.data_ptr<float>(), by_from_state.data_ptr<float>());
+    by_state.addmm_(by_from_state, saved[1]);
+    variable_list result(12);
+    result[0] = torch::mm(by_from_input, saved[0]);
+    result[1] = by_state;
+    result[2] = torch::zeros_like(saved[8]);
+    return result;
+  }
+};
+
+/// Keeps nothing for a backward pass.
+Tensor StepWithoutGradients(const Tensor& input, const Tensor& hidden, const GruWeights& weights) {
+  const Tensor from_input = torch::addmm(weights.input_bias, input, weights.input.t());
+  const Tensor from_state = torch::addmm(weights.hidden_bias, hidden, weights.hidden.t());
+  const auto B = static_cast<int>(hidden.size(0)), H = static_cast<int>(hidden.size(1));
+  const Tensor rz = torch::empty({B, 2 * H}), n = torch::empty({B, H}), after = torch::empty({B, H});
+  GruForwardGates(from_input.data_ptr<float>(), from_state.data_ptr<float>(), hidden.contiguous().data_ptr<float>(), B,
+                  H, rz.data_ptr<float>(), n.data_ptr<float>(), after.data_ptr<float>());
+  return after;
+}
 
 }  // namespace
 
@@ -160,7 +174,28 @@ Tensor PlainGruLayer(const Tensor& input, const Tensor& hidden, const GruWeights
   return torch::stack(states);
 }
 
+GruFrames::GruFrames(const GruWeights& weights, std::int64_t frames, std::int64_t batch) : weights_(weights) {
+  if (!weights.input.device().is_cpu() || !torch::GradMode::is_enabled()) return;
+  const std::int64_t I = weights.input.size(1), H = weights.hidden.size(1);
+  input_ = torch::empty({frames * batch, I});
+  before_ = torch::empty({frames * batch, H});
+  by_from_input_ = torch::empty({frames * batch, 3 * H});
+  by_from_state_ = torch::empty({frames * batch, 3 * H});
+  ticket_ = Gather::apply(weights.input, weights.hidden, weights.input_bias, weights.hidden_bias, input_, before_,
+                          by_from_input_, by_from_state_);
+}
+
+Tensor GruFrames::Step(const Tensor& input, const Tensor& hidden) {
+  if (!ticket_.defined()) return GruStep(input, hidden, weights_);
+  const std::int64_t row = row_;
+  row_ += input.size(0);
+  return Frame::apply(input, hidden, ticket_, weights_.input.detach(), weights_.hidden.detach(),
+                      weights_.input_bias.detach(), weights_.hidden_bias.detach(), input_, before_, by_from_input_,
+                      by_from_state_, row);
+}
+
 Tensor GruStep(const Tensor& input, const Tensor& hidden, const GruWeights& weights) {
+  if (!torch::GradMode::is_enabled() && input.device().is_cpu()) return StepWithoutGradients(input, hidden, weights);
   return GruLayer(input.unsqueeze(0), hidden, weights).squeeze(0);
 }
 

@@ -25,6 +25,23 @@ torch::Tensor GruLayer(const torch::Tensor& input, const torch::Tensor& hidden, 
 /// The same in plain tensor operations: the reference of GruLayer, and what other devices run.
 torch::Tensor PlainGruLayer(const torch::Tensor& input, const torch::Tensor& hidden, const GruWeights& weights);
 
+/// A layer whose input is only known frame by frame. The gradients of its weights are one product over all frames, as
+/// in GruLayer, and no longer one a frame.
+class GruFrames {
+ public:
+  /// For exactly `frames` steps of `batch` rows.
+  GruFrames(const GruWeights& weights, std::int64_t frames, std::int64_t batch);
+  /// `input` (B,I), `hidden` (B,H) -> (B,H).
+  torch::Tensor Step(const torch::Tensor& input, const torch::Tensor& hidden);
+
+ private:
+  GruWeights weights_;
+  torch::Tensor ticket_;  ///< of the node that gathers the weights' gradients; undefined where frames go one by one
+  torch::Tensor input_, before_;                 ///< rows of all frames (T B,I), (T B,H)
+  torch::Tensor by_from_input_, by_from_state_;  ///< gradients of their sums (T B,3H)
+  std::int64_t row_ = 0;                         ///< where the next frame begins
+};
+
 /// One frame: `input` (B,I) -> (B,H).
 torch::Tensor GruStep(const torch::Tensor& input, const torch::Tensor& hidden, const GruWeights& weights);
 

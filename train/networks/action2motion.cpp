@@ -88,10 +88,10 @@ Tensor Action2Motion::Conditions(const Tensor& label, std::int64_t frames) const
 }
 
 Tensor Action2Motion::Decode(const Tensor& state) {
-  const Tensor y = decoder_->output->forward(state);  // (B,D)
+  const Tensor y = decoder_->output->forward(state);  // (...,D)
   if (!lie_) return y;
-  const Tensor rotations = decoder_->output_lie->forward(torch::tanh(y.slice(1, 3)));  // (B,D-3)
-  return torch::cat({y.slice(1, 0, 3), torch::tanh(rotations) * kReleasedPi}, 1);
+  const Tensor rotations = decoder_->output_lie->forward(torch::tanh(y.slice(-1, 3)));  // (...,D-3)
+  return torch::cat({y.slice(-1, 0, 3), torch::tanh(rotations) * kReleasedPi}, -1);
 }
 
 Tensor Action2Motion::Joints(const Tensor& output, const Tensor& bone_length) const {
@@ -100,30 +100,37 @@ Tensor Action2Motion::Joints(const Tensor& output, const Tensor& bone_length) co
 }
 
 struct Action2Motion::Rollout {
-  Tensor output;       // (T,B,D)
-  Tensor joints;       // (T,B,D); undefined unless joints are fed back
-  Tensor prior_state;  // (T,B,H)
+  Tensor output;  // (T,B,D)
+  Tensor joints;  // (T,B,D); undefined unless joints are fed back
+  Tensor before;  // (T,B,D) the pose that each frame reads
 };
 
+// The decoder with the posterior's z. Where the truth is fed, all frames are known and each layer runs over all of
+// them.
 Action2Motion::Rollout Action2Motion::Unroll(const Batch& batch, const Tensor& condition, const Tensor& z,
                                              const Tensor& bone_length, bool self_feed) {
-  const GruWeights prior(prior_->gru, prior_->embed), first(decoder_->first, decoder_->embed), second(decoder_->second);
+  const GruWeights first(decoder_->first, decoder_->embed), second(decoder_->second);
   const Tensor zero = torch::zeros({batch.size(), hidden_}, batch.motion.options());
-  Tensor prior_state = zero, state0 = zero, state1 = zero;
-  Tensor before = torch::zeros({batch.size(), pose_}, batch.motion.options());
-  std::vector<Tensor> outputs, joints, prior_states;
-  for (std::int64_t t = 0; t < batch.frames(); ++t) {
-    const Tensor input = torch::cat({before, condition[t]}, 1);  // (B,I)
-    prior_state = GruStep(input, prior_state, prior);            // (B,H)
-    state0 = GruStep(torch::cat({input, z[t]}, 1), state0, first);
-    state1 = GruStep(state0, state1, second);
-    const Tensor y = Decode(state1);  // (B,D)
-    if (feed_joints_) joints.push_back(Joints(y, bone_length[t]));
-    before = !self_feed ? batch.motion[t] : feed_joints_ ? joints.back() : y;
-    prior_states.push_back(prior_state);
-    outputs.push_back(y);
+  const Tensor start = torch::zeros({1, batch.size(), pose_}, batch.motion.options());
+  if (!self_feed) {
+    const Tensor before = torch::cat({start, batch.motion.slice(0, 0, -1)});             // (T,B,D)
+    const Tensor states = GruLayer(torch::cat({before, condition, z}, 2), zero, first);  // (T,B,H)
+    const Tensor output = Decode(GruLayer(states, zero, second));                        // (T,B,D)
+    return {output, feed_joints_ ? Joints(output, bone_length) : Tensor(), before};
   }
-  return {torch::stack(outputs), feed_joints_ ? torch::stack(joints) : Tensor(), torch::stack(prior_states)};
+  const Tensor known = torch::cat({condition, z}, 2);  // (T,B,C + 1 + Z)
+  GruFrames first_frames(first, batch.frames(), batch.size()), second_frames(second, batch.frames(), batch.size());
+  Tensor state0 = zero, state1 = zero;
+  std::vector<Tensor> outputs, joints, before = {start[0]};
+  for (std::int64_t t = 0; t < batch.frames(); ++t) {
+    state0 = first_frames.Step(torch::cat({before.back(), known[t]}, 1), state0);  // (B,H)
+    state1 = second_frames.Step(state0, state1);
+    outputs.push_back(Decode(state1));  // (B,D)
+    if (feed_joints_) joints.push_back(Joints(outputs.back(), bone_length[t]));
+    before.push_back(feed_joints_ ? joints.back() : outputs.back());
+  }
+  before.pop_back();
+  return {torch::stack(outputs), feed_joints_ ? torch::stack(joints) : Tensor(), torch::stack(before)};
 }
 
 Losses Action2Motion::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
@@ -140,8 +147,9 @@ Losses Action2Motion::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
   const Tensor z = mean_q + noise * torch::exp(0.5 * lv_q);  // (T,B,Z)
 
   const Rollout rollout = Unroll(batch, condition, z, bone_length, self_feed);
-  const Tensor mean_p = prior_->mu_net->forward(rollout.prior_state),
-               lv_p = prior_->logvar_net->forward(rollout.prior_state);
+  const Tensor expected =
+      GruLayer(torch::cat({rollout.before, condition}, 2), zero, GruWeights(prior_->gru, prior_->embed));  // (T,B,H)
+  const Tensor mean_p = prior_->mu_net->forward(expected), lv_p = prior_->logvar_net->forward(expected);
   const Tensor joints = feed_joints_ ? rollout.joints : Joints(rollout.output, bone_length);
 
   const double rows = static_cast<double>(mean_loss_ ? batch.whole * pose_ : batch.whole);

@@ -47,7 +47,7 @@ class Action2Motion : public Network {
   struct Rollout;
 
   torch::Tensor Conditions(const torch::Tensor& label, std::int64_t frames) const;  // (T,B,C [+1])
-  torch::Tensor Decode(const torch::Tensor& state);                                 // (B,H) -> (B,D)
+  torch::Tensor Decode(const torch::Tensor& state);                                 // (...,H) -> (...,D)
   torch::Tensor Joints(const torch::Tensor& output, const torch::Tensor& bone_length) const;
   Rollout Unroll(const Batch& batch, const torch::Tensor& condition, const torch::Tensor& z,
                  const torch::Tensor& bone_length, bool self_feed);

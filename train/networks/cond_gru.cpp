@@ -32,12 +32,12 @@ Losses CondGru::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
   const std::int64_t T = batch.frames(), B = batch.size();
   const Tensor forced = (draws.Uniform("teacher_forcing", 1, B, 1)[0] < teacher_forcing_).to(batch.motion.device());
   const Tensor category = linear_c2e_->forward(OneHot(batch.label, classes_));  // (B,D)
-  const GruWeights weights(gru_, 0);
+  GruFrames frames(GruWeights(gru_, 0), T - 1, B);
   Tensor state = torch::zeros({B, hidden_}, batch.motion.options());
   Tensor pose = batch.motion[0];
   std::vector<Tensor> outputs;
   for (std::int64_t t = 0; t + 1 < T; ++t) {
-    state = GruStep(torch::cat({pose, category}, 1), state, weights);
+    state = frames.Step(torch::cat({pose, category}, 1), state);
     outputs.push_back(linear_output_->forward(state));  // (B,D): the pose of frame t + 1
     pose = torch::where(forced, batch.motion[t + 1], outputs.back());
   }

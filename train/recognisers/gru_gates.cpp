@@ -66,4 +66,56 @@ void GruGates(const GruGateInput& input, int batch, int hidden, float* state, in
   }
 }
 
+MOCURATE_VECTOR_CLONES
+void GruForwardGates(const float* from_input, const float* from_state, const float* before, int batch, int hidden,
+                     float* reset_update, float* candidate, float* after) {
+  for (int b = 0; b < batch; ++b) {
+#pragma GCC ivdep
+    for (int k = 0; k < hidden; ++k) {
+      const float r = Sigmoid(from_input[k] + from_state[k]);
+      const float z = Sigmoid(from_input[hidden + k] + from_state[hidden + k]);
+      const float sum = from_input[2 * hidden + k] + r * from_state[2 * hidden + k];
+      const float n = 1.0f - 2.0f * Sigmoid(-2.0f * sum);
+      reset_update[k] = r;
+      reset_update[hidden + k] = z;
+      candidate[k] = n;
+      after[k] = n + z * (before[k] - n);
+    }
+    from_input += 3 * hidden;
+    from_state += 3 * hidden;
+    before += hidden;
+    reset_update += 2 * hidden;
+    candidate += hidden;
+    after += hidden;
+  }
+}
+
+MOCURATE_VECTOR_CLONES
+void GruBackwardGates(const float* reset_update, const float* candidate, const float* from_state, const float* before,
+                      int batch, int hidden, float* by_state, float* by_from_input, float* by_from_state) {
+  for (int b = 0; b < batch; ++b) {
+#pragma GCC ivdep
+    for (int k = 0; k < hidden; ++k) {
+      const float r = reset_update[k], z = reset_update[hidden + k], n = candidate[k], g = by_state[k];
+      const float by_n = g * (1.0f - z) * (1.0f - n * n);
+      const float by_r = by_n * from_state[2 * hidden + k] * r * (1.0f - r);
+      const float by_z = g * (before[k] - n) * z * (1.0f - z);
+      by_from_input[k] = by_r;
+      by_from_input[hidden + k] = by_z;
+      by_from_input[2 * hidden + k] = by_n;
+      by_from_state[k] = by_r;
+      by_from_state[hidden + k] = by_z;
+      by_from_state[2 * hidden + k] = by_n * r;
+      by_state[k] = g * z;
+    }
+    reset_update += 2 * hidden;
+    candidate += hidden;
+    from_state += 3 * hidden;
+    before += hidden;
+    by_state += hidden;
+    by_from_input += 3 * hidden;
+    by_from_state += 3 * hidden;
+  }
+}
+
 }  // namespace mocurate

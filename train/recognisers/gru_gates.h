@@ -16,4 +16,14 @@ struct GruGateInput {
 void GruGates(const GruGateInput& input, int batch, int hidden, float* state, int state_stride, float* output,
               int output_stride);
 
+/// The same where a backward pass follows: `from_input` and `from_state` (batch, 3H) hold W_i x + b_i and W_h h + b_h
+/// of r, z and n. Writes r and z (batch, 2H), n (batch, H) and the state after (batch, H) from that before.
+void GruForwardGates(const float* from_input, const float* from_state, const float* before, int batch, int hidden,
+                     float* reset_update, float* candidate, float* after);
+
+/// The derivative: from the gradient by the state after (batch, H), gradients by `from_input` and `from_state` (batch,
+/// 3H), and in place of `by_state` the direct part of the gradient by the state before.
+void GruBackwardGates(const float* reset_update, const float* candidate, const float* from_state, const float* before,
+                      int batch, int hidden, float* by_state, float* by_from_input, float* by_from_state);
+
 }  // namespace mocurate
