@@ -146,6 +146,13 @@ class EvaluationRun {
     if (count("clips") > 0 && summary.value("rate_of_extractor", 0.0) == 0.0) {
       Warn(row, "rate_not_known", "the extractor does not say the frame rate of its training: it is not checked");
     }
+    if (!evaluation_.extractor.obtain.empty() && count("facing_away") > count("clips") / 2) {
+      Warn(row, "facing_away",
+           Counted(count("facing_away"), "motion") +
+               " face away from where the extractor's training motions face, by their hips in the first frame: turned "
+               "by "
+               "180 degrees, or left and right exchanged; give --source with the axes");
+    }
     if (count("far") > 0) {
       Warn(row, "far_from_origin",
            Counted(count("far"), "motion") +
@@ -228,11 +235,23 @@ class EvaluationRun {
     if (draw.motions > 0) row["assumed"].push_back("labels_as_in_the_files");
     const std::string name = row.at("name").get<std::string>();
     const auto motions = row.at("motions").get<std::int64_t>();
-    if (motions < draw.motions) {
+    if (motions < evaluation_.protocol_motions) {
       Warn(name, "fewer_than_protocol",
-           Counted(motions, "motion") + ", the protocol draws " + std::to_string(draw.motions) +
-               " new ones in each repetition: FID of fewer motions is biased upwards");
+           Counted(motions, "motion") + ", the paper scores " + std::to_string(evaluation_.protocol_motions) +
+               ": no figure here is one of its tables; FID of fewer motions is biased upwards, diversity downwards");
     }
+    const StageInput& own = InputOfRow(name);
+    if (evaluation_.real && (own.path == evaluation_.real->motions.path ||
+                             (!own.sha256.empty() && own.sha256 == evaluation_.real->motions.sha256))) {
+      Warn(name, "motions_are_the_real_ones",
+           "the set is the set of real motions itself: nothing was generated; give other motions");
+    }
+  }
+
+  const StageInput& InputOfRow(const std::string& name) const {
+    return std::find_if(evaluation_.rows.begin(), evaluation_.rows.end(),
+                        [&](const ScoredSet& row) { return row.name == name; })
+        ->motions;
   }
 
   bool IsBareArray(const std::string& name) const {

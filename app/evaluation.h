@@ -29,7 +29,8 @@ struct Evaluation {
   std::int64_t seed = 1;
   RealPart real_part = RealPart::kAll;
   std::string split;
-  bool test_reference = false;  ///< the training part is FID_train's reference, the test part FID_test's
+  std::int64_t protocol_motions = 0;  ///< that the paper scores; 0: no paper's protocol
+  bool test_reference = false;        ///< the training part is FID_train's reference, the test part FID_test's
   std::optional<ScoredSet> real;
   std::vector<ScoredSet> rows;
 };

@@ -183,9 +183,12 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
           "one motion a file; BVH; AMASS .npz. NAME=PATH names the row; may be repeated")
       ->required()
       ->allow_extra_args(false);
-  eval->add_option("--labels", arguments->labels,
-                   "labels of the generated motions: .npy of class indices or names, .csv of 'name,label' lines, or a "
-                   "label a line; a folder's files are labelled by their names where these begin with a class");
+  eval->add_option(
+          "--labels", arguments->labels,
+          "labels of the generated motions: .npy of class indices or names, .csv of 'name,label' lines, or a "
+          "label a line, in the order of the motions or of the folder's file names; once for all sets, or once "
+          "for each. Without it a folder's files are labelled by names that begin with a class")
+      ->allow_extra_args(false);
   eval->add_option("--values", arguments->values,
                    "what a bare array holds: joints (positions), or lie (Action2Motion's raw outputs)")
       ->check(CLI::IsMember({"joints", "lie"}));

@@ -11,9 +11,11 @@
 #include "app/job_items.h"
 #include "app/report_run.h"
 #include "app/run_outputs.h"
+#include "app/scratch_folder.h"
 #include "app/stage_runs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
 #include "eval/tables/result_table.h"
 #include "ingest/discover.h"
 #include "ingest/set_contradictions.h"
@@ -273,6 +275,7 @@ class MainJob {
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
     if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
     std::vector<TrainItem> waiting = TrainItems(options_.train, inputs);
+    if (DryRun()) return MeasureNetworks(waiting);
     std::map<std::string, ItemResult> done;
     while (!waiting.empty()) {
       const auto ready = std::stable_partition(waiting.begin(), waiting.end(), [&](const TrainItem& item) {
@@ -281,6 +284,39 @@ class MainJob {
       std::vector<TrainItem> items(waiting.begin(), ready);
       waiting.erase(waiting.begin(), ready);
       if (Status trained = TrainWave(std::move(items), done); !trained) return trained;
+    }
+    return {};
+  }
+
+  /// A dry run trains nothing; a few steps of each network, elsewhere, say what it would take.
+  Status MeasureNetworks(const std::vector<TrainItem>& items) {
+    const ScratchFolder scratch;
+    if (scratch.path().empty()) return scratch.Missing();
+    RunnerOptions settings = runner_.options();
+    settings.dry_run = false;
+    settings.jobs = 1;
+    settings.run_folder = scratch.path();
+    settings.cache_folder = scratch.path() / "cache";
+    auto runner = Runner::Make(settings);
+    if (!runner) return Forward(runner);
+    std::vector<ItemSpec> specs;
+    for (const TrainItem& item : items) {
+      if (item.spec.item.find('@') == std::string::npos) specs.push_back(item.spec);
+    }
+    const auto report = (*runner)->Run(TrainCostDeclaration(), std::move(specs));
+    if (!report) return Forward(report);
+    for (const ItemResult& item : report->items) {
+      const nlohmann::json& cost = item.outcome.summary;
+      if (item.artifact.empty()) {
+        result_.untrained[item.item] = item.outcome.error;
+        continue;
+      }
+      result_.training[item.item] = cost;
+      const double step = cost.at("seconds_per_step").get<double>(), steps = cost.at("steps").get<double>();
+      LogInfo(item.item + ": " + Counted(cost.at("steps").get<long long>(), "step") + " of " + RoundedText(step, 3) +
+              " s with " + Counted(cost.at("threads").get<long long>(), "thread") + ", " +
+              RoundedText(step * steps / 3600.0, 3) + " h; " +
+              Counted(cost.at("parameters").get<long long>(), "parameter"));
     }
     return {};
   }

@@ -61,8 +61,16 @@ Status CheckArguments(const EvalArguments& arguments) {
     return Fail(ErrorCode::kUsage, "Lie parameters say no bone lengths", "--values lie",
                 "--bone-lengths FILE takes the medians of motions that are positions");
   }
-  for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.labels, "--labels"},
-                                     {arguments.bone_lengths, "--bone-lengths"},
+  if (arguments.labels.size() > 1 && arguments.labels.size() != arguments.generated.size()) {
+    return Fail(ErrorCode::kUsage,
+                Counted(static_cast<long long>(arguments.labels.size()), "file") + " of labels for " +
+                    Counted(static_cast<long long>(arguments.generated.size()), "set"),
+                "--labels", "give one for all sets, or one for each in their order");
+  }
+  for (const fs::path& labels : arguments.labels) {
+    if (Status there = CheckExists(labels, "--labels"); !there) return there;
+  }
+  for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.bone_lengths, "--bone-lengths"},
                                      {arguments.real, "--real"},
                                      {arguments.real_labels, "--real-labels"},
                                      {arguments.run, "--run"}}) {
@@ -251,7 +259,9 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   }
   for (const std::string& text : arguments.generated) {
     const NamedFiles named = NamedFilesOf(text, taken);
-    sets.push_back({named, {named.path, arguments.source, arguments.labels, bone_lengths}});
+    const std::size_t own = arguments.labels.size() > 1 ? sets.size() : 0;
+    const fs::path labels = arguments.labels.empty() ? fs::path() : arguments.labels[own];
+    sets.push_back({named, {named.path, arguments.source, labels, bone_lengths}});
   }
   if (!plan->real.empty())
     sets.push_back({{"Real", plan->real}, {plan->real, arguments.real_source, arguments.real_labels, {}}});
@@ -266,6 +276,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   evaluation.metrics = plan->protocol.metrics;
   evaluation.equivalent = plan->protocol.equivalent;
   evaluation.seed = plan->protocol.seed;
+  evaluation.protocol_motions = plan->protocol.released.motions;
   evaluation.test_reference = plan->protocol.test_reference;
   evaluation.split = plan->protocol.split;
   for (const auto& [named, files] : sets) {

@@ -51,11 +51,11 @@ struct ExportArguments {
 
 struct EvalArguments {
   std::string protocol;
-  std::vector<std::string> generated;  ///< files or folders of motions; NAME=PATH names the row
-  std::filesystem::path labels;        ///< of the generated motions, or empty
-  std::string source;                  ///< source declaration of the generated motions, or empty
-  std::string values;                  ///< joints, lie; empty: joints, lie with bone_lengths
-  std::filesystem::path bone_lengths;  ///< motions whose median bone lengths lay out Lie parameters
+  std::vector<std::string> generated;         ///< files or folders of motions; NAME=PATH names the row
+  std::vector<std::filesystem::path> labels;  ///< of each of the generated sets, one of all, or none
+  std::string source;                         ///< source declaration of the generated motions, or empty
+  std::string values;                         ///< joints, lie; empty: joints, lie with bone_lengths
+  std::filesystem::path bone_lengths;         ///< motions whose median bone lengths lay out Lie parameters
   std::filesystem::path real;
   std::string real_source;            ///< source declaration of the real motions, or empty
   std::filesystem::path real_labels;  ///< labels of the real motions, or empty

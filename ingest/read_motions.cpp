@@ -125,7 +125,8 @@ class LabelAssignment {
           std::find_if(place_.begin(), place_.end(), [&](const auto& place) { return std::get<2>(place) == position; });
       clip.label = labels_.ordered[static_cast<std::size_t>(own - place_.begin())];
     } else if (!labels_.by_name.empty()) {
-      for (const std::string& name : {file, clip.identity.recording, clip.id()}) {
+      const std::string with_ending = std::filesystem::path(item.inputs.front().name).filename().string();
+      for (const std::string& name : {file, with_ending, clip.identity.recording, clip.id()}) {
         const auto found = labels_.by_name.find(name);
         if (found == labels_.by_name.end()) continue;
         clip.label = found->second;

@@ -36,7 +36,7 @@ struct ReadMotions {
 /// Labels that stand beside motions: one a motion in their order, or by the name of each.
 struct MotionLabels {
   std::vector<std::string> ordered;
-  std::map<std::string, std::string> by_name;  ///< file name without ending, recording or clip id
+  std::map<std::string, std::string> by_name;  ///< file name, without ending or with, recording or clip id
   std::string file;                            ///< where they stand
 
   bool empty() const { return ordered.empty() && by_name.empty(); }

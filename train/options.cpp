@@ -179,4 +179,6 @@ void NetworkOptions::Declare(OptionVisitor& v) {
 
 StageDeclaration TrainDeclaration() { return {"train", 5, "mocurate-learn", WholeSetLimits()}; }
 
+StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }
+
 }  // namespace mocurate

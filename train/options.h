@@ -160,5 +160,6 @@ struct NetworkOptions {
 };
 
 StageDeclaration TrainDeclaration();
+StageDeclaration TrainCostDeclaration();
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/file.h"
 #include "core/pipeline/worker.h"
 #include "train/options.h"
 #include "train/trainer/trainer.h"
@@ -55,29 +56,55 @@ nlohmann::json SummaryOf(const Checkpoint& checkpoint, const NetworkOptions& opt
   return summary;
 }
 
-}  // namespace
+struct TrainingInput {
+  NetworkOptions options;
+  TrainingSet set;
+  const StageInput* dataset = nullptr;
+};
 
-Expected<StageOutcome> TrainStage(const StageRequest& request) {
-  const Expected<NetworkOptions> options = OptionsFromJson<NetworkOptions>(request.options);
+Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
+  Expected<NetworkOptions> options = OptionsFromJson<NetworkOptions>(request.options);
   if (!options) return Forward(options);
   const StageInput* dataset = InputOf(request, "dataset");
   if (dataset == nullptr) {
     return Fail(ErrorCode::kInternal, "the stage got no input of role 'dataset'", request.stage + " " + request.item);
   }
-  const Expected<TrainingSet> set = ReadTrainingSet(dataset->path);
+  Expected<TrainingSet> set = ReadTrainingSet(dataset->path);
   if (!set) return Forward(set);
+  return TrainingInput{std::move(*options), std::move(*set), dataset};
+}
+
+}  // namespace
+
+Expected<StageOutcome> TrainStage(const StageRequest& request) {
+  const Expected<TrainingInput> input = InputOfTraining(request);
+  if (!input) return Forward(input);
   TrainingControl control;
   control.scratch = request.scratch;
-  control.dataset_sha256 = dataset->sha256;
+  control.dataset_sha256 = input->dataset->sha256;
   control.threads = request.threads;
   control.stop = [] { return StopRequested(); };
   control.progress = [](double fraction, const std::string& text) { ReportProgress(fraction, text); };
   if (const StageInput* start = InputOf(request, "start")) control.start = start->path;
-  const Expected<Checkpoint> checkpoint = TrainNetwork(*set, *options, control);
+  const Expected<Checkpoint> checkpoint = TrainNetwork(input->set, input->options, control);
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = WriteCheckpoint(*checkpoint, request.output); !written) return Forward(written);
   StageOutcome outcome;
-  outcome.summary = SummaryOf(*checkpoint, *options);
+  outcome.summary = SummaryOf(*checkpoint, input->options);
+  return outcome;
+}
+
+Expected<StageOutcome> TrainCostStage(const StageRequest& request) {
+  const Expected<TrainingInput> input = InputOfTraining(request);
+  if (!input) return Forward(input);
+  const Expected<TrainingCost> cost = MeasureCost(input->set, input->options, request.threads);
+  if (!cost) return Forward(cost);
+  StageOutcome outcome;
+  outcome.summary = {{"steps", cost->steps},
+                     {"seconds_per_step", cost->seconds_per_step},
+                     {"parameters", cost->parameters},
+                     {"threads", request.threads}};
+  if (Status written = WriteFile(request.output, outcome.summary.dump() + "\n"); !written) return Forward(written);
   return outcome;
 }
 

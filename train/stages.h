@@ -9,4 +9,8 @@ namespace mocurate {
 /// on from there bit for bit.
 Expected<StageOutcome> TrainStage(const StageRequest& request);
 
+/// Input and options of an item of `train` -> what its training would take here, from a few steps of it: {"steps",
+/// "seconds_per_step", "parameters"}. Never cached: it is a figure of the machine.
+Expected<StageOutcome> TrainCostStage(const StageRequest& request);
+
 }  // namespace mocurate

@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   return RunWorker({{TrainDeclaration().name, TrainStage},
+                    {TrainCostDeclaration().name, TrainCostStage},
                     {FeaturesDeclaration().name, MakeFeaturesStage(OpenGeneratorCheckpoint)},
                     {ScoreDeclaration().name, ScoreStage},
                     {CompareDeclaration().name, CompareStage}});

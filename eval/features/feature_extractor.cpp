@@ -155,14 +155,17 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
 }
 
 Status CheckFrameOfSet(const std::vector<const Motion*>& motions, double largest_scale) {
-  std::vector<double> heights, scales;
+  constexpr double kLeastUpright = 0.25;  // part of the distance of head and feet that lies along the vertical
+  std::vector<double> heights, upright, scales;
   for (const Motion* motion : motions) {
     const Skeleton& skeleton = *motion->skeleton;
     const int head = HighestOfTrunk(skeleton);
     const Limbs limbs = LimbsOf(skeleton);
     if (head >= 0 && limbs.leg[0].end >= 0 && limbs.leg[1].end >= 0) {
-      heights.push_back(motion->joints.at(0, head).y() - 0.5 * (motion->joints.at(0, limbs.leg[0].end).y() +
-                                                                motion->joints.at(0, limbs.leg[1].end).y()));
+      const Vector3d body = motion->joints.at(0, head) -
+                            0.5 * (motion->joints.at(0, limbs.leg[0].end) + motion->joints.at(0, limbs.leg[1].end));
+      heights.push_back(body.y());
+      upright.push_back(body.y() / std::max(1e-9, body.norm()));
     }
     std::vector<double> ratios;
     for (int j = 1; j < skeleton.joint_count(); ++j) {
@@ -181,6 +184,13 @@ Status CheckFrameOfSet(const std::vector<const Motion*>& motions, double largest
                 "frame of the set",
                 "another vertical axis than declared, or values that are no positions: give --source with the axes, or "
                 "--values lie with --bone-lengths");
+  }
+  if (!upright.empty() && Median(upright) < kLeastUpright) {
+    return Fail(ErrorCode::kInconsistent,
+                "head and feet lie at about the same height in the first frame of half of the motions: " +
+                    RoundedText(Median(upright), 2) + " of their distance is vertical (rule: at least " +
+                    RoundedText(kLeastUpright, 2) + ")",
+                "frame of the set", "another vertical axis than declared: give --source with the axes");
   }
   if (scales.empty()) return {};
   const double scale = Median(scales);

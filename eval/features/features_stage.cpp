@@ -6,6 +6,7 @@
 #include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
+#include "core/motion/limbs.h"
 #include "core/pipeline/worker.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
@@ -74,6 +75,15 @@ void AddQuality(const std::vector<const Motion*>& motions, int threads,
   for (std::size_t k = 0; k < std::size(kNames); ++k) {
     for (const auto& values : of_motion) quality[kNames[k]].push_back(values[k]);
   }
+}
+
+/// Whether the left hip lies to the right of the right one in the first frame, seen by somebody whom the motion is to
+/// face (+z): by more than half of their distance.
+bool FacesAway(const Motion& motion) {
+  const Limbs limbs = LimbsOf(*motion.skeleton);
+  if (motion.frame_count() == 0 || limbs.leg[0].root < 0 || limbs.leg[1].root < 0) return false;
+  const Vector3d across = motion.joints.at(0, limbs.leg[0].root) - motion.joints.at(0, limbs.leg[1].root);
+  return across.x() < -0.5 * across.norm();
 }
 
 /// Reads motions, or has them generated, and runs the extractor over each pass.
@@ -227,6 +237,8 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   outcome.summary["no_parts"] = dataset->splits.empty();
   const bool as_given = options->generated && extractor->options.generated_root == RootRule::kAsGiven;
   outcome.summary["far"] = 0;
+  outcome.summary["facing_away"] = std::count_if(dataset->clips.begin(), dataset->clips.end(),
+                                                 [](const Clip& clip) { return FacesAway(*clip.motion); });
   if (as_given && InputOf(request, "generator") == nullptr) {
     outcome.summary["far"] = std::count_if(dataset->clips.begin(), dataset->clips.end(), [](const Clip& clip) {
       return clip.motion->joints.at(0, 0).norm() > kFarFromOrigin;

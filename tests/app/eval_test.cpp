@@ -350,6 +350,57 @@ TEST(Eval, FilesAreLabelledByWholeWordsOfTheirNamesAndListedLabelsFollowTheirNum
   }
 }
 
+/// A turn of every position of the published motions.
+NpyArray Turned(double (*turn)(const double* position, int axis)) {
+  NpyArray turned = PublishedMotions();
+  const NpyArray whole = turned;
+  for (std::size_t i = 0; i < turned.values.size(); ++i) {
+    turned.values[i] = turn(whole.values.data() + i / 3 * 3, static_cast<int>(i % 3));
+  }
+  return turned;
+}
+
+TEST(Eval, MotionsInAnotherFrameAreRefusedOrWarnedOf) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  WriteText(folder / "z_up.npy", WriteNpy(Turned([](const double* p, int axis) {
+              return axis == 0 ? p[0] : axis == 1 ? p[2] : -p[1];
+            })));
+  WriteText(folder / "away.npy",
+            WriteNpy(Turned([](const double* p, int axis) { return axis == 1 ? p[1] : -p[axis]; })));
+  const std::vector<std::string> protocol = {"--protocol", "a2m-humanact12", "--generated"};
+  const auto scored = [&](const std::string& name) {
+    std::vector<std::string> arguments = protocol;
+    arguments.push_back((folder / name).string());
+    return Eval(folder, arguments);
+  };
+  EXPECT_EQ(scored("z_up.npy").exit_code, 3);
+  const Result away = scored("away.npy");
+  EXPECT_EQ(away.exit_code, 0) << away.err;
+  EXPECT_TRUE(Warns(away, "facing_away"));
+  EXPECT_TRUE(Warns(away, "fewer_than_protocol")) << "20 motions are no row of a table";
+}
+
+TEST(Eval, EverySetMayHaveLabelsOfItsOwnAndTheRealSetIsNoGeneratedOne) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string(),
+                    labels = Published("humanact12/vanila_vae_tf/motion_class.npy").string();
+  std::string walk;
+  for (int i = 0; i < 20; ++i) walk += "walk\n";
+  WriteText(folder / "walk.txt", walk);
+  const Result two = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", "a=" + joints, "--generated",
+                                   "b=" + joints, "--labels", labels, "--labels", (folder / "walk.txt").string()});
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_DOUBLE_EQ(ValueOf(two, 0, "accuracy"), 0.75);
+  EXPECT_LT(ValueOf(two, 1, "accuracy"), 0.5);
+  const Result three = Eval(
+      folder, {"--protocol", "a2m-humanact12", "--generated", "a=" + joints, "--labels", labels, "--labels", labels});
+  EXPECT_EQ(three.exit_code, 2);
+  const Result same = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", joints, "--real", joints});
+  EXPECT_TRUE(Warns(same, "motions_are_the_real_ones"));
+}
+
 TEST(Eval, RealMotionsWithoutASplitHaveNoTestPart) {
   REQUIRE_GOLDENS();
   const Folder folder;
