@@ -227,6 +227,34 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
   eval->callback([&common, &verb, arguments] { verb = [&common, arguments] { return EvalVerb(common, *arguments); }; });
 }
 
+void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<GenerateArguments>();
+  CLI::App* generate = app.add_subcommand("generate", "Generate motions with a trained network");
+  generate->add_option("checkpoint", arguments->checkpoint, "of a generator: RUN/checkpoints/NAME_SEED.h5")->required();
+  generate
+      ->add_option("--label", arguments->labels,
+                   "class, by name or index, and how many: sit:10; may be repeated (default: each class once)")
+      ->allow_extra_args(false);
+  generate->add_option("--frames", arguments->frames, "of each motion (default: as many as the network was trained on)")
+      ->check(CLI::Range(1, 100000));
+  generate->add_option("--seed", arguments->seed, "of the noise: the same seed, the same motions")
+      ->capture_default_str();
+  generate->add_option("--scale", arguments->scale,
+                       "bone lengths times a factor, rotations unchanged: legs=1.25,arms=1.25 or all=0.8");
+  generate->add_option("--bone-lengths", arguments->bone_lengths,
+                       "dataset or MotionSet whose mean bone lengths lay the motions out");
+  generate->add_option("-o,--output", arguments->output, "MotionSet (.h5), which eval, export and fit take")
+      ->required();
+  generate->add_flag("--force", arguments->force, "overwrite");
+  generate->footer(
+      "Examples:\n  mocurate generate runs/demo/checkpoints/Action2Motion_1.h5 --label kick:10 --label walk:5 -o "
+      "made.h5\n"
+      "  mocurate generate runs/demo/checkpoints/Action2Motion_1.h5 --scale legs=1.25,arms=1.25 -o long_limbs.h5\n"
+      "  mocurate eval --protocol own --run runs/demo --generated made.h5");
+  generate->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });
+}
+
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
@@ -366,6 +394,7 @@ int Run(int argc, char** argv) {
   AddRun(app, common, verb);
   AddFit(app, common, verb);
   AddExport(app, common, verb);
+  AddGenerate(app, common, verb);
   AddEval(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);

@@ -49,6 +49,17 @@ struct ExportArguments {
   bool force = false;              ///< overwrite
 };
 
+struct GenerateArguments {
+  std::filesystem::path checkpoint;
+  std::vector<std::string> labels;  ///< "LABEL:COUNT"; empty: each class once
+  int frames = 0;                   ///< 0: as many as the network was trained on
+  std::uint64_t seed = 1;
+  std::string scale;                   ///< "legs=1.25,arms=1.25"
+  std::filesystem::path bone_lengths;  ///< dataset whose mean bone lengths lay the motions out, or empty
+  std::filesystem::path output;
+  bool force = false;  ///< overwrite
+};
+
 struct EvalArguments {
   std::string protocol;
   std::vector<std::string> generated;         ///< files or folders of motions; NAME=PATH names the row
@@ -110,6 +121,7 @@ struct CacheArguments {
 Status RunVerb(CommonArguments& common, const RunArguments& arguments);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
+Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);

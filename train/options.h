@@ -161,5 +161,6 @@ struct NetworkOptions {
 
 StageDeclaration TrainDeclaration();
 StageDeclaration TrainCostDeclaration();
+StageDeclaration GenerateDeclaration();
 
 }  // namespace mocurate

@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/pipeline/worker.h"
+#include "train/generators/motion_generator.h"
 #include "train/options.h"
 #include "train/trainer/trainer.h"
 
@@ -105,6 +106,23 @@ Expected<StageOutcome> TrainCostStage(const StageRequest& request) {
                      {"parameters", cost->parameters},
                      {"threads", request.threads}};
   if (Status written = WriteFile(request.output, outcome.summary.dump() + "\n"); !written) return Forward(written);
+  return outcome;
+}
+
+Expected<StageOutcome> GenerateStage(const StageRequest& request) {
+  const StageInput *network = InputOf(request, "generator"), *asked = InputOf(request, "requests");
+  if (network == nullptr || asked == nullptr) {
+    return Fail(ErrorCode::kInternal, "the stage needs the roles 'generator' and 'requests'", request.item);
+  }
+  const auto requests = ReadRequests(asked->path);
+  if (!requests) return Forward(requests);
+  const auto generator = MotionGenerator::Load(network->path);
+  if (!generator) return Forward(generator);
+  const auto set = (*generator)->Generate(*requests, request.threads);
+  if (!set) return Forward(set);
+  if (Status written = WriteDataset(*set, request.output); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"motions", set->clips.size()}};
   return outcome;
 }
 

@@ -13,4 +13,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request);
 /// "seconds_per_step", "parameters"}. Never cached: it is a figure of the machine.
 Expected<StageOutcome> TrainCostStage(const StageRequest& request);
 
+/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them.
+Expected<StageOutcome> GenerateStage(const StageRequest& request);
+
 }  // namespace mocurate

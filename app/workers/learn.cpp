@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   }
   return RunWorker({{TrainDeclaration().name, TrainStage},
                     {TrainCostDeclaration().name, TrainCostStage},
+                    {GenerateDeclaration().name, GenerateStage},
                     {FeaturesDeclaration().name, MakeFeaturesStage(OpenGeneratorCheckpoint)},
                     {ScoreDeclaration().name, ScoreStage},
                     {CompareDeclaration().name, CompareStage}});

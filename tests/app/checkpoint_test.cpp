@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/store/store.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -86,6 +87,50 @@ void ExpectInspectToTell(const Folder& folder) {
     EXPECT_THAT(run.out, HasSubstr(part));
   }
   EXPECT_EQ(RunProgram(folder, {"inspect", (folder / "r").string(), "--json"}).Json()["state"], "ended");
+}
+
+TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {
+  const Folder folder;
+  ASSERT_EQ(RunProgram(folder, TinyTraining(folder)).exit_code, 0);
+  const std::string network = (folder / "r/checkpoints/Action2Motion_1.h5").string();
+  const auto generate = [&](const std::string& output, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"generate", network, "-o",    (folder / output).string(),
+                                          "--frames", "12",    "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(folder, arguments);
+  };
+  const Result made = generate("made.h5", {"--label", "kick:3", "--label", "walk", "--seed", "7"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.Json()["motions"], 4);
+  EXPECT_EQ(generate("made.h5", {}).exit_code, 2) << "the file exists";
+  ASSERT_EQ(generate("again.h5", {"--label", "kick:3", "--label", "walk", "--seed", "7"}).exit_code, 0);
+  EXPECT_EQ(ReadText(folder / "made.h5"), ReadText(folder / "again.h5"));
+  ASSERT_EQ(
+      generate("long.h5", {"--label", "kick:3", "--label", "walk", "--seed", "7", "--scale", "legs=1.5"}).exit_code, 0);
+  const auto made_set = ReadDataset(folder / "made.h5"), long_set = ReadDataset(folder / "long.h5");
+  ASSERT_TRUE(made_set && long_set);
+  const Skeleton& skeleton = *made_set->skeleton;
+  for (std::size_t clip = 0; clip < 4; ++clip) {
+    EXPECT_EQ(made_set->clips[clip].label, clip < 3 ? "kick" : "walk");
+    const Motion &a = *made_set->clips[clip].motion, &b = *long_set->clips[clip].motion;
+    ASSERT_EQ(a.frame_count(), 12);
+    for (const char* name : {"left_knee", "left_elbow"}) {
+      const int joint = *skeleton.FindJoint(name), parent = skeleton.joints[static_cast<std::size_t>(joint)].parent;
+      const Vector3d short_bone = a.joints.at(5, joint) - a.joints.at(5, parent);
+      const Vector3d long_bone = b.joints.at(5, joint) - b.joints.at(5, parent);
+      const double factor = std::string(name) == "left_knee" ? 1.5 : 1.0;
+      EXPECT_NEAR((long_bone - factor * short_bone).norm(), 0.0, 1e-4) << name;
+    }
+  }
+  EXPECT_EQ(generate("x.h5", {"--label", "fly:3"}).exit_code, 2);
+  EXPECT_EQ(generate("x.h5", {"--scale", "nose=2"}).exit_code, 2);
+  const Result recogniser = RunProgram(
+      folder, {"generate", (folder / "r/checkpoints/recogniser_1.h5").string(), "-o", (folder / "x.h5").string()});
+  EXPECT_EQ(recogniser.exit_code, 3) << recogniser.err;
+  EXPECT_EQ(RunProgram(folder,
+                       {"export", (folder / "made.h5").string(), "-o", (folder / "arrays").string(), "--as", "joints"})
+                .exit_code,
+            0);
 }
 
 TEST(WrongCheckpoint, IsRefusedNamingBothKindsAndTheFile) {

@@ -1,5 +1,8 @@
 #include "train/data/training_set.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/store/dataset_clips.h"
 
 namespace mocurate {
@@ -30,6 +33,38 @@ JointPositions TrainingSet::Joints(std::size_t clip) const {
   const std::size_t first = clips[clip].first * 3 * static_cast<std::size_t>(J);
   for (std::size_t i = 0; i < positions.xyz.size(); ++i) positions.xyz[i] = joints[first + i];
   return positions;
+}
+
+std::vector<double> MedianBoneLengths(const TrainingSet& set) {
+  const std::vector<int> parents = set.skeleton->lie ? set.skeleton->LieParents() : std::vector<int>();
+  std::vector<double> lengths(static_cast<std::size_t>(set.skeleton->joint_count()), 0.0);
+  for (std::size_t j = 1; j < lengths.size(); ++j) {
+    const int parent = parents.empty() ? set.skeleton->joints[j].parent : parents[j];
+    std::vector<double> values;
+    for (const TrainingSet::Clip& clip : set.clips) {
+      if (clip.frames == 0) continue;
+      const float* frame = set.joints.data() + clip.first * 3 * lengths.size();
+      const float *a = frame + 3 * j, *b = frame + 3 * static_cast<std::size_t>(parent);
+      values.push_back(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    }
+    if (values.empty()) continue;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    lengths[j] = *middle;
+  }
+  return lengths;
+}
+
+std::vector<std::vector<double>> FirstPoses(const TrainingSet& set) {
+  std::vector<std::vector<double>> poses(set.labels.size());
+  const std::size_t width = 3 * static_cast<std::size_t>(set.skeleton->joint_count());
+  for (const TrainingSet::Clip& clip : set.clips) {
+    if (clip.frames == 0 || clip.label < 0 || !poses[static_cast<std::size_t>(clip.label)].empty()) continue;
+    const float* frame = set.joints.data() + clip.first * width;
+    std::vector<double>& pose = poses[static_cast<std::size_t>(clip.label)];
+    for (std::size_t k = 0; k < width; ++k) pose.push_back(static_cast<double>(frame[k]) - frame[k % 3]);
+  }
+  return poses;
 }
 
 Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path) {

@@ -26,6 +26,13 @@ struct TrainingSet {
   JointPositions Joints(std::size_t clip) const;
 };
 
+/// Median length of each bone in the first frames of the clips, along the chains of the skeleton (J): what motions are
+/// laid out with when a request names no bones.
+std::vector<double> MedianBoneLengths(const TrainingSet& set);
+
+/// First frame of the first clip of each class, root at the origin: (3J) each, empty for a class without clips.
+std::vector<std::vector<double>> FirstPoses(const TrainingSet& set);
+
 /// Reads the file clip by clip and checks its hashes. Errors of ReadDataset.
 Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path);
 

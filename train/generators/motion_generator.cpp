@@ -19,6 +19,8 @@ struct MotionGenerator::Impl {
   SkeletonPtr skeleton;
   std::vector<std::string> labels;
   FrameRate rate;
+  std::vector<double> bone_length;               ///< of the training set
+  std::vector<std::vector<double>> first_poses;  ///< of each class, where the network starts from one
 
   Status Check(const MotionRequest& request, std::size_t index) const;
   RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;
@@ -58,19 +60,19 @@ Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t in
 RequestBatch MotionGenerator::Impl::BatchOf(const MotionRequest* requests, std::size_t count) const {
   const auto B = static_cast<std::int64_t>(count);
   const std::int64_t J = skeleton->joint_count();
-  const std::vector<double> rest_length = skeleton->RestBoneLengths();
   RequestBatch batch;
   batch.frames = requests[0].frames;
   batch.label = torch::empty({B}, torch::kInt64);
   batch.bone_length = torch::empty({B, J});
-  const bool poses = std::any_of(requests, requests + count, [](const auto& one) { return !one.first_pose.empty(); });
+  const bool poses = !first_poses.empty();
   if (poses) batch.first_pose = torch::zeros({B, 3 * J});
   for (std::size_t b = 0; b < count; ++b) {
     batch.label.data_ptr<std::int64_t>()[b] = requests[b].label;
-    const std::vector<double>& length = requests[b].bone_length.empty() ? rest_length : requests[b].bone_length;
+    const std::vector<double>& length = requests[b].bone_length.empty() ? bone_length : requests[b].bone_length;
     std::copy(length.begin(), length.end(), batch.bone_length.data_ptr<float>() + b * static_cast<std::size_t>(J));
-    const std::vector<double>& pose = requests[b].first_pose;
-    if (!pose.empty()) {
+    const auto label = static_cast<std::size_t>(requests[b].label);
+    if (poses) {
+      const std::vector<double>& pose = requests[b].first_pose.empty() ? first_poses[label] : requests[b].first_pose;
       std::copy(pose.begin(), pose.end(), batch.first_pose.data_ptr<float>() + b * 3 * static_cast<std::size_t>(J));
     }
   }
@@ -104,6 +106,15 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   impl->skeleton = checkpoint->skeleton;
   impl->labels = checkpoint->labels;
   impl->rate = *rate;
+  const auto joints = static_cast<std::size_t>(impl->skeleton->joint_count());
+  impl->bone_length = checkpoint->facts.value("bone_length", impl->skeleton->RestBoneLengths());
+  impl->first_poses = checkpoint->facts.value("first_pose", std::vector<std::vector<double>>());
+  const auto fits = [&](const std::vector<double>& pose) { return pose.empty() || pose.size() == 3 * joints; };
+  if (impl->bone_length.size() != joints ||
+      (!impl->first_poses.empty() && impl->first_poses.size() != impl->labels.size()) ||
+      !std::all_of(impl->first_poses.begin(), impl->first_poses.end(), fits)) {
+    return Fail(ErrorCode::kMalformed, "bone lengths or first poses do not fit the skeleton", where, "train again");
+  }
   return std::unique_ptr<MotionGenerator>(new MotionGenerator(std::move(impl)));
 }
 

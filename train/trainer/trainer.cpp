@@ -368,7 +368,11 @@ class Training {
         {"parameters", CountValues(state_.parameters)},
         {"round", round_},
         {"round_step", round_step_}};
-    if (!recognises_) return;
+    if (!recognises_) {
+      state_.facts["bone_length"] = MedianBoneLengths(set_);
+      if (options_.kind == NetworkKind::kCondGru) state_.facts["first_pose"] = FirstPoses(set_);
+      return;
+    }
     state_.facts["validation_rule"] = rows_.validation_rule;
     state_.facts["epochs"] = state_.step / std::max<std::int64_t>(1, order_->batches_per_pass());
     state_.facts["best_epoch"] = best_epoch_;

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/blas_kernels.h"
+#include "app/run_outputs.h"
+#include "app/scratch_folder.h"
+#include "app/stage_runs.h"
+#include "app/verbs.h"
+#include "core/base/file.h"
+#include "core/base/random.h"
+#include "core/base/text.h"
+#include "core/motion/limbs.h"
+#include "core/motion/request.h"
+#include "core/store/store.h"
+#include "train/checkpoint/checkpoint.h"
+#include "train/options.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLargestScale = 100.0;
+
+/// Classes that are asked for, in order: "sit:10" ten times, "3" the class of that index, nothing each class once.
+Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, const std::vector<std::string>& labels) {
+  std::vector<int> result;
+  for (std::size_t c = 0; wanted.empty() && c < labels.size(); ++c) result.push_back(static_cast<int>(c));
+  for (const std::string& text : wanted) {
+    const std::size_t colon = text.rfind(':');
+    const auto count = colon == std::string::npos ? std::optional<long long>(1) : ParseInteger(text.substr(colon + 1));
+    const std::string name = text.substr(0, colon);
+    const auto found = std::find(labels.begin(), labels.end(), name);
+    const auto index = ParseInteger(name);
+    const bool by_index = found == labels.end() && index && *index >= 0 && *index < std::int64_t(labels.size());
+    if (found == labels.end() && !by_index) {
+      std::string known;
+      for (const std::string& label : labels) known += (known.empty() ? "" : ", ") + label;
+      const auto near = Nearest(name, labels);
+      return Fail(ErrorCode::kUsage, "the network has no class '" + name + "'", "--label",
+                  (near ? "did you mean '" + *near + "'? " : "") + "it has: " + known);
+    }
+    if (!count || *count < 1 || *count > 1000000) {
+      return Fail(ErrorCode::kUsage, "'" + text.substr(colon + 1) + "' is no number of motions", "--label",
+                  "LABEL:COUNT, e.g. sit:10");
+    }
+    const int label = by_index ? static_cast<int>(*index) : static_cast<int>(found - labels.begin());
+    result.insert(result.end(), static_cast<std::size_t>(*count), label);
+  }
+  return result;
+}
+
+/// Mean length of each bone along the chains, over the frames of all motions of a dataset: (J), 0 for the root.
+Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& skeleton) {
+  const Expected<Dataset> set = ReadDataset(path);
+  if (!set) return Forward(set);
+  if (set->skeleton->joint_count() != skeleton.joint_count() || set->clips.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(set->skeleton->joint_count()) + " joints, the network has " +
+                    std::to_string(skeleton.joint_count()),
+                DisplayPath(path), "give motions of skeleton '" + skeleton.name + "'");
+  }
+  std::vector<double> lengths(static_cast<std::size_t>(skeleton.joint_count()), 0.0);
+  const std::vector<int> parents = skeleton.lie ? skeleton.LieParents() : std::vector<int>();
+  double frames = 0.0;
+  for (const Clip& clip : set->clips) {
+    for (int f = 0; f < clip.motion->frame_count(); ++f, ++frames) {
+      for (int j = 1; j < skeleton.joint_count(); ++j) {
+        const auto at = static_cast<std::size_t>(j);
+        const int parent = parents.empty() ? skeleton.joints[at].parent : parents[at];
+        lengths[at] += (clip.motion->joints.at(f, j) - clip.motion->joints.at(f, parent)).norm();
+      }
+    }
+  }
+  for (double& length : lengths) length /= frames;
+  return lengths;
+}
+
+/// Joints that hang below `root`.
+std::vector<bool> Below(const Skeleton& skeleton, int root) {
+  std::vector<bool> below(static_cast<std::size_t>(skeleton.joint_count()), false);
+  for (int j = 1; j < skeleton.joint_count() && root >= 0; ++j) {
+    const int parent = skeleton.joints[static_cast<std::size_t>(j)].parent;
+    below[static_cast<std::size_t>(j)] = parent == root || (parent >= 0 && below[static_cast<std::size_t>(parent)]);
+  }
+  return below;
+}
+
+/// "legs=1.25,arms=0.9,all=1.1" of bone lengths.
+Status Scale(const std::string& text, const Skeleton& skeleton, std::vector<double>& lengths) {
+  if (text.empty()) return {};
+  const Limbs limbs = LimbsOf(skeleton);
+  for (const std::string_view part : SplitText(text, ',')) {
+    const std::size_t equals = part.find('=');
+    const auto factor =
+        equals == std::string_view::npos ? std::nullopt : ParseDouble(std::string(Trim(part.substr(equals + 1))));
+    const std::string group(Trim(part.substr(0, equals)));
+    if (!factor || !(*factor > 0.0 && *factor <= kLargestScale)) {
+      return Fail(ErrorCode::kUsage, "'" + std::string(part) + "' is no GROUP=FACTOR", "--scale",
+                  "e.g. --scale legs=1.25,arms=1.25");
+    }
+    if (group != "legs" && group != "arms" && group != "all") {
+      return Fail(ErrorCode::kUsage, "there is no group '" + group + "'", "--scale", "legs, arms, all");
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Limb& limb = group == "legs" ? limbs.leg[side] : limbs.arm[side];
+      if (group != "all" && !limb.known()) {
+        return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' has no known " + group, "--scale",
+                    "scale all bones: all=" + RoundedText(*factor));
+      }
+      const std::vector<bool> of_group =
+          group == "all" ? std::vector<bool>(lengths.size(), side == 0) : Below(skeleton, limb.root);
+      for (std::size_t j = 0; j < lengths.size(); ++j) lengths[j] *= of_group[j] ? *factor : 1.0;
+    }
+  }
+  return {};
+}
+
+/// Bone lengths that the motions are laid out with; empty: the network's own.
+Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, const Checkpoint& checkpoint,
+                                            const NetworkOptions& options) {
+  if (arguments.scale.empty() && arguments.bone_lengths.empty()) return std::vector<double>();
+  const bool lays_out = (options.kind == NetworkKind::kAction2Motion && options.action2motion.lie) ||
+                        (options.kind == NetworkKind::kActMoCoGan && options.act_mocogan.lie);
+  if (!lays_out) {
+    return Fail(ErrorCode::kUsage, "the network generates positions: it has no rotations to lay other bones out with",
+                arguments.scale.empty() ? "--bone-lengths" : "--scale",
+                "give a network that was trained with lie: true");
+  }
+  std::vector<double> lengths = checkpoint.facts.value("bone_length", std::vector<double>());
+  if (lengths.empty()) lengths = checkpoint.skeleton->RestBoneLengths();
+  if (!arguments.bone_lengths.empty()) {
+    auto given = LengthsOf(arguments.bone_lengths, *checkpoint.skeleton);
+    if (!given) return Forward(given);
+    lengths = std::move(*given);
+  }
+  if (Status scaled = Scale(arguments.scale, *checkpoint.skeleton, lengths); !scaled) return Forward(scaled);
+  return lengths;
+}
+
+Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& arguments, const Checkpoint& checkpoint,
+                                                const NetworkOptions& options) {
+  const auto labels = LabelsOf(arguments.labels, checkpoint.labels);
+  if (!labels) return Forward(labels);
+  const auto lengths = BoneLengthsOf(arguments, checkpoint, options);
+  if (!lengths) return Forward(lengths);
+  std::vector<MotionRequest> requests;
+  for (std::size_t i = 0; i < labels->size(); ++i) {
+    Random random(arguments.seed, "generate", std::to_string(i));
+    MotionRequest request;
+    request.label = (*labels)[i];
+    request.frames = arguments.frames > 0 ? arguments.frames : static_cast<int>(options.data.frames);
+    request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
+    request.bone_length = *lengths;
+    requests.push_back(std::move(request));
+  }
+  return requests;
+}
+
+}  // namespace
+
+Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments) {
+  ChooseBlasKernels();
+  std::error_code unknown;
+  if (fs::exists(arguments.output, unknown) && !arguments.force) {
+    return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(arguments.output), "--force overwrites it");
+  }
+  const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.checkpoint);
+  if (!checkpoint) return Forward(checkpoint);
+  const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
+  if (!options) return Forward(options);
+  const auto requests = RequestsOf(arguments, *checkpoint, *options);
+  if (!requests) return Forward(requests);
+  const ScratchFolder scratch;
+  if (scratch.path().empty()) return scratch.Missing();
+  const fs::path file = scratch.path() / "requests.json";
+  if (Status written = WriteRequests(*requests, file); !written) return written;
+  RunnerOptions settings;
+  settings.run_folder = scratch.path();
+  settings.quiet = common.quiet;
+  settings.tell_failures = false;
+  auto runner = Runner::Make(settings);
+  if (!runner) return Forward(runner);
+  std::vector<StageReport> reports;
+  const auto generated =
+      StageRuns(**runner, reports)
+          .One(GenerateDeclaration(),
+               {"motions",
+                nlohmann::json::object(),
+                {{"generator", "network", arguments.checkpoint, ""}, {"requests", "requests", file, ""}}});
+  if (!generated) return Forward(generated);
+  if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
+                                        {"network", checkpoint->kind},
+                                        {"motions", requests->size()},
+                                        {"frames", requests->front().frames}})
+                            .dump(1)
+                            .c_str());
+  } else if (!common.quiet) {
+    std::printf("%s of %s by %s in %s\n", Counted(static_cast<long long>(requests->size()), "motion").c_str(),
+                Counted(requests->front().frames, "frame").c_str(), options->name.c_str(),
+                DisplayPath(arguments.output).c_str());
+  }
+  return {};
+}
+
+}  // namespace mocurate
