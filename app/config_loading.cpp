@@ -148,6 +148,7 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   if (Status networks = CheckNetworks(options->train); !networks) return Forward(networks);
   if (Status values = CheckValues(*options, *node); !values) return Forward(values);
   DropForeignWords(*node, *options);
+  BoundTraining(options->train);
   ResolveDefaults(*options);
   InheritOrigins(*node);
   return LoadedJob{std::move(*node), std::move(*options)};

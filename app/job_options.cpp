@@ -15,6 +15,15 @@ void PipelineOptions::Declare(OptionVisitor& v) {
       "GiB in fitting, no limit where the whole set is held");
 }
 
+void DataSetOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of its folder data/NAME and its part of the table");
+  v.Text("job", job, "config that makes its dataset: a name of configs/ or a file");
+  v.Path("path", path, "your copy of the set (--data NAME=PATH); empty: the substitute");
+  v.Text("substitute", substitute,
+         "layout of `mocurate synthesize` in which a stand-in is written where path is empty");
+  v.Text("published", published, "name of the set in the published tables");
+}
+
 void JobOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the job and of its run folder");
   v.Text("description", description, "what the job is, for the report");
@@ -25,6 +34,9 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Number("tolerated_doubtful", tolerated_doubtful, Unit::kNone, {0.0, 1.0},
            "share of the clips that go on with a finding of severity error before the run ends with exit code 1: where "
            "more than half contradict their declaration, it is the declaration that is wrong");
+  v.Text("profile", profile, "which of the config's `profiles` is merged into it, e.g. smoke, small, paper");
+  v.List("data", data, "several sets, each of which goes through all stages with the networks of this job");
+  v.Texts("substitutes", substitutes, "options of the studio for all substitutes, e.g. subjects=3");
   v.Group("ingest", ingest, "where the captures are and what they are");
   v.Group("proportions", proportions, "bone lengths of each person");
   v.Group("fitting", fitting, "rotations and bone lengths from evidence");

@@ -23,14 +23,28 @@ struct PipelineOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// One of several sets that a run trains on and scores: `data: [{name, job, path, substitute}]`.
+struct DataSetOptions {
+  std::string name;            ///< of its folder and its part of the table
+  std::string job;             ///< config that makes its dataset: a name of configs/ or a file
+  std::filesystem::path path;  ///< the user's copy; empty: the substitute
+  std::string substitute;      ///< layout in which the studio writes a stand-in; empty: none
+  std::string published;       ///< the set as published tables name it; empty: none
+
+  void Declare(OptionVisitor& v);
+};
+
 /// A whole job, as a config file says it: one group per stage, in order.
 struct JobOptions {
   std::string name = "run";
   std::string description;
-  std::string takes;                ///< how long the job takes, in words
-  std::string skeleton = "smpl24";  ///< for stages that do not name their own
-  double tolerated_failures = 0.0;  ///< share of clips that may fail before the exit code is 1
-  double tolerated_doubtful = 0.5;  ///< share of clips with a finding of severity error before the exit code is 1
+  std::string takes;                     ///< how long the job takes, in words
+  std::string skeleton = "smpl24";       ///< for stages that do not name their own
+  double tolerated_failures = 0.0;       ///< share of clips that may fail before the exit code is 1
+  double tolerated_doubtful = 0.5;       ///< share of clips with a finding of severity error before the exit code is 1
+  std::string profile;                   ///< which of the config's `profiles` is merged into it
+  std::vector<DataSetOptions> data;      ///< several sets in the place of one; empty: the job's own
+  std::vector<std::string> substitutes;  ///< studio options of all substitutes, e.g. "subjects=3"
   IngestOptions ingest;
   ProportionsSettings proportions;
   FittingOptions fitting;

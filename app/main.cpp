@@ -108,6 +108,8 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   run->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")->check(CLI::Range(0, 1024));
   run->add_option("--budget", arguments->budget, "train the generator this many times longer than the config says")
       ->check(CLI::Range(0.001, 1e6));
+  run->add_option("--data", arguments->data, "NAME=PATH: your copy of a set of a run over several; may be repeated")
+      ->allow_extra_args(false);
   run->add_flag("-n,--dry-run", arguments->dry_run, "say what would run and what the cache serves, run nothing");
   run->footer(
       "Examples:\n  mocurate run\n  mocurate run kard -o runs/kard\n"

@@ -9,6 +9,7 @@
 #include "app/evaluation.h"
 #include "app/job_checks.h"
 #include "app/job_items.h"
+#include "app/protocols.h"
 #include "app/report_run.h"
 #include "app/run_outputs.h"
 #include "app/scratch_folder.h"
@@ -25,6 +26,9 @@ namespace mocurate {
 namespace {
 
 /// Where the unfitted tracks go through the same stages, to compare.
+/// The paper whose published rows stand below the tables of runs that name a set of it (evaluate.published).
+constexpr const char* kOwnPaper = "Action2Motion";
+
 constexpr const char* kFittedBranch = "fitted motion";
 constexpr const char* kRawBranch = "raw tracks";
 
@@ -403,9 +407,39 @@ class MainJob {
     result_.metrics["rows"] = std::move(evaluated->rows);
     result_.metrics["comparisons"] = std::move(evaluated->comparisons);
     result_.metrics["warnings"] = std::move(evaluated->warnings);
+    const auto published = PublishedNumbers(kOwnPaper, options_.evaluate.published);
+    if (!published) return Forward(published);
     result_.metrics["published"] = nlohmann::json::array();
+    for (const nlohmann::json& value : *published) {
+      if (value.at("paper") == kOwnPaper) result_.metrics["published"].push_back(value);
+    }
     result_.metrics["notes"] = NotesOf(options_.evaluate);
+    AddTraining(result_.metrics["rows"]);
     return WriteMetrics();
+  }
+
+  /// What each row is of, and what its training took: {"metrics", "checkpoint", "steps", "seconds", "peak_memory"}.
+  void AddTraining(nlohmann::json& rows) const {
+    const std::map<std::string, nlohmann::json> journal = JournalOf(folder(), TrainDeclaration().name);
+    for (nlohmann::json& row : rows) {
+      nlohmann::json ours = {{"metrics", row.at("metrics")},
+                             {"checkpoint", nullptr},
+                             {"steps", nullptr},
+                             {"seconds", nullptr},
+                             {"peak_memory", nullptr}};
+      for (const TrainedNetwork& network : networks_) {
+        if (network.row != row.at("name") || !GeneratesMotions(OptionsOf(network).kind)) continue;
+        ours["checkpoint"] = network.checkpoint.sha256;
+        const nlohmann::json& training = result_.training.at(network.checkpoint.name);
+        ours["steps"] = training.at("iterations");
+        ours["parameters"] = training.at("parameters_of");
+        const auto item = journal.find(network.checkpoint.name);
+        if (item == journal.end()) continue;
+        ours["seconds"] = item->second.value("seconds", nlohmann::json());
+        ours["peak_memory"] = item->second.value("peak_memory_bytes", nlohmann::json());
+      }
+      row["ours"] = std::move(ours);
+    }
   }
 
   /// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/config.h"
 #include "core/pipeline/runner.h"
 #include "eval/features/extractor_options.h"
 #include "ingest/read_motions.h"

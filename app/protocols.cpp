@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
+#include "eval/published/published.h"
 #include "train/checkpoint/describe.h"
 
 namespace mocurate {
@@ -111,6 +112,14 @@ Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
               "the weights of extractor '" + extractor.name + "' are not below MOCURATE_WEIGHTS (" +
                   DisplayPath(fs::path(folder)) + ")",
               extractor.weights, hint);
+}
+
+Expected<nlohmann::json> PublishedNumbers(const std::string& paper, const std::string& dataset) {
+  const auto csv = FindResource("published/tables.csv");
+  if (!csv || dataset.empty()) return nlohmann::json::array();
+  const auto values = ParsePublished(*csv, "published/tables.csv");
+  if (!values) return Forward(values);
+  return PublishedOf(*values, paper, dataset);
 }
 
 }  // namespace mocurate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name_or_path,
                                          const std::vector<std::string>& assignments = {});
 
 std::vector<std::string> ProtocolNames();
+
+/// The papers' numbers of a data set, those of `paper` first (PublishedOf); none for an empty name.
+Expected<nlohmann::json> PublishedNumbers(const std::string& paper, const std::string& dataset);
 
 /// Where the weights of an extractor lie: at the path itself, else by that name below the folder MOCURATE_WEIGHTS.
 /// Error kMissingOnHost says where they were looked for and where they come from.

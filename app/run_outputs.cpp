@@ -37,19 +37,6 @@ constexpr Output kOutputs[] = {
 
 constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", "run.json"};
 
-/// Checkpoints of the networks that runs trained, as the journal lists them: below the folder.
-std::vector<std::string> TrainedCheckpoints(const fs::path& folder) {
-  std::vector<std::string> names;
-  const auto journal = ReadFile(folder / "journal.jsonl");
-  if (!journal) return names;
-  for (const std::string_view line : SplitText(*journal, '\n')) {
-    const nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
-    if (!entry.is_object() || entry.value("stage", nlohmann::json()) != TrainDeclaration().name) continue;
-    names.push_back("checkpoints/" + FileNameOf(entry.value("item", std::string())) + ".h5");
-  }
-  return names;
-}
-
 /// `*` stands for the digits of a clip.
 bool Matches(std::string_view pattern, std::string_view name) {
   const std::size_t star = pattern.find('*');
@@ -83,7 +70,8 @@ std::vector<std::string> RunOutputs::Leftovers(JobStage first, JobStage last) co
     }
   }
   if (first > JobStage::kTrain || last < JobStage::kTrain) return {found.begin(), found.end()};
-  for (const std::string& name : TrainedCheckpoints(folder_)) {
+  for (const auto& entry : JournalOf(folder_, TrainDeclaration().name)) {
+    const std::string name = "checkpoints/" + FileNameOf(entry.first) + ".h5";
     std::error_code gone;
     const fs::file_status status = fs::symlink_status(folder_ / name, gone);
     if (placed_.count(name) == 0 && (fs::is_regular_file(status) || fs::is_symlink(status))) found.insert(name);
@@ -128,6 +116,19 @@ std::vector<std::string> RunFilesIn(const fs::path& folder) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::map<std::string, nlohmann::json> JournalOf(const fs::path& folder, const std::string& stage) {
+  std::map<std::string, nlohmann::json> entries;
+  const auto journal = ReadFile(folder / "journal.jsonl");
+  if (!journal) return entries;
+  for (const std::string_view line : SplitText(*journal, '\n')) {
+    nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
+    if (!entry.is_object() || entry.value("stage", nlohmann::json()) != stage) continue;
+    nlohmann::json& last = entries[entry.value("item", std::string())];
+    if (last.is_null() || !entry.value("from_cache", false)) last = std::move(entry);
+  }
+  return entries;
 }
 
 Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to) {

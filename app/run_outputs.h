@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
@@ -40,6 +42,9 @@ class RunOutputs {
 /// The files of a folder that bear a name of ours, the record of runs (run.json, journal.jsonl, lock) and the list of
 /// the capture among them; below the folder, in order of name.
 std::vector<std::string> RunFilesIn(const std::filesystem::path& folder);
+
+/// The last entry of each item of a stage that did its work, as the journal of a run tells it.
+std::map<std::string, nlohmann::json> JournalOf(const std::filesystem::path& folder, const std::string& stage);
 
 /// Copies a file so that it appears whole.
 Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to);

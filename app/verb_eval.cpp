@@ -190,14 +190,6 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
   return read;
 }
 
-Expected<nlohmann::json> Published(const ProtocolOptions& protocol) {
-  const auto csv = FindResource("published/tables.csv");
-  if (!csv || protocol.dataset.empty()) return nlohmann::json::array();
-  const auto values = ParsePublished(*csv, "published/tables.csv");
-  if (!values) return Forward(values);
-  return PublishedOf(*values, protocol.paper, protocol.dataset);
-}
-
 const char* VariantName(ProtocolVariant variant) {
   return variant == ProtocolVariant::kGiven ? "given" : variant == ProtocolVariant::kReleased ? "released" : "paper";
 }
@@ -301,7 +293,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
                          (plan->protocol.recipe.empty() ? std::string()
                                                         : ", e.g. the dataset of recipe " + plan->protocol.recipe)}});
   }
-  auto published = Published(plan->protocol);
+  auto published = PublishedNumbers(plan->protocol.paper, plan->protocol.dataset);
   if (!published) return Forward(published);
   nlohmann::json result = {{"protocol", plan->protocol.name},
                            {"paper", plan->protocol.paper},

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -5,6 +6,7 @@
 
 #include "app/blas_kernels.h"
 #include "app/config_loading.h"
+#include "app/data_sets.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
 #include "app/run_file.h"
@@ -167,6 +169,71 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
   return CheckDoubts(options, *result);
 }
 
+/// "NAME=PATH" of --data.
+Status TakeData(const std::vector<std::string>& given, JobOptions& options) {
+  for (const std::string& text : given) {
+    const std::size_t equals = text.find('=');
+    std::vector<std::string> names;
+    for (const DataSetOptions& set : options.data) names.push_back(set.name);
+    const auto at = std::find(names.begin(), names.end(), text.substr(0, equals));
+    if (equals == std::string::npos || at == names.end()) {
+      const auto near = Nearest(text.substr(0, equals), names);
+      return Fail(ErrorCode::kUsage, "the job has no set '" + text.substr(0, equals) + "'", "--data",
+                  near ? "did you mean '" + *near + "=PATH'?" : "NAME=PATH of a set in the job's `data`");
+    }
+    std::error_code unknown;
+    options.data[static_cast<std::size_t>(at - names.begin())].path =
+        std::filesystem::absolute(text.substr(equals + 1), unknown).lexically_normal();
+  }
+  return {};
+}
+
+/// A run over several sets: prints each, then the table over all.
+Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job, JobStage last) {
+  const auto folder = RunFolder(arguments.output, job.options.name);
+  if (!folder) return Forward(folder);
+  const RunnerOptions settings = RunnerOptionsOf(common, arguments, job.options, *folder);
+  RunFile file(job, arguments.budget, last, settings.run_folder);
+  if (!arguments.dry_run) {
+    if (Status made = MakeFolder(settings.run_folder); !made) return made;
+    if (Status begun = file.Begin(); !begun) return begun;
+  }
+  const auto started = std::chrono::steady_clock::now();
+  const auto run = RunOverSets(job.options, last, settings);
+  Status outcome = run ? Status() : Forward(run);
+  if (run) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    if (common.json) {
+      common.answered = true;
+      nlohmann::json sets = nlohmann::json::object();
+      for (const SetResult& set : run->sets) {
+        RunnerOptions own = settings;
+        own.run_folder = settings.run_folder / "data" / set.set.name;
+        sets[set.set.name] = ResultJson(set.result, own, seconds);
+      }
+      std::printf("%s\n",
+                  nlohmann::json({{"run", DisplayPath(settings.run_folder)}, {"sets", sets}, {"table", run->table}})
+                      .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                      .c_str());
+    }
+    for (const SetResult& set : run->sets) {
+      if (!common.json && !common.quiet && !arguments.dry_run) {
+        std::printf("\n%s%s\n", set.set.name.c_str(), set.substitute ? " (substitute: synthetic motions)" : "");
+        PrintResult(set.result, seconds);
+      }
+      if (outcome) outcome = CheckEvaluation(set.result);
+      if (outcome) outcome = CheckNetworks(set.result);
+    }
+    if (outcome && !run->failed.empty()) {
+      const auto& [name, error] = run->failed.front();
+      outcome = Fail(ErrorCode::kTooManyFailures, "set " + name + ": " + error.what, error.where, error.hint);
+    }
+  }
+  if (arguments.dry_run) return outcome;
+  const Status ended = file.End(outcome);
+  return outcome ? ended : outcome;
+}
+
 }  // namespace
 
 Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
@@ -175,9 +242,11 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   if (!job) return Forward(job);
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
   if (!last) return Forward(last);
+  if (Status given = TakeData(arguments.data, job->options); !given) return given;
   if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
+  if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last);
   const auto folder = RunFolder(arguments.output, job->options.name);
   if (!folder) return Forward(folder);
   if (Status ours = CheckRunFolder(*folder); !ours) return ours;

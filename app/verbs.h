@@ -25,7 +25,8 @@ struct RunArguments {
   std::string to;  ///< last stage; empty: report
   int jobs = 0;
   bool dry_run = false;
-  double budget = 1.0;  ///< trains this many times longer than the config says
+  std::vector<std::string> data;  ///< NAME=PATH of sets of a run over several
+  double budget = 1.0;            ///< trains this many times longer than the config says
 };
 
 struct FitArguments {

@@ -29,6 +29,17 @@ void DeclareReal(RealPart& real, OptionVisitor& v) {
            "which clips are the real motions: all (as published), or one part of the split");
 }
 
+void DeclareInterval(IntervalKind& interval, OptionVisitor& v) {
+  v.Choice(
+      "interval", interval,
+      {{"student", IntervalKind::kStudent},
+       {"action2motion", IntervalKind::kAction2Motion},
+       {"actor", IntervalKind::kActor},
+       {"bootstrap", IntervalKind::kBootstrap}},
+      "what stands behind a +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), 1.96 times the variance "
+      "(ACTOR: no interval), or resampling");
+}
+
 }  // namespace
 
 void DrawOptions::Declare(OptionVisitor& v) {
@@ -39,14 +50,7 @@ void DrawOptions::Declare(OptionVisitor& v) {
   DeclareLabels(labels, v);
   DeclareHidden(hidden, v);
   DeclareCrop(crop, v);
-  v.Choice(
-      "interval", interval,
-      {{"student", IntervalKind::kStudent},
-       {"action2motion", IntervalKind::kAction2Motion},
-       {"actor", IntervalKind::kActor},
-       {"bootstrap", IntervalKind::kBootstrap}},
-      "what stands behind a +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), 1.96 times the variance "
-      "(ACTOR: no interval), or resampling");
+  DeclareInterval(interval, v);
 }
 
 void MetricOptions::Declare(OptionVisitor& v) {
@@ -98,7 +102,7 @@ DrawOptions EvaluateOptions::draw() const {
   options.labels = labels;
   options.hidden = random_hidden ? HiddenDraw::kNormal : HiddenDraw::kZero;
   options.crop = CropDraw::kReleased;
-  options.interval = IntervalKind::kStudent;
+  options.interval = interval;
   return options;
 }
 
@@ -110,6 +114,7 @@ MetricOptions EvaluateOptions::metrics() const {
 }
 
 void EvaluateOptions::Declare(OptionVisitor& v) {
+  v.Text("published", published, "set whose published numbers stand below the table, as the papers' tables name it");
   v.Text("recogniser", recogniser, "network that gives the features of the metrics; empty: the first gru_recogniser");
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
@@ -119,6 +124,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   DeclareLabels(labels, v);
   DeclareReal(real, v);
   v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
+  DeclareInterval(interval, v);
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");
 }
 

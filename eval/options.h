@@ -82,6 +82,7 @@ struct ProtocolOptions {
 /// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
+  std::string published;   ///< set whose published numbers stand below the table; empty: none
   std::string recogniser;  ///< name of the network that gives the features; empty: the first recogniser
   RealPart real = RealPart::kAll;
   std::string split;  ///< whose parts are meant; empty: the first one
@@ -90,6 +91,7 @@ struct EvaluateOptions {
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
   LabelDraw labels = LabelDraw::kUniform;
+  IntervalKind interval = IntervalKind::kStudent;
   bool random_hidden = false;  ///< recogniser starts from normal hidden states, as released (F5)
 
   DrawOptions draw() const;

@@ -55,7 +55,18 @@ std::string FileNameOf(std::string item) {
 }
 
 void TrainOptions::Declare(OptionVisitor& v) {
+  v.Integer("most_iterations", most_iterations, {0.0, 1e8}, "bound of every generator's iterations; 0: none");
+  v.Integer("most_epochs", most_epochs, {0.0, 100000.0}, "bound of every recogniser's epochs; 0: none");
   v.List("networks", networks, "networks that are trained; generators become rows of the table");
+}
+
+void BoundTraining(TrainOptions& options) {
+  for (NetworkOptions& network : options.networks) {
+    std::int64_t& iterations = network.learning.iterations;
+    std::int64_t& epochs = network.recogniser.epochs;
+    if (options.most_iterations > 0) iterations = std::min(iterations, options.most_iterations);
+    if (options.most_epochs > 0) epochs = std::min(epochs, options.most_epochs);
+  }
 }
 
 bool TrainOptions::NeedsUnfitted() const {

@@ -12,6 +12,8 @@ namespace mocurate {
 /// Which networks a job trains: its group `train`.
 struct TrainOptions {
   std::vector<NetworkOptions> networks;
+  std::int64_t most_iterations = 0;  ///< of every generator; 0: no bound
+  std::int64_t most_epochs = 0;      ///< of every recogniser; 0: no bound
 
   void Declare(OptionVisitor& v);
   /// Whether a network is trained on the clips before fitting.
@@ -38,6 +40,9 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
 
 /// Name of the file of an item: "Ours w/o Lie/1" -> "Ours w_o Lie_1".
 std::string FileNameOf(std::string item);
+
+/// Lowers iterations and epochs to the bounds, and leaves out samples beyond them.
+void BoundTraining(TrainOptions& options);
 
 /// Error kConfig for a seed that is not whole or stands twice, for names that stand twice or are no names of files, and
 /// for steps of `samples_at` that do not rise.

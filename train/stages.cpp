@@ -43,6 +43,7 @@ nlohmann::json SummaryOf(const Checkpoint& checkpoint, const NetworkOptions& opt
                             {"batch", checkpoint.facts.at("batch")},
                             {"clips", checkpoint.facts.at("clips")},
                             {"parameters", checkpoint.facts.at("parameters")},
+                            {"parameters_of", CountByPart(checkpoint.parameters)},
                             {"split", checkpoint.facts.at("split")},
                             {"classes", checkpoint.labels.size()},
                             {"loss", LastOf(checkpoint, "loss")},

@@ -5,6 +5,7 @@
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
 #include "core/base/resources.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace internal {
@@ -162,12 +163,37 @@ class Loader {
   std::size_t count_ = 0;
 };
 
+/// Merges the profile that `profile` names of the mapping `profiles` into the tree, which then has no `profiles`.
+void ApplyProfile(ConfigNode& root, ProblemList& problems) {
+  const auto at = std::find_if(root.mapping.begin(), root.mapping.end(),
+                               [](const auto& entry) { return entry.first == "profiles"; });
+  if (at == root.mapping.end()) return;
+  ConfigNode profiles = std::move(at->second);
+  root.mapping.erase(at);
+  const ConfigNode* chosen = root.Find("profile");
+  if (chosen == nullptr || chosen->scalar.empty()) return;
+  std::string known;
+  std::vector<std::string> names;
+  for (auto& [name, profile] : profiles.mapping) {
+    if (name == chosen->scalar) return internal::Merge(root, std::move(profile));
+    known += (known.empty() ? "" : ", ") + name;
+    names.push_back(name);
+  }
+  const auto near = Nearest(chosen->scalar, names);
+  problems.Add(chosen->origin.Text(), "there is no profile " + internal::Quoted(chosen->scalar),
+               near ? "did you mean '" + *near + "'?" : "there are: " + known);
+}
+
 }  // namespace
 
 Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments) {
   ProblemList problems;
   ConfigNode root = Loader(problems).Load(source);
   for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
+  if (root.Find("profiles") != nullptr) {  // what was set on the command line stands above a profile
+    ApplyProfile(root, problems);
+    for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
+  }
   if (Status read = problems.Result(); !read) return Forward(read);
   internal::ResolveReferences(root, problems);
   if (Status resolved = problems.Result(); !resolved) return Forward(resolved);

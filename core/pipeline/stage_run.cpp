@@ -183,6 +183,7 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   Task task = *std::move(seat.task);
   seat.task.reset();
   const double seconds = std::chrono::duration<double>(Clock::now() - task.start).count();
+  const std::uint64_t peak_memory = seat.worker ? seat.worker->PeakMemoryBytes() : 0;
   std::error_code ignored;
   if (HasArtifact(outcome.kind) && !fs::exists(task.folder / "artifact", ignored)) {
     outcome.kind = OutcomeKind::kCrashed;
@@ -205,14 +206,15 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   result.outcome = std::move(outcome);
   fs::remove_all(task.folder, ignored);
   if (!crashed) fs::remove_all(task.scratch.folder, ignored);
-  Record(task.index, task.key, std::move(result), seconds);
+  Record(task.index, task.key, std::move(result), seconds, peak_memory);
 }
 
 Expected<Cache::Entry> StageRun::Keep(const Task& task, const StageOutcome& outcome) {
   return state_.cache.Put(task.key, HasArtifact(outcome.kind) ? task.folder / "artifact" : fs::path(), outcome);
 }
 
-void StageRun::Record(std::size_t index, const std::string& key, ItemResult result, double seconds) {
+void StageRun::Record(std::size_t index, const std::string& key, ItemResult result, double seconds,
+                      std::uint64_t peak_memory) {
   const StageOutcome& outcome = result.outcome;
   const bool failed = IsFailure(outcome.kind);
   progress_.Count(!result.from_cache, failed);
@@ -223,6 +225,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
                   {"outcome", Name(outcome.kind)},
                   {"from_cache", result.from_cache},
                   {"seconds", seconds}};
+    if (peak_memory > 0) entry["peak_memory_bytes"] = peak_memory;
     if (!HasArtifact(outcome.kind)) entry["reason"] = outcome.error.Message();
     if (Status added = state_.journal.Add(std::move(entry)); !added) GiveUp(added.error());
     if (failed && !result.from_cache && state_.options.tell_failures) {

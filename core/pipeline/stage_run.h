@@ -82,7 +82,8 @@ class StageRun {
   void Dispatch(Seat& seat, Task task);
   void Finish(Seat& seat, StageOutcome outcome);
   Expected<Cache::Entry> Keep(const Task& task, const StageOutcome& outcome);
-  void Record(std::size_t index, const std::string& key, ItemResult result, double seconds);
+  void Record(std::size_t index, const std::string& key, ItemResult result, double seconds,
+              std::uint64_t peak_memory = 0);
   void GiveUp(const Error& error);
 
   // Workers

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <limits>
 #include <map>
 
 #include "core/pipeline/wire.h"
@@ -230,6 +231,17 @@ std::uint64_t WorkerProcess::MemoryBytes() const {
   std::uint64_t pages = 0, resident = 0;
   if (!(statm >> pages >> resident)) return 0;
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t WorkerProcess::PeakMemoryBytes() const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  std::string key;
+  std::uint64_t kilobytes = 0;
+  while (status >> key) {
+    if (key == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
+    status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0;
 }
 
 }  // namespace mocurate

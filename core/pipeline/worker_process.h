@@ -49,6 +49,8 @@ class WorkerProcess {
   void Signal(int signal) const;
   /// Resident memory now; 0 when it cannot be told.
   std::uint64_t MemoryBytes() const;
+  /// The largest resident memory so far; 0 when it cannot be told.
+  std::uint64_t PeakMemoryBytes() const;
 
  private:
   WorkerProcess() = default;

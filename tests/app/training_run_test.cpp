@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "tests/app/program.h"
 
@@ -198,6 +200,43 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
     EXPECT_THAT(result.out, HasSubstr(title));
     EXPECT_THAT(result.err, HasSubstr(title));
   }
+}
+
+TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubstitutes) {
+  const Folder folder;
+  const std::string config = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/a2m/table1.yaml";
+  const std::vector<std::string> arguments = {"run", config, "--set", "profile=smoke", "-o", (folder / "r").string()};
+  ASSERT_EQ(TrainingProgram(folder, arguments).exit_code, 0);
+  const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
+  std::set<std::string> checkpoints;
+  std::map<std::string, int> methods;
+  for (const auto& row : table["rows"]) {
+    ++methods[row["method"].get<std::string>()];
+    EXPECT_TRUE(row["substitute"].is_string());
+    if (row["method"] == "Real") continue;
+    EXPECT_TRUE(checkpoints.insert(row["ours"]["checkpoint"].get<std::string>()).second) << row["method"];
+    EXPECT_TRUE(row["ours"]["metrics"]["FID_train"]["value"].is_number());
+    EXPECT_GT(row["ours"]["steps"].get<int>(), 0);
+    EXPECT_GT(row["ours"]["peak_memory"].get<double>(), 1e6);
+    EXPECT_GT(row["ours"]["seconds"].get<double>(), 0.0);
+    if (row["method"] == "Ours" && row["dataset"] == "humanact12") {  // the paper's Table 3
+      EXPECT_EQ(row["ours"]["parameters"],
+                nlohmann::json({{"prior", 117820}, {"posterior", 117820}, {"decoder", 227110}}));
+    }
+  }
+  for (const char* method : {"Real", "CondGRU", "Two-stage GAN", "Act-MoCoGAN", "Ours w/o Lie", "Ours"}) {
+    EXPECT_EQ(methods[method], 2) << method << ", once a set";
+  }
+  EXPECT_GT(table["published"].size(), 20u);
+  EXPECT_TRUE(fs::exists(folder / "r/data/ntu13/dataset.h5"));
+  std::vector<std::string> again = arguments;
+  again.emplace_back("--json");
+  const Result cached = TrainingProgram(folder, again);
+  for (const auto& [name, set] : cached.Json()["sets"].items()) EXPECT_EQ(set["executed"], 0) << name;
+  again.insert(again.end(), {"--data", "humanact=" + (folder / "x").string()});
+  EXPECT_EQ(TrainingProgram(folder, again).exit_code, 2);
+  again.back() = "humanact12=" + (folder / "x").string();
+  EXPECT_EQ(TrainingProgram(folder, again).exit_code, 1) << "a set that is not there costs itself";
 }
 
 TEST(TrainingRun, HowLongTheJobTakesIsSaidOfTheWholeJob) {

@@ -117,6 +117,28 @@ TEST(ConfigSet, AssignsByPath) {
   EXPECT_TRUE(options->people.empty());
 }
 
+TEST(ConfigProfiles, TheNamedOneStandsAboveTheConfigAndBelowTheCommandLine) {
+  const ConfigSource source{
+      "profile: slow\nsteps: 10\ninner: {a: 1, b: 2}\nprofiles: {slow: {steps: 99}, quick: {steps: 1, inner: {b: "
+      "5}}}\n",
+      "c.yaml",
+      {}};
+  const auto steps = [&](const std::vector<std::string>& assignments) {
+    const auto node = LoadConfig(source, assignments);
+    EXPECT_TRUE(node) << node.error().Message();
+    EXPECT_EQ(node->Find("profiles"), nullptr);
+    return node->Find("steps")->scalar;
+  };
+  EXPECT_EQ(steps({}), "99");
+  EXPECT_EQ(steps({"profile=quick"}), "1");
+  EXPECT_EQ(steps({"profile=quick", "steps=7"}), "7");
+  EXPECT_EQ(steps({"profile=''"}), "10");
+  const auto merged = LoadConfig(source, {"profile=quick"});
+  EXPECT_EQ(merged->Find("inner")->Find("a")->scalar, "1");
+  EXPECT_EQ(merged->Find("inner")->Find("b")->scalar, "5");
+  EXPECT_FALSE(LoadConfig(source, {"profile=quik"}));
+}
+
 TEST(ConfigSet, TellsWhatCannotBeAssigned) {
   EXPECT_EQ(MessageOf("seed: 1\njoints: [{}]", {"seed", "=3", "a..b=1", "seed.x=1", "joints.1.name=x", "title=[a"}),
             "--set: 'seed' must be KEY=VALUE (e.g. --set canon.trim.margin='40 ms')\n"

@@ -8,6 +8,14 @@ std::int64_t CountValues(const ParameterList& parameters) {
   return count;
 }
 
+std::map<std::string, std::int64_t> CountByPart(const ParameterList& parameters) {
+  std::map<std::string, std::int64_t> counts;
+  for (const Parameter& parameter : parameters) {
+    counts[parameter.name.substr(0, parameter.name.find('.'))] += static_cast<std::int64_t>(parameter.value.size());
+  }
+  return counts;
+}
+
 int FindParameter(const ParameterList& parameters, const std::string& name) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].name == name) return static_cast<int>(i);

@@ -113,12 +113,7 @@ std::vector<std::pair<std::string, std::vector<std::int64_t>>> ShapesOf(const Tr
 }
 
 std::map<std::string, std::int64_t> CountOfParts(const TracedNetwork& traced) {
-  const auto network = MakeNetwork(traced.options, {traced.joints, traced.classes, traced.chains});
-  std::map<std::string, std::int64_t> counts;
-  for (const auto& named : network->named_parameters()) {
-    counts[named.key().substr(0, named.key().find('.'))] += named.value().numel();
-  }
-  return counts;
+  return CountByPart(ValuesOf(*MakeNetwork(traced.options, {traced.joints, traced.classes, traced.chains})));
 }
 
 }  // namespace mocurate

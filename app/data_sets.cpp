@@ -1,0 +1,144 @@
+#include "app/data_sets.h"
+
+#include "app/job_checks.h"
+#include "app/named_configs.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "ingest/synthetic/studio_layouts.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The studio's options for a substitute: its layout, with the run's assignments ("subjects=3").
+Expected<StudioOptions> StudioOf(const DataSetOptions& set, const std::vector<std::string>& assignments) {
+  std::vector<std::string> all = {"layout=" + set.substitute};
+  all.insert(all.end(), assignments.begin(), assignments.end());
+  const Expected<ConfigNode> node = LoadConfig(ConfigSource{"", "substitute of " + set.name, {}}, all);
+  if (!node) return Forward(node);
+  return OptionsFromConfig<StudioOptions>(*node);
+}
+
+/// A folder in the layout of a set that is not here, written once: studio.json in it says what it was made with.
+Expected<fs::path> Substitute(const DataSetOptions& set, const std::vector<std::string>& assignments,
+                              const fs::path& folder, int jobs) {
+  const Expected<StudioOptions> studio = StudioOf(set, assignments);
+  if (!studio) return Forward(studio);
+  const std::string key = Sha256Hex(OptionsToJson(*studio).dump()).substr(0, 12);
+  const fs::path made = folder / ("substitute_" + key);
+  std::error_code unknown;
+  if (!fs::is_regular_file(made / "studio.json", unknown)) {
+    const fs::path part = folder / ("substitute_" + key + ".part");
+    fs::remove_all(part, unknown);
+    const auto written = WriteStudioLayout(*studio, part, jobs);
+    if (!written) return Forward(written);
+    fs::rename(part, made, unknown);
+    if (unknown) return Fail(ErrorCode::kCannotWrite, "cannot be renamed: " + unknown.message(), DisplayPath(part));
+  }
+  for (const WrittenSource& source : SourcesOf(studio->layout, studio->depth.enabled)) {
+    return source.folder == "." ? made : made / source.folder;
+  }
+  return made;
+}
+
+/// The job of a set with the networks and the evaluation of the run.
+Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& set) {
+  auto job = LoadJob(fs::path(set.job), {});
+  if (!job) return Forward(job);
+  JobOptions own = std::move(job->options);
+  own.name = set.name;
+  own.train = options.train;
+  own.evaluate = options.evaluate;
+  own.evaluate.published = set.published;
+  own.report = options.report;
+  own.pipeline = options.pipeline;
+  own.ingest.path = set.path;
+  own.ingest.synthetic.enabled = false;
+  return own;
+}
+
+/// What stands above the table of a set: which data it is of.
+std::string HeadOf(const SetResult& set) {
+  std::string head = "## " + set.set.name + "\n\n";
+  if (!set.substitute) return head;
+  return head + "**Substitute**: synthetic motions in the layout `" + set.set.substitute + "`, not " + set.set.name +
+         ": no figure below is comparable with the published ones. `--data " + set.set.name +
+         "=PATH` gives your copy.\n\n";
+}
+
+void AddRows(const SetResult& set, nlohmann::json& table) {
+  for (const nlohmann::json& row : set.result.metrics.value("rows", nlohmann::json::array())) {
+    table["rows"].push_back({{"method", row.at("name")},
+                             {"dataset", set.set.name},
+                             {"substitute", set.substitute ? nlohmann::json(set.set.substitute) : nlohmann::json()},
+                             {"ours", row.value("ours", nlohmann::json::object())}});
+  }
+  for (const nlohmann::json& value : set.result.metrics.value("published", nlohmann::json::array())) {
+    table["published"].push_back(value);
+  }
+}
+
+}  // namespace
+
+Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, const RunnerOptions& settings) {
+  DataSetsRun run;
+  std::string markdown = "# " + options.name + "\n\n", csv, latex;
+  run.table = {
+      {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
+  for (const DataSetOptions& set : options.data) {
+    SetResult one{set, false, {}};
+    auto job = JobOfSet(options, set);
+    if (!job) return Forward(job);
+    RunnerOptions own = settings;
+    own.run_folder = settings.run_folder / "data" / set.name;
+    if (!own.dry_run) {
+      if (Status made = MakeFolder(own.run_folder); !made) return Forward(made);
+    }
+    LogInfo(set.name);
+    if (set.path.empty()) {
+      if (set.substitute.empty()) {
+        run.failed.emplace_back(set.name, Error{ErrorCode::kMissingOnHost, "the set is not here, and nothing stands in",
+                                                "data", "--data " + set.name + "=PATH"});
+        continue;
+      }
+      if (own.dry_run) continue;
+      auto folder = Substitute(set, options.substitutes, own.run_folder, std::max(1, own.jobs));
+      if (!folder) return Forward(folder);
+      job->ingest.path = std::move(*folder);
+      one.substitute = true;
+    }
+    if (Status named = CheckNames(*job, last); !named) return Forward(named);
+    auto runner = Runner::Make(own);
+    if (!runner) return Forward(runner);
+    auto result = RunMainJob(*job, last, **runner);
+    if (!result) {
+      const ErrorCode code = result.error().code;
+      if (code == ErrorCode::kInterrupted || code == ErrorCode::kCannotWrite) return Forward(result);
+      LogWarning(set.name + ": " + result.error().Message());
+      run.failed.emplace_back(set.name, result.error());
+      continue;
+    }
+    one.result = std::move(*result);
+    AddRows(one, run.table);
+    markdown += HeadOf(one) + one.result.table + "\n";
+    for (const auto& [ending, text] : {std::pair(".csv", &csv), std::pair(".tex", &latex)}) {
+      const auto part = ReadFile(own.run_folder / "tables" / ("table" + std::string(ending)));
+      if (part) *text += (ending == std::string(".csv") ? "# " : "% ") + set.name + "\n" + *part + "\n";
+    }
+    run.sets.push_back(std::move(one));
+  }
+  if (settings.dry_run || last < JobStage::kTable) return run;
+  const fs::path tables = settings.run_folder / "tables";
+  if (Status made = MakeFolder(tables); !made) return Forward(made);
+  const std::pair<const char*, std::string> files[] = {
+      {"table.md", markdown}, {"table.csv", csv}, {"table.tex", latex}, {"table.json", run.table.dump(1) + "\n"}};
+  for (const auto& [name, text] : files) {
+    if (Status written = WriteFile(tables / name, text); !written) return Forward(written);
+  }
+  return run;
+}
+
+}  // namespace mocurate
