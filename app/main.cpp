@@ -148,9 +148,13 @@ void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
 
 void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<ExportArguments>();
-  CLI::App* verb_export = app.add_subcommand("export", "Write motions as arrays of numpy, one .npz per clip");
+  CLI::App* verb_export =
+      app.add_subcommand("export", "Write motions as arrays of numpy, one .npz per clip, or a network as safetensors");
   verb_export->add_option("path", arguments->path, "file or folder of motions: dataset, BVH, AMASS, ...")->required();
-  verb_export->add_option("-o,--output", arguments->output, "FILE.npz for one clip, or a folder")->required();
+  verb_export
+      ->add_option("-o,--output", arguments->output,
+                   "FILE.npz for one clip, a folder, or FILE.safetensors for a network")
+      ->required();
   std::vector<std::string> names;
   std::string help = "rotations as:";
   for (const RotationArraysName& name : kRotationArraysNames) {
@@ -166,7 +170,8 @@ void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   verb_export->footer(
       "Examples:\n  mocurate export walk.h5 -o walk.npz --as axis_angle\n"
       "  mocurate export walk.bvh -o walk.npz --as quaternion\n"
-      "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows");
+      "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows\n"
+      "  mocurate export runs/demo/checkpoints/Action2Motion_1.h5 -o action2motion.safetensors");
   verb_export->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return ExportVerb(common, *arguments); }; });
 }

@@ -52,7 +52,7 @@ Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vecto
 
 Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments) {
   const fs::path path(name);
-  if (path.extension() != ".h5") {
+  if (path.extension() != ".h5" && path.extension() != ".safetensors") {
     const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments);
     if (!node) return Forward(node);
     return OptionsFromConfig<ExtractorOptions>(*node);

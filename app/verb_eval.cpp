@@ -17,6 +17,7 @@
 #include "core/base/text.h"
 #include "eval/published/published.h"
 #include "eval/tables/result_table.h"
+#include "train/items.h"
 
 namespace mocurate {
 namespace {
@@ -79,8 +80,17 @@ Status CheckArguments(const EvalArguments& arguments) {
   return {};
 }
 
-/// The recogniser of a run whose seed is the smallest.
+/// The recogniser that gave a run's features, else the one called so whose seed is the smallest.
 Expected<fs::path> FirstRecogniser(const fs::path& run) {
+  std::error_code unknown;
+  if (const auto text = ReadFile(run / "metrics.json")) {
+    const nlohmann::json metrics = nlohmann::json::parse(*text, nullptr, false);
+    const nlohmann::json extractor = metrics.is_object() ? metrics.value("extractor", nlohmann::json()) : nullptr;
+    if (extractor.is_string()) {
+      const fs::path file = run / "checkpoints" / (FileNameOf(extractor.get<std::string>()) + ".h5");
+      if (fs::is_regular_file(file, unknown)) return file;
+    }
+  }
   std::vector<fs::path> found;
   std::error_code problem;
   for (fs::directory_iterator it(run / "checkpoints", problem), end; !problem && it != end; it.increment(problem)) {

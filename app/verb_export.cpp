@@ -10,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
+#include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
 namespace {
@@ -108,9 +109,34 @@ Expected<ReadMotions> MotionsOf(const ExportArguments& arguments) {
   return read;
 }
 
+/// The weights of a checkpoint for other programs.
+Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) {
+  std::error_code unknown;
+  if (!arguments.force && fs::exists(arguments.output, unknown)) {
+    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
+                "--force overwrites it, -o names another");
+  }
+  const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.path);
+  if (!checkpoint) return Forward(checkpoint);
+  if (Status written = ExportSafetensors(*checkpoint, arguments.output); !written) return written;
+  common.answered = common.json;
+  if (common.json) {
+    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
+                                        {"network", checkpoint->kind},
+                                        {"tensors", checkpoint->parameters.size()}})
+                            .dump(1)
+                            .c_str());
+  } else {
+    std::printf("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
+                checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
+  }
+  return {};
+}
+
 }  // namespace
 
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
+  if (arguments.output.extension() == ".safetensors") return ExportNetwork(common, arguments);
   const Expected<ReadMotions> read = MotionsOf(arguments);
   if (!read) return Forward(read);
   const Expected<std::vector<const Clip*>> clips = Choose(read->set, arguments);

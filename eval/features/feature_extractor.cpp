@@ -61,7 +61,7 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
   }
   Extractor extractor;
   extractor.options = options;
-  if (weights.extension() == ".h5") {
+  if (weights.extension() == ".h5" || weights.extension() == ".safetensors") {
     auto own = Recogniser::Load(weights);
     if (!own) return Forward(own);
     if ((*own)->skeleton() == nullptr) {

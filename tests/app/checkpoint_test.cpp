@@ -122,6 +122,12 @@ TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {
       EXPECT_NEAR((long_bone - factor * short_bone).norm(), 0.0, 1e-4) << name;
     }
   }
+  const std::string weights = (folder / "network.safetensors").string();
+  ASSERT_EQ(RunProgram(folder, {"export", network, "-o", weights}).exit_code, 0);
+  const Result imported = RunProgram(folder, {"generate", weights, "-o", (folder / "from_weights.h5").string(),
+                                              "--frames", "12", "--label", "kick:3", "--label", "walk", "--seed", "7"});
+  ASSERT_EQ(imported.exit_code, 0) << imported.err;
+  EXPECT_EQ(ReadText(folder / "from_weights.h5"), ReadText(folder / "made.h5"));
   EXPECT_EQ(generate("x.h5", {"--label", "fly:3"}).exit_code, 2);
   EXPECT_EQ(generate("x.h5", {"--scale", "nose=2"}).exit_code, 2);
   const Result recogniser = RunProgram(

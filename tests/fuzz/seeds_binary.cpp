@@ -9,6 +9,7 @@
 #include "core/formats/pcd.h"
 #include "core/formats/pickle_writer.h"
 #include "core/formats/ply.h"
+#include "core/formats/safetensors.h"
 #include "core/formats/smpl_model.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/formats/zip_archive.h"
@@ -128,6 +129,14 @@ void AddTorch(FuzzSeeds& seeds) {
       WriteStoredZip({{"archive/data.pkl", pickle(object(""))}, {"archive/data/7", numbers}}, "seed"));
 }
 
+void AddNetworks(FuzzSeeds& seeds) {
+  Safetensors file;
+  file.metadata = {{"format", "pt"}};
+  file.tensors = {{"weight", {2, 3}, {1, 2, 3, 4, 5, 6}}, {"bias", {2}, {0.5F, -1}}, {"scale", {}, {1}}};
+  seeds.push_back({"safetensors", EncodeSafetensors(file)});
+  seeds.push_back({"safetensors", EncodeSafetensors({})});
+}
+
 void AddClouds(FuzzSeeds& seeds) {
   Ply ply;
   PlyElement vertices{"vertex", 3, {}};
@@ -168,6 +177,7 @@ void AddBinarySeeds(FuzzSeeds& seeds) {
   AddArrays(seeds);
   AddPickles(seeds);
   AddTorch(seeds);
+  AddNetworks(seeds);
   AddClouds(seeds);
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/version.h"
+#include "core/formats/safetensors.h"
 #include "core/store/hdf5_file.h"
 #include "train/checkpoint/describe.h"
 #include "train/checkpoint/skeleton_json.h"
@@ -14,6 +15,8 @@ namespace {
 
 constexpr const char* kSchema = "mocurate-checkpoint/2";
 constexpr const char* kFamily = "mocurate-checkpoint/";
+constexpr const char* kSafetensorsEnding = ".safetensors";
+constexpr const char* kAboutKey = "mocurate";
 using Fields = std::map<std::string, store::Array>;
 
 void PutParameters(const std::string& group, const ParameterList& parameters, Fields& fields) {
@@ -75,6 +78,28 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
   return fields;
 }
 
+/// A network in a safetensors file: its parameters, and beside them what a checkpoint says about itself.
+Expected<Fields> ReadExported(const std::filesystem::path& path) {
+  const Expected<std::string> bytes = ReadFile(path);
+  if (!bytes) return Forward(bytes);
+  const std::string where = DisplayPath(path);
+  const auto file = ParseSafetensors(*bytes, where);
+  if (!file) return Forward(file);
+  const auto about = file->metadata.find(kAboutKey);
+  if (about == file->metadata.end()) {
+    return Fail(
+        ErrorCode::kInconsistent, "the file holds tensors, and nothing says which network they are", where,
+        std::string("metadata '") + kAboutKey + "', as `mocurate export CHECKPOINT -o FILE.safetensors` writes");
+  }
+  Fields fields;
+  fields["/about"] = store::MakeText(about->second);
+  for (const Safetensors::Tensor& tensor : file->tensors) {
+    const std::vector<std::uint64_t> shape(tensor.shape.begin(), tensor.shape.end());
+    fields["/parameters/" + tensor.name] = store::MakeArray(shape, tensor.values);
+  }
+  return fields;
+}
+
 Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::string& group, const Fields& fields,
                                        const std::string& where) {
   ParameterList parameters;
@@ -92,10 +117,35 @@ Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::s
   return parameters;
 }
 
+/// What a network's facts are, where they are there.
+Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
+  const auto numbers = [](const nlohmann::json& list) {
+    return list.is_array() && std::all_of(list.begin(), list.end(), [](const auto& one) { return one.is_number(); });
+  };
+  const auto rows = [&](const nlohmann::json& list) {
+    return list.is_array() && std::all_of(list.begin(), list.end(), numbers);
+  };
+  if (!facts.is_object()) return Fail(ErrorCode::kMalformed, "facts is no mapping", where + ":/about");
+  for (const auto& [name, value] : facts.items()) {
+    const bool text = name == "rate" || name == "split" || name == "validation_rule";
+    const bool fits = text                    ? value.is_string()
+                      : name == "bone_length" ? numbers(value)
+                      : name == "first_pose"  ? rows(value)
+                                              : true;
+    const bool number = name == "round" || name == "round_step" || name == "best_epoch" || name == "best_accuracy" ||
+                        name == "best_loss" || name == "parameters";
+    if (fits && (!number || value.is_number())) continue;
+    return Fail(ErrorCode::kMalformed, "the fact is of another type: " + value.dump().substr(0, 60),
+                where + ":/about facts." + name, "take the file as `mocurate` wrote it");
+  }
+  return {};
+}
+
 Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const std::string& where,
                      Checkpoint& checkpoint) {
   checkpoint.options = about.at("options");
   checkpoint.facts = about.at("facts");
+  if (Status facts = CheckFacts(checkpoint.facts, where); !facts) return facts;
   checkpoint.labels = about.at("labels").get<std::vector<std::string>>();
   checkpoint.dataset_sha256 = about.at("dataset_sha256").get<std::string>();
   checkpoint.step = about.at("step").get<std::int64_t>();
@@ -172,8 +222,28 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
   return writer->Finish([&](std::string_view bytes) { return WriteFile(path, bytes); });
 }
 
+Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::path& path) {
+  nlohmann::json about = {{"kind", checkpoint.kind},
+                          {"options", checkpoint.options},
+                          {"facts", checkpoint.facts},
+                          {"labels", checkpoint.labels},
+                          {"dataset_sha256", checkpoint.dataset_sha256},
+                          {"step", checkpoint.step},
+                          {"finished", checkpoint.finished},
+                          {"optimisers", nlohmann::json::array()},
+                          {"parameters", NamesOf(checkpoint.parameters)},
+                          {"best", nlohmann::json::array()}};
+  if (checkpoint.skeleton != nullptr) about["skeleton"] = SkeletonToJson(*checkpoint.skeleton);
+  Safetensors file;
+  file.metadata = {{"format", "pt"}, {kAboutKey, about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}};
+  for (const Parameter& parameter : checkpoint.parameters) {
+    file.tensors.push_back({parameter.name, parameter.shape, parameter.value});
+  }
+  return WriteFile(path, EncodeSafetensors(file));
+}
+
 Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std::string& kind) {
-  const Expected<Fields> fields = ReadFields(path);
+  const Expected<Fields> fields = path.extension() == kSafetensorsEnding ? ReadExported(path) : ReadFields(path);
   if (!fields) return Forward(fields);
   const std::string where = DisplayPath(path);
   const auto text = fields->find("/about");
@@ -195,6 +265,7 @@ Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std
 }
 
 bool IsCheckpoint(const std::filesystem::path& path) {
+  if (path.extension() == kSafetensorsEnding) return true;
   const Expected<store::Hdf5Reader> reader = store::Hdf5Reader::Open(path);
   return reader && AttributeText(*reader, "/@schema").rfind(kFamily, 0) == 0;
 }

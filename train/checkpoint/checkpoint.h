@@ -44,6 +44,10 @@ struct Checkpoint {
 /// same bytes; appears whole or not at all.
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& path);
 
+/// The parameters as safetensors, which Python opens, with what the network is in the metadata 'mocurate'.
+/// ReadCheckpoint takes such a file (ending .safetensors) as a network that is not trained any further.
+Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::path& path);
+
 /// Error kNotFound, kUnreadable, kMalformed; kInconsistent naming both kinds when the file holds another network than
 /// `kind` (empty: any), or when it is of another version.
 Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std::string& kind = {});
