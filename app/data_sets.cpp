@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "core/base/version.h"
 #include "ingest/synthetic/studio_layouts.h"
 
 namespace mocurate {
@@ -27,7 +28,7 @@ Expected<fs::path> Substitute(const DataSetOptions& set, const std::vector<std::
                               const fs::path& folder, int jobs) {
   const Expected<StudioOptions> studio = StudioOf(set, assignments);
   if (!studio) return Forward(studio);
-  const std::string key = Sha256Hex(OptionsToJson(*studio).dump()).substr(0, 12);
+  const std::string key = Sha256Hex(OptionsToJson(*studio).dump() + std::string(CreatedBy())).substr(0, 12);
   const fs::path made = folder / ("substitute_" + key);
   std::error_code unknown;
   if (!fs::is_regular_file(made / "studio.json", unknown)) {
@@ -44,13 +45,44 @@ Expected<fs::path> Substitute(const DataSetOptions& set, const std::vector<std::
   return made;
 }
 
+/// The networks of a set, with what the set says of them.
+Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
+  for (const std::string& text : set.networks) {
+    const std::string where = "data." + set.name + ".networks: " + text;
+    const std::size_t equals = text.find('='), dot = text.rfind('.', equals);
+    const std::string name = dot == std::string::npos ? std::string() : text.substr(0, dot);
+    const std::size_t begin = dot == std::string::npos ? 0 : dot + 1;
+    bool found = false;
+    for (NetworkOptions& network : train.networks) {
+      if (!name.empty() && network.name != name) continue;
+      nlohmann::json json = OptionsToJson(network);
+      const std::string key = text.substr(begin, equals - begin);
+      if (equals == std::string::npos || !json.contains(key)) continue;
+      const nlohmann::json value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
+      json[key] = value.is_discarded() ? nlohmann::json(text.substr(equals + 1)) : value;
+      auto changed = OptionsFromJson<NetworkOptions>(json, where);
+      if (!changed) return Forward(changed);
+      network = std::move(*changed);
+      found = true;
+    }
+    if (!found) {
+      return Fail(ErrorCode::kConfig, "no network has this option", where,
+                  "NETWORK.OPTION=VALUE of train.networks, e.g. Ours.kl_weight=0.01");
+    }
+  }
+  BoundTraining(train);
+  return {};
+}
+
 /// The job of a set with the networks and the evaluation of the run.
-Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& set) {
+Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& set, double budget) {
   auto job = LoadJob(fs::path(set.job), {});
   if (!job) return Forward(job);
   JobOptions own = std::move(job->options);
   own.name = set.name;
   own.train = options.train;
+  if (Status networks = SetNetworks(set, own.train); !networks) return Forward(networks);
+  if (Status scaled = ScaleTraining(budget, own.train); !scaled) return Forward(scaled);
   own.evaluate = options.evaluate;
   own.evaluate.published = set.published;
   own.report = options.report;
@@ -83,14 +115,15 @@ void AddRows(const SetResult& set, nlohmann::json& table) {
 
 }  // namespace
 
-Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, const RunnerOptions& settings) {
+Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, double budget,
+                                  const RunnerOptions& settings) {
   DataSetsRun run;
   std::string markdown = "# " + options.name + "\n\n", csv, latex;
   run.table = {
       {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
   for (const DataSetOptions& set : options.data) {
     SetResult one{set, false, {}};
-    auto job = JobOfSet(options, set);
+    auto job = JobOfSet(options, set, budget);
     if (!job) return Forward(job);
     RunnerOptions own = settings;
     own.run_folder = settings.run_folder / "data" / set.name;

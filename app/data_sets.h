@@ -24,8 +24,10 @@ struct DataSetsRun {
   nlohmann::json table;  ///< {"rows": [{"method", "dataset", "ours"}], "published", "notes"}
 };
 
-/// Runs all sets, each with a runner of its own over `settings`, and writes tables and metrics.json into the run
-/// folder. A set that fails costs itself. Errors: kInterrupted, kCannotWrite, those of loading a job.
-Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, const RunnerOptions& settings);
+/// Runs all sets, their trainings times `budget`, each with a runner of its own over `settings`, and writes tables and
+/// metrics.json into the run folder. A set that fails costs itself. Errors: kInterrupted, kCannotWrite, those of
+/// loading a job.
+Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, double budget,
+                                  const RunnerOptions& settings);
 
 }  // namespace mocurate

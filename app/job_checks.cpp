@@ -52,6 +52,26 @@ Status CheckIngestActions(const IngestOptions& options) {
   return {};
 }
 
+Status CheckDataSets(const std::vector<DataSetOptions>& sets) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const std::string where = "data[" + std::to_string(i) + "]";
+    const std::string& name = sets[i].name;
+    if (name.empty() || name.front() == '.' || name.find_first_of("/\\=") != std::string::npos) {
+      return Fail(ErrorCode::kConfig, "'" + name + "' is no name for a set", where + ".name",
+                  "a name of a folder, without '/', '\\' and '='");
+    }
+    if (!seen.insert(name).second) {
+      return Fail(ErrorCode::kConfig, "two sets have the name '" + name + "'", where + ".name",
+                  "give each a name of its own");
+    }
+    if (sets[i].job.empty()) {
+      return Fail(ErrorCode::kConfig, "the set names no job", where + ".job", "a name of configs/ or a file");
+    }
+  }
+  return {};
+}
+
 Status CheckSplitNames(const JobOptions& options, JobStage last) {
   struct Asked {
     std::string option;
@@ -121,6 +141,7 @@ FitMethod MethodFor(Gives gives) {
 }
 
 Status CheckNames(const JobOptions& options, JobStage last) {
+  if (Status sets = CheckDataSets(options.data); !sets) return sets;
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
   if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
   if (Status method = CheckMethod(options, last); !method) return method;

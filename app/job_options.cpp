@@ -17,11 +17,13 @@ void PipelineOptions::Declare(OptionVisitor& v) {
 
 void DataSetOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "of its folder data/NAME and its part of the table");
-  v.Text("job", job, "config that makes its dataset: a name of configs/ or a file");
+  v.Text("job", job, "config that makes its dataset: a name of configs/, or a file from the working folder");
   v.Path("path", path, "your copy of the set (--data NAME=PATH); empty: the substitute");
   v.Text("substitute", substitute,
          "layout of `mocurate synthesize` in which a stand-in is written where path is empty");
   v.Text("published", published, "name of the set in the published tables");
+  v.Texts("networks", networks,
+          "options of the networks for this set: NETWORK.OPTION=VALUE, or OPTION=VALUE of all of them");
 }
 
 void JobOptions::Declare(OptionVisitor& v) {

@@ -25,11 +25,12 @@ struct PipelineOptions {
 
 /// One of several sets that a run trains on and scores: `data: [{name, job, path, substitute}]`.
 struct DataSetOptions {
-  std::string name;            ///< of its folder and its part of the table
-  std::string job;             ///< config that makes its dataset: a name of configs/ or a file
-  std::filesystem::path path;  ///< the user's copy; empty: the substitute
-  std::string substitute;      ///< layout in which the studio writes a stand-in; empty: none
-  std::string published;       ///< the set as published tables name it; empty: none
+  std::string name;                   ///< of its folder and its part of the table
+  std::string job;                    ///< config that makes its dataset: a name of configs/ or a file
+  std::filesystem::path path;         ///< the user's copy; empty: the substitute
+  std::string substitute;             ///< layout in which the studio writes a stand-in; empty: none
+  std::string published;              ///< the set as published tables name it; empty: none
+  std::vector<std::string> networks;  ///< "Ours.kl_weight=0.01"
 
   void Declare(OptionVisitor& v);
 };

@@ -418,7 +418,34 @@ class MainJob {
     return WriteMetrics();
   }
 
-  /// What each row is of, and what its training took: {"metrics", "checkpoint", "steps", "seconds", "peak_memory"}.
+  struct TrainingEffort {
+    bool known = false;  ///< whether every part was trained in this run folder
+    double seconds = 0.0;
+    double peak_memory = 0.0;  ///< bytes, the most of the workers that trained it
+  };
+
+  /// Of a network and of the samples ("NAME/SEED@STEP") that it went on from.
+  static TrainingEffort EffortOf(const std::map<std::string, nlohmann::json>& journal, const std::string& item,
+                                 std::int64_t steps) {
+    TrainingEffort effort;
+    const std::string base = item.substr(0, item.rfind('@'));
+    bool all = true;
+    for (const auto& [name, entry] : journal) {
+      const std::size_t at = name.rfind('@');
+      const bool earlier = at != std::string::npos && name.substr(0, at) == base &&
+                           ParseInteger(name.substr(at + 1)).value_or(steps) < steps;
+      if (name != item && !earlier) continue;
+      all = all && !entry.value("from_cache", false);
+      effort.known = true;
+      effort.seconds += entry.value("seconds", 0.0);
+      effort.peak_memory = std::max(effort.peak_memory, entry.value("peak_memory_bytes", 0.0));
+    }
+    effort.known = effort.known && all;
+    return effort;
+  }
+
+  /// What each row is of, and what its training took: {"metrics", "checkpoint", "steps", "seconds", "peak_memory"};
+  /// null where the network came from the cache of another run.
   void AddTraining(nlohmann::json& rows) const {
     const std::map<std::string, nlohmann::json> journal = JournalOf(folder(), TrainDeclaration().name);
     for (nlohmann::json& row : rows) {
@@ -433,10 +460,10 @@ class MainJob {
         const nlohmann::json& training = result_.training.at(network.checkpoint.name);
         ours["steps"] = training.at("iterations");
         ours["parameters"] = training.at("parameters_of");
-        const auto item = journal.find(network.checkpoint.name);
-        if (item == journal.end()) continue;
-        ours["seconds"] = item->second.value("seconds", nlohmann::json());
-        ours["peak_memory"] = item->second.value("peak_memory_bytes", nlohmann::json());
+        const TrainingEffort effort = EffortOf(journal, network.checkpoint.name, training.at("iterations"));
+        if (!effort.known) continue;
+        ours["seconds"] = effort.seconds;
+        if (effort.peak_memory > 0.0) ours["peak_memory"] = effort.peak_memory;
       }
       row["ours"] = std::move(ours);
     }

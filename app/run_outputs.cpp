@@ -125,8 +125,21 @@ std::map<std::string, nlohmann::json> JournalOf(const fs::path& folder, const st
   for (const std::string_view line : SplitText(*journal, '\n')) {
     nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
     if (!entry.is_object() || entry.value("stage", nlohmann::json()) != stage) continue;
-    nlohmann::json& last = entries[entry.value("item", std::string())];
-    if (last.is_null() || !entry.value("from_cache", false)) last = std::move(entry);
+    nlohmann::json& known = entries[entry.value("item", std::string())];
+    const bool same = !known.is_null() && known.value("key", nlohmann::json()) == entry.value("key", nlohmann::json());
+    if (same) {  // a run that goes on adds to what it took before
+      const auto both = [&](const char* what, auto&& join) {
+        const double before = known.value(what, 0.0), now = entry.value(what, 0.0);
+        if (before > 0.0 || now > 0.0) known[what] = join(before, now);
+      };
+      if (!entry.value("from_cache", false)) {
+        both("seconds", [](double a, double b) { return a + b; });
+        both("peak_memory_bytes", [](double a, double b) { return std::max(a, b); });
+        known["from_cache"] = false;
+      }
+      continue;
+    }
+    known = std::move(entry);
   }
   return entries;
 }

@@ -52,20 +52,26 @@ Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, cons
   return result;
 }
 
+/// Whether two skeletons have the same joints in the same tree.
+bool SameJoints(const Skeleton& a, const Skeleton& b) {
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
+}
+
 /// Mean length of each bone along the chains, over the frames of all motions of a dataset: (J), 0 for the root.
 Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& skeleton) {
   const Expected<Dataset> set = ReadDataset(path);
   if (!set) return Forward(set);
-  if (set->skeleton->joint_count() != skeleton.joint_count() || set->clips.empty()) {
+  if (!SameJoints(*set->skeleton, skeleton)) {
     return Fail(ErrorCode::kInconsistent,
-                std::to_string(set->skeleton->joint_count()) + " joints, the network has " +
-                    std::to_string(skeleton.joint_count()),
+                "the motions have skeleton '" + set->skeleton->name + "', the network has '" + skeleton.name + "'",
                 DisplayPath(path), "give motions of skeleton '" + skeleton.name + "'");
   }
   std::vector<double> lengths(static_cast<std::size_t>(skeleton.joint_count()), 0.0);
   const std::vector<int> parents = skeleton.lie ? skeleton.LieParents() : std::vector<int>();
   double frames = 0.0;
   for (const Clip& clip : set->clips) {
+    if (!clip.motion) continue;
     for (int f = 0; f < clip.motion->frame_count(); ++f, ++frames) {
       for (int j = 1; j < skeleton.joint_count(); ++j) {
         const auto at = static_cast<std::size_t>(j);
@@ -73,6 +79,10 @@ Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& sk
         lengths[at] += (clip.motion->joints.at(f, j) - clip.motion->joints.at(f, parent)).norm();
       }
     }
+  }
+  if (frames == 0.0) {
+    return Fail(ErrorCode::kInconsistent, "the dataset holds no frame of a motion", DisplayPath(path),
+                "give a dataset of at least one motion");
   }
   for (double& length : lengths) length /= frames;
   return lengths;
@@ -131,6 +141,12 @@ Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, 
   }
   std::vector<double> lengths = checkpoint.facts.value("bone_length", std::vector<double>());
   if (lengths.empty()) lengths = checkpoint.skeleton->RestBoneLengths();
+  if (static_cast<int>(lengths.size()) != checkpoint.skeleton->joint_count()) {
+    return Fail(ErrorCode::kMalformed,
+                Counted(static_cast<long long>(lengths.size()), "bone length") + " for a skeleton of " +
+                    Counted(checkpoint.skeleton->joint_count(), "joint"),
+                DisplayPath(arguments.checkpoint), "take the file as `mocurate` wrote it");
+  }
   if (!arguments.bone_lengths.empty()) {
     auto given = LengthsOf(arguments.bone_lengths, *checkpoint.skeleton);
     if (!given) return Forward(given);

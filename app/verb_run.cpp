@@ -192,6 +192,7 @@ Status TakeData(const std::vector<std::string>& given, JobOptions& options) {
 Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job, JobStage last) {
   const auto folder = RunFolder(arguments.output, job.options.name);
   if (!folder) return Forward(folder);
+  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
   const RunnerOptions settings = RunnerOptionsOf(common, arguments, job.options, *folder);
   RunFile file(job, arguments.budget, last, settings.run_folder);
   if (!arguments.dry_run) {
@@ -199,7 +200,7 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
     if (Status begun = file.Begin(); !begun) return begun;
   }
   const auto started = std::chrono::steady_clock::now();
-  const auto run = RunOverSets(job.options, last, settings);
+  const auto run = RunOverSets(job.options, last, arguments.budget, settings);
   Status outcome = run ? Status() : Forward(run);
   if (run) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
@@ -243,10 +244,10 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
   if (!last) return Forward(last);
   if (Status given = TakeData(arguments.data, job->options); !given) return given;
-  if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
   if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last);
+  if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   const auto folder = RunFolder(arguments.output, job->options.name);
   if (!folder) return Forward(folder);
   if (Status ours = CheckRunFolder(*folder); !ours) return ours;

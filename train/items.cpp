@@ -11,6 +11,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kMostIterations = 1e8;  // range of `iterations`
+constexpr const char* kRealRows[] = {"Real", "Real-test", "reference", "reference_test"};
 
 /// The items of one seed: the network after each step of `samples_at`, then after all.
 void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const StageInput& dataset,
@@ -20,10 +21,13 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
   one.learning.samples_at.clear();
   const std::string item = network.name + "/" + std::to_string(one.seed());
   const std::string row = network.seeds.size() > 1 ? item : network.name;
+  const std::int64_t end_of_all = network.learning.until > 0
+                                      ? std::min(network.learning.until, network.learning.iterations)
+                                      : network.learning.iterations;
   std::string after;
   for (const double step : network.learning.samples_at) {
     one.learning.until = static_cast<std::int64_t>(step);
-    if (one.learning.until >= network.learning.iterations) continue;
+    if (one.learning.until >= end_of_all) continue;
     const std::string end = "@" + std::to_string(one.learning.until);
     items.push_back({{item + end, OptionsToJson(one), {dataset}}, at, row + end, after});
     after = item + end;
@@ -45,6 +49,23 @@ Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
   }
   if (!network.seeds.empty()) return {};
   return Fail(ErrorCode::kConfig, "the list is empty", where, "one network is trained per seed: leave the network out");
+}
+
+/// Every row of the table is one network's, and none of them has the name of the real motions' rows.
+Status CheckRowNames(const TrainOptions& options) {
+  std::set<std::string> seen(std::begin(kRealRows), std::end(kRealRows));
+  for (std::size_t i = 0; i < options.networks.size(); ++i) {
+    std::vector<TrainItem> items;
+    for (const double seed : options.networks[i].seeds) AddSeed(options.networks[i], i, seed, {}, items);
+    if (!GeneratesMotions(options.networks[i].kind)) continue;
+    for (const TrainItem& item : items) {
+      if (seen.insert(item.row).second) continue;
+      return Fail(ErrorCode::kConfig, "the row '" + item.row + "' is there already",
+                  "train.networks[" + std::to_string(i) + "].name",
+                  "a network NAME of several seeds has rows NAME/SEED");
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -109,8 +130,12 @@ Status CheckNetworks(const TrainOptions& options) {
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
       return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at");
     }
+    for (const double step : steps) {
+      if (step == std::floor(step)) continue;
+      return Fail(ErrorCode::kConfig, RoundedText(step) + " is no whole number of steps", where + ".samples_at");
+    }
   }
-  return {};
+  return CheckRowNames(options);
 }
 
 Status ScaleTraining(double budget, TrainOptions& options) {

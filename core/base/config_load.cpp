@@ -192,7 +192,13 @@ Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<st
   for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
   if (root.Find("profiles") != nullptr) {  // what was set on the command line stands above a profile
     ApplyProfile(root, problems);
-    for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
+    ProblemList told;  // by the first pass
+    for (const std::string& assignment : assignments) internal::Assign(root, assignment, told);
+  } else {
+    for (const std::string& assignment : assignments) {
+      if (assignment.rfind("profile=", 0) != 0) continue;
+      problems.Add(assignment, "the config has no `profiles`", "leave the profile out, or give a config that has it");
+    }
   }
   if (Status read = problems.Result(); !read) return Forward(read);
   internal::ResolveReferences(root, problems);

@@ -107,14 +107,14 @@ Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const Training
     rows.split = split->name;
   }
   if (Status whole = CheckRows(set, rows.train); !whole) return Forward(whole);
+  rows.train = FractionOf(set, rows.train, options.fraction);  // before clips are held out: a refit takes those back
   if (held_out && split != nullptr && !split->validation.empty()) {
     if (Status whole = CheckRows(set, split->validation); !whole) return Forward(whole);
-    rows.validation = split->validation;
+    rows.validation = FractionOf(set, split->validation, options.fraction);
     rows.validation_rule = "validation part of split '" + rows.split + "'";
   } else if (held_out && rows.train.size() >= 2) {
     HoldOut(set, seed, smallest_validation, rows);
   }
-  rows.train = FractionOf(set, rows.train, options.fraction);
   if (rows.train.size() >= 2 || (held_out && !rows.train.empty() && !rows.validation.empty())) return rows;
   return Fail(ErrorCode::kInconsistent, std::to_string(rows.train.size()) + " training clips; at least 2 are needed",
               rows.split.empty() ? "dataset" : "split '" + rows.split + "'");

@@ -79,10 +79,10 @@ class Training {
     return std::move(state_);
   }
 
-  /// Runs a few steps of a fresh training.
+  /// Runs a few steps of a fresh training, from its beginning and from its middle: a GAN's stages cost differently.
   Expected<TrainingCost> Measure() {
     if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
-    constexpr int kMeasured = 4;
+    constexpr int kParts = 2, kMeasured = 5;  // 5: the critic's steps to one of the generator (Gulrajani et al. 2017)
     torch::set_num_threads(1);
     auto rows =
         SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
@@ -92,12 +92,17 @@ class Training {
     TrainingCost cost;
     cost.steps = until_ * (recognises_ && options_.recogniser.refit ? 2 : 1);
     for (const Tensor& parameter : network_->parameters()) cost.parameters += parameter.numel();
-    if (Status warm = Step(); !warm) return Forward(warm);
-    const auto begin = std::chrono::steady_clock::now();
-    for (int i = 0; i < kMeasured; ++i) {
-      if (Status done = Step(); !done) return Forward(done);
+    double seconds = 0.0;
+    for (int part = 0; part < kParts; ++part) {
+      round_step_ = std::max(round_step_, steps_ * part / kParts);
+      if (Status warm = Step(); !warm) return Forward(warm);
+      const auto begin = std::chrono::steady_clock::now();
+      for (int i = 0; i < kMeasured; ++i) {
+        if (Status done = Step(); !done) return Forward(done);
+      }
+      seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
-    cost.seconds_per_step = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / kMeasured;
+    cost.seconds_per_step = seconds / (kParts * kMeasured);
     return cost;
   }
 
@@ -125,10 +130,18 @@ class Training {
         LogWarning("training starts anew: " + stored.error().Message());
         continue;
       }
-      if (SameTraining(*stored)) return Resume(std::move(*stored), DisplayPath(file));
+      if (SameTraining(*stored) && (End() == 0 || stored->step <= End()))
+        return Resume(std::move(*stored), DisplayPath(file));
     }
     StartRound(0);
     return {};
+  }
+
+  /// The step at which a generator is to end; 0: a recogniser, which ends by its epochs.
+  std::int64_t End() const {
+    if (recognises_) return 0;
+    const LearningOptions& learning = options_.learning;
+    return learning.until > 0 ? std::min(learning.iterations, learning.until) : learning.iterations;
   }
 
   bool SameTraining(const Checkpoint& stored) const {
@@ -171,7 +184,8 @@ class Training {
                                           options_.seed());
     steps_ = options_.learning.iterations;
     if (recognises_) steps_ = order_->batches_per_pass() * (round == 0 ? options_.recogniser.epochs : best_epoch_);
-    until_ = options_.learning.until > 0 && !recognises_ ? std::min(steps_, options_.learning.until) : steps_;
+    until_ = recognises_ ? steps_ : End();
+    first_step_ = -1;
   }
 
   /// Mean and deviation of every number over the unchanged training windows.
@@ -246,7 +260,12 @@ class Training {
           if (sum[i].defined()) sum[i] = sum[i] + gradients[s][i];
         }
       }
-      if (!std::isfinite(total)) return Diverged(batch, total);
+      if (!std::isfinite(total)) return Diverged(batch, "the loss is " + RoundedText(total, 4));
+      for (const Tensor& gradient : sum) {
+        if (gradient.defined() && !std::isfinite(gradient.norm().item<double>())) {
+          return Diverged(batch, "the loss is " + RoundedText(total, 4) + ", but its gradient is not finite");
+        }
+      }
       optimisers_->Step(phase, sum, RateFactor(), options_.learning.gradient_clip);
       network_->AfterStep(phase);
     }
@@ -258,7 +277,8 @@ class Training {
     return {};
   }
 
-  Status Diverged(const Batch& batch, double loss) {
+  /// Keeps the batch and the weights of before the phase that failed.
+  Status Diverged(const Batch& batch, const std::string& what) {
     std::string kept = "a scratch folder would hold the batch";
     if (!control_.scratch.empty()) {
       Store();
@@ -275,11 +295,12 @@ class Training {
       const std::filesystem::path file = control_.scratch / "diverged.h5";
       if (Status made = MakeFolder(control_.scratch); !made) return made;
       if (Status written = WriteCheckpoint(dump, file); !written) return written;
+      std::error_code ignored;
+      std::filesystem::remove(StateFile(), ignored);
       kept = "batch and weights are kept in " + DisplayPath(file);
     }
-    return Fail(ErrorCode::kInconsistent,
-                "the loss is " + RoundedText(loss, 4) + " after " + Counted(state_.step, "step") + "; " + kept,
-                options_.name, "lower learning_rate, or set gradient_clip");
+    return Fail(ErrorCode::kInconsistent, what + " after " + Counted(state_.step, "step") + "; " + kept, options_.name,
+                "lower learning_rate, or set gradient_clip");
   }
 
   void Record(const std::map<std::string, double>& terms) {
