@@ -206,10 +206,8 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   result.outcome = std::move(outcome);
   fs::remove_all(task.folder, ignored);
   // What a refused item wrote there is what its message names, e.g. the batch at which a training diverged.
-  if (result.outcome.kind == OutcomeKind::kRefused)
-    fs::remove(task.scratch.folder, ignored);
-  else if (!crashed)
-    fs::remove_all(task.scratch.folder, ignored);
+  const bool shows = result.outcome.kind == OutcomeKind::kRefused && task.scratch.HoldsFiles();
+  if (!crashed && !shows) fs::remove_all(task.scratch.folder, ignored);
   Record(task.index, task.key, std::move(result), seconds, peak_memory);
 }
 

@@ -55,6 +55,14 @@ Expected<fs::path> Workspace::NewFolder() {
   return folder;
 }
 
+bool Workspace::Scratch::HoldsFiles() const {
+  std::error_code missing;
+  for (fs::directory_iterator entry(folder, missing), end; entry != end; entry.increment(missing)) {
+    if (entry->path().filename() != kLockName) return true;
+  }
+  return false;
+}
+
 Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
   Scratch scratch{cache_ / "scratch" / key, std::nullopt};
   while (true) {

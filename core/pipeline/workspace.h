@@ -26,6 +26,8 @@ class Workspace {
   struct Scratch {
     std::filesystem::path folder;
     std::optional<FileLock> lock;
+    /// Whether an item left files in it.
+    bool HoldsFiles() const;
   };
   /// The scratch folder of a key. When another process works on the same key, a private folder instead.
   Expected<Scratch> ScratchOf(const std::string& key);

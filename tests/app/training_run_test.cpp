@@ -229,6 +229,13 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
   }
   EXPECT_GT(table["published"].size(), 20u);
   EXPECT_TRUE(fs::exists(folder / "r/data/ntu13/dataset.h5"));
+  for (const auto& [set, weight] :
+       {std::pair("humanact12", nlohmann::json()), std::pair("ntu13", nlohmann::json(0.01))}) {
+    const Result of = TrainingProgram(folder, {"inspect", folder / "r/data" / set / "checkpoints/Ours_1.h5", "--json"});
+    ASSERT_EQ(of.exit_code, 0) << of.err;
+    EXPECT_EQ(of.Json()["options"]["kl_weight"], weight) << "as released for " << set;
+    EXPECT_EQ(of.Json()["options"]["iterations"], 2) << "the profile bounds what a set changes";
+  }
   std::vector<std::string> again = arguments;
   again.emplace_back("--json");
   const Result cached = TrainingProgram(folder, again);

@@ -235,6 +235,21 @@ TEST_F(Faults, AReadOnlyFolderIsNamed) {
   }
 }
 
+TEST_F(Faults, WhatARefusedItemKeptToShowWhyStays) {
+  const auto left = [&] {
+    int files = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(options.cache_folder / "scratch")) {
+      files += entry.path().filename() == "evidence" ? 1 : 0;
+    }
+    return files;
+  };
+  for (int run = 0; run < 2; ++run) {  // the second from the cache
+    EXPECT_EQ(Run(Stage("refuse"), {Item("a", {{"keeps", true}}), Item("b", {{"keeps", false}})})->refused, 2);
+    EXPECT_EQ(left(), 1);
+    EXPECT_EQ(std::distance(fs::directory_iterator(options.cache_folder / "scratch"), {}), 1);
+  }
+}
+
 TEST_F(Faults, OutputsOfKilledRunsAreClearedAway) {
   const fs::path tmp = options.cache_folder / "tmp";
   const pid_t pid = Fork([&] { return ExitOf(Stage("hang"), {Item("x")}); });

@@ -70,6 +70,12 @@ TEST(TrainItems, ANetworkThatIsKeptOnTheWayGoesOnFromThere) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1@40", "Ours/1"}));
   EXPECT_EQ(after, (std::vector<std::string>{"", "Ours/1@10", "Ours/1@40"}));
+  options.networks[2].learning.until = 40;
+  names.clear();
+  for (const TrainItem& item : ItemsOf(options)) {
+    if (item.network == 2) names.push_back(item.spec.item);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1"})) << "none at or beyond the end";
 }
 
 TEST(TrainItems, AnOptionOfOneNetworkLeavesTheKeysOfTheOthersAlone) {
@@ -117,8 +123,21 @@ TEST(CheckNetworks, RefusesNamesAndSeedsThatStandTwice) {
   options.networks[2].name = "a@b";
   EXPECT_FALSE(CheckNetworks(options));
   options = Several();
-  options.networks[2].learning.samples_at = {5, 5};
-  EXPECT_FALSE(CheckNetworks(options));
+  for (const std::vector<double>& steps : {std::vector<double>{5, 5}, {1000, 1000.5}}) {
+    options.networks[2].learning.samples_at = steps;
+    EXPECT_EQ(CheckNetworks(options).error().where, "train.networks[2].samples_at");
+  }
+}
+
+TEST(CheckNetworks, RefusesRowsThatStandTwiceOrAreTheRealMotions) {
+  TrainOptions options = Several();
+  options.networks[2].name = "Ours w/o Lie/2";  // the second row of the network below it
+  EXPECT_EQ(CheckNetworks(options).error().code, ErrorCode::kConfig);
+  options.networks[2].name = "Real";
+  EXPECT_EQ(CheckNetworks(options).error().where, "train.networks[2].name");
+  options.networks[0].name = "Ours w/o Lie/1";  // a recogniser has no row
+  options.networks[2].name = "Ours";
+  EXPECT_TRUE(CheckNetworks(options));
 }
 
 TEST(TrainingBudget, MultipliesTheGeneratorsIterationsAndStaysInRange) {

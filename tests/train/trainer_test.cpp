@@ -212,6 +212,16 @@ TEST_F(Trainer, SmallerFractionsAreParts) {
     EXPECT_GE(rows->train.size(), 3u) << "no class is lost";
     larger = rows->train;
   }
+  // A recogniser that is refitted takes its held-out clips back: those are of the fraction too.
+  options.fraction = 0.2;
+  const auto whole = SelectTrainingRows(set, options, false, 1, 0.1);
+  const auto parts = SelectTrainingRows(set, options, true, 1, 0.1);
+  ASSERT_TRUE(whole && parts);
+  EXPECT_FALSE(parts->validation.empty());
+  EXPECT_EQ(parts->train.size() + parts->validation.size(), whole->train.size());
+  for (const int row : parts->validation) {
+    EXPECT_TRUE(std::binary_search(whole->train.begin(), whole->train.end(), row)) << row;
+  }
 }
 
 TEST_F(Trainer, BalancedBatchesHoldEveryClassAlike) {
@@ -285,6 +295,35 @@ TEST_F(Trainer, ALossThatIsNotFiniteEndsTheTrainingAndItsBatchIsKept) {
   const auto kept = ReadCheckpoint(folder_ / "scratch/diverged.h5");
   ASSERT_TRUE(kept) << kept.error().Message();
   EXPECT_GE(FindParameter(kept->parameters, "batch.motion"), 0);
+}
+
+TEST_F(Trainer, AStateBeyondTheEndIsNotGoneOnFrom) {
+  NetworkOptions options = Small(NetworkKind::kAction2Motion);
+  options.learning.until = 2;
+  const auto early = TrainNetwork(Toy(), options, {});
+  options.learning.until = 3;
+  TrainingControl control;
+  control.start = folder_ / "later.h5";
+  ASSERT_TRUE(WriteCheckpoint(*TrainNetwork(Toy(), options, {}), control.start));
+  options.learning.until = 2;
+  const auto again = TrainNetwork(Toy(), options, control);
+  ASSERT_TRUE(early && again);
+  EXPECT_EQ(again->step, 2);
+  EXPECT_EQ(again->parameters[0].value, early->parameters[0].value);
+}
+
+TEST_F(Trainer, AFactOfAnotherTypeIsAMalformedCheckpoint) {
+  const Checkpoint sound = *TrainNetwork(Toy(), Small(NetworkKind::kAction2Motion), {});
+  const std::pair<const char*, nlohmann::json> changes[] = {
+      {"rate", 30}, {"bone_length", "long"}, {"first_pose", {1, 2}}, {"round", "one"}};
+  for (const auto& [name, value] : changes) {
+    Checkpoint changed = sound;
+    changed.facts[name] = value;
+    ASSERT_TRUE(WriteCheckpoint(changed, folder_ / "changed.h5"));
+    const auto read = ReadCheckpoint(folder_ / "changed.h5");
+    ASSERT_FALSE(read) << name;
+    EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
+  }
 }
 
 TEST_F(Trainer, ACheckpointOfAnotherNetworkIsRefusedNamingBoth) {

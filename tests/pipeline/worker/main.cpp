@@ -79,6 +79,9 @@ Expected<StageOutcome> Patient(const StageRequest& request) {
 }
 
 Expected<StageOutcome> Refuse(const StageRequest& request) {
+  if (request.options.value("keeps", false)) {
+    if (Status written = WriteFile(request.scratch / "evidence", "why"); !written) return Forward(written);
+  }
   return Fail(ErrorCode::kMalformed, "not a motion", request.item + ":3", "look at line 3");
 }
 
