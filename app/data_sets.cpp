@@ -121,10 +121,17 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
   std::string markdown = "# " + options.name + "\n\n", csv, latex;
   run.table = {
       {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
+  std::vector<JobOptions> jobs;  // what is wrong with the last is told before the first is trained
   for (const DataSetOptions& set : options.data) {
-    SetResult one{set, false, {}};
     auto job = JobOfSet(options, set, budget);
     if (!job) return Forward(job);
+    if (Status named = CheckNames(*job, last); !named) return Forward(named);
+    jobs.push_back(std::move(*job));
+  }
+  for (std::size_t i = 0; i < options.data.size(); ++i) {
+    const DataSetOptions& set = options.data[i];
+    JobOptions& job = jobs[i];
+    SetResult one{set, false, {}};
     RunnerOptions own = settings;
     own.run_folder = settings.run_folder / "data" / set.name;
     if (!own.dry_run) {
@@ -140,13 +147,12 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
       if (own.dry_run) continue;
       auto folder = Substitute(set, options.substitutes, own.run_folder, std::max(1, own.jobs));
       if (!folder) return Forward(folder);
-      job->ingest.path = std::move(*folder);
+      job.ingest.path = std::move(*folder);
       one.substitute = true;
     }
-    if (Status named = CheckNames(*job, last); !named) return Forward(named);
     auto runner = Runner::Make(own);
     if (!runner) return Forward(runner);
-    auto result = RunMainJob(*job, last, **runner);
+    auto result = RunMainJob(job, last, **runner);
     if (!result) {
       const ErrorCode code = result.error().code;
       if (code == ErrorCode::kInterrupted || code == ErrorCode::kCannotWrite) return Forward(result);

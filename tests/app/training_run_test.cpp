@@ -240,6 +240,9 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
   again.emplace_back("--json");
   const Result cached = TrainingProgram(folder, again);
   for (const auto& [name, set] : cached.Json()["sets"].items()) EXPECT_EQ(set["executed"], 0) << name;
+  std::vector<std::string> wrong = arguments;
+  wrong.insert(wrong.end(), {"--set", "data.1.networks=[Ours.no_such_option=1]"});
+  EXPECT_EQ(TrainingProgram(folder, wrong).exit_code, 2);
   again.insert(again.end(), {"--data", "humanact=" + (folder / "x").string()});
   EXPECT_EQ(TrainingProgram(folder, again).exit_code, 2);
   again.back() = "humanact12=" + (folder / "x").string();
