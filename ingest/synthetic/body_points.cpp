@@ -90,6 +90,25 @@ const std::vector<BodyPlace>& KardPlaces() {
   return places;
 }
 
+const std::vector<BodyPlace>& Cmu20Places() {
+  static const std::vector<BodyPlace> places = [] {
+    std::vector<BodyPlace> all = {{"pelvis", "pelvis", kNone},
+                                  {"chest", "spine3", {0.0, 0.13, 0.0}},
+                                  {"neck", "neck", {0.0, 0.02, 0.0}},
+                                  {"head", "head", {0.0, 0.05, 0.03}}};
+    for (const char* side : {"left", "right"}) {
+      Append(OpenPoseArm(side), all);
+      Append(Side(side, {{"hand", "hand", kNone}}), all);
+    }
+    for (const char* side : {"left", "right"}) {
+      Append(OpenPoseLeg(side), all);
+      Append(Side(side, {{"toe", "foot", {0.0, -0.005, 0.05}}}), all);
+    }
+    return all;
+  }();
+  return places;
+}
+
 const std::vector<BodyPlace>& Body25Places() {
   static const std::vector<BodyPlace> places = [] {
     std::vector<BodyPlace> all = {{"nose", "head", kNose}, {"neck", "spine3", kBetweenShoulders}};

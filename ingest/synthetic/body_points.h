@@ -18,6 +18,8 @@ struct BodyPlace {
 const std::vector<BodyPlace>& Kinect25Places();
 /// The 15 joints of the OpenNI tracker in KARD's order; KARD's names.
 const std::vector<BodyPlace>& KardPlaces();
+/// The 20 joints of Action2Motion's CMU in its order; names of skeleton cmu20.
+const std::vector<BodyPlace>& Cmu20Places();
 /// The 49 points of SPIN and VIBE (Kolotouros et al. 2019): BODY_25 of OpenPose, then 24 of other sets.
 const std::vector<BodyPlace>& Vibe49Places();
 /// BODY_25 of OpenPose.

@@ -53,6 +53,7 @@ Status WriteTracksLayout(const StudioOptions& options, const std::vector<Actor>&
 Status WriteOpenPoseLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
 Status WriteOpenPoseDepthLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
 Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
+Status WriteCmu8Layout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
 Status WriteAmassLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
 
 }  // namespace mocurate

@@ -37,7 +37,8 @@ constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subject
                                   {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
                                   {StudioLayout::kOpenPoseDepth, 2, WriteOpenPoseDepthLayout},
                                   {StudioLayout::kAmass, 4, WriteAmassLayout},
-                                  {StudioLayout::kDepthSequence, 2, WriteDepthSequenceLayout}};
+                                  {StudioLayout::kDepthSequence, 2, WriteDepthSequenceLayout},
+                                  {StudioLayout::kCmu8, 8, WriteCmu8Layout}};
 
 const LayoutRow& RowOf(StudioLayout layout) {
   for (const LayoutRow& row : kLayouts) {
@@ -170,6 +171,8 @@ std::vector<WrittenSource> SourcesOf(StudioLayout layout, bool with_depth) {
       return {{"amass", "amass"}};
     case StudioLayout::kDepthSequence:
       return {{"rendered_seq", "rendered_seq"}};
+    case StudioLayout::kCmu8:
+      return {{"cmu8", "cmu8"}};
   }
   return {};
 }

@@ -16,7 +16,8 @@ const std::vector<std::pair<std::string, StudioLayout>>& Layouts() {
       {"openpose", StudioLayout::kOpenPose},
       {"openpose_depth", StudioLayout::kOpenPoseDepth},
       {"amass", StudioLayout::kAmass},
-      {"rendered_seq", StudioLayout::kDepthSequence}};
+      {"rendered_seq", StudioLayout::kDepthSequence},
+      {"cmu8", StudioLayout::kCmu8}};
   return layouts;
 }
 

@@ -23,7 +23,8 @@ enum class StudioLayout {
   kOpenPose,
   kOpenPoseDepth,
   kAmass,
-  kDepthSequence
+  kDepthSequence,
+  kCmu8
 };
 
 /// Cameras around the subject.

@@ -77,6 +77,18 @@ Expected<std::vector<PlannedTake>> PlanNtuTakes(const StudioOptions& options) {
   return PlanTakes(options, NtuClasses(), {40, 2, 30.0, 0.3, 0.7});
 }
 
+const std::vector<SetClass>& Cmu8Classes() {
+  static const std::vector<SetClass> classes = {{0, "walk", "walk", 0},
+                                                {1, "wash", "wave", 0},
+                                                {2, "run", "run", 0},
+                                                {3, "jump", "jump_vertical", 0},
+                                                {4, "animal_behavior", "squat", 0},
+                                                {5, "dance", "warm_up_body_lean_left_arm", 0},
+                                                {6, "step", "run_on_the_spot", 0},
+                                                {7, "climb", "lift_dumbbell_overhead", 0}};
+  return classes;
+}
+
 const std::vector<SetClass>& KardClasses() {
   static const std::vector<SetClass> classes = {{1, "horizontal_arm_wave", "wave", 0},
                                                 {2, "high_arm_wave", "wave", 0},

@@ -25,6 +25,8 @@ const std::vector<SetClass>& NtuClasses();
 const std::vector<SetClass>& Ntu13Classes();
 /// UESTC's 40 exercises, each performed as the nearest one.
 const std::vector<SetClass>& UestcClasses();
+/// CMU-8 of Action2Motion. Stand-ins: washing is a wave, animals squat, dancing leans and climbing presses overhead.
+const std::vector<SetClass>& Cmu8Classes();
 
 inline constexpr std::int64_t kVariantRateHz = 30;
 

@@ -113,7 +113,8 @@ TEST(Synthesize, SaysWhichDeclarationReadsWhichFolderAndEachDoes) {
       {"humanact12", "[walk]"}, {"phspd", "[walk]"},        {"ntu", "[drink_water]"},
       {"kard", "[walk]"},       {"uestc", "[squatting]"},   {"uestc_vibe", "[squatting]"},
       {"ntu_vibe", "[throw]"},  {"tracks", "[walk]"},       {"openpose", "[walk]"},
-      {"amass", "[]"},          {"rendered_seq", "[walk]"}, {"openpose_depth", "[walk]"}};
+      {"amass", "[]"},          {"rendered_seq", "[walk]"}, {"openpose_depth", "[walk]"},
+      {"cmu8", "[walk]"}};
   for (const auto& [layout, actions] : layouts) {
     const std::string studio = (folder / layout).string();
     std::vector<std::string> words = {"synthesize", "--layout",          layout, "-o", studio, "--set", "subjects=1",

@@ -249,6 +249,20 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
   EXPECT_EQ(TrainingProgram(folder, again).exit_code, 1) << "a set that is not there costs itself";
 }
 
+TEST(TrainingRun, TheTableOfTheCmuSetHasItsWindowsAndWeights) {
+  const Folder folder;
+  const std::string config = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/a2m/table2.yaml";
+  const Result result = TrainingProgram(
+      folder, {"run", config, "--set", "profile=smoke", "-o", (folder / "r").string(), "--budget", "0.5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result ours = TrainingProgram(folder, {"inspect", folder / "r/data/cmu8/checkpoints/Ours_1.h5", "--json"});
+  ASSERT_EQ(ours.exit_code, 0) << ours.err;
+  const nlohmann::json options = ours.Json()["options"];
+  EXPECT_EQ(options["frames"], 100);
+  EXPECT_EQ(options["kl_weight"], 0.01);
+  EXPECT_EQ(options["iterations"], 1) << "half of the profile's 2";
+}
+
 TEST(TrainingRun, HowLongTheJobTakesIsSaidOfTheWholeJob) {
   const Folder folder;
   std::vector<std::string> arguments = TrainingJob(folder, {"takes=an hour"});

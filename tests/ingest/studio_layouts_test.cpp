@@ -144,6 +144,23 @@ TEST_F(Layouts, NtuSkeletonsAreReadBackToTheTruthFromAllThreeSensors) {
   EXPECT_LT(inferred, joints / 4) << "from the front most joints are seen";
 }
 
+TEST_F(Layouts, Cmu8PositionsAreReadBackToTheTruthWithTheirClasses) {
+  Write(Perfect(StudioLayout::kCmu8));
+  const auto clips = Ingested("cmu8", "cmu8");
+  ASSERT_EQ(clips.size(), truth.size());
+  std::set<std::string> labels;
+  for (const auto& [id, clip] : clips) {
+    ASSERT_EQ(truth.count(id), 1u) << id;
+    EXPECT_LT(FarthestOff(clip.motion->joints, PlacesOf(truth.at(id), Cmu20Places())), 1e-5) << id;
+    EXPECT_EQ(clip.motion->rate, (FrameRate{12, 1}));
+    labels.insert(clip.label);
+  }
+  EXPECT_EQ(labels,
+            (std::set<std::string>{"animal_behavior", "climb", "dance", "jump", "run", "step", "walk", "wash"}));
+  const SkeletonPtr skeleton = *LoadSkeleton("cmu20");
+  for (std::size_t j = 0; j < 20; ++j) EXPECT_EQ(Cmu20Places()[j].name, skeleton->joints[j].name);
+}
+
 TEST_F(Layouts, VibeTracksOfNtu13AreReadBackToTheTruth) {
   Write(Perfect(StudioLayout::kNtuVibe));
   const std::string list = Bytes("ntu13/ntu_vibe_list.txt");
@@ -296,9 +313,10 @@ TEST_F(Layouts, AmassAndBabelAreReadBackToTheTruth) {
 }
 
 TEST_F(Layouts, TheSameSeedGivesTheSameBytesForAnyNumberOfJobs) {
-  for (const StudioLayout layout : {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard,
-                                    StudioLayout::kNtuVibe, StudioLayout::kUestcVibe, StudioLayout::kOpenPose,
-                                    StudioLayout::kOpenPoseDepth, StudioLayout::kAmass, StudioLayout::kDepthSequence}) {
+  for (const StudioLayout layout :
+       {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard, StudioLayout::kNtuVibe,
+        StudioLayout::kUestcVibe, StudioLayout::kOpenPose, StudioLayout::kOpenPoseDepth, StudioLayout::kAmass,
+        StudioLayout::kDepthSequence, StudioLayout::kCmu8}) {
     StudioOptions options;
     options.layout = layout;
     options.subjects = 1;
