@@ -121,7 +121,7 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
   std::string markdown = "# " + options.name + "\n\n", csv, latex;
   run.table = {
       {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
-  std::vector<JobOptions> jobs;  // what is wrong with the last is told before the first is trained
+  std::vector<JobOptions> jobs;  // an error in the last is reported before the first is trained
   for (const DataSetOptions& set : options.data) {
     auto job = JobOfSet(options, set, budget);
     if (!job) return Forward(job);

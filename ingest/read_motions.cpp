@@ -234,8 +234,8 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     if (IsFailure(left_out.outcome.kind)) {
       read.refused.push_back({left_out.item, left_out.outcome.error});
     } else {
-      const std::vector<Finding>& told = left_out.outcome.findings;
-      read.left_out.insert(read.left_out.end(), told.begin(), told.end());
+      const std::vector<Finding>& findings = left_out.outcome.findings;
+      read.left_out.insert(read.left_out.end(), findings.begin(), findings.end());
     }
   }
   read.left_out.insert(read.left_out.end(), discovery->findings.begin(), discovery->findings.end());

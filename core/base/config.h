@@ -42,7 +42,7 @@ struct ConfigSource {
 /// `assignments` ("ingest.path=DIR", values are YAML) and the profile that `profile` names of `profiles`, then resolves
 /// `${ENV}` and `${other.key}`. All problems found are reported in one error, one per line, each "file:line:column:
 /// ...". "resource:NAME" is the embedded file NAME, as `file` and in `include:`. An empty file is an empty mapping. The
-/// rules are told in docs/configuration.md.
+/// rules are in docs/configuration.md.
 Expected<ConfigNode> LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& assignments = {});
 Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments = {});
 

@@ -192,8 +192,8 @@ Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<st
   for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
   if (root.Find("profiles") != nullptr) {  // what was set on the command line stands above a profile
     ApplyProfile(root, problems);
-    ProblemList told;  // by the first pass
-    for (const std::string& assignment : assignments) internal::Assign(root, assignment, told);
+    ProblemList repeated;  // the first pass reported them
+    for (const std::string& assignment : assignments) internal::Assign(root, assignment, repeated);
   } else {
     for (const std::string& assignment : assignments) {
       if (assignment.rfind("profile=", 0) != 0) continue;

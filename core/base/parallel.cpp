@@ -13,7 +13,7 @@ void ParallelFor(int count, int chunk, int threads, const std::function<void(int
   std::atomic<int> next{0};
   std::mutex guard;
   std::exception_ptr thrown;
-  int thrown_at = count;  // of the ranges that threw, the lowest: which is told does not depend on the threads
+  int thrown_at = count;  // the lowest range that threw: which one is reported does not depend on the threads
   const auto take = [&] {
     for (int begin = next.fetch_add(chunk); begin < count; begin = next.fetch_add(chunk)) {
       try {

@@ -47,9 +47,9 @@ class WorkerProcess {
   /// Exit status after Bury; -1 when a signal killed it.
   int exit_status() const { return exit_status_; }
   void Signal(int signal) const;
-  /// Resident memory now; 0 when it cannot be told.
+  /// Resident memory now; 0 when unknown.
   std::uint64_t MemoryBytes() const;
-  /// The largest resident memory so far; 0 when it cannot be told.
+  /// The largest resident memory so far; 0 when unknown.
   std::uint64_t PeakMemoryBytes() const;
 
  private:

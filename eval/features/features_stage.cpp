@@ -77,8 +77,8 @@ void AddQuality(const std::vector<const Motion*>& motions, int threads,
   }
 }
 
-/// Whether the left hip lies to the right of the right one in the first frame, seen by somebody whom the motion is to
-/// face (+z): by more than half of their distance.
+/// Whether the motion starts facing -z: in the first frame the left hip lies at smaller x than the right one, by more
+/// than half of their distance.
 bool FacesAway(const Motion& motion) {
   const Limbs limbs = LimbsOf(*motion.skeleton);
   if (motion.frame_count() == 0 || limbs.leg[0].root < 0 || limbs.leg[1].root < 0) return false;

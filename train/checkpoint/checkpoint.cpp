@@ -32,6 +32,22 @@ nlohmann::json NamesOf(const ParameterList& parameters) {
   return names;
 }
 
+/// What a file says of its network; the states that a training goes on from only where they are in the file.
+nlohmann::json AboutOf(const Checkpoint& checkpoint, nlohmann::json optimisers, nlohmann::json best) {
+  nlohmann::json about = {{"kind", checkpoint.kind},
+                          {"options", checkpoint.options},
+                          {"facts", checkpoint.facts},
+                          {"labels", checkpoint.labels},
+                          {"dataset_sha256", checkpoint.dataset_sha256},
+                          {"step", checkpoint.step},
+                          {"finished", checkpoint.finished},
+                          {"optimisers", std::move(optimisers)},
+                          {"parameters", NamesOf(checkpoint.parameters)},
+                          {"best", std::move(best)}};
+  if (checkpoint.skeleton != nullptr) about["skeleton"] = SkeletonToJson(*checkpoint.skeleton);
+  return about;
+}
+
 std::string ContentHash(const Fields& fields) {
   std::map<std::string, std::string> lines;
   for (const auto& [path, array] : fields) lines[path] = store::FieldLine(array, array.Sha256());
@@ -198,17 +214,7 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
   for (const auto& [name, column] : checkpoint.history) {
     fields["/history/" + name] = store::MakeArray({column.size()}, column);
   }
-  nlohmann::json about = {{"kind", checkpoint.kind},
-                          {"options", checkpoint.options},
-                          {"facts", checkpoint.facts},
-                          {"labels", checkpoint.labels},
-                          {"dataset_sha256", checkpoint.dataset_sha256},
-                          {"step", checkpoint.step},
-                          {"finished", checkpoint.finished},
-                          {"optimisers", optimisers},
-                          {"parameters", NamesOf(checkpoint.parameters)},
-                          {"best", NamesOf(checkpoint.best)}};
-  if (checkpoint.skeleton != nullptr) about["skeleton"] = SkeletonToJson(*checkpoint.skeleton);
+  const nlohmann::json about = AboutOf(checkpoint, std::move(optimisers), NamesOf(checkpoint.best));
   fields["/about"] = store::MakeText(about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   fields["/@schema"] = store::MakeText(kSchema);
   fields["/@kind"] = store::MakeText(checkpoint.kind);
@@ -223,17 +229,7 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
 }
 
 Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::path& path) {
-  nlohmann::json about = {{"kind", checkpoint.kind},
-                          {"options", checkpoint.options},
-                          {"facts", checkpoint.facts},
-                          {"labels", checkpoint.labels},
-                          {"dataset_sha256", checkpoint.dataset_sha256},
-                          {"step", checkpoint.step},
-                          {"finished", checkpoint.finished},
-                          {"optimisers", nlohmann::json::array()},
-                          {"parameters", NamesOf(checkpoint.parameters)},
-                          {"best", nlohmann::json::array()}};
-  if (checkpoint.skeleton != nullptr) about["skeleton"] = SkeletonToJson(*checkpoint.skeleton);
+  const nlohmann::json about = AboutOf(checkpoint, nlohmann::json::array(), nlohmann::json::array());
   Safetensors file;
   file.metadata = {{"format", "pt"}, {kAboutKey, about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}};
   for (const Parameter& parameter : checkpoint.parameters) {
