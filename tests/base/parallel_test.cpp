@@ -20,7 +20,7 @@ TEST(ParallelFor, TakesEveryRangeOnce) {
   for (const std::atomic<int>& count : seen) EXPECT_EQ(count, 1);
 }
 
-TEST(ParallelFor, OfTheRangesThatThrowTheLowestIsTold) {
+TEST(ParallelFor, OfTheRangesThatThrowTheLowestIsReported) {
   for (const int threads : {1, 2, 4}) {
     try {
       ParallelFor(8, 1, threads, [](int begin, int) {
