@@ -45,6 +45,21 @@ Expected<fs::path> Substitute(const DataSetOptions& set, const std::vector<std::
   return made;
 }
 
+/// "KEY=VALUE" into an option group; false where it has no such option.
+template <class Options>
+Expected<bool> Assign(const std::string& text, const std::string& where, Options& options) {
+  const std::size_t equals = text.find('=');
+  nlohmann::json json = OptionsToJson(options);
+  const std::string key = text.substr(0, equals);
+  if (equals == std::string::npos || !json.contains(key)) return false;
+  const nlohmann::json value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
+  json[key] = value.is_discarded() ? nlohmann::json(text.substr(equals + 1)) : value;
+  auto changed = OptionsFromJson<Options>(json, where);
+  if (!changed) return Forward(changed);
+  options = std::move(*changed);
+  return true;
+}
+
 /// The networks of a set, with what the set says of them.
 Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
   for (const std::string& text : set.networks) {
@@ -55,15 +70,11 @@ Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
     bool found = false;
     for (NetworkOptions& network : train.networks) {
       if (!name.empty() && network.name != name) continue;
-      nlohmann::json json = OptionsToJson(network);
-      const std::string key = text.substr(begin, equals - begin);
-      if (equals == std::string::npos || !json.contains(key)) continue;
-      const nlohmann::json value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
-      json[key] = value.is_discarded() ? nlohmann::json(text.substr(equals + 1)) : value;
-      auto changed = OptionsFromJson<NetworkOptions>(json, where);
-      if (!changed) return Forward(changed);
-      network = std::move(*changed);
-      found = true;
+      const std::int64_t planned = network.learning.planned;
+      const auto assigned = Assign(text.substr(begin), where, network);
+      if (!assigned) return Forward(assigned);
+      network.learning.planned = planned;
+      found = found || *assigned;
     }
     if (!found) {
       return Fail(ErrorCode::kConfig, "no network has this option", where,
@@ -71,6 +82,18 @@ Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
     }
   }
   BoundTraining(train);
+  return {};
+}
+
+Status SetEvaluation(const DataSetOptions& set, EvaluateOptions& evaluate) {
+  for (const std::string& text : set.evaluate) {
+    const std::string where = "data." + set.name + ".evaluate: " + text;
+    const auto assigned = Assign(text, where, evaluate);
+    if (!assigned) return Forward(assigned);
+    if (!*assigned) {
+      return Fail(ErrorCode::kConfig, "`evaluate` has no such option", where, "OPTION=VALUE, e.g. test_reference=true");
+    }
+  }
   return {};
 }
 
@@ -84,11 +107,13 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
   if (Status networks = SetNetworks(set, own.train); !networks) return Forward(networks);
   if (Status scaled = ScaleTraining(budget, own.train); !scaled) return Forward(scaled);
   own.evaluate = options.evaluate;
+  if (Status evaluation = SetEvaluation(set, own.evaluate); !evaluation) return Forward(evaluation);
   own.evaluate.published = set.published;
   own.report = options.report;
   own.pipeline = options.pipeline;
   own.ingest.path = set.path;
   own.ingest.synthetic.enabled = false;
+  ResolveDefaults(own);
   return own;
 }
 
@@ -96,9 +121,9 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
 std::string HeadOf(const SetResult& set) {
   std::string head = "## " + set.set.name + "\n\n";
   if (!set.substitute) return head;
-  return head + "**Substitute**: synthetic motions in the layout `" + set.set.substitute + "`, not " + set.set.name +
-         ": no figure below is comparable with the published ones. `--data " + set.set.name +
-         "=PATH` gives your copy.\n\n";
+  const std::string& own = set.set.like.empty() ? set.set.name : set.set.like;
+  return head + "**Substitute**: synthetic motions in the layout `" + set.set.substitute + "`, not " + own +
+         ": no figure below is comparable with the published ones. `--data " + own + "=PATH` gives your copy.\n\n";
 }
 
 void AddRows(const SetResult& set, nlohmann::json& table) {
@@ -145,7 +170,7 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
         continue;
       }
       if (own.dry_run) continue;
-      auto folder = Substitute(set, options.substitutes, own.run_folder, std::max(1, own.jobs));
+      auto folder = Substitute(set, options.substitutes, settings.run_folder / "data", std::max(1, own.jobs));
       if (!folder) return Forward(folder);
       job.ingest.path = std::move(*folder);
       one.substitute = true;

@@ -24,6 +24,8 @@ void DataSetOptions::Declare(OptionVisitor& v) {
   v.Text("published", published, "name of the set in the published tables");
   v.Texts("networks", networks,
           "options of the networks for this set: NETWORK.OPTION=VALUE, or OPTION=VALUE of all of them");
+  v.Texts("evaluate", evaluate, "options of `evaluate` for this set: OPTION=VALUE");
+  v.Text("like", like, "set before it whose job, data and options it takes; its own networks and evaluate go on top");
 }
 
 void JobOptions::Declare(OptionVisitor& v) {
@@ -49,6 +51,25 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Group("evaluate", evaluate, "metrics and the table");
   v.Group("report", report, "the page of the run");
   v.Group("pipeline", pipeline, "what an item of work may take");
+}
+
+Status ResolveDataSets(std::vector<DataSetOptions>& sets) {
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    DataSetOptions& set = sets[i];
+    if (set.like.empty()) continue;
+    const auto end = sets.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto found = std::find_if(sets.begin(), end, [&](const DataSetOptions& one) { return one.name == set.like; });
+    if (found == end) {
+      return Fail(ErrorCode::kConfig, "no set before it has the name '" + set.like + "'",
+                  "data[" + std::to_string(i) + "].like", "name a set that stands above it");
+    }
+    set.job = found->job;
+    if (set.path.empty()) set.path = found->path;
+    set.substitute = found->substitute;
+    set.networks.insert(set.networks.begin(), found->networks.begin(), found->networks.end());
+    set.evaluate.insert(set.evaluate.begin(), found->evaluate.begin(), found->evaluate.end());
+  }
+  return {};
 }
 
 void ResolveDefaults(JobOptions& options) {

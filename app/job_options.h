@@ -23,14 +23,17 @@ struct PipelineOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// One of several sets that a run trains on and scores: `data: [{name, job, path, substitute}]`.
+/// One of several sets that a run trains on and scores: `data: [{name, job, path, substitute}]`. A second reading of
+/// one of them, such as its held-out persons, is `{name, like, networks, evaluate}`.
 struct DataSetOptions {
   std::string name;                   ///< of its folder and its part of the table
   std::string job;                    ///< config that makes its dataset: a name of configs/ or a file
   std::filesystem::path path;         ///< the user's copy; empty: the substitute
   std::string substitute;             ///< layout in which the studio writes a stand-in; empty: none
   std::string published;              ///< the set as published tables name it; empty: none
+  std::string like;                   ///< name of a set before it whose data, job and options it takes; empty: none
   std::vector<std::string> networks;  ///< "Ours.kl_weight=0.01"
+  std::vector<std::string> evaluate;  ///< "test_reference=true"
 
   void Declare(OptionVisitor& v);
 };
@@ -67,6 +70,10 @@ std::string RecogniserOf(const JobOptions& options);
 /// Fills what groups take from each other:
 /// the skeleton of stages that do not name their own, the split of `evaluate` from the recogniser's.
 void ResolveDefaults(JobOptions& options);
+
+/// A set that is `like` another takes its job, data and options before its own. Error kConfig when no set before it has
+/// that name.
+Status ResolveDataSets(std::vector<DataSetOptions>& sets);
 
 /// Options of the stage `proportions`: its own group, with the method and clouds of `fitting`.
 ProportionsOptions ProportionsOf(const JobOptions& options);

@@ -9,6 +9,7 @@
 #include "app/evaluation.h"
 #include "app/job_checks.h"
 #include "app/job_items.h"
+#include "app/network_rows.h"
 #include "app/protocols.h"
 #include "app/report_run.h"
 #include "app/run_outputs.h"
@@ -25,10 +26,10 @@
 namespace mocurate {
 namespace {
 
-/// Where the unfitted tracks go through the same stages, to compare.
 /// The paper whose published rows stand below the tables of runs that name a set of it (evaluate.published).
 constexpr const char* kOwnPaper = "Action2Motion";
 
+/// Where the unfitted tracks go through the same stages, to compare.
 constexpr const char* kFittedBranch = "fitted motion";
 constexpr const char* kRawBranch = "raw tracks";
 
@@ -382,7 +383,8 @@ class MainJob {
     evaluation.draw = options_.evaluate.draw();
     evaluation.metrics = options_.evaluate.metrics();
     evaluation.seed = options_.evaluate.seed;
-    evaluation.real_part = options_.evaluate.real;
+    evaluation.real_part = options_.evaluate.test_reference ? RealPart::kTrain : options_.evaluate.real;
+    evaluation.test_reference = options_.evaluate.test_reference;
     evaluation.split = options_.evaluate.split;
     const StageInput dataset = InputFrom("motions", dataset_);
     evaluation.real = ScoredSet{"Real", dataset, std::nullopt};
@@ -414,59 +416,9 @@ class MainJob {
       if (value.at("paper") == kOwnPaper) result_.metrics["published"].push_back(value);
     }
     result_.metrics["notes"] = NotesOf(options_.evaluate);
-    AddTraining(result_.metrics["rows"]);
+    AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
+                options_.evaluate.settled, result_.metrics["rows"]);
     return WriteMetrics();
-  }
-
-  struct TrainingEffort {
-    bool known = false;  ///< whether every part was trained in this run folder
-    double seconds = 0.0;
-    double peak_memory = 0.0;  ///< bytes, the most of the workers that trained it
-  };
-
-  /// Of a network and of the samples ("NAME/SEED@STEP") that it went on from.
-  static TrainingEffort EffortOf(const std::map<std::string, nlohmann::json>& journal, const std::string& item,
-                                 std::int64_t steps) {
-    TrainingEffort effort;
-    const std::string base = item.substr(0, item.rfind('@'));
-    bool all = true;
-    for (const auto& [name, entry] : journal) {
-      const std::size_t at = name.rfind('@');
-      const bool earlier = at != std::string::npos && name.substr(0, at) == base &&
-                           ParseInteger(name.substr(at + 1)).value_or(steps) < steps;
-      if (name != item && !earlier) continue;
-      all = all && !entry.value("from_cache", false);
-      effort.known = true;
-      effort.seconds += entry.value("seconds", 0.0);
-      effort.peak_memory = std::max(effort.peak_memory, entry.value("peak_memory_bytes", 0.0));
-    }
-    effort.known = effort.known && all;
-    return effort;
-  }
-
-  /// What each row is of, and what its training took: {"metrics", "checkpoint", "steps", "seconds", "peak_memory"};
-  /// null where the network came from the cache of another run.
-  void AddTraining(nlohmann::json& rows) const {
-    const std::map<std::string, nlohmann::json> journal = JournalOf(folder(), TrainDeclaration().name);
-    for (nlohmann::json& row : rows) {
-      nlohmann::json ours = {{"metrics", row.at("metrics")},
-                             {"checkpoint", nullptr},
-                             {"steps", nullptr},
-                             {"seconds", nullptr},
-                             {"peak_memory", nullptr}};
-      for (const TrainedNetwork& network : networks_) {
-        if (network.row != row.at("name") || !GeneratesMotions(OptionsOf(network).kind)) continue;
-        ours["checkpoint"] = network.checkpoint.sha256;
-        const nlohmann::json& training = result_.training.at(network.checkpoint.name);
-        ours["steps"] = training.at("iterations");
-        ours["parameters"] = training.at("parameters_of");
-        const TrainingEffort effort = EffortOf(journal, network.checkpoint.name, training.at("iterations"));
-        if (!effort.known) continue;
-        ours["seconds"] = effort.seconds;
-        if (effort.peak_memory > 0.0) ours["peak_memory"] = effort.peak_memory;
-      }
-      row["ours"] = std::move(ours);
-    }
   }
 
   /// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.

@@ -244,6 +244,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
   if (!last) return Forward(last);
   if (Status given = TakeData(arguments.data, job->options); !given) return given;
+  if (Status sets = ResolveDataSets(job->options.data); !sets) return sets;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
   if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last);

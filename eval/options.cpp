@@ -123,6 +123,10 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class behind multimodality");
   DeclareLabels(labels, v);
   DeclareReal(real, v);
+  v.Bool("test_reference", test_reference,
+         "score against the training part and the test part, each with an FID of its own, in the place of `real`");
+  v.Number("settled", settled, Unit::kNone, {0.0, 1.0},
+           "a network whose FID fell by more than this share since its last sample counts as not converged");
   v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
   DeclareInterval(interval, v);
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");
@@ -130,7 +134,9 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
 
 std::vector<std::string> NotesOf(const EvaluateOptions& options) {
   const char* real[] = {"all clips", "training clips", "test clips"};
-  return {"Real motions: " + std::string(real[static_cast<int>(options.real)]) + ". Generated labels: " +
+  const std::string of = options.test_reference ? "training clips (FID train) and test clips (FID test)"
+                                                : real[static_cast<int>(options.real)];
+  return {"Real motions: " + of + ". Generated labels: " +
           (options.labels == LabelDraw::kUniform ? "uniform" : "as frequent as in the real set") + ". " +
           Counted(options.repetitions, "repetition") + " of " + Counted(options.motions, "motion") +
           ", initial hidden state of the recogniser " + (options.random_hidden ? "random." : "zero.")};

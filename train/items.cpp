@@ -85,7 +85,10 @@ void BoundTraining(TrainOptions& options) {
   for (NetworkOptions& network : options.networks) {
     std::int64_t& iterations = network.learning.iterations;
     std::int64_t& epochs = network.recogniser.epochs;
-    if (options.most_iterations > 0) iterations = std::min(iterations, options.most_iterations);
+    if (options.most_iterations > 0 && iterations > options.most_iterations) {
+      network.learning.planned = iterations;
+      iterations = options.most_iterations;
+    }
     if (options.most_epochs > 0) epochs = std::min(epochs, options.most_epochs);
   }
 }

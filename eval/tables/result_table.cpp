@@ -146,7 +146,7 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
     table.digits.push_back(column.digits);
   }
   for (const nlohmann::json& row : result.at("rows")) {
-    Table::Row ours{row.at("name").get<std::string>(), {}, ""};
+    Table::Row ours{row.at("name").get<std::string>(), {}, "", row.contains("unconverged")};
     const nlohmann::json metrics = row.value("metrics", nlohmann::json::object());
     for (const MetricColumn* column : columns)
       ours.cells.push_back(CellOf(metrics.value(column->key, nlohmann::json())));
@@ -160,6 +160,10 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
   table.rows.insert(table.rows.end(), published.begin(), published.end());
   table.notes = result.value("notes", std::vector<std::string>());
   for (const std::string& note : AssumptionNotes(result)) table.notes.push_back(note);
+  for (const nlohmann::json& row : result.at("rows")) {
+    if (!row.contains("unconverged")) continue;
+    table.notes.push_back(row.at("name").get<std::string>() + " ‡: " + row["unconverged"].get<std::string>() + ".");
+  }
   return table;
 }
 

@@ -35,8 +35,9 @@ std::vector<std::string> Meanings(const Table& table) {
       {"actor_1.96_variance", "± (actor) is 1.96 times the variance, as ACTOR prints it: not an interval"},
       {"bootstrap_95", "± (bootstrap_95) is half the width of the 95 % interval by resampling"}};
   std::vector<std::string> meanings;
-  bool marked = false;
+  bool marked = false, unconverged = false;
   for (const Table::Row& row : table.rows) {
+    unconverged = unconverged || row.unconverged;
     for (const Table::Cell& cell : row.cells) {
       marked = marked || cell.marked;
       for (const auto& [kind, meaning] : kMeanings) {
@@ -47,6 +48,7 @@ std::vector<std::string> Meanings(const Table& table) {
     }
   }
   if (marked) meanings.emplace_back("† lies outside the published interval");
+  if (unconverged) meanings.emplace_back("‡ has not converged: longer training gives other figures");
   return meanings;
 }
 
@@ -87,6 +89,7 @@ std::string LatexText(std::string_view text) {
                                                                          {"→", "$\\rightarrow$"},
                                                                          {"±", "$\\pm$"},
                                                                          {"†", "$\\dagger$"},
+                                                                         {"‡", "$\\ddagger$"},
                                                                          {"\n", " "},
                                                                          {"\r", " "}};
   std::string escaped;
@@ -110,7 +113,8 @@ std::string ToMarkdown(const Table& table) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) text += "---|";
   text += "\n";
   for (const Table::Row& row : table.rows) {
-    text += "| " + MarkdownText(row.name) + (row.source.empty() ? "" : " (" + MarkdownText(row.source) + ")") + " |";
+    text += "| " + MarkdownText(row.name) + (row.unconverged ? " ‡" : "") +
+            (row.source.empty() ? "" : " (" + MarkdownText(row.source) + ")") + " |";
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
       text += " " + (cell.value ? CellText(cell, table.digits[c], " ± ", "†") : "-") + " |";
@@ -153,7 +157,8 @@ std::string ToLatex(const Table& table) {
   for (const Table::Row& row : table.rows) {
     if (!row.source.empty() && !published) text += "\\midrule\n";
     published = published || !row.source.empty();
-    text += LatexText(row.name) + (row.source.empty() ? "" : " (" + LatexText(row.source) + ")");
+    text += LatexText(row.name) + (row.unconverged ? "$^\\ddagger$" : "") +
+            (row.source.empty() ? "" : " (" + LatexText(row.source) + ")");
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
       text += cell.value ? " & $" + CellText(cell, table.digits[c], " \\pm ", "^\\dagger") + "$" : " & --";

@@ -22,6 +22,7 @@ struct Table {
     std::string name;
     std::vector<Cell> cells;  ///< one per column
     std::string source;       ///< of published numbers; empty: ours
+    bool unconverged = false;
   };
   std::string title;
   std::vector<std::string> columns;
@@ -30,8 +31,9 @@ struct Table {
   std::vector<std::string> notes;
 };
 
-/// "0.923 ± 0.002" per cell, † behind one that is marked; published rows follow ours under a line of their own. Below
-/// stands what each ± is, then the notes. Names and notes are plain text: what a format takes for markup is escaped.
+/// "0.923 ± 0.002" per cell, † behind one that is marked, ‡ behind the name of an unconverged row; published rows
+/// follow ours under a line of their own. Below stands what each ± is, then the notes. Names and notes are plain text:
+/// what a format takes for markup is escaped.
 std::string ToMarkdown(const Table& table);
 /// Long form: method, metric, value, interval and its kind, the three intervals of the papers' codes from the
 /// repetitions, their number, source.

@@ -213,20 +213,24 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
   for (const auto& row : table["rows"]) {
     ++methods[row["method"].get<std::string>()];
     EXPECT_TRUE(row["substitute"].is_string());
-    if (row["method"] == "Real") continue;
+    if (row["method"] == "Real" || row["method"] == "Real-test") continue;
     EXPECT_TRUE(checkpoints.insert(row["ours"]["checkpoint"].get<std::string>()).second) << row["method"];
     EXPECT_TRUE(row["ours"]["metrics"]["FID_train"]["value"].is_number());
     EXPECT_GT(row["ours"]["steps"].get<int>(), 0);
     EXPECT_GT(row["ours"]["peak_memory"].get<double>(), 1e6);
     EXPECT_GT(row["ours"]["seconds"].get<double>(), 0.0);
+    EXPECT_EQ(row["ours"]["unconverged"].is_string(), row["method"] != "CondGRU zeros") << "2 of many steps";
+    const bool held_out = row["dataset"].get<std::string>().find("held_out") != std::string::npos;
+    EXPECT_EQ(row["ours"]["metrics"]["FID_test"]["value"].is_number(), held_out) << row["method"];
     if (row["method"] == "Ours" && row["dataset"] == "humanact12") {  // the paper's Table 3
       EXPECT_EQ(row["ours"]["parameters"],
                 nlohmann::json({{"prior", 117820}, {"posterior", 117820}, {"decoder", 227110}}));
     }
   }
   for (const char* method : {"Real", "CondGRU", "Two-stage GAN", "Act-MoCoGAN", "Ours w/o Lie", "Ours"}) {
-    EXPECT_EQ(methods[method], 2) << method << ", once a set";
+    EXPECT_EQ(methods[method], 4) << method << ", once a set and its held-out persons";
   }
+  EXPECT_EQ(methods["Real-test"], 2);
   EXPECT_GT(table["published"].size(), 20u);
   EXPECT_TRUE(fs::exists(folder / "r/data/ntu13/dataset.h5"));
   for (const auto& [set, weight] :
@@ -241,8 +245,12 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
   const Result cached = TrainingProgram(folder, again);
   for (const auto& [name, set] : cached.Json()["sets"].items()) EXPECT_EQ(set["executed"], 0) << name;
   std::vector<std::string> wrong = arguments;
-  wrong.insert(wrong.end(), {"--set", "data.1.networks=[Ours.no_such_option=1]"});
-  EXPECT_EQ(TrainingProgram(folder, wrong).exit_code, 2);
+  wrong.insert(wrong.end(), {"--set", ""});
+  for (const char* option : {"data.1.networks=[Ours.no_such_option=1]", "data.1.evaluate=[no_such_option=1]",
+                             "data.2.like=nobody", "data.0.like=ntu13"}) {
+    wrong.back() = option;
+    EXPECT_EQ(TrainingProgram(folder, wrong).exit_code, 2) << option;
+  }
   again.insert(again.end(), {"--data", "humanact=" + (folder / "x").string()});
   EXPECT_EQ(TrainingProgram(folder, again).exit_code, 2);
   again.back() = "humanact12=" + (folder / "x").string();
