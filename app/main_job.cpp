@@ -290,6 +290,9 @@ class MainJob {
       waiting.erase(waiting.begin(), ready);
       if (Status trained = TrainWave(std::move(items), done); !trained) return trained;
     }
+    std::stable_sort(networks_.begin(), networks_.end(), [](const TrainedNetwork& a, const TrainedNetwork& b) {
+      return a.network < b.network;  // as in the config, not as they were trained
+    });
     return {};
   }
 

@@ -1,6 +1,7 @@
 #include "app/network_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "core/base/text.h"
@@ -60,8 +61,8 @@ std::string Unconverged(const NetworkOptions& options, const nlohmann::json& row
     last = *step;
     before = FidOfRow(sample);
   }
-  if (!fid || !before || *fid >= (1.0 - settled) * *before) return "";
-  return "FID fell from " + RoundedText(*before, 3) + " at step " + std::to_string(last) + " to " +
+  if (!fid || !before || std::abs(*fid - *before) <= settled * *before) return "";
+  return "FID went from " + RoundedText(*before, 3) + " at step " + std::to_string(last) + " to " +
          RoundedText(*fid, 3) + " at step " + std::to_string(steps);
 }
 

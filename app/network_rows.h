@@ -20,8 +20,8 @@ struct NetworkTraining {
 
 /// Gives each row of a network `ours`: {"metrics", "checkpoint": sha256, "steps", "parameters", "seconds",
 /// "peak_memory", "unconverged"}. Null: not known, as the seconds of a network that came from the cache of another run.
-/// `unconverged` says why a network is not: most_iterations cut it short, or its FID fell by more than the share
-/// `settled` since its last sample. Such a row has the same text under its own key `unconverged`.
+/// `unconverged` says why a network is not: most_iterations cut it short, or its FID changed by more than the
+/// share `settled` since its last sample. Such a row has the same text under its own key `unconverged`.
 void AddTraining(const NetworkTraining& training, double settled, nlohmann::json& rows);
 
 }  // namespace mocurate

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <functional>
 
+#include "app/scratch_folder.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/request.h"
+#include "train/options.h"
 
 namespace mocurate {
 namespace {
@@ -197,6 +200,46 @@ Status WriteClipPages(const ReportedRun& run, StageRuns& runs, RunOutputs& outpu
   return {};
 }
 
+/// A motion of each class by the first seed of each generator, as inputs "generated" of the report. One that fails
+/// costs its strips, not the page.
+Status AddGenerated(const ReportedRun& run, const JobResult& result, StageRuns& runs, ItemSpec& report) {
+  const ScratchFolder scratch;
+  if (scratch.path().empty()) return scratch.Missing();
+  std::vector<ItemSpec> items;
+  std::vector<std::string> names;
+  for (const TrainedNetwork& network : run.networks) {
+    const NetworkOptions& options = run.options.train.networks[network.network];
+    const bool seen = std::find(names.begin(), names.end(), options.name) != names.end();
+    const bool sample = network.checkpoint.name.find('@') != std::string::npos;
+    if (!GeneratesMotions(options.kind) || sample || seen) continue;
+    std::vector<MotionRequest> requests;
+    const int classes = result.training.at(network.checkpoint.name).at("classes").get<int>();
+    for (int label = 0; label < classes; ++label) {
+      MotionRequest request;
+      request.label = label;
+      request.frames = static_cast<int>(options.data.frames);
+      request.seed = static_cast<std::uint64_t>(label) + 1;
+      requests.push_back(std::move(request));
+    }
+    const auto file = scratch.path() / ("requests_" + std::to_string(network.network) + ".json");
+    if (Status written = WriteRequests(requests, file); !written) return written;
+    StageInput generator = network.checkpoint;
+    generator.role = "generator";
+    items.push_back({"generated/" + options.name, nlohmann::json::object(), {generator}});
+    items.back().inputs.push_back({"requests", "requests", file, ""});
+    names.push_back(options.name);
+  }
+  if (items.empty()) return {};
+  const auto motions = runs.Run(GenerateDeclaration(), std::move(items));
+  if (!motions) return Forward(motions);
+  for (std::size_t i = 0; i < motions->items.size(); ++i) {
+    if (motions->items[i].artifact.empty()) continue;
+    report.inputs.push_back(InputFrom("generated", motions->items[i]));
+    report.inputs.back().name = names[i];
+  }
+  return {};
+}
+
 Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, RunOutputs& outputs) {
   const auto report = runs.Run(PictureDeclaration(), PictureItems(clips));
   if (!report) return Forward(report);
@@ -224,6 +267,7 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs,
   for (const ClipRecord* clip : ClipsToDraw(run.clips, static_cast<int>(run.options.report.filmstrip_clips))) {
     AddDrawing(*clip, run.fits, item);
   }
+  if (Status generated = AddGenerated(run, result, runs, item); !generated) return generated;
   const auto page = runs.One(ReportDeclaration(), std::move(item));
   if (!page) return Forward(page);
   if (page->artifact.empty()) return {};

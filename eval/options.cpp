@@ -126,7 +126,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Bool("test_reference", test_reference,
          "score against the training part and the test part, each with an FID of its own, in the place of `real`");
   v.Number("settled", settled, Unit::kNone, {0.0, 1.0},
-           "a network whose FID fell by more than this share since its last sample counts as not converged");
+           "a network whose FID changed by more than this share since its last sample counts as not converged");
   v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
   DeclareInterval(interval, v);
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");

@@ -86,7 +86,7 @@ struct EvaluateOptions {
   std::string recogniser;  ///< name of the network that gives the features; empty: the first recogniser
   RealPart real = RealPart::kAll;
   bool test_reference = false;  ///< the references are the training and the test part, and there is an FID against each
-  double settled = 0.1;         ///< largest relative fall of the FID since the last sample of a converged network
+  double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network
   std::string split;            ///< whose parts are meant; empty: the first one
   std::int64_t repetitions = 20;
   std::int64_t motions = 3000;

@@ -33,7 +33,7 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 16, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 17, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 5, "mocurate-annotate", ClipLimits()}; }
 

@@ -20,6 +20,7 @@ constexpr PageSection kSections[] = {{"funnel", "Clips, from read to kept", Funn
                                      {"filmstrips", "Best, median and worst fits", FilmstripsHtml},
                                      {"clips", "Clip by clip", ClipsHtml},
                                      {"table", "Evaluation", TableHtml},
+                                     {"generated", "Generated motions", GeneratedHtml},
                                      {"recognisers", "Recognition", RecognisersHtml},
                                      {"curves", "Training curves", CurvesHtml},
                                      {"stops", "Where training was stopped", StopsHtml},

@@ -99,6 +99,10 @@ Expected<StageOutcome> ReportStage(const StageRequest& request) {
       auto dataset = ReadDataset(candidate.path);
       if (!dataset) return Forward(dataset);
       input.dataset = std::move(*dataset);
+    } else if (candidate.role == "generated") {
+      auto motions = ReadDataset(candidate.path);
+      if (!motions) return Forward(motions);
+      input.generated.emplace_back(candidate.name, std::move(*motions));
     }
   }
   if (!has_run) return Fail(ErrorCode::kInternal, "the report got no summary of a run", request.item);

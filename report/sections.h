@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/store/store.h"
@@ -16,7 +17,8 @@ struct ReportInput {
   nlohmann::json run;  ///< the summary of the run; parts that it did not reach are absent
   std::optional<Dataset> dataset;
   std::vector<DrawnClip> drawn;
-  std::vector<std::string> not_drawn;  ///< why a clip or a view could not be drawn
+  std::vector<std::pair<std::string, Dataset>> generated;  ///< by network: a motion of each class
+  std::vector<std::string> not_drawn;                      ///< why a clip or a view could not be drawn
   ReportOptions options;
 };
 
@@ -31,6 +33,7 @@ std::string ClipsHtml(const ReportInput& input);       ///< all clips, with link
 std::string PersonsHtml(const ReportInput& input);     ///< bone lengths
 std::string FindingsHtml(const ReportInput& input);
 std::string TableHtml(const ReportInput& input);        ///< metrics of the evaluation
+std::string GeneratedHtml(const ReportInput& input);    ///< a motion of each class and network beside a real one
 std::string RecognisersHtml(const ReportInput& input);  ///< accuracies and confusion
 std::string CurvesHtml(const ReportInput& input);       ///< loss curves
 std::string StopsHtml(const ReportInput& input);        ///< where training was stopped

@@ -231,6 +231,12 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
     EXPECT_EQ(methods[method], 4) << method << ", once a set and its held-out persons";
   }
   EXPECT_EQ(methods["Real-test"], 2);
+  const std::string page = ReadText(folder / "r/data/humanact12/report/index.html");
+  std::size_t strips = 0;
+  for (std::size_t at = page.find("<figcaption>Ours<"); at != std::string::npos;
+       at = page.find("<figcaption>Ours<", at + 1))
+    ++strips;
+  EXPECT_EQ(strips, 12u) << "a generated motion of each class";
   EXPECT_GT(table["published"].size(), 20u);
   EXPECT_TRUE(fs::exists(folder / "r/data/ntu13/dataset.h5"));
   for (const auto& [set, weight] :

@@ -11,8 +11,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const char* const kSectionIds[] = {"funnel", "quality", "truth",   "filmstrips", "clips",    "table",  "recognisers",
-                                   "curves", "stops",   "dataset", "persons",    "findings", "reading"};
+const char* const kSectionIds[] = {"funnel",    "quality", "truth", "filmstrips", "clips",   "table",    "recognisers",
+                                   "generated", "curves",  "stops", "dataset",    "persons", "findings", "reading"};
 
 std::string PageOf(SmallRun& run) {
   const auto page = run.Page();

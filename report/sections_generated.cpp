@@ -1,0 +1,44 @@
+#include <algorithm>
+
+#include "report/html.h"
+#include "report/sections.h"
+
+namespace mocurate {
+namespace {
+
+/// The first clip of a class; null where it has none.
+const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
+  const auto found = std::find_if(set.clips.begin(), set.clips.end(), [&](const Clip& clip) {
+    return clip.label == label && clip.motion && clip.motion->frame_count() > 0;
+  });
+  return found == set.clips.end() ? nullptr : &*found;
+}
+
+std::string Strip(const std::string& title, const Clip* clip, int stills) {
+  std::string html = "<figure><figcaption>" + EscapeHtml(title) + "</figcaption>";
+  if (clip == nullptr) return html + "none</figure>\n";
+  DrawnClip drawn;
+  drawn.item = title;
+  drawn.fitted = *clip;
+  return html + FilmstripSvg(drawn, stills, StripLayers::kFit) + "</figure>\n";
+}
+
+}  // namespace
+
+std::string GeneratedHtml(const ReportInput& input) {
+  if (input.generated.empty() || !input.dataset) return Paragraph("No network of this run generated motions.");
+  const auto stills = static_cast<int>(input.options.filmstrip_frames);
+  std::string html = Paragraph(
+      "One motion of each class by each network, its first seed, beside the first real one. They are not chosen.");
+  bool open = true;
+  for (const std::string& label : input.dataset->labels) {
+    html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +
+            Strip("Real", FirstOfLabel(*input.dataset, label), stills);
+    for (const auto& [network, set] : input.generated) html += Strip(network, FirstOfLabel(set, label), stills);
+    html += "</details>\n";
+    open = false;
+  }
+  return html;
+}
+
+}  // namespace mocurate
