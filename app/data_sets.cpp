@@ -70,10 +70,10 @@ Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
     bool found = false;
     for (NetworkOptions& network : train.networks) {
       if (!name.empty() && network.name != name) continue;
-      const std::int64_t planned = network.learning.planned;
+      const LearningOptions before = network.learning;
       const auto assigned = Assign(text.substr(begin), where, network);
       if (!assigned) return Forward(assigned);
-      network.learning.planned = planned;
+      if (network.learning.iterations == before.iterations) network.learning.planned = before.planned;
       found = found || *assigned;
     }
     if (!found) {
@@ -107,6 +107,10 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
   if (Status networks = SetNetworks(set, own.train); !networks) return Forward(networks);
   if (Status scaled = ScaleTraining(budget, own.train); !scaled) return Forward(scaled);
   own.evaluate = options.evaluate;
+  const std::string recogniser = RecogniserOf(options);
+  for (const NetworkOptions& network : options.train.networks) {  // its split is the set's to say
+    if (network.name == recogniser && network.data.split == own.evaluate.split) own.evaluate.split.clear();
+  }
   if (Status evaluation = SetEvaluation(set, own.evaluate); !evaluation) return Forward(evaluation);
   own.evaluate.published = set.published;
   own.report = options.report;

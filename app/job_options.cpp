@@ -25,7 +25,9 @@ void DataSetOptions::Declare(OptionVisitor& v) {
   v.Texts("networks", networks,
           "options of the networks for this set: NETWORK.OPTION=VALUE, or OPTION=VALUE of all of them");
   v.Texts("evaluate", evaluate, "options of `evaluate` for this set: OPTION=VALUE");
-  v.Text("like", like, "set before it whose job, data and options it takes; its own networks and evaluate go on top");
+  v.Text(
+      "like", like,
+      "set before it whose job, path and substitute it takes where it has none; its networks and evaluate go on top");
 }
 
 void JobOptions::Declare(OptionVisitor& v) {
@@ -63,9 +65,9 @@ Status ResolveDataSets(std::vector<DataSetOptions>& sets) {
       return Fail(ErrorCode::kConfig, "no set before it has the name '" + set.like + "'",
                   "data[" + std::to_string(i) + "].like", "name a set that stands above it");
     }
-    set.job = found->job;
+    if (set.job.empty()) set.job = found->job;
     if (set.path.empty()) set.path = found->path;
-    set.substitute = found->substitute;
+    if (set.substitute.empty()) set.substitute = found->substitute;
     set.networks.insert(set.networks.begin(), found->networks.begin(), found->networks.end());
     set.evaluate.insert(set.evaluate.begin(), found->evaluate.begin(), found->evaluate.end());
   }

@@ -71,8 +71,8 @@ std::string RecogniserOf(const JobOptions& options);
 /// the skeleton of stages that do not name their own, the split of `evaluate` from the recogniser's.
 void ResolveDefaults(JobOptions& options);
 
-/// A set that is `like` another takes its job, data and options before its own. Error kConfig when no set before it has
-/// that name.
+/// A set that is `like` another takes its job, path and substitute where it has none, and its options before its own.
+/// Error kConfig when no set before it has that name.
 Status ResolveDataSets(std::vector<DataSetOptions>& sets);
 
 /// Options of the stage `proportions`: its own group, with the method and clouds of `fitting`.

@@ -83,7 +83,7 @@ void AddTraining(const NetworkTraining& training, double settled, nlohmann::json
       if (const std::string why = Unconverged(options, row, steps, settled, rows); !why.empty()) {
         ours["unconverged"] = row["unconverged"] = why;
       }
-      const TrainingEffort effort = EffortOf(training.steps, network.checkpoint.name, steps);
+      const TrainingEffort effort = EffortOf(training.journal, network.checkpoint.name, steps);
       if (!effort.known) continue;
       ours["seconds"] = effort.seconds;
       if (effort.peak_memory > 0.0) ours["peak_memory"] = effort.peak_memory;

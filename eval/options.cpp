@@ -124,7 +124,8 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   DeclareLabels(labels, v);
   DeclareReal(real, v);
   v.Bool("test_reference", test_reference,
-         "score against the training part and the test part, each with an FID of its own, in the place of `real`");
+         "score against the training and validation parts and against the test part, each with an FID of its own; "
+         "`real` is not read");
   v.Number("settled", settled, Unit::kNone, {0.0, 1.0},
            "a network whose FID changed by more than this share since its last sample counts as not converged");
   v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
@@ -134,7 +135,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
 
 std::vector<std::string> NotesOf(const EvaluateOptions& options) {
   const char* real[] = {"all clips", "training clips", "test clips"};
-  const std::string of = options.test_reference ? "training clips (FID train) and test clips (FID test)"
+  const std::string of = options.test_reference ? "training and validation clips (FID train) and test clips (FID test)"
                                                 : real[static_cast<int>(options.real)];
   return {"Real motions: " + of + ". Generated labels: " +
           (options.labels == LabelDraw::kUniform ? "uniform" : "as frequent as in the real set") + ". " +

@@ -152,7 +152,9 @@ Status ScaleTraining(double budget, TrainOptions& options) {
                       " is more than '" + network.name + "' can be trained (1e8)",
                   "--budget", "choose a smaller budget");
     }
-    network.learning.iterations = static_cast<std::int64_t>(iterations);
+    LearningOptions& learning = network.learning;
+    if (budget < 1.0) learning.planned = std::max(learning.planned, learning.iterations);
+    learning.iterations = static_cast<std::int64_t>(iterations);
   }
   options = std::move(scaled);
   return {};

@@ -51,7 +51,7 @@ enum class TrainDevice { kCpu, kCuda };
 struct LearningOptions {
   std::int64_t iterations = 50;  ///< steps; recognisers count epochs instead
   std::int64_t until = 0;        ///< stop after so many of them; 0: all
-  std::int64_t planned = 0;      ///< iterations that TrainOptions::most_iterations lowered, no option; 0: it did not
+  std::int64_t planned = 0;      ///< iterations before a bound or a budget lowered them, no option; 0: none did
   std::int64_t batch = 128;      ///< clips per step; fewer where the training part is smaller
   std::int64_t shards = 2;       ///< parts of a batch whose gradients are summed in order, one core each
   double learning_rate = 2e-4;

@@ -48,7 +48,7 @@ std::vector<std::string> Meanings(const Table& table) {
     }
   }
   if (marked) meanings.emplace_back("† lies outside the published interval");
-  if (unconverged) meanings.emplace_back("‡ has not converged: longer training gives other figures");
+  if (unconverged) meanings.emplace_back("‡ has not converged: longer training may give other figures");
   return meanings;
 }
 
