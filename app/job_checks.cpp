@@ -4,6 +4,7 @@
 #include <set>
 
 #include "canon/splits/groups.h"
+#include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
 #include "ingest/synthetic/actions.h"
@@ -40,6 +41,18 @@ Status CheckSkeletons(const JobOptions& options) {
     error.code = ErrorCode::kConfig;
     error.where = option + (error.where.empty() ? std::string() : ": " + error.where);
     return tl::unexpected<Error>(error);
+  }
+  return {};
+}
+
+/// Before anything runs, not after hours.
+Status CheckWeights(const TrainOptions& options) {
+  for (std::size_t i = 0; i < options.networks.size(); ++i) {
+    const std::filesystem::path& file = options.networks[i].learning.weights;
+    std::error_code unknown;
+    if (file.empty() || std::filesystem::is_regular_file(file, unknown)) continue;
+    return Fail(ErrorCode::kNotFound, "there is no such file", "train.networks[" + std::to_string(i) + "].weights",
+                DisplayPath(file) + ": give the file of the released weights");
   }
   return {};
 }
@@ -144,6 +157,7 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status sets = CheckDataSets(options.data); !sets) return sets;
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
   if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
+  if (Status weights = CheckWeights(options.train); !weights) return weights;
   if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }

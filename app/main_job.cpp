@@ -17,6 +17,7 @@
 #include "app/stage_runs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "eval/tables/result_table.h"
 #include "ingest/discover.h"
@@ -280,6 +281,7 @@ class MainJob {
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
     if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
     std::vector<TrainItem> waiting = TrainItems(options_.train, inputs);
+    if (Status added = AddWeights(waiting); !added) return added;
     if (DryRun()) return MeasureNetworks(waiting);
     std::map<std::string, ItemResult> done;
     while (!waiting.empty()) {
@@ -296,6 +298,18 @@ class MainJob {
     return {};
   }
 
+  /// Networks that were trained elsewhere take the place of their training.
+  Status AddWeights(std::vector<TrainItem>& items) const {
+    for (TrainItem& item : items) {
+      const std::filesystem::path& file = options_.train.networks[item.network].learning.weights;
+      if (file.empty()) continue;
+      const Expected<std::string> sha256 = Sha256OfFile(file);
+      if (!sha256) return Forward(sha256);
+      item.spec.inputs.push_back({"weights", file.filename().string(), file, *sha256});
+    }
+    return {};
+  }
+
   /// A dry run trains nothing; a few steps of each network, elsewhere, say what it would take.
   Status MeasureNetworks(const std::vector<TrainItem>& items) {
     const ScratchFolder scratch;
@@ -309,7 +323,8 @@ class MainJob {
     if (!runner) return Forward(runner);
     std::vector<ItemSpec> specs;
     for (const TrainItem& item : items) {
-      if (item.spec.item.find('@') == std::string::npos) specs.push_back(item.spec);
+      const bool trained = options_.train.networks[item.network].learning.weights.empty();
+      if (trained && item.spec.item.find('@') == std::string::npos) specs.push_back(item.spec);
     }
     const auto report = (*runner)->Run(TrainCostDeclaration(), std::move(specs));
     if (!report) return Forward(report);

@@ -26,6 +26,7 @@ struct JobResult {
   nlohmann::json audit;
   nlohmann::json metrics;
   nlohmann::json training = nlohmann::json::object();  ///< summary of each trained network by its item
+  std::map<std::string, Error> ungenerated;            ///< networks whose motions for the page failed, by name
   std::map<std::string, Error> untrained;  ///< networks that were to be trained and why they are not, by item
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;

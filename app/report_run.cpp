@@ -132,6 +132,7 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
                         {"metrics", result.metrics},
                         {"training", result.training},
                         {"untrained", nlohmann::json::object()},
+                        {"ungenerated", nlohmann::json::object()},
                         {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
                         {"pages", result.pages},
@@ -143,6 +144,7 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
   for (const auto& [item, error] : result.untrained) {
     run["untrained"][item] = {{"code", Name(error.code)}, {"message", error.Message()}};
   }
+  for (const auto& [network, error] : result.ungenerated) run["ungenerated"][network] = error.Message();
   if (const auto& error = result.unevaluated) {
     run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
   }
@@ -202,7 +204,7 @@ Status WriteClipPages(const ReportedRun& run, StageRuns& runs, RunOutputs& outpu
 
 /// A motion of each class by the first seed of each generator, as inputs "generated" of the report. One that fails
 /// costs its strips, not the page.
-Status AddGenerated(const ReportedRun& run, const JobResult& result, StageRuns& runs, ItemSpec& report) {
+Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, JobResult& result) {
   const ScratchFolder scratch;
   if (scratch.path().empty()) return scratch.Missing();
   std::vector<ItemSpec> items;
@@ -233,7 +235,10 @@ Status AddGenerated(const ReportedRun& run, const JobResult& result, StageRuns& 
   const auto motions = runs.Run(GenerateDeclaration(), std::move(items));
   if (!motions) return Forward(motions);
   for (std::size_t i = 0; i < motions->items.size(); ++i) {
-    if (motions->items[i].artifact.empty()) continue;
+    if (motions->items[i].artifact.empty()) {
+      result.ungenerated[names[i]] = motions->items[i].outcome.error;
+      continue;
+    }
     report.inputs.push_back(InputFrom("generated", motions->items[i]));
     report.inputs.back().name = names[i];
   }
@@ -259,7 +264,6 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs,
     if (Status paged = WriteClipPages(run, runs, outputs, result); !paged) return paged;
   }
   const auto input = outputs.Place("report_input.json");
-  if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;
   ItemSpec item{"report", OptionsToJson(run.options.report), {}};
   item.inputs.push_back({"run", "run.json", input, ""});
   item.inputs.push_back(InputFrom("dataset", run.dataset));
@@ -267,7 +271,8 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs,
   for (const ClipRecord* clip : ClipsToDraw(run.clips, static_cast<int>(run.options.report.filmstrip_clips))) {
     AddDrawing(*clip, run.fits, item);
   }
-  if (Status generated = AddGenerated(run, result, runs, item); !generated) return generated;
+  if (Status generated = AddGenerated(run, runs, item, result); !generated) return generated;
+  if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;
   const auto page = runs.One(ReportDeclaration(), std::move(item));
   if (!page) return Forward(page);
   if (page->artifact.empty()) return {};

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "report/html.h"
+#include "report/run_facts.h"
 #include "report/sections.h"
 
 namespace mocurate {
@@ -26,10 +27,18 @@ std::string Strip(const std::string& title, const Clip* clip, int stills) {
 }  // namespace
 
 std::string GeneratedHtml(const ReportInput& input) {
-  if (input.generated.empty() || !input.dataset) return Paragraph("No network of this run generated motions.");
+  std::string failed;
+  for (const auto& [network, reason] : Field(input.run, "ungenerated").items()) {
+    failed += Paragraph(EscapeHtml(network) + " generated none: " + EscapeHtml(reason.get<std::string>()), "soft");
+  }
+  if (input.generated.empty() || !input.dataset) {
+    return failed.empty() ? Paragraph("No network of this run generated motions.") : failed;
+  }
   const auto stills = static_cast<int>(input.options.filmstrip_frames);
-  std::string html = Paragraph(
-      "One motion of each class by each network, its first seed, beside the first real one. They are not chosen.");
+  std::string html =
+      failed +
+      Paragraph(
+          "One motion of each class by each network, its first seed, beside the first real one. They are not chosen.");
   bool open = true;
   for (const std::string& label : input.dataset->labels) {
     html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +

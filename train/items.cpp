@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 
+#include "core/base/file.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -129,6 +130,10 @@ Status CheckNetworks(const TrainOptions& options) {
                   "give each a name of its own");
     }
     if (Status seeds = CheckSeeds(network, where + ".seeds"); !seeds) return seeds;
+    if (!network.learning.weights.empty() && (network.seeds.size() > 1 || !network.learning.samples_at.empty())) {
+      return Fail(ErrorCode::kConfig, "weights of a file are one network of one step", where + ".weights",
+                  "leave samples_at out, and name one seed");
+    }
     const std::vector<double>& steps = network.learning.samples_at;
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
       return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at");
@@ -167,6 +172,11 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
   for (const NetworkOptions& network : options.networks) {
     const std::string on =
         network.data.all_clips ? "all clips, test clips included, as published" : "training clips only";
+    if (!network.learning.weights.empty()) {
+      notes.push_back(network.name + ": weights of " + DisplayPath(network.learning.weights.filename()) +
+                      ", trained elsewhere.");
+      continue;
+    }
     const std::string batches = Counted(network.learning.batch, "clip");
     if (!GeneratesMotions(network.kind)) {
       const GruRecogniserOptions& rules = network.recogniser;

@@ -88,6 +88,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   control.stop = [] { return StopRequested(); };
   control.progress = [](double fraction, const std::string& text) { ReportProgress(fraction, text); };
   if (const StageInput* start = InputOf(request, "start")) control.start = start->path;
+  if (const StageInput* weights = InputOf(request, "weights")) control.weights = weights->path;
   const Expected<Checkpoint> checkpoint = TrainNetwork(input->set, input->options, control);
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = WriteCheckpoint(*checkpoint, request.output); !written) return Forward(written);

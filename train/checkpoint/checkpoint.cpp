@@ -1,6 +1,7 @@
 #include "train/checkpoint/checkpoint.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "core/base/file.h"
@@ -18,11 +19,14 @@ constexpr const char* kFamily = "mocurate-checkpoint/";
 constexpr const char* kSafetensorsEnding = ".safetensors";
 constexpr const char* kAboutKey = "mocurate";
 using Fields = std::map<std::string, store::Array>;
+/// Where each field of a file comes from: one at a time is copied.
+using Sources = std::map<std::string, std::function<store::Array()>>;
 
-void PutParameters(const std::string& group, const ParameterList& parameters, Fields& fields) {
+void PutParameters(const std::string& group, const ParameterList& parameters, Sources& sources) {
   for (const Parameter& parameter : parameters) {
-    const std::vector<std::uint64_t> shape(parameter.shape.begin(), parameter.shape.end());
-    fields[group + "/" + parameter.name] = store::MakeArray(shape, parameter.value);
+    sources[group + "/" + parameter.name] = [&parameter] {
+      return store::MakeArray({parameter.shape.begin(), parameter.shape.end()}, parameter.value);
+    };
   }
 }
 
@@ -116,8 +120,8 @@ Expected<Fields> ReadExported(const std::filesystem::path& path) {
   return fields;
 }
 
-Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::string& group, const Fields& fields,
-                                       const std::string& where) {
+Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::string& group, const std::string& where,
+                                       Fields& fields) {
   ParameterList parameters;
   for (const nlohmann::json& name : names) {
     const auto found = fields.find(group + "/" + name.get<std::string>());
@@ -127,7 +131,7 @@ Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::s
     Parameter parameter;
     parameter.name = name.get<std::string>();
     parameter.shape.assign(found->second.shape.begin(), found->second.shape.end());
-    parameter.value = found->second.as<float>();
+    parameter.value = std::get<std::vector<float>>(std::move(found->second.values));
     parameters.push_back(std::move(parameter));
   }
   return parameters;
@@ -157,8 +161,8 @@ Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
   return {};
 }
 
-Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const std::string& where,
-                     Checkpoint& checkpoint) {
+/// Empties `fields`.
+Status FillFromAbout(const nlohmann::json& about, const std::string& where, Fields& fields, Checkpoint& checkpoint) {
   checkpoint.options = about.at("options");
   checkpoint.facts = about.at("facts");
   if (Status facts = CheckFacts(checkpoint.facts, where); !facts) return facts;
@@ -171,10 +175,10 @@ Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const st
     if (!skeleton) return Forward(skeleton);
     checkpoint.skeleton = std::move(*skeleton);
   }
-  Expected<ParameterList> parameters = TakeParameters(about.at("parameters"), "/parameters", fields, where);
+  Expected<ParameterList> parameters = TakeParameters(about.at("parameters"), "/parameters", where, fields);
   if (!parameters) return Forward(parameters);
   checkpoint.parameters = std::move(*parameters);
-  Expected<ParameterList> best = TakeParameters(about.at("best"), "/best", fields, where);
+  Expected<ParameterList> best = TakeParameters(about.at("best"), "/best", where, fields);
   if (!best) return Forward(best);
   checkpoint.best = std::move(*best);
   for (const nlohmann::json& stored : about.at("optimisers")) {
@@ -182,9 +186,9 @@ Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const st
     state.name = stored.at("name").get<std::string>();
     state.steps = stored.at("steps").get<std::int64_t>();
     const std::string group = "/optimisers/" + state.name;
-    Expected<ParameterList> first = TakeParameters(stored.at("first"), group + "/first", fields, where);
+    Expected<ParameterList> first = TakeParameters(stored.at("first"), group + "/first", where, fields);
     if (!first) return Forward(first);
-    Expected<ParameterList> second = TakeParameters(stored.at("second"), group + "/second", fields, where);
+    Expected<ParameterList> second = TakeParameters(stored.at("second"), group + "/second", where, fields);
     if (!second) return Forward(second);
     state.first = std::move(*first);
     state.second = std::move(*second);
@@ -199,31 +203,40 @@ Status FillFromAbout(const nlohmann::json& about, const Fields& fields, const st
 }  // namespace
 
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& path) {
-  Fields fields;
-  PutParameters("/parameters", checkpoint.parameters, fields);
-  PutParameters("/best", checkpoint.best, fields);
+  Sources sources;
+  PutParameters("/parameters", checkpoint.parameters, sources);
+  PutParameters("/best", checkpoint.best, sources);
   nlohmann::json optimisers = nlohmann::json::array();
   for (const OptimiserState& state : checkpoint.optimisers) {
-    PutParameters("/optimisers/" + state.name + "/first", state.first, fields);
-    PutParameters("/optimisers/" + state.name + "/second", state.second, fields);
+    PutParameters("/optimisers/" + state.name + "/first", state.first, sources);
+    PutParameters("/optimisers/" + state.name + "/second", state.second, sources);
     optimisers.push_back({{"name", state.name},
                           {"steps", state.steps},
                           {"first", NamesOf(state.first)},
                           {"second", NamesOf(state.second)}});
   }
   for (const auto& [name, column] : checkpoint.history) {
-    fields["/history/" + name] = store::MakeArray({column.size()}, column);
+    const std::vector<double>& values = column;
+    sources["/history/" + name] = [&values] { return store::MakeArray({values.size()}, values); };
   }
   const nlohmann::json about = AboutOf(checkpoint, std::move(optimisers), NamesOf(checkpoint.best));
-  fields["/about"] = store::MakeText(about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-  fields["/@schema"] = store::MakeText(kSchema);
-  fields["/@kind"] = store::MakeText(checkpoint.kind);
-  fields["/@created_by"] = store::MakeText(std::string(CreatedBy()));
-  fields["/@content_sha256"] = store::MakeText(ContentHash(fields));
+  const auto text = [&sources](const char* field, const std::string& value) {
+    sources[field] = [value] { return store::MakeText(value); };
+  };
+  text("/about", about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  text("/@schema", kSchema);
+  text("/@kind", checkpoint.kind);
+  text("/@created_by", std::string(CreatedBy()));
+  std::map<std::string, std::string> lines;
+  for (const auto& [field, source] : sources) {
+    const store::Array array = source();
+    lines[field] = store::FieldLine(array, array.Sha256());
+  }
+  text("/@content_sha256", store::ContentSha256(lines));
   Expected<store::Hdf5Writer> writer = store::Hdf5Writer::Create();
   if (!writer) return Forward(writer);
-  for (const auto& [field, array] : fields) {
-    if (Status written = writer->Write(field, array); !written) return written;
+  for (const auto& [field, source] : sources) {
+    if (Status written = writer->Write(field, source()); !written) return written;
   }
   return writer->Finish([&](std::string_view bytes) { return WriteFile(path, bytes); });
 }
@@ -239,7 +252,7 @@ Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::pa
 }
 
 Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std::string& kind) {
-  const Expected<Fields> fields = path.extension() == kSafetensorsEnding ? ReadExported(path) : ReadFields(path);
+  Expected<Fields> fields = path.extension() == kSafetensorsEnding ? ReadExported(path) : ReadFields(path);
   if (!fields) return Forward(fields);
   const std::string where = DisplayPath(path);
   const auto text = fields->find("/about");
@@ -253,7 +266,7 @@ Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std
                   "the checkpoint holds a network of kind '" + checkpoint.kind + "', '" + kind + "' is needed", where,
                   "give the checkpoint of the other network");
     }
-    if (Status filled = FillFromAbout(about, *fields, where, checkpoint); !filled) return Forward(filled);
+    if (Status filled = FillFromAbout(about, where, *fields, checkpoint); !filled) return Forward(filled);
     return checkpoint;
   } catch (const nlohmann::json::exception& error) {
     return Fail(ErrorCode::kMalformed, std::string("/about cannot be read: ") + error.what(), where);

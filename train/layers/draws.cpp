@@ -62,7 +62,7 @@ Tensor Draws::Uniform(const std::string& purpose, std::int64_t leading, std::int
 }
 
 Tensor Draws::Classes(const std::string& purpose, std::int64_t motions, std::int64_t classes) {
-  const Tensor uniform = Uniform(purpose, 1, motions, 1).flatten();
+  Tensor uniform = Uniform(purpose, 1, motions, 1).flatten();
   if (uniform.dtype() == torch::kInt64) return uniform;
   return (uniform * static_cast<double>(classes)).to(torch::kInt64).clamp_(0, classes - 1);
 }

@@ -6,8 +6,8 @@
 #include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/random.h"
-#include "core/formats/torch_pickle.h"
 #include "train/checkpoint/checkpoint.h"
+#include "train/checkpoint/released.h"
 #include "train/recognisers/gru_pass.h"
 
 namespace mocurate {
@@ -124,19 +124,12 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
 }
 
 Expected<std::unique_ptr<Recogniser>> Recogniser::LoadPublished(const std::filesystem::path& path) {
-  const Expected<TorchTable> table = ReadTorchPickle(path);
-  if (!table) return Forward(table);
-  ParameterList stored;
-  for (const TorchTensor& tensor : table->tensors) {
-    if (tensor.name.compare(0, 6, "model/") != 0) continue;
-    Parameter parameter;
-    parameter.name = tensor.name.substr(6);
-    parameter.shape = tensor.shape;
-    parameter.value.assign(tensor.values.begin(), tensor.values.end());
-    stored.push_back(std::move(parameter));
-  }
+  const Expected<ReleasedWeights> released = ReadReleasedWeights(path, kGruRecogniserKind);
+  if (!released) return Forward(released);
   auto impl = std::make_unique<Impl>();
-  if (Status built = Build(stored, DisplayPath(path), impl->config, impl->parameters); !built) return Forward(built);
+  if (Status built = Build(released->parameters, DisplayPath(path), impl->config, impl->parameters); !built) {
+    return Forward(built);
+  }
   return std::unique_ptr<Recogniser>(new Recogniser(std::move(impl)));
 }
 

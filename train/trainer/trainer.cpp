@@ -15,6 +15,7 @@
 #include "core/base/parallel.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
+#include "train/checkpoint/released.h"
 #include "train/data/batches.h"
 #include "train/networks/network.h"
 #include "train/trainer/optimisers.h"
@@ -63,6 +64,7 @@ class Training {
         SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
+    if (!control_.weights.empty()) return Released();
     if (Status begun = Begin(); !begun) return Forward(begun);
     while (!ended_) {
       if (control_.stop()) return Interrupted();
@@ -113,13 +115,34 @@ class Training {
 
   std::filesystem::path StateFile() const { return control_.scratch / "training_state.h5"; }
 
-  /// From the state in scratch, from the checkpoint that the training goes on from, or anew.
-  Status Begin() {
+  void Name() {
     state_.kind = OptionsToJson(options_).at("kind").get<std::string>();
     state_.options = OptionsToJson(options_);
     state_.skeleton = set_.skeleton;
     state_.dataset_sha256 = control_.dataset_sha256;
     state_.labels = set_.labels;
+  }
+
+  /// The weights of a file in place of a training.
+  Expected<Checkpoint> Released() {
+    Name();
+    const Expected<ReleasedWeights> weights = ReadReleasedWeights(control_.weights, state_.kind);
+    if (!weights) return Forward(weights);
+    StartRound(0);
+    if (Status set = SetValues(weights->parameters, DisplayPath(control_.weights), *network_); !set)
+      return Forward(set);
+    state_.step = weights->steps;
+    Store();
+    state_.optimisers.clear();
+    state_.dataset_sha256.clear();  // of a set that is not here
+    state_.facts["clips"] = 0;
+    state_.finished = true;
+    return std::move(state_);
+  }
+
+  /// From the state in scratch, from the checkpoint that the training goes on from, or anew.
+  Status Begin() {
+    Name();
     std::error_code unknown;
     for (const std::filesystem::path& file :
          {control_.scratch.empty() ? std::filesystem::path() : StateFile(), control_.start}) {

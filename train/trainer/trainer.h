@@ -15,6 +15,7 @@ struct TrainingControl {
   std::filesystem::path scratch;  ///< folder for the state of an unfinished training; empty: none is kept
   std::string dataset_sha256;     ///< content of the training data; another content starts anew
   std::filesystem::path start;    ///< a checkpoint of the same training after fewer steps, or empty
+  std::filesystem::path weights;  ///< of a network trained elsewhere: nothing is trained; or empty
   int threads = 1;                ///< shards that are worked on at once
   std::function<bool()> stop = [] { return false; };  ///< asked between steps
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
