@@ -131,6 +131,7 @@ std::string HeadOf(const SetResult& set) {
 }
 
 void AddRows(const SetResult& set, nlohmann::json& table) {
+  if (!set.result.metrics.is_object()) return;  // not scored, or a dry run
   for (const nlohmann::json& row : set.result.metrics.value("rows", nlohmann::json::array())) {
     table["rows"].push_back({{"method", row.at("name")},
                              {"dataset", set.set.name},

@@ -45,9 +45,15 @@ Status CheckSkeletons(const JobOptions& options) {
   return {};
 }
 
-/// Before anything runs, not after hours.
-Status CheckWeights(const TrainOptions& options) {
+/// Files and devices of the networks, before anything runs and not after hours.
+Status CheckTraining(const TrainOptions& options) {
+  std::error_code unseen;
+  const bool cuda = std::filesystem::exists("/dev/nvidiactl", unseen);
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
+    if (options.networks[i].learning.device == TrainDevice::kCuda && !cuda) {
+      return Fail(ErrorCode::kMissingOnHost, "no CUDA device is here",
+                  "train.networks[" + std::to_string(i) + "].device", "set device: cpu");
+    }
     const std::filesystem::path& file = options.networks[i].learning.weights;
     std::error_code unknown;
     if (file.empty() || std::filesystem::is_regular_file(file, unknown)) continue;
@@ -157,7 +163,7 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status sets = CheckDataSets(options.data); !sets) return sets;
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
   if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
-  if (Status weights = CheckWeights(options.train); !weights) return weights;
+  if (Status training = CheckTraining(options.train); !training && last >= JobStage::kTrain) return training;
   if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }

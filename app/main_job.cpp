@@ -277,6 +277,9 @@ class MainJob {
 
   /// All networks at once; one that fails costs the others nothing, but those that go on from it.
   Status Train() {
+    if (dataset_.artifact.empty() && DryRun() && !options_.train.networks.empty()) {
+      LogInfo("hours of the networks are measured once the dataset is there: run --to assemble first");
+    }
     if (dataset_.artifact.empty()) return {};
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
     if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
@@ -394,6 +397,12 @@ class MainJob {
     });
     if (dataset_.artifact.empty()) return {};
     if (Status scored = ScoreRecognisers(); !scored) return scored;
+    const bool generates = std::any_of(networks_.begin(), networks_.end(), [&](const TrainedNetwork& network) {
+      return GeneratesMotions(OptionsOf(network).kind);
+    });
+    if (generates && recogniser.empty()) {
+      LogWarning("no table: no recogniser of train.networks gives features (add {kind: gru_recogniser})");
+    }
     if (first == networks_.end()) return {};
     Evaluation evaluation;
     evaluation.extractor = OwnExtractor(OptionsOf(*first).data);

@@ -85,7 +85,7 @@ void AddTraining(const NetworkTraining& training, double settled, nlohmann::json
       }
       const TrainingEffort effort = EffortOf(training.journal, network.checkpoint.name, steps);
       if (!effort.known) continue;
-      ours["seconds"] = effort.seconds;
+      ours["seconds"] = effort.seconds + summary.value("seconds_before", 0.0);
       if (effort.peak_memory > 0.0) ours["peak_memory"] = effort.peak_memory;
     }
     row["ours"] = std::move(ours);

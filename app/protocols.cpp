@@ -52,6 +52,11 @@ Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vecto
 
 Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments) {
   const fs::path path(name);
+  for (const char* ending : {".tar", ".pth", ".pt", ".pkl"}) {
+    if (path.extension() != ending) continue;
+    return Fail(ErrorCode::kUsage, "weights alone do not say how they read motions", DisplayPath(path),
+                "name the extractor whose weights they are, and set MOCURATE_WEIGHTS to their folder");
+  }
   if (path.extension() != ".h5" && path.extension() != ".safetensors") {
     const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments);
     if (!node) return Forward(node);

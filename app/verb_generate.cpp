@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/blas_kernels.h"
 #include "app/run_outputs.h"
@@ -102,6 +103,7 @@ std::vector<bool> Below(const Skeleton& skeleton, int root) {
 Status Scale(const std::string& text, const Skeleton& skeleton, std::vector<double>& lengths) {
   if (text.empty()) return {};
   const Limbs limbs = LimbsOf(skeleton);
+  std::set<std::string> seen;
   for (const std::string_view part : SplitText(text, ',')) {
     const std::size_t equals = part.find('=');
     const auto factor =
@@ -113,6 +115,9 @@ Status Scale(const std::string& text, const Skeleton& skeleton, std::vector<doub
     }
     if (group != "legs" && group != "arms" && group != "all") {
       return Fail(ErrorCode::kUsage, "there is no group '" + group + "'", "--scale", "legs, arms, all");
+    }
+    if (!seen.insert(group).second) {
+      return Fail(ErrorCode::kUsage, "'" + group + "' stands there twice", "--scale", "give each group one factor");
     }
     for (std::size_t side = 0; side < 2; ++side) {
       const Limb& limb = group == "legs" ? limbs.leg[side] : limbs.arm[side];

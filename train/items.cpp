@@ -136,7 +136,14 @@ Status CheckNetworks(const TrainOptions& options) {
     }
     const std::vector<double>& steps = network.learning.samples_at;
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
-      return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at");
+      return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at", "write them in order");
+    }
+    const bool bounded = network.learning.planned > 0;
+    if (!steps.empty() && !bounded && steps.back() > static_cast<double>(network.learning.iterations)) {
+      return Fail(ErrorCode::kConfig,
+                  "step " + RoundedText(steps.back(), 12) + " is beyond the " +
+                      Counted(network.learning.iterations, "iteration") + " of the network",
+                  where + ".samples_at", "leave it out, or train longer");
     }
     for (const double step : steps) {
       if (step == std::floor(step)) continue;
@@ -177,7 +184,7 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
                       ", trained elsewhere.");
       continue;
     }
-    const std::string batches = Counted(network.learning.batch, "clip");
+    const std::string batches = "up to " + Counted(network.learning.batch, "clip");
     if (!GeneratesMotions(network.kind)) {
       const GruRecogniserOptions& rules = network.recogniser;
       const std::string epochs = Counted(rules.epochs, "epoch");

@@ -182,7 +182,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
 
 StageDeclaration TrainDeclaration() { return {"train", 8, "mocurate-learn", WholeSetLimits()}; }
 
-StageDeclaration GenerateDeclaration() { return {"generate", 1, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration GenerateDeclaration() { return {"generate", 2, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -89,11 +89,14 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   control.progress = [](double fraction, const std::string& text) { ReportProgress(fraction, text); };
   if (const StageInput* start = InputOf(request, "start")) control.start = start->path;
   if (const StageInput* weights = InputOf(request, "weights")) control.weights = weights->path;
+  double seconds_before = 0.0;
+  control.resumed = [&](double seconds) { seconds_before = seconds; };
   const Expected<Checkpoint> checkpoint = TrainNetwork(input->set, input->options, control);
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = WriteCheckpoint(*checkpoint, request.output); !written) return Forward(written);
   StageOutcome outcome;
   outcome.summary = SummaryOf(*checkpoint, input->options);
+  if (seconds_before > 0.0) outcome.summary["seconds_before"] = seconds_before;
   return outcome;
 }
 

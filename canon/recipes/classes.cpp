@@ -27,8 +27,8 @@ Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
   finding.clip = clip.id();
   finding.code = kLabelNotListed;
   finding.severity = Severity::kInfo;
-  finding.message = "label '" + clip.label + "' is of none of the " +
-                    Counted(static_cast<long long>(classes.size()), "class") + " of the recipe" +
+  finding.message = "label '" + clip.label + "' is of none of the " + std::to_string(classes.size()) +
+                    (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
                     (near ? "; the nearest is '" + *near + "'" : "");
   finding.action = "excluded from the dataset";
   return finding;

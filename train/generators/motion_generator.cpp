@@ -164,6 +164,7 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
       char number[24];
       std::snprintf(number, sizeof(number), "%06zu", begin + i);
       clip.identity.source = "generated";
+      clip.identity.person = "network";
       clip.identity.recording = number;
       clip.identity.end_frame = part[i].frames;
       clip.label = labels()[static_cast<std::size_t>(part[i].label)];

@@ -22,8 +22,8 @@ class MotionGenerator {
   /// `threads` do not change a motion.
   Expected<std::vector<float>> Joints(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
-  /// The same as a MotionSet: joints only, clip ids "generated//000000#0-60" in the order of the requests, label from
-  /// the request. Frames may differ between requests.
+  /// The same as a MotionSet: joints only, clip ids "generated/network/000000#0-60" in the order of the requests, label
+  /// from the request. Frames may differ between requests.
   Expected<Dataset> Generate(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
   SkeletonPtr skeleton() const;

@@ -153,11 +153,25 @@ class Training {
         LogWarning("training starts anew: " + stored.error().Message());
         continue;
       }
-      if (SameTraining(*stored) && (End() == 0 || stored->step <= End()))
-        return Resume(std::move(*stored), DisplayPath(file));
+      if (!SameTraining(*stored) || (End() > 0 && stored->step > End())) continue;
+      if (file != control_.start) TakeEffort();
+      return Resume(std::move(*stored), DisplayPath(file));
     }
     StartRound(0);
     return {};
+  }
+
+  /// How long the saved state took: beside it, since a checkpoint's bytes do not depend on the clock.
+  std::filesystem::path EffortFile() const { return control_.scratch / "training_seconds.txt"; }
+
+  void TakeEffort() {
+    const auto text = ReadFile(EffortFile());
+    seconds_before_ = text ? ParseDouble(*text).value_or(0.0) : 0.0;
+    control_.resumed(seconds_before_);
+  }
+
+  double SecondsNow() const {
+    return seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   }
 
   /// The step at which a generator is to end; 0: a recogniser, which ends by its epochs.
@@ -428,7 +442,8 @@ class Training {
     if (control_.scratch.empty()) return {};
     Store();
     if (Status made = MakeFolder(control_.scratch); !made) return made;
-    return WriteCheckpoint(state_, StateFile());
+    if (Status saved = WriteCheckpoint(state_, StateFile()); !saved) return saved;
+    return WriteFile(EffortFile(), FormatDouble(SecondsNow()));
   }
 
   Expected<Checkpoint> Interrupted() {
@@ -454,7 +469,8 @@ class Training {
   std::int64_t best_epoch_ = 0;
   ValidationScore best_;  ///< means
   std::int64_t first_step_ = -1;
-  std::chrono::steady_clock::time_point began_;
+  std::chrono::steady_clock::time_point began_, started_ = std::chrono::steady_clock::now();
+  double seconds_before_ = 0.0;  ///< of the runs that it goes on from
 };
 
 }  // namespace

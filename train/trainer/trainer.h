@@ -19,6 +19,7 @@ struct TrainingControl {
   int threads = 1;                ///< shards that are worked on at once
   std::function<bool()> stop = [] { return false; };  ///< asked between steps
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
+  std::function<void(double)> resumed = [](double) {};  ///< told the seconds of the runs that it goes on from
 };
 
 /// Trains one network. Generators take `iterations` steps on the training part. Recognisers take epochs on it less a
