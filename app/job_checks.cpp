@@ -54,11 +54,14 @@ Status CheckTraining(const TrainOptions& options) {
       return Fail(ErrorCode::kMissingOnHost, "no CUDA device is here",
                   "train.networks[" + std::to_string(i) + "].device", "set device: cpu");
     }
-    const std::filesystem::path& file = options.networks[i].learning.weights;
-    std::error_code unknown;
-    if (file.empty() || std::filesystem::is_regular_file(file, unknown)) continue;
-    return Fail(ErrorCode::kNotFound, "there is no such file", "train.networks[" + std::to_string(i) + "].weights",
-                DisplayPath(file) + ": give the file of the released weights");
+    const std::pair<const char*, const std::filesystem::path*> files[] = {
+        {"weights", &options.networks[i].learning.weights}, {"body", &options.networks[i].actor.body}};
+    for (const auto& [option, file] : files) {
+      std::error_code unknown;
+      if (file->empty() || std::filesystem::is_regular_file(*file, unknown)) continue;
+      return Fail(ErrorCode::kNotFound, "there is no file " + DisplayPath(*file),
+                  "train.networks[" + std::to_string(i) + "]." + option, "give the path of a file");
+    }
   }
   return {};
 }

@@ -284,7 +284,7 @@ class MainJob {
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
     if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
     std::vector<TrainItem> waiting = TrainItems(options_.train, inputs);
-    if (Status added = AddWeights(waiting); !added) return added;
+    if (Status added = AddFiles(waiting); !added) return added;
     if (DryRun()) return MeasureNetworks(waiting);
     std::map<std::string, ItemResult> done;
     while (!waiting.empty()) {
@@ -301,14 +301,18 @@ class MainJob {
     return {};
   }
 
-  /// Networks that were trained elsewhere take the place of their training.
-  Status AddWeights(std::vector<TrainItem>& items) const {
+  /// Files that networks read beside the dataset: weights that were trained elsewhere, the body of a loss.
+  Status AddFiles(std::vector<TrainItem>& items) const {
     for (TrainItem& item : items) {
-      const std::filesystem::path& file = options_.train.networks[item.network].learning.weights;
-      if (file.empty()) continue;
-      const Expected<std::string> sha256 = Sha256OfFile(file);
-      if (!sha256) return Forward(sha256);
-      item.spec.inputs.push_back({"weights", file.filename().string(), file, *sha256});
+      const NetworkOptions& network = options_.train.networks[item.network];
+      const std::pair<const char*, const std::filesystem::path*> files[] = {{"weights", &network.learning.weights},
+                                                                            {"body", &network.actor.body}};
+      for (const auto& [role, file] : files) {
+        if (file->empty()) continue;
+        const Expected<std::string> sha256 = Sha256OfFile(*file);
+        if (!sha256) return Forward(sha256);
+        item.spec.inputs.push_back({role, file->filename().string(), *file, *sha256});
+      }
     }
     return {};
   }

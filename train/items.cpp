@@ -52,6 +52,36 @@ Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
   return Fail(ErrorCode::kConfig, "the list is empty", where, "one network is trained per seed: leave the network out");
 }
 
+Status CheckActor(const NetworkOptions& network, const std::string& where) {
+  if (network.kind != NetworkKind::kActor) return {};
+  const ActorOptions& actor = network.actor;
+  const auto refused = [&](const char* option, const std::string& what, const char* hint) {
+    return Fail(ErrorCode::kConfig, what, where + "." + option, hint);
+  };
+  if (actor.latent % (2 * actor.heads) != 0) {
+    return refused("latent",
+                   std::to_string(actor.latent) + " is no multiple of 2 x " + std::to_string(actor.heads) + " heads",
+                   "choose another width");
+  }
+  if (actor.vertex_weight > 0.0 && actor.body.empty()) {
+    return refused("vertex_weight", "a loss on vertices needs a body", "set body: to SMPL's file or body_cc0.h5");
+  }
+  if (actor.pose == PoseChoice::kJoints && actor.vertex_weight > 0.0) {
+    return refused("vertex_weight", "joints alone pose no body", "choose a pose of rotations");
+  }
+  const std::int64_t longest = network.data.longest_frames;
+  if (longest > 0 && longest < network.data.frames) {
+    return refused("longest_frames", std::to_string(longest) + " is less than frames", "0, or at least `frames`");
+  }
+  if (longest > 0 && actor.coders == ActorCoders::kFullyConnected) {
+    return refused("longest_frames", "the fully connected coder has one length", "set longest_frames: 0");
+  }
+  if (longest > 0 && actor.pose == PoseChoice::kJoints) {
+    return refused("longest_frames", "windows of drawn length are read with rotations", "choose a pose of rotations");
+  }
+  return {};
+}
+
 /// Every row of the table is one network's, and none of them has the name of the real motions' rows.
 Status CheckRowNames(const TrainOptions& options) {
   std::set<std::string> seen(std::begin(kRealRows), std::end(kRealRows));
@@ -134,6 +164,7 @@ Status CheckNetworks(const TrainOptions& options) {
       return Fail(ErrorCode::kConfig, "weights of a file are one network of one step", where + ".weights",
                   "leave samples_at out, and name one seed");
     }
+    if (Status actor = CheckActor(network, where); !actor) return actor;
     const std::vector<double>& steps = network.learning.samples_at;
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
       return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at", "write them in order");

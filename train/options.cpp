@@ -2,7 +2,7 @@
 
 namespace mocurate {
 
-bool GeneratesMotions(NetworkKind kind) { return kind != NetworkKind::kGruRecogniser; }
+bool GeneratesMotions(NetworkKind kind) { return kind != NetworkKind::kGruRecogniser && kind != NetworkKind::kStGcn; }
 
 void AugmentationOptions::Declare(OptionVisitor& v) {
   v.Number("yaw", yaw_rad, Unit::kRadian, {0.0, 3.2}, "rotation about the vertical, uniform in plus or minus this");
@@ -13,24 +13,32 @@ void AugmentationOptions::Declare(OptionVisitor& v) {
   v.Bool("mirror", mirror, "mirror half of the clips (changes sides: only for actions that have none)");
 }
 
-void TrainingDataOptions::Declare(OptionVisitor& v) {
+void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
+  const bool rotations = kind == NetworkKind::kStGcn || kind == NetworkKind::kActor;
   v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
   v.Bool("all_clips", all_clips, "train on every clip, as the released code does");
   v.Number("fraction", fraction, Unit::kNone, {0.01, 1.0},
            "part of the training clips of each class; a smaller fraction is a part of a larger one");
   v.Bool("balance", balance, "draw every class equally often, whatever its number of clips");
-  v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
-           "windows of consecutive frames (as published), or whole clips resampled to `frames`");
+  if (!rotations) {
+    v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
+             "windows of consecutive frames (as published), or whole clips resampled to `frames`");
+  }
   v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
   v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window");
-  v.Group("augmentation", augmentation, "random changes of the training clips");
+  if (kind == NetworkKind::kActor) {
+    v.Integer("longest_frames", longest_frames, {0.0, 4000.0},
+              "windows of `frames` to so many frames, drawn; 0: all have `frames`");
+  }
+  if (!rotations) v.Group("augmentation", augmentation, "random changes of the training clips");
 }
 
 void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("batch", batch, {1.0, 4096.0}, "clips per step; fewer when the training part is smaller");
-  v.Integer(
-      "shards", shards, {1.0, 64.0},
-      "parts of a batch whose gradients are summed in order; each may have a core, the bytes do not depend on it");
+  if (kind != NetworkKind::kStGcn)
+    v.Integer(
+        "shards", shards, {1.0, 64.0},
+        "parts of a batch whose gradients are summed in order; each may have a core, the bytes do not depend on it");
   v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "of the optimiser");
   v.Number("weight_decay", weight_decay, Unit::kNone, {0.0, 1.0}, "L2 term of Adam");
   v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no bound");
@@ -50,14 +58,18 @@ void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
 void GruRecogniserOptions::Declare(OptionVisitor& v) {
   v.Integer("layers", layers, {1.0, 8.0}, "GRU layers of the network");
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent state");
-  v.Integer("epochs", epochs, {1.0, 100000.0}, "passes over the training clips");
   v.Number("label_smoothing", label_smoothing, Unit::kNone, {0.0, 0.5}, "of the cross entropy");
   v.Bool("standardise", standardise,
          "train on numbers of zero mean and unit deviation; the stored weights take plain joints again");
-  v.Bool("anneal", anneal,
-         "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
   v.Choice("initial_hidden", initial_hidden, {{"zero", InitialHidden::kZero}, {"normal", InitialHidden::kNormal}},
            "initial recurrent state while training (released: normal)");
+  DeclareEpochs(v);
+}
+
+void GruRecogniserOptions::DeclareEpochs(OptionVisitor& v) {
+  v.Integer("epochs", epochs, {1.0, 100000.0}, "passes over the training clips");
+  v.Bool("anneal", anneal,
+         "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
   v.Integer("check_every", check_every, {1.0, 100000.0}, "epochs between checks on the validation fold");
   v.Bool("refit", refit, "train once more, on all training clips, for as many epochs as were chosen");
   v.Number("smallest_validation", smallest_validation, Unit::kNone, {0.01, 0.5},
@@ -120,6 +132,48 @@ void TwoStageGanOptions::Declare(OptionVisitor& v) {
   v.Number("weight_clip", weight_clip, Unit::kNone, {1e-6, 10.0}, "largest absolute weight of a critic");
 }
 
+void ActorOptions::Declare(OptionVisitor& v) {
+  v.Choice("coders", coders,
+           {{"transformer", ActorCoders::kTransformer},
+            {"gru", ActorCoders::kGru},
+            {"fully_connected", ActorCoders::kFullyConnected},
+            {"autoregressive", ActorCoders::kAutoregressive}},
+           "encoder and decoder: the paper's, or those of its ablation (Table 2)");
+  v.Choice("distribution", distribution,
+           {{"tokens", DistributionChoice::kTokens}, {"average", DistributionChoice::kAverage}},
+           "mean and variance from two tokens of the class, or from the mean over the frames (Table 2 b)");
+  v.Choice(
+      "condition", condition,
+      {{"bias", ConditionChoice::kBias},
+       {"one_hot", ConditionChoice::kOneHot},
+       {"concatenated", ConditionChoice::kConcatenated}},
+      "how the decoder learns the class: a bias, its one-hot code (Table 2 c), or the bias as a second memory entry");
+  v.Choice("pose", pose,
+           {{"rotation_6d", PoseChoice::kRotation6D},
+            {"matrix", PoseChoice::kMatrix},
+            {"quaternion", PoseChoice::kQuaternion},
+            {"axis_angle", PoseChoice::kAxisAngle},
+            {"joints", PoseChoice::kJoints}},
+           "what a frame is; joints need no rotations in the dataset");
+  v.Bool("translation", translation, "encode the root's place as one row more");
+  v.Integer("latent", latent, {4.0, 4096.0}, "width of the network and of its latent; a multiple of `heads`");
+  v.Integer("layers", layers, {1.0, 64.0}, "layers of the encoder and of the decoder each");
+  v.Integer("heads", heads, {1.0, 64.0}, "attention heads");
+  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the layer between");
+  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "part of the numbers that a training step leaves out");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the numbers of a frame");
+  v.Number("joint_weight", joint_weight, Unit::kNone, {0.0, 1e6}, "of the loss on joints (forward kinematics)");
+  v.Number("vertex_weight", vertex_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the vertices of `body`");
+  v.Bool("body_translation", body_translation, "let joints and vertices of the losses move with the root");
+  v.Number("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0}, "of the KL term");
+  v.Bool("kl_mean", kl_mean, "divide the KL term by the batch (released: its sum, so that its weight grows with it)");
+  v.Path("body", body, "skinned body of the vertex loss: SMPL's file, or body_cc0.h5");
+}
+
+void StGcnOptions::Declare(OptionVisitor& v) {
+  v.Bool("global_orientation", global_orientation, "read the root's rotation too");
+}
+
 NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
   switch (kind) {
     case NetworkKind::kGruRecogniser:
@@ -147,7 +201,27 @@ NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
       learning.learning_rate = 5e-5;
       learning.weight_decay = 0.0;
       return;
+    case NetworkKind::kActor:
+      name = "ACTOR";
+      learning.batch = 20;
+      learning.learning_rate = 1e-4;
+      learning.weight_decay = 0.01;
+      return;
+    case NetworkKind::kStGcn:
+      name = "ST-GCN";
+      learning.batch = 64;
+      learning.shards = 1;  // batch statistics are of the whole batch
+      learning.learning_rate = 1e-4;
+      learning.weight_decay = 0.01;
+      learning.save_every = 500;
+      recogniser.epochs = 100;
+      recogniser.standardise = recogniser.anneal = recogniser.refit = false;
+      return;
   }
+}
+
+bool NetworkOptions::NeedsRotations() const {
+  return kind == NetworkKind::kStGcn || (kind == NetworkKind::kActor && actor.NeedsRotations());
 }
 
 void NetworkOptions::Declare(OptionVisitor& v) {
@@ -156,7 +230,9 @@ void NetworkOptions::Declare(OptionVisitor& v) {
             {"action2motion", NetworkKind::kAction2Motion},
             {"cond_gru", NetworkKind::kCondGru},
             {"act_mocogan", NetworkKind::kActMoCoGan},
-            {"two_stage_gan", NetworkKind::kTwoStageGan}},
+            {"two_stage_gan", NetworkKind::kTwoStageGan},
+            {"actor", NetworkKind::kActor},
+            {"st_gcn", NetworkKind::kStGcn}},
            "which network it is; the options below are those of its kind");
   if (kind != defaults_of_) *this = NetworkOptions(kind);
   v.Text("name", name, "of its row in tables and of its checkpoints");
@@ -164,7 +240,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
   v.Choice("trained_on", trained_on,
            {{"dataset", TrainingSetChoice::kDataset}, {"unfitted", TrainingSetChoice::kUnfitted}},
            "the dataset, or the same clips before fitting, to compare");
-  data.Declare(v);
+  data.Declare(v, kind);
   learning.Declare(v, kind);
   switch (kind) {
     case NetworkKind::kGruRecogniser:
@@ -177,6 +253,11 @@ void NetworkOptions::Declare(OptionVisitor& v) {
       return act_mocogan.Declare(v);
     case NetworkKind::kTwoStageGan:
       return two_stage_gan.Declare(v);
+    case NetworkKind::kActor:
+      return actor.Declare(v);
+    case NetworkKind::kStGcn:
+      st_gcn.Declare(v);
+      return recogniser.DeclareEpochs(v);
   }
 }
 

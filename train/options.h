@@ -12,9 +12,9 @@
 namespace mocurate {
 
 /// What a network is. A variant of a paper's table is an option of one kind, not another kind.
-enum class NetworkKind { kGruRecogniser, kAction2Motion, kCondGru, kActMoCoGan, kTwoStageGan };
+enum class NetworkKind { kGruRecogniser, kStGcn, kAction2Motion, kCondGru, kActMoCoGan, kTwoStageGan, kActor };
 
-/// Whether networks of the kind answer requests with motions.
+/// Whether networks of the kind answer requests with motions; the others recognise them.
 bool GeneratesMotions(NetworkKind kind);
 
 /// How a clip becomes a window of a fixed number of frames.
@@ -42,8 +42,9 @@ struct TrainingDataOptions {
   RecogniserInputKind input = RecogniserInputKind::kCrop;  ///< crop: the papers' windows; resample: whole clips
   bool include_last_start = false;                         ///< of a crop; released: never (a2m_actor.md F15)
   std::int64_t frames = 60;
+  std::int64_t longest_frames = 0;  ///< of windows of a drawn length; 0: all have `frames`
   AugmentationOptions augmentation;
-  void Declare(OptionVisitor& v);
+  void Declare(OptionVisitor& v, NetworkKind kind);
 };
 
 enum class TrainDevice { kCpu, kCuda };
@@ -78,6 +79,8 @@ struct GruRecogniserOptions {
   bool refit = true;                 ///< train again on all training clips once the number of epochs is chosen
   double smallest_validation = 0.1;  ///< without a validation part and persons: fraction of the clips held out
   void Declare(OptionVisitor& v);
+  /// Those of how long and on what, which other recognisers have too.
+  void DeclareEpochs(OptionVisitor& v);
 };
 
 enum class Protocol { kReleased, kPaper };
@@ -135,6 +138,45 @@ struct TwoStageGanOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// What a frame is to ACTOR (a2m_actor.md C.1): the rotation of each joint, or joints.
+enum class PoseChoice { kRotation6D, kMatrix, kQuaternion, kAxisAngle, kJoints };
+/// Encoder and decoder of ACTOR and its ablations (a2m_actor.md C.2, C.6).
+enum class ActorCoders { kTransformer, kGru, kFullyConnected, kAutoregressive };
+/// Where mean and variance come from: two tokens of the class, or the mean over the frames.
+enum class DistributionChoice { kTokens, kAverage };
+/// How the decoder learns the class: a bias added to the latent, the one-hot class in a layer with it, or the bias as a
+/// second memory entry.
+enum class ConditionChoice { kBias, kOneHot, kConcatenated };
+
+/// ACTOR (a2m_actor.md C).
+struct ActorOptions {
+  ActorCoders coders = ActorCoders::kTransformer;
+  DistributionChoice distribution = DistributionChoice::kTokens;
+  ConditionChoice condition = ConditionChoice::kBias;
+  PoseChoice pose = PoseChoice::kRotation6D;
+  bool translation = true;  ///< the root's place is one row more
+  std::int64_t latent = 256;
+  std::int64_t layers = 8;
+  std::int64_t heads = 4;
+  std::int64_t feed_forward = 1024;
+  double dropout = 0.1;
+  double pose_weight = 1.0;       ///< of the loss on the numbers of a frame
+  double joint_weight = 1.0;      ///< of the loss on joints
+  double vertex_weight = 0.0;     ///< of the loss on the vertices of `body`
+  bool body_translation = false;  ///< whether joints and vertices of the losses move with the root
+  double kl_weight = 1e-5;
+  bool kl_mean = false;  ///< KL divided by the batch; released: its sum (a2m_actor.md F11)
+  std::filesystem::path body;
+  void Declare(OptionVisitor& v);
+  bool NeedsRotations() const { return pose != PoseChoice::kJoints; }
+};
+
+/// ST-GCN (a2m_actor.md D.1).
+struct StGcnOptions {
+  bool global_orientation = true;  ///< the root's rotation is read too
+  void Declare(OptionVisitor& v);
+};
+
 /// Which clips: the dataset, or the same clips before fitting.
 enum class TrainingSetChoice { kDataset, kUnfitted };
 
@@ -151,12 +193,16 @@ struct NetworkOptions {
   CondGruOptions cond_gru;
   ActMoCoGanOptions act_mocogan;
   TwoStageGanOptions two_stage_gan;
+  ActorOptions actor;
+  StGcnOptions st_gcn;
 
   /// With the defaults of its kind.
   explicit NetworkOptions(NetworkKind kind = NetworkKind::kAction2Motion);
   void Declare(OptionVisitor& v);
   /// Of one network: the first of `seeds`.
   std::uint64_t seed() const { return static_cast<std::uint64_t>(seeds.front()); }
+  bool recognises() const { return !GeneratesMotions(kind); }
+  bool NeedsRotations() const;
 
  private:
   NetworkKind defaults_of_;

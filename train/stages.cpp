@@ -48,7 +48,7 @@ nlohmann::json SummaryOf(const Checkpoint& checkpoint, const NetworkOptions& opt
                             {"classes", checkpoint.labels.size()},
                             {"loss", LastOf(checkpoint, "loss")},
                             {"history", HistoryOf(checkpoint)}};
-  if (options.kind != NetworkKind::kGruRecogniser) return summary;
+  if (!options.recognises()) return summary;
   summary["validation_rule"] = checkpoint.facts.at("validation_rule");
   summary["validation_accuracy"] = checkpoint.facts.at("best_accuracy");
   summary["chosen_epoch"] = checkpoint.facts.at("best_epoch");
@@ -62,6 +62,7 @@ struct TrainingInput {
   NetworkOptions options;
   TrainingSet set;
   const StageInput* dataset = nullptr;
+  std::shared_ptr<const Skin> skin;
 };
 
 Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
@@ -71,9 +72,15 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   if (dataset == nullptr) {
     return Fail(ErrorCode::kInternal, "the stage got no input of role 'dataset'", request.stage + " " + request.item);
   }
-  Expected<TrainingSet> set = ReadTrainingSet(dataset->path);
+  Expected<TrainingSet> set = ReadTrainingSet(dataset->path, options->NeedsRotations());
   if (!set) return Forward(set);
-  return TrainingInput{std::move(*options), std::move(*set), dataset};
+  TrainingInput input{std::move(*options), std::move(*set), dataset, nullptr};
+  if (const StageInput* body = InputOf(request, "body")) {
+    Expected<Skin> skin = ReadSkin(body->path, *input.set.skeleton);
+    if (!skin) return Forward(skin);
+    input.skin = std::make_shared<const Skin>(std::move(*skin));
+  }
+  return input;
 }
 
 }  // namespace
@@ -84,6 +91,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   TrainingControl control;
   control.scratch = request.scratch;
   control.dataset_sha256 = input->dataset->sha256;
+  control.skin = input->skin;
   control.threads = request.threads;
   control.stop = [] { return StopRequested(); };
   control.progress = [](double fraction, const std::string& text) { ReportProgress(fraction, text); };
@@ -103,7 +111,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
 Expected<StageOutcome> TrainCostStage(const StageRequest& request) {
   const Expected<TrainingInput> input = InputOfTraining(request);
   if (!input) return Forward(input);
-  const Expected<TrainingCost> cost = MeasureCost(input->set, input->options, request.threads);
+  const Expected<TrainingCost> cost = MeasureCost(input->set, input->options, input->skin, request.threads);
   if (!cost) return Forward(cost);
   StageOutcome outcome;
   outcome.summary = {{"steps", cost->steps},

@@ -147,11 +147,11 @@ Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
   };
   if (!facts.is_object()) return Fail(ErrorCode::kMalformed, "facts is no mapping", where + ":/about");
   for (const auto& [name, value] : facts.items()) {
-    const bool text = name == "rate" || name == "split" || name == "validation_rule";
-    const bool fits = text                    ? value.is_string()
-                      : name == "bone_length" ? numbers(value)
-                      : name == "first_pose"  ? rows(value)
-                                              : true;
+    const bool text = name == "rate" || name == "split" || name == "validation_rule" || name == "body";
+    const bool fits = text                                            ? value.is_string()
+                      : name == "bone_length"                         ? numbers(value)
+                      : name == "first_pose" || name == "rest_offset" ? rows(value)
+                                                                      : true;
     const bool number = name == "round" || name == "round_step" || name == "best_epoch" || name == "best_accuracy" ||
                         name == "best_loss" || name == "parameters";
     if (fits && (!number || value.is_number())) continue;

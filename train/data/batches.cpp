@@ -83,6 +83,64 @@ std::vector<float> WindowOf(const Motion& motion, const TrainingDataOptions& opt
   return std::vector<float>(values.begin(), values.end());
 }
 
+/// Frames of a window: `frames` of them as Action2Motion's rule says, or a drawn number up to `longest_frames` as
+/// ACTOR's (a2m_actor.md A.7, C.7).
+std::vector<int> WindowFrames(int frame_count, const TrainingDataOptions& options, Random& random) {
+  const int T = static_cast<int>(options.frames);
+  if (options.longest_frames > 0) {
+    ActorSampling sampling;
+    sampling.num_frames = -2;
+    sampling.min_len = T;
+    sampling.max_len = static_cast<int>(options.longest_frames);
+    if (auto frames = SampleFrames(sampling, frame_count, random)) return *std::move(frames);
+  }
+  const LastStart last = options.include_last_start ? LastStart::kIncluded : LastStart::kExcluded;
+  const int start = DrawWindow(frame_count, T, last, random).start;
+  std::vector<int> frames;
+  for (int t = 0; t < T; ++t) frames.push_back(std::min(start + t, frame_count - 1));
+  return frames;
+}
+
+/// Windows with rotations; shorter ones end in zeros.
+MotionRows RowsWithRotations(const TrainingSet& set, const TrainingDataOptions& options, const std::vector<int>& rows,
+                             std::uint64_t seed, const std::string& key) {
+  const std::size_t B = rows.size(), J = static_cast<std::size_t>(set.skeleton->joint_count());
+  std::vector<std::vector<int>> windows;
+  std::size_t T = 0;
+  for (std::size_t b = 0; b < B; ++b) {
+    Random random(seed, "train.window", key + "/" + std::to_string(b));
+    windows.push_back(WindowFrames(set.clips[static_cast<std::size_t>(rows[b])].frames, options, random));
+    T = std::max(T, windows.back().size());
+  }
+  MotionRows batch;
+  batch.frames = static_cast<int>(T);
+  batch.motion.assign(T * B * 3 * J, 0.0f);
+  batch.rotation.assign(T * B * 9 * J, 0.0f);
+  for (std::size_t b = 0; b < B; ++b) {
+    const TrainingSet::Clip& clip = set.clips[static_cast<std::size_t>(rows[b])];
+    batch.label.push_back(clip.label);
+    batch.length.push_back(static_cast<int>(windows[b].size()));
+    const float* root = set.joints.data() + (clip.first + static_cast<std::size_t>(windows[b][0])) * 3 * J;
+    for (std::size_t t = 0; t < windows[b].size(); ++t) {
+      const std::size_t frame = clip.first + static_cast<std::size_t>(windows[b][t]);
+      const float* joints = set.joints.data() + frame * 3 * J;
+      const float* rotation = set.rotation.data() + frame * 4 * J;
+      float* motion = batch.motion.data() + (t * B + b) * 3 * J;
+      for (std::size_t k = 0; k < 3 * J; ++k) motion[k] = joints[k] - root[k % 3];
+      for (std::size_t j = 0; j < J; ++j) {
+        const float* q = rotation + 4 * j;
+        Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> matrix(batch.rotation.data() +
+                                                                       ((t * B + b) * J + j) * 9);
+        matrix = Eigen::Quaternionf(q[0], q[1], q[2], q[3]).toRotationMatrix();
+      }
+    }
+  }
+  const bool whole =
+      std::all_of(batch.length.begin(), batch.length.end(), [&](int length) { return length == batch.frames; });
+  if (whole) batch.length.clear();
+  return batch;
+}
+
 }  // namespace
 
 std::vector<int> ShuffledOrder(int count, Random random) {
@@ -173,6 +231,7 @@ std::vector<int> BatchOrder::RowsOf(std::int64_t step) const {
 
 MotionRows MakeMotionRows(const TrainingSet& set, const TrainingDataOptions& options, const std::vector<int>& rows,
                           std::uint64_t seed, const std::string& key, bool augment) {
+  if (!set.rotation.empty()) return RowsWithRotations(set, options, rows, seed, key);
   const std::size_t T = static_cast<std::size_t>(options.frames), B = rows.size();
   const std::size_t D = 3 * static_cast<std::size_t>(set.skeleton->joint_count());
   MotionRows batch;

@@ -51,6 +51,8 @@ struct MotionRows {
   int frames = 0;
   std::vector<float> motion;        ///< (T,B,3J) metres, first root at the origin
   std::vector<std::int64_t> label;  ///< (B)
+  std::vector<float> rotation;      ///< (T,B,J,3,3) where the set has rotations; else empty
+  std::vector<int> length;          ///< (B) frames before the padding, which is 0; empty: all are whole
 };
 
 /// Windows of `rows` as the options say. Draws are keyed by (seed, `key`, position); without `augment` there are no

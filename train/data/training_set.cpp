@@ -3,10 +3,32 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/file.h"
 #include "core/store/dataset_clips.h"
 
 namespace mocurate {
 namespace {
+
+void AppendRotations(const Motion& motion, TrainingSet& set) {
+  for (const Quaterniond& q : motion.rotation) {
+    for (const double value : {q.w(), q.x(), q.y(), q.z()}) set.rotation.push_back(static_cast<float>(value));
+  }
+}
+
+/// Median of each number of the rest offsets over the clips.
+std::vector<Vector3d> MedianOffsets(const std::vector<SkeletonPtr>& skeletons, std::size_t joints) {
+  std::vector<Vector3d> offsets(joints, Vector3d::Zero());
+  for (std::size_t j = 1; j < joints && !skeletons.empty(); ++j) {
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> values;
+      for (const SkeletonPtr& skeleton : skeletons) values.push_back(skeleton->joints[j].rest_offset[k]);
+      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      offsets[j][k] = *middle;
+    }
+  }
+  return offsets;
+}
 
 void Append(const Clip& clip, TrainingSet& set) {
   TrainingSet::Clip packed;
@@ -67,27 +89,44 @@ std::vector<std::vector<double>> FirstPoses(const TrainingSet& set) {
   return poses;
 }
 
-Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path) {
+Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, bool rotations) {
   const Expected<DatasetClips> file = DatasetClips::Open(path, DatasetClips::Check::kHashes);
   if (!file) return Forward(file);
   TrainingSet set;
   set.skeleton = file->skeleton();
   set.labels = file->labels();
   set.splits = file->splits();
+  std::vector<SkeletonPtr> skeletons;
   for (std::size_t row = 0; row < file->size(); ++row) {
     const Expected<Clip> clip = file->Read(row);
     if (!clip) return Forward(clip);
     Append(*clip, set);
+    if (!rotations || !clip->motion) continue;
+    if (clip->motion->joints_only()) {
+      return Fail(ErrorCode::kInconsistent, "clip '" + clip->id() + "' has joints alone, the network needs rotations",
+                  DisplayPath(path),
+                  "fit the clips (fitting.method), or choose a network of joints (actor: pose: joints)");
+    }
+    AppendRotations(*clip->motion, set);
+    skeletons.push_back(clip->motion->skeleton);
   }
+  if (rotations) set.rest_offset = MedianOffsets(skeletons, set.skeleton->joints.size());
   return set;
 }
 
-TrainingSet PackTrainingSet(const Dataset& dataset) {
+TrainingSet PackTrainingSet(const Dataset& dataset, bool rotations) {
   TrainingSet set;
   set.skeleton = dataset.skeleton;
   set.labels = dataset.labels;
   set.splits = dataset.splits;
-  for (const Clip& clip : dataset.clips) Append(clip, set);
+  std::vector<SkeletonPtr> skeletons;
+  for (const Clip& clip : dataset.clips) {
+    Append(clip, set);
+    if (!rotations || !clip.motion) continue;
+    AppendRotations(*clip.motion, set);
+    skeletons.push_back(clip.motion->skeleton);
+  }
+  if (rotations) set.rest_offset = MedianOffsets(skeletons, set.skeleton->joints.size());
   return set;
 }
 

@@ -21,7 +21,9 @@ struct TrainingSet {
   std::vector<std::string> labels;
   std::vector<Split> splits;
   std::vector<Clip> clips;
-  std::vector<float> joints;  ///< (frames of all clips, J, 3) metres
+  std::vector<float> joints;          ///< (frames of all clips, J, 3) metres
+  std::vector<float> rotation;        ///< (frames of all clips, J, 4) parent_from_joint, w first; empty: not read
+  std::vector<Vector3d> rest_offset;  ///< (J) of a usual person: the median over the clips; empty without rotations
 
   JointPositions Joints(std::size_t clip) const;
 };
@@ -33,10 +35,11 @@ std::vector<double> MedianBoneLengths(const TrainingSet& set);
 /// First frame of the first clip of each class, root at the origin: (3J) each, empty for a class without clips.
 std::vector<std::vector<double>> FirstPoses(const TrainingSet& set);
 
-/// Reads the file clip by clip and checks its hashes. Errors of ReadDataset.
-Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path);
+/// Reads the file clip by clip and checks its hashes. Errors of ReadDataset; kInconsistent naming a clip without
+/// rotations where they are asked for.
+Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, bool rotations = false);
 
 /// The same of a dataset in memory.
-TrainingSet PackTrainingSet(const Dataset& dataset);
+TrainingSet PackTrainingSet(const Dataset& dataset, bool rotations = false);
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/version.h"
+#include "core/motion/kinematics.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/networks/network.h"
 #include "train/trainer/values.h"
@@ -21,6 +22,7 @@ struct MotionGenerator::Impl {
   FrameRate rate;
   std::vector<double> bone_length;               ///< of the training set
   std::vector<std::vector<double>> first_poses;  ///< of each class, where the network starts from one
+  std::vector<Vector3d> rest_offset;             ///< of a usual person; empty: the network gives joints alone
 
   Status Check(const MotionRequest& request, std::size_t index) const;
   RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;
@@ -29,6 +31,28 @@ struct MotionGenerator::Impl {
 namespace {
 
 constexpr int kGeneratedAtOnce = 500;  // motions whose states fit the caches; larger chunks gain nothing
+
+/// Rest offsets of a usual person; empty where the network has no rotations.
+Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const std::string& where) {
+  std::vector<Vector3d> offsets;
+  for (const nlohmann::json& row : checkpoint.facts.value("rest_offset", nlohmann::json::array())) {
+    if (row.size() != 3) break;
+    offsets.emplace_back(row[0].get<double>(), row[1].get<double>(), row[2].get<double>());
+  }
+  if (offsets.empty() || offsets.size() == checkpoint.skeleton->joints.size()) return offsets;
+  return Fail(ErrorCode::kMalformed, "the rest offsets do not fit the skeleton", where, "train again");
+}
+
+/// The skeleton with bones of these lengths along the rest offsets.
+SkeletonPtr WithBones(const SkeletonPtr& skeleton, const std::vector<Vector3d>& rest_offset,
+                      const std::vector<double>& lengths) {
+  auto own = std::make_shared<Skeleton>(*skeleton);
+  for (std::size_t j = 1; j < own->joints.size(); ++j) {
+    const double length = rest_offset[j].norm();
+    own->joints[j].rest_offset = length > 0.0 ? Vector3d(rest_offset[j] * (lengths[j] / length)) : rest_offset[j];
+  }
+  return own;
+}
 
 }  // namespace
 
@@ -100,7 +124,10 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   }
   torch::set_num_threads(1);
   auto impl = std::make_unique<Impl>();
-  impl->network = MakeNetwork(*options, SizesOf(*checkpoint->skeleton, checkpoint->labels.size()));
+  const auto rest = RestOffsetOf(*checkpoint, where);
+  if (!rest) return Forward(rest);
+  impl->rest_offset = *rest;
+  impl->network = MakeNetwork(*options, SizesOf(*checkpoint->skeleton, checkpoint->labels.size(), *rest));
   if (Status fits = SetValues(checkpoint->parameters, where, *impl->network); !fits) return Forward(fits);
   impl->options = std::move(*options);
   impl->skeleton = checkpoint->skeleton;
@@ -118,8 +145,9 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   return std::unique_ptr<MotionGenerator>(new MotionGenerator(std::move(impl)));
 }
 
-Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionRequest>& requests, int threads) const {
-  if (requests.empty()) return std::vector<float>();
+Expected<MotionGenerator::Rows> MotionGenerator::Answer(const std::vector<MotionRequest>& requests, int threads) const {
+  Rows rows;
+  if (requests.empty()) return rows;
   for (std::size_t i = 0; i < requests.size(); ++i) {
     if (Status fits = impl_->Check(requests[i], i); !fits) return Forward(fits);
     if (requests[i].frames != requests[0].frames) {
@@ -128,25 +156,56 @@ Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionReq
     }
   }
   const std::int64_t T = requests[0].frames, D = 3 * impl_->skeleton->joint_count();
-  std::vector<float> result(requests.size() * static_cast<std::size_t>(T * D));
+  const std::size_t frames = requests.size() * static_cast<std::size_t>(T);
+  rows.joints.resize(frames * static_cast<std::size_t>(D));
+  if (!impl_->rest_offset.empty()) rows.rotation.resize(frames * static_cast<std::size_t>(3 * D));
   ParallelFor(static_cast<int>(requests.size()), kGeneratedAtOnce, threads, [&](int begin, int end) {
     const torch::NoGradGuard no_gradient;
     const MotionRequest* first = requests.data() + begin;
-    const auto count = static_cast<std::size_t>(end - begin);
+    const auto count = static_cast<std::int64_t>(end) - begin;
     std::vector<std::uint64_t> seeds;
-    for (std::size_t b = 0; b < count; ++b) seeds.push_back(first[b].seed);
+    for (std::int64_t b = 0; b < count; ++b) seeds.push_back(first[b].seed);
     Draws draws(std::move(seeds));
-    const Motions motions = impl_->network->Answer(impl_->BatchOf(first, count), draws);
-    torch::from_blob(result.data() + static_cast<std::int64_t>(begin) * T * D, {static_cast<std::int64_t>(count), T, D})
-        .copy_(motions.joints.transpose(0, 1));
+    const Motions motions = impl_->network->Answer(impl_->BatchOf(first, static_cast<std::size_t>(count)), draws);
+    const std::int64_t at = static_cast<std::int64_t>(begin) * T * D;
+    torch::from_blob(rows.joints.data() + at, {count, T, D}).copy_(motions.joints.transpose(0, 1));
+    if (rows.rotation.empty()) return;
+    torch::from_blob(rows.rotation.data() + 3 * at, {count, T, 3 * D})
+        .copy_(motions.rotation.reshape({T, count, 3 * D}).transpose(0, 1));
   });
-  return result;
+  return rows;
+}
+
+Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionRequest>& requests, int threads) const {
+  Expected<Rows> rows = Answer(requests, threads);
+  if (!rows) return Forward(rows);
+  return std::move(rows->joints);
+}
+
+/// `rotation` (frames, J, 3, 3): the motion's, and its joints by forward kinematics in double.
+void MotionGenerator::AddRotations(const float* rotation, const MotionRequest& request, Motion& motion) const {
+  const int J = motion.joint_count();
+  motion.counted_from = impl_->skeleton;
+  motion.bone_length = request.bone_length.empty() ? impl_->bone_length : request.bone_length;
+  motion.skeleton = WithBones(impl_->skeleton, impl_->rest_offset, motion.bone_length);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    motion.root_translation.emplace_back(motion.joints.at(f, 0));
+    for (int j = 0; j < J; ++j, rotation += 9) {
+      const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> matrix(rotation);
+      motion.rotation.push_back(Quaterniond(Matrix3d(matrix.cast<double>())).normalized());
+    }
+  }
+  for (int j = 0; j < J; ++j) {
+    MakeSignContinuous(motion.rotation.data() + j, static_cast<std::size_t>(motion.frame_count()),
+                       static_cast<std::size_t>(J));
+  }
+  ComputeJoints(motion);
 }
 
 Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& requests, int threads) const {
   Dataset set;
   set.skeleton = impl_->skeleton;
-  set.joints_only = true;
+  set.joints_only = impl_->rest_offset.empty();
   set.labels = impl_->labels;
   set.recipe = "generated";
   set.created_by = std::string(CreatedBy());
@@ -156,8 +215,8 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
     while (end < requests.size() && requests[end].frames == requests[begin].frames) ++end;
     const std::vector<MotionRequest> part(requests.begin() + static_cast<std::ptrdiff_t>(begin),
                                           requests.begin() + static_cast<std::ptrdiff_t>(end));
-    const Expected<std::vector<float>> joints = Joints(part, threads);
-    if (!joints) return Forward(joints);
+    const Expected<Rows> rows = Answer(part, threads);
+    if (!rows) return Forward(rows);
     const std::size_t size = static_cast<std::size_t>(part[0].frames) * 3 * static_cast<std::size_t>(J);
     for (std::size_t i = 0; i < part.size(); ++i) {
       Clip clip;
@@ -175,7 +234,8 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
       motion.skeleton = set.skeleton;
       motion.rate = impl_->rate;
       motion.joints = JointPositions(part[i].frames, J);
-      std::copy_n(joints->begin() + static_cast<std::ptrdiff_t>(i * size), size, motion.joints.xyz.begin());
+      std::copy_n(rows->joints.begin() + static_cast<std::ptrdiff_t>(i * size), size, motion.joints.xyz.begin());
+      if (!set.joints_only) AddRotations(rows->rotation.data() + 3 * i * size, part[i], motion);
       clip.motion = std::move(motion);
       set.clips.push_back(std::move(clip));
     }

@@ -22,8 +22,8 @@ class MotionGenerator {
   /// `threads` do not change a motion.
   Expected<std::vector<float>> Joints(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
-  /// The same as a MotionSet: joints only, clip ids "generated/network/000000#0-60" in the order of the requests, label
-  /// from the request. Frames may differ between requests.
+  /// The same as a MotionSet, with rotations where the network gives them: clip ids "generated/network/000000#0-60" in
+  /// the order of the requests, label from the request. Frames may differ between requests.
   Expected<Dataset> Generate(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
   SkeletonPtr skeleton() const;
@@ -33,6 +33,13 @@ class MotionGenerator {
 
  private:
   struct Impl;
+  /// Of each request, frame after frame.
+  struct Rows {
+    std::vector<float> joints;    ///< (n, frames, 3J) metres
+    std::vector<float> rotation;  ///< (n, frames, J, 3, 3) parent_from_joint; empty: the network gives joints alone
+  };
+  Expected<Rows> Answer(const std::vector<MotionRequest>& requests, int threads) const;
+  void AddRotations(const float* rotation, const MotionRequest& request, Motion& motion) const;
   explicit MotionGenerator(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

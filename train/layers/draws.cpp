@@ -67,6 +67,12 @@ Tensor Draws::Classes(const std::string& purpose, std::int64_t motions, std::int
   return (uniform * static_cast<double>(classes)).to(torch::kInt64).clamp_(0, classes - 1);
 }
 
+std::array<std::uint32_t, 2> Draws::Key(const std::string& purpose) const {
+  Random random(seed_, purpose, key_ + shard_);
+  const std::uint32_t first = random.Next();
+  return {first, random.Next()};
+}
+
 bool Draws::Coin(const std::string& purpose, double probability) {
   if (const auto given = given_.find(purpose); given != given_.end()) return given->second.item<double>() != 0.0;
   return Random(seed_, purpose, key_).Uniform() < probability;

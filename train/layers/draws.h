@@ -2,6 +2,7 @@
 
 #include <torch/torch.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -26,6 +27,8 @@ class Draws {
   torch::Tensor Uniform(const std::string& purpose, std::int64_t leading, std::int64_t motions, std::int64_t width);
   /// (B) int64 in [0, classes), each alike.
   torch::Tensor Classes(const std::string& purpose, std::int64_t motions, std::int64_t classes);
+  /// Key of a generator of its own.
+  std::array<std::uint32_t, 2> Key(const std::string& purpose) const;
   /// True with that probability.
   bool Coin(const std::string& purpose, double probability);
 

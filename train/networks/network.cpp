@@ -4,8 +4,10 @@
 #include "train/data/batches.h"
 #include "train/networks/act_mocogan.h"
 #include "train/networks/action2motion.h"
+#include "train/networks/actor.h"
 #include "train/networks/cond_gru.h"
 #include "train/networks/gru_recogniser.h"
+#include "train/networks/st_gcn.h"
 #include "train/networks/two_stage_gan.h"
 
 namespace mocurate {
@@ -28,12 +30,25 @@ std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const Networ
       return std::make_shared<ActMoCoGan>(options.act_mocogan, options.learning, sizes);
     case NetworkKind::kTwoStageGan:
       return std::make_shared<TwoStageGan>(options.two_stage_gan, options.learning, sizes);
+    case NetworkKind::kActor:
+      return std::make_shared<Actor>(options.actor, options.learning, options.data, sizes);
+    case NetworkKind::kStGcn:
+      return std::make_shared<StGcn>(options.st_gcn, options.learning, sizes);
   }
   return nullptr;
 }
 
-NetworkSizes SizesOf(const Skeleton& skeleton, std::size_t classes) {
-  return {skeleton.joint_count(), static_cast<int>(classes), ChainsOf(skeleton)};
+NetworkSizes SizesOf(const Skeleton& skeleton, std::size_t classes, const std::vector<Vector3d>& rest_offset) {
+  NetworkSizes sizes;
+  sizes.joints = skeleton.joint_count();
+  sizes.classes = static_cast<int>(classes);
+  sizes.chains = ChainsOf(skeleton);
+  for (const Joint& joint : skeleton.joints) {
+    sizes.parents.push_back(joint.parent);
+    sizes.rest_offset.push_back(joint.rest_offset);
+  }
+  if (!rest_offset.empty()) sizes.rest_offset = rest_offset;
+  return sizes;
 }
 
 torch::Tensor OneHot(const torch::Tensor& label, std::int64_t classes) {

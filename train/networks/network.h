@@ -11,6 +11,7 @@
 
 #include "core/motion/skeleton.h"
 #include "train/layers/draws.h"
+#include "train/layers/skin.h"
 #include "train/options.h"
 
 namespace mocurate {
@@ -19,19 +20,26 @@ namespace mocurate {
 struct NetworkSizes {
   int joints = 24;
   int classes = 12;
-  LieChains chains;  ///< of the skeleton; read where a network decodes rotations
+  LieChains chains;                   ///< of the skeleton; read where a network decodes rotations
+  std::vector<int> parents;           ///< (J) of the tree; -1 for the root
+  std::vector<Vector3d> rest_offset;  ///< (J) metres, of a usual person
+  std::shared_ptr<const Skin> skin;   ///< null: only the tree
 
   std::int64_t pose() const { return 3 * static_cast<std::int64_t>(joints); }
 };
 
 /// Motions of one shard of a training batch.
 struct Batch {
-  torch::Tensor motion;    ///< (T,B,D) float32 joints, metres, first root at the origin
-  torch::Tensor label;     ///< (B) int64
-  std::int64_t whole = 0;  ///< motions of the whole batch: means divide by it, so that gradients of shards add up
+  torch::Tensor motion;         ///< (T,B,D) float32 joints, metres, first root at the origin
+  torch::Tensor label;          ///< (B) int64
+  std::int64_t whole = 0;       ///< motions of the whole batch: means divide by it, so that gradients of shards add up
+  torch::Tensor rotation = {};  ///< (T,B,J,3,3) parent_from_joint; undefined where the network does not need it
+  torch::Tensor valid = {};     ///< (T,B) bool: frames that are no padding; undefined: all
+  std::int64_t whole_frames = 0;  ///< valid frames of the whole batch
+  torch::Tensor features = {};  ///< (T,B,F) frames as the network reads them, in the place of the others; or undefined
 
-  std::int64_t frames() const { return motion.size(0); }
-  std::int64_t size() const { return motion.size(1); }
+  std::int64_t frames() const { return features.defined() ? features.size(0) : motion.size(0); }
+  std::int64_t size() const { return label.size(0); }
 };
 
 /// Loss of a shard. `terms` are scalars for the history, `outputs` what other implementations can be compared in.
@@ -43,7 +51,7 @@ struct Losses {
 
 /// Parameters that one optimiser steps.
 struct OptimiserGroup {
-  enum class Rule { kAdam, kRmsProp };
+  enum class Rule { kAdam, kAdamW, kRmsProp };
   std::string name;
   std::vector<torch::Tensor> parameters;
   Rule rule = Rule::kAdam;
@@ -63,7 +71,8 @@ struct RequestBatch {
 /// What a network answers.
 struct Motions {
   torch::Tensor joints;  ///< (T,B,D) metres
-  torch::Tensor output;  ///< (T,B,D) what the last layer gives: Lie parameters, or the joints themselves
+  torch::Tensor output;  ///< (T,B,F) what the last layer gives: Lie parameters, rotations, or the joints themselves
+  torch::Tensor rotation = {};  ///< (T,B,J,3,3) parent_from_joint; undefined where the network gives joints alone
 };
 
 /// Accuracy and loss of a classifier on held-out motions, sums over the batch.
@@ -90,7 +99,7 @@ class Network : public torch::nn::Module {
   /// Motions for requests; no gradients are kept.
   virtual Motions Answer(const RequestBatch& requests, Draws& draws) = 0;
 
-  /// Of classifiers only.
+  /// Of recognisers only.
   virtual ValidationScore Validate(const Batch& batch);
   /// Before training: mean and standard deviation of every number of a frame, (D) each.
   virtual void Standardise(const torch::Tensor& /*mean*/, const torch::Tensor& /*deviation*/) {}
@@ -104,8 +113,8 @@ class Network : public torch::nn::Module {
 /// The network that `options` ask for, its initial values drawn from their seed.
 std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes);
 
-/// Sizes for a dataset.
-NetworkSizes SizesOf(const Skeleton& skeleton, std::size_t classes);
+/// Sizes for a dataset or a checkpoint. `rest_offset` (J): of a usual person; empty: those of the skeleton.
+NetworkSizes SizesOf(const Skeleton& skeleton, std::size_t classes, const std::vector<Vector3d>& rest_offset = {});
 
 /// (B) classes -> (B,classes) float32.
 torch::Tensor OneHot(const torch::Tensor& label, std::int64_t classes);

@@ -7,6 +7,7 @@ namespace {
 
 using torch::Tensor;
 using AdamState = torch::optim::AdamParamState;
+using AdamWState = torch::optim::AdamWParamState;
 using RmsPropState = torch::optim::RMSpropParamState;
 
 /// The key of a parameter's state: text in libtorch 1, the address in libtorch 2.
@@ -19,10 +20,32 @@ Key KeyOf(const Tensor& parameter) {
   }
 }
 
+template <class State>
+void StoreMoments(const State& own, const std::string& name, OptimiserState& state) {
+  state.steps = own.step();
+  state.first.push_back(ParameterOf(name, own.exp_avg()));
+  state.second.push_back(ParameterOf(name, own.exp_avg_sq()));
+}
+
+template <class State>
+std::unique_ptr<State> MomentsOf(std::int64_t steps, const Tensor& first, const Tensor& second) {
+  auto state = std::make_unique<State>();
+  state->step(steps);
+  state->exp_avg(first);
+  state->exp_avg_sq(second);
+  return state;
+}
+
 std::unique_ptr<torch::optim::Optimizer> MakeRule(const OptimiserGroup& group) {
   if (group.rule == OptimiserGroup::Rule::kRmsProp) {
     auto options = torch::optim::RMSpropOptions(group.learning_rate).weight_decay(group.weight_decay);
     return std::make_unique<torch::optim::RMSprop>(group.parameters, options);
+  }
+  if (group.rule == OptimiserGroup::Rule::kAdamW) {
+    auto options = torch::optim::AdamWOptions(group.learning_rate)
+                       .betas(std::make_tuple(group.beta1, 0.999))
+                       .weight_decay(group.weight_decay);
+    return std::make_unique<torch::optim::AdamW>(group.parameters, options);
   }
   auto options = torch::optim::AdamOptions(group.learning_rate)
                      .betas(std::make_tuple(group.beta1, 0.999))
@@ -69,11 +92,10 @@ std::vector<OptimiserState> Optimisers::State() const {
         const auto& own = static_cast<const RmsPropState&>(*found->second);
         state.steps = own.step();
         state.second.push_back(ParameterOf(names_[g][i], own.square_avg()));
+      } else if (groups_[g].rule == OptimiserGroup::Rule::kAdamW) {
+        StoreMoments(static_cast<const AdamWState&>(*found->second), names_[g][i], state);
       } else {
-        const auto& own = static_cast<const AdamState&>(*found->second);
-        state.steps = own.step();
-        state.first.push_back(ParameterOf(names_[g][i], own.exp_avg()));
-        state.second.push_back(ParameterOf(names_[g][i], own.exp_avg_sq()));
+        StoreMoments(static_cast<const AdamState&>(*found->second), names_[g][i], state);
       }
     }
     all.push_back(std::move(state));
@@ -105,11 +127,13 @@ Status Optimisers::Restore(const std::vector<OptimiserState>& state, const std::
       }
       const auto first = FindOfShape(state[g].first, names_[g][i], parameter.sizes(), where);
       if (!first) return Forward(first);
-      auto own = std::make_unique<AdamState>();
-      own->step(state[g].steps);
-      own->exp_avg(TensorOf(**first).to(parameter.device()));
-      own->exp_avg_sq(TensorOf(**second).to(parameter.device()));
-      stored[KeyOf<Key>(parameter)] = std::move(own);
+      const Tensor of_first = TensorOf(**first).to(parameter.device());
+      const Tensor of_second = TensorOf(**second).to(parameter.device());
+      if (groups_[g].rule == OptimiserGroup::Rule::kAdamW) {
+        stored[KeyOf<Key>(parameter)] = MomentsOf<AdamWState>(state[g].steps, of_first, of_second);
+      } else {
+        stored[KeyOf<Key>(parameter)] = MomentsOf<AdamState>(state[g].steps, of_first, of_second);
+      }
     }
   }
   return {};

@@ -13,9 +13,26 @@ Tensor LabelsOf(const std::vector<int>& label) {
   return torch::tensor(std::vector<std::int64_t>(label.begin(), label.end()), torch::kInt64);
 }
 
+NetworkSizes SizesOfTraced(const TracedNetwork& traced) {
+  NetworkSizes sizes;
+  sizes.joints = traced.joints;
+  sizes.classes = traced.classes;
+  sizes.chains = traced.chains;
+  sizes.parents = traced.parents;
+  sizes.rest_offset = traced.rest_offset;
+  return sizes;
+}
+
+Tensor FramesOfTrace(const std::vector<float>& values, int frames, std::int64_t batch) {
+  if (values.empty()) return {};
+  return torch::from_blob(const_cast<float*>(values.data()),
+                          {frames, batch, static_cast<std::int64_t>(values.size()) / (frames * batch)})
+      .clone();
+}
+
 Expected<std::shared_ptr<Network>> BuildTraced(const TracedNetwork& traced) {
   torch::set_num_threads(1);
-  auto network = MakeNetwork(traced.options, {traced.joints, traced.classes, traced.chains});
+  auto network = MakeNetwork(traced.options, SizesOfTraced(traced));
   ParameterList values = ValuesOf(*network);
   for (const Parameter& weight : traced.weights) {
     const int at = FindParameter(values, weight.name);
@@ -39,8 +56,13 @@ Expected<StepTrace> TraceStep(const TracedNetwork& traced, const TraceBatch& giv
   Batch batch;
   batch.whole = static_cast<std::int64_t>(given.label.size());
   batch.label = LabelsOf(given.label);
-  batch.motion =
-      torch::from_blob(const_cast<float*>(given.motion.data()), {given.frames, batch.whole, 3 * traced.joints}).clone();
+  batch.motion = FramesOfTrace(given.motion, given.frames, batch.whole);
+  batch.features = FramesOfTrace(given.features, given.frames, batch.whole);
+  if (!given.length.empty()) {
+    const Tensor length = LabelsOf(given.length).unsqueeze(0);  // (1,B)
+    batch.valid = torch::arange(given.frames).unsqueeze(1) < length;
+    batch.whole_frames = length.sum().item<std::int64_t>();
+  }
   const std::vector<Tensor>& parameters = optimisers.group(given.phase).parameters;
   StepTrace trace;
   for (std::size_t step = 0; step < given.draws.size(); ++step) {
@@ -106,14 +128,14 @@ Expected<TraceValues> TraceAnswer(const TracedNetwork& traced, const std::vector
 }
 
 std::vector<std::pair<std::string, std::vector<std::int64_t>>> ShapesOf(const TracedNetwork& traced) {
-  const auto network = MakeNetwork(traced.options, {traced.joints, traced.classes, traced.chains});
+  const auto network = MakeNetwork(traced.options, SizesOfTraced(traced));
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> shapes;
   for (const auto& named : network->named_parameters()) shapes.emplace_back(named.key(), named.value().sizes().vec());
   return shapes;
 }
 
 std::map<std::string, std::int64_t> CountOfParts(const TracedNetwork& traced) {
-  return CountByPart(ValuesOf(*MakeNetwork(traced.options, {traced.joints, traced.classes, traced.chains})));
+  return CountByPart(ValuesOf(*MakeNetwork(traced.options, SizesOfTraced(traced))));
 }
 
 }  // namespace mocurate

@@ -18,7 +18,9 @@ struct TracedNetwork {
   int joints = 24;
   int classes = 12;
   LieChains chains;
-  ParameterList weights;  ///< by name; those that are missing keep their initial values
+  std::vector<int> parents;           ///< (J)
+  std::vector<Vector3d> rest_offset;  ///< (J)
+  ParameterList weights;              ///< by name; those that are missing keep their initial values
 };
 
 /// A named array; `value` of integers and truth values as numbers.
@@ -27,7 +29,9 @@ using TraceValues = std::map<std::string, Parameter>;
 /// Training steps on one batch in one shard.
 struct TraceBatch {
   int frames = 0;
-  std::vector<float> motion;       ///< (T,B,3J)
+  std::vector<float> motion;       ///< (T,B,3J); or empty
+  std::vector<float> features;     ///< (T,B,F) frames as the network reads them; or empty
+  std::vector<int> length;         ///< (B) valid frames; empty: all
   std::vector<int> label;          ///< (B)
   std::vector<TraceValues> draws;  ///< of each step, by purpose: as many steps are taken
   int phase = 0;

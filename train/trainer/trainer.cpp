@@ -54,7 +54,7 @@ Status CheckDevice(TrainDevice device) {
 class Training {
  public:
   Training(const TrainingSet& set, const NetworkOptions& options, const TrainingControl& control)
-      : set_(set), options_(options), control_(control), recognises_(options.kind == NetworkKind::kGruRecogniser) {}
+      : set_(set), options_(options), control_(control), recognises_(options.recognises()) {}
 
   Expected<Checkpoint> Run() {
     if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
@@ -213,12 +213,14 @@ class Training {
       rows_.train.insert(rows_.train.end(), rows_.validation.begin(), rows_.validation.end());
       std::sort(rows_.train.begin(), rows_.train.end());
     }
-    network_ = MakeNetwork(options_, SizesOf(*set_.skeleton, set_.labels.size()));
+    NetworkSizes sizes = SizesOf(*set_.skeleton, set_.labels.size(), set_.rest_offset);
+    sizes.skin = control_.skin;
+    network_ = MakeNetwork(options_, sizes);
     if (recognises_) Standardise();
     network_->to(device());
     optimisers_ = std::make_unique<Optimisers>(*network_);
-    order_ = std::make_unique<BatchOrder>(set_, options_.data, rows_.train, options_.learning.batch, recognises_,
-                                          options_.seed());
+    order_ = std::make_unique<BatchOrder>(set_, options_.data, rows_.train, options_.learning.batch,
+                                          recognises_ || options_.kind == NetworkKind::kActor, options_.seed());
     steps_ = options_.learning.iterations;
     if (recognises_) steps_ = order_->batches_per_pass() * (round == 0 ? options_.recogniser.epochs : best_epoch_);
     until_ = recognises_ ? steps_ : End();
@@ -251,6 +253,15 @@ class Training {
     batch.motion = batch.motion.to(device());
     batch.label = batch.label.to(device());
     batch.whole = B;
+    if (!made.rotation.empty()) {
+      const std::int64_t J = set_.skeleton->joint_count();
+      batch.rotation = torch::from_blob(made.rotation.data(), {made.frames, B, J, 3, 3}).clone().to(device());
+    }
+    if (!made.length.empty()) {
+      const Tensor length = torch::from_blob(made.length.data(), {1, B}, torch::kInt32).clone();
+      batch.valid = (torch::arange(made.frames).unsqueeze(1) < length).to(device());  // (T,B)
+      batch.whole_frames = std::accumulate(made.length.begin(), made.length.end(), std::int64_t{0});
+    }
     return batch;
   }
 
@@ -260,7 +271,15 @@ class Training {
     std::vector<Batch> parts;
     for (std::int64_t s = 0; s < shards; ++s) {
       const std::int64_t begin = batch.size() * s / shards, end = batch.size() * (s + 1) / shards;
-      parts.push_back({batch.motion.slice(1, begin, end).contiguous(), batch.label.slice(0, begin, end), batch.size()});
+      const auto part = [&](const Tensor& x) { return x.defined() ? x.slice(1, begin, end).contiguous() : x; };
+      Batch shard;
+      shard.motion = part(batch.motion);
+      shard.label = batch.label.slice(0, begin, end);
+      shard.whole = batch.whole;
+      shard.rotation = part(batch.rotation);
+      shard.valid = part(batch.valid);
+      shard.whole_frames = batch.whole_frames;
+      parts.push_back(std::move(shard));
     }
     return parts;
   }
@@ -428,6 +447,7 @@ class Training {
         {"round_step", round_step_}};
     if (!recognises_) {
       state_.facts["bone_length"] = MedianBoneLengths(set_);
+      if (options_.NeedsRotations()) StoreRestPose();
       if (options_.kind == NetworkKind::kCondGru) state_.facts["first_pose"] = FirstPoses(set_);
       return;
     }
@@ -436,6 +456,17 @@ class Training {
     state_.facts["best_epoch"] = best_epoch_;
     state_.facts["best_accuracy"] = best_.right;
     state_.facts["best_loss"] = best_.loss;
+  }
+
+  /// What generated rotations are laid out with.
+  void StoreRestPose() {
+    state_.facts["rest_offset"] = nlohmann::json::array();
+    state_.facts["bone_length"] = nlohmann::json::array();
+    for (const Vector3d& offset : set_.rest_offset) {
+      state_.facts["rest_offset"].push_back({offset.x(), offset.y(), offset.z()});
+      state_.facts["bone_length"].push_back(offset.norm());
+    }
+    if (control_.skin) state_.facts["body"] = control_.skin->name;
   }
 
   Status Save() {
@@ -480,8 +511,10 @@ Expected<Checkpoint> TrainNetwork(const TrainingSet& set, const NetworkOptions& 
   return Training(set, options, control).Run();
 }
 
-Expected<TrainingCost> MeasureCost(const TrainingSet& set, const NetworkOptions& options, int threads) {
+Expected<TrainingCost> MeasureCost(const TrainingSet& set, const NetworkOptions& options,
+                                   std::shared_ptr<const Skin> skin, int threads) {
   TrainingControl control;
+  control.skin = std::move(skin);
   control.threads = threads;
   return Training(set, options, control).Measure();
 }

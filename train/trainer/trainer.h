@@ -2,21 +2,24 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
+#include "train/layers/skin.h"
 #include "train/options.h"
 
 namespace mocurate {
 
 /// How a training meets the outside world. None of it changes the result.
 struct TrainingControl {
-  std::filesystem::path scratch;  ///< folder for the state of an unfinished training; empty: none is kept
-  std::string dataset_sha256;     ///< content of the training data; another content starts anew
-  std::filesystem::path start;    ///< a checkpoint of the same training after fewer steps, or empty
-  std::filesystem::path weights;  ///< of a network trained elsewhere: nothing is trained; or empty
-  int threads = 1;                ///< shards that are worked on at once
+  std::filesystem::path scratch;     ///< folder for the state of an unfinished training; empty: none is kept
+  std::string dataset_sha256;        ///< content of the training data; another content starts anew
+  std::filesystem::path start;       ///< a checkpoint of the same training after fewer steps, or empty
+  std::shared_ptr<const Skin> skin;  ///< body of the vertex loss, over the set's skeleton; or null
+  std::filesystem::path weights;     ///< of a network trained elsewhere: nothing is trained; or empty
+  int threads = 1;                   ///< shards that are worked on at once
   std::function<bool()> stop = [] { return false; };  ///< asked between steps
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
   std::function<void(double)> resumed = [](double) {};  ///< told the seconds of the runs that it goes on from
@@ -37,6 +40,7 @@ struct TrainingCost {
   std::int64_t steps = 0;
   std::int64_t parameters = 0;
 };
-Expected<TrainingCost> MeasureCost(const TrainingSet& set, const NetworkOptions& options, int threads);
+Expected<TrainingCost> MeasureCost(const TrainingSet& set, const NetworkOptions& options,
+                                   std::shared_ptr<const Skin> skin, int threads);
 
 }  // namespace mocurate

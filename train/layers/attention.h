@@ -1,0 +1,39 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include "train/layers/dropout.h"
+
+namespace mocurate {
+
+/// Multi-head attention (Vaswani et al. 2017) with PyTorch's parameter names: in_proj_weight (3E,E), in_proj_bias (3E),
+/// out_proj. Sequences come first: (T,B,E).
+struct AttentionImpl : torch::nn::Module {
+  AttentionImpl(std::int64_t width, std::int64_t heads);
+
+  /// `x` (T,B,E) attends to itself. `padded` (B,T) bool, or undefined; `causal`: to itself and what is before it.
+  torch::Tensor ToItself(const torch::Tensor& x, const torch::Tensor& padded, bool causal, Dropout& dropout);
+
+  /// `x` (T,B,E) attends to `memory` (S,B,E). With one entry its weight is 1: no query and no key is needed, and
+  /// dropout zeroes a head at a frame (a2m_actor.md C.2).
+  torch::Tensor To(const torch::Tensor& memory, const torch::Tensor& x, Dropout& dropout);
+
+  /// One frame more, (1,B,E), that attends to all before it; `seen` keeps their keys and values (t,B,E).
+  struct Seen {
+    torch::Tensor key, value;
+  };
+  torch::Tensor Next(const torch::Tensor& x, Seen& seen);
+
+  torch::Tensor in_proj_weight, in_proj_bias;
+  torch::nn::Linear out_proj{nullptr};
+
+ private:
+  /// Rows [part E, (part + count) E) of the input projection.
+  torch::Tensor Project(const torch::Tensor& x, std::int64_t part, std::int64_t count) const;
+  torch::Tensor Weighted(const torch::Tensor& query, const torch::Tensor& key, const torch::Tensor& value,
+                         const torch::Tensor& hidden, Dropout& dropout);
+  std::int64_t width_, heads_;
+};
+TORCH_MODULE(Attention);
+
+}  // namespace mocurate

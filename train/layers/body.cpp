@@ -1,0 +1,132 @@
+#include "train/layers/body.h"
+
+namespace mocurate {
+namespace {
+
+using torch::Tensor;
+
+constexpr std::int64_t kFramesAtOnce = 32;  // whose vertices stand in memory
+
+Tensor PointsOf(const std::vector<Vector3d>& points) {
+  const Tensor tensor = torch::empty({static_cast<std::int64_t>(points.size()), 3}, torch::kFloat64);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (int k = 0; k < 3; ++k) tensor.data_ptr<double>()[3 * i + static_cast<std::size_t>(k)] = points[i][k];
+  }
+  return tensor;
+}
+
+std::vector<Vector3d> OffsetsOf(const std::vector<Vector3d>& joints, const std::vector<int>& parents) {
+  std::vector<Vector3d> offsets(joints.size(), Vector3d::Zero());
+  for (std::size_t j = 1; j < joints.size(); ++j) offsets[j] = joints[j] - joints[static_cast<std::size_t>(parents[j])];
+  return offsets;
+}
+
+/// A scalar whose gradient by its inputs is known already.
+struct Known : torch::autograd::Function<Known> {
+  static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& rotation, const Tensor& translation,
+                        const Tensor& value, const Tensor& by_rotation, const Tensor& by_translation) {
+    (void)rotation, (void)translation;
+    context->save_for_backward({by_rotation, by_translation});
+    return value.clone();
+  }
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 torch::autograd::variable_list gradient) {
+    const auto saved = context->get_saved_variables();
+    const Tensor by_translation = saved[1].defined() ? saved[1] * gradient[0] : Tensor();
+    return {saved[0] * gradient[0], by_translation, Tensor(), Tensor(), Tensor()};
+  }
+};
+
+}  // namespace
+
+BodyTree::BodyTree(std::vector<int> parents, const std::vector<Vector3d>& rest_offset)
+    : parents_(std::move(parents)), rest_offset_(PointsOf(rest_offset).to(torch::kFloat32)) {}
+
+BodyTree::Posed BodyTree::Pose(const Tensor& rotation, const Tensor& offsets) const {
+  const std::int64_t J = joint_count();
+  const Tensor rest = rest_offset_.to(rotation.device());
+  std::vector<Tensor> global(static_cast<std::size_t>(J)), place(static_cast<std::size_t>(J));
+  global[0] = rotation.select(1, 0);
+  place[0] = torch::zeros({rotation.size(0), 3}, rotation.options());
+  for (std::int64_t j = 1; j < J; ++j) {
+    const auto at = static_cast<std::size_t>(j), parent = static_cast<std::size_t>(parents_[at]);
+    global[at] = torch::bmm(global[parent], rotation.select(1, j));
+    const Tensor along = offsets.defined() ? torch::bmm(global[parent], offsets.select(1, j).unsqueeze(2)).squeeze(2)
+                                           : torch::matmul(global[parent], rest[j]);
+    place[at] = place[parent] + along;
+  }
+  return {torch::stack(global, 1), torch::stack(place, 1)};
+}
+
+SkinnedBody::SkinnedBody(const Skin& skin, const std::vector<int>& parents)
+    : tree_(parents, OffsetsOf(skin.joints, parents)), vertex_count_(static_cast<std::int64_t>(skin.vertices.size())) {
+  const std::int64_t V = vertex_count_, J = tree_.joint_count();
+  const Tensor vertices = PointsOf(skin.vertices), joints = PointsOf(skin.joints);
+  const Tensor weights = torch::from_blob(const_cast<double*>(skin.weights.data()), {V, J}, torch::kFloat64).clone();
+  root_ = joints[0].to(torch::kFloat32);
+  vertices_ = vertices.to(torch::kFloat32);
+  joints_ = joints.to(torch::kFloat32);
+  weights_ = weights.to(torch::kFloat32);
+  if (!skin.pose_blending.empty()) {
+    blending_ = torch::from_blob(const_cast<double*>(skin.pose_blending.data()), {3 * V, 9 * (J - 1)}, torch::kFloat64)
+                    .to(torch::kFloat32);
+    return;
+  }
+  // Row v: for each joint w_j (v - J_j) and w_j, by which its transform's columns count.
+  const Tensor from_joint = vertices.unsqueeze(1) - joints.unsqueeze(0);  // (V,J,3)
+  const Tensor rows =
+      (torch::cat({from_joint, torch::ones({V, J, 1}, torch::kFloat64)}, 2) * weights.unsqueeze(2)).view({V, 4 * J});
+  gram_ = torch::mm(rows.t(), rows).to(torch::kFloat32);
+}
+
+Tensor SkinnedBody::Vertices(const Tensor& rotation) const {
+  const std::int64_t N = rotation.size(0), V = vertex_count_, J = tree_.joint_count();
+  const BodyTree::Posed posed = tree_.Pose(rotation);
+  Tensor rest = vertices_.unsqueeze(0).expand({N, V, 3});
+  if (blending_.defined()) {
+    const Tensor away = (rotation.slice(1, 1) - torch::eye(3, rotation.options())).reshape({N, 9 * (J - 1)});
+    rest = rest + torch::mm(away, blending_.t()).view({N, V, 3});
+  }
+  // v' = (sum of w_j G_j) v + sum of w_j (p_j - G_j J_j)
+  const Tensor shift = posed.joints - torch::matmul(posed.rotation, joints_.unsqueeze(2)).squeeze(3);  // (N,J,3)
+  const Tensor turn = torch::matmul(weights_, posed.rotation.reshape({N, J, 9})).view({N, V, 3, 3});
+  return torch::matmul(turn, rest.unsqueeze(3)).squeeze(3) + torch::matmul(weights_, shift) + root_;
+}
+
+Tensor SkinnedBody::SquaredDistance(const Tensor& rotation, const Tensor& other, const Tensor& translation,
+                                    const Tensor& weight) const {
+  if (blending_.defined()) return ByVertices(rotation, other, translation, weight);
+  const std::int64_t N = rotation.size(0), J = tree_.joint_count();
+  const BodyTree::Posed a = tree_.Pose(rotation), b = tree_.Pose(other);
+  Tensor apart = a.joints - b.joints;  // (N,J,3)
+  if (translation.defined()) apart = apart + translation.unsqueeze(1);
+  const Tensor columns = torch::cat({a.rotation - b.rotation, apart.unsqueeze(3)}, 3);  // (N,J,3,4)
+  const Tensor rows = columns.permute({0, 2, 1, 3}).reshape({3 * N, 4 * J});            // of x, y, z
+  return ((torch::mm(rows, gram_) * rows).view({N, -1}).sum(1) * weight).sum();
+}
+
+Tensor SkinnedBody::ByVertices(const Tensor& rotation, const Tensor& other, const Tensor& translation,
+                               const Tensor& weight) const {
+  const bool differentiable = torch::GradMode::is_enabled() && rotation.requires_grad();
+  const std::int64_t N = rotation.size(0);
+  Tensor value = torch::zeros({}), by_rotation = torch::zeros_like(rotation);
+  Tensor by_translation = translation.defined() ? torch::zeros_like(translation) : Tensor();
+  for (std::int64_t begin = 0; begin < N; begin += kFramesAtOnce) {
+    const std::int64_t end = std::min(N, begin + kFramesAtOnce);
+    const auto part = [&](const Tensor& x) { return x.detach().slice(0, begin, end); };
+    const Tensor turned = part(rotation).clone().requires_grad_(differentiable);
+    const Tensor moved = translation.defined() ? part(translation).clone().requires_grad_(differentiable) : Tensor();
+    Tensor apart = Vertices(turned) - Vertices(part(other));
+    if (moved.defined()) apart = apart + moved.unsqueeze(1);
+    const Tensor sum = (apart.square().sum({1, 2}) * part(weight)).sum();
+    value += sum.detach();
+    if (!differentiable) continue;
+    const auto gradient = torch::autograd::grad({sum}, moved.defined() ? torch::autograd::variable_list{turned, moved}
+                                                                       : torch::autograd::variable_list{turned});
+    by_rotation.slice(0, begin, end).copy_(gradient[0]);
+    if (moved.defined()) by_translation.slice(0, begin, end).copy_(gradient[1]);
+  }
+  return differentiable ? Known::apply(rotation, translation, value, by_rotation, by_translation) : value;
+}
+
+}  // namespace mocurate

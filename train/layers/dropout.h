@@ -1,0 +1,25 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include "train/layers/draws.h"
+
+namespace mocurate {
+
+/// Leaves out numbers of one shard of a training step, each with chance `rate`, and scales the others by 1/(1 - rate).
+/// The mask is keyed by seed, step, shard and the position of the call: the same whatever ran before.
+class Dropout {
+ public:
+  /// Leaves nothing out.
+  Dropout() = default;
+  Dropout(const Draws& draws, double rate) : draws_(&draws), rate_(rate) {}
+
+  torch::Tensor operator()(const torch::Tensor& x);
+
+ private:
+  const Draws* draws_ = nullptr;
+  double rate_ = 0.0;
+  int calls_ = 0;
+};
+
+}  // namespace mocurate

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include "train/options.h"
+
+namespace mocurate {
+
+/// Rotation matrices (...,3,3) of ACTOR's representations (a2m_actor.md C.1), differentiable: (...,6) the first two
+/// rows, made orthogonal; (...,9); (...,4) w first; (...,3) rotation vectors. kJoints has none.
+torch::Tensor MatricesOf(const torch::Tensor& numbers, PoseChoice pose);
+
+/// The numbers of rotation matrices; not differentiable for quaternions and rotation vectors.
+torch::Tensor NumbersOf(const torch::Tensor& matrices, PoseChoice pose);
+
+/// Numbers of a joint's row.
+std::int64_t WidthOf(PoseChoice pose);
+
+}  // namespace mocurate

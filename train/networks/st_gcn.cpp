@@ -1,0 +1,138 @@
+#include "train/networks/st_gcn.h"
+
+#include "train/layers/rotations.h"
+
+namespace mocurate {
+
+using torch::Tensor;
+
+Tensor SpatialPartitions(const std::vector<int>& parents) {
+  const auto V = static_cast<std::int64_t>(parents.size());
+  const Tensor edges = torch::eye(V, torch::kFloat64);
+  auto linked = edges.accessor<double, 2>();
+  for (std::int64_t v = 0; v < V; ++v) {
+    const int parent = parents[static_cast<std::size_t>(v)];
+    if (parent >= 0) linked[v][parent] = linked[parent][v] = 1.0;
+  }
+  const Tensor normalised = edges / edges.sum(0, true);
+  const Tensor partitions = torch::zeros({3, V, V}, torch::kFloat64);
+  auto part = partitions.accessor<double, 3>();
+  auto weight = normalised.accessor<double, 2>();
+  const auto hops = [&](std::int64_t v) { return v == 0 ? 0 : linked[v][0] > 0.0 ? 1 : 2; };  // 2: farther than one
+  for (std::int64_t j = 0; j < V; ++j) {
+    for (std::int64_t i = 0; i < V; ++i) part[j == i ? 0 : hops(j) >= hops(i) ? 1 : 2][j][i] = weight[j][i];
+  }
+  return partitions.to(torch::kFloat32);
+}
+
+StGcnBlockImpl::StGcnBlockImpl(std::int64_t input, std::int64_t output, std::int64_t stride, bool adds)
+    : output_(output), adds_input_(adds && input == output && stride == 1) {
+  constexpr std::int64_t kFrames = 9;
+  conv = torch::nn::Conv2d(torch::nn::Conv2dOptions(input, 3 * output, 1));
+  auto gcn = std::make_shared<torch::nn::Module>();
+  gcn->register_module("conv", conv);
+  register_module("gcn", gcn);
+  tcn = torch::nn::Sequential(
+      torch::nn::BatchNorm2d(output), torch::nn::ReLU(),
+      torch::nn::Conv2d(
+          torch::nn::Conv2dOptions(output, output, {kFrames, 1}).stride({stride, 1}).padding({kFrames / 2, 0})),
+      torch::nn::BatchNorm2d(output));
+  register_module("tcn", tcn);
+  if (!adds || adds_input_) return;
+  residual = torch::nn::Sequential(torch::nn::Conv2d(torch::nn::Conv2dOptions(input, output, 1).stride({stride, 1})),
+                                   torch::nn::BatchNorm2d(output));
+  register_module("residual", residual);
+}
+
+Tensor StGcnBlockImpl::forward(const Tensor& x, const Tensor& adjacency) {
+  const std::int64_t B = x.size(0), T = x.size(2), V = x.size(3);
+  const Tensor parts = conv->forward(x).view({B, 3, output_, T, V}).permute({0, 2, 3, 1, 4});           // (B,C',T,3,V)
+  const Tensor sum = torch::matmul(parts.reshape({B, output_, T, 3 * V}), adjacency.view({3 * V, V}));  // (B,C',T,V)
+  Tensor y = tcn->forward(sum);
+  if (adds_input_) y = y + x;
+  if (residual) y = y + residual->forward(x);
+  return torch::relu(y);
+}
+
+StGcn::StGcn(const StGcnOptions& options, const LearningOptions& learning, const NetworkSizes& sizes)
+    : learning_rate_(learning.learning_rate),
+      weight_decay_(learning.weight_decay),
+      global_orientation_(options.global_orientation) {
+  constexpr std::int64_t kChannels[] = {64, 64, 64, 64, 128, 128, 128, 256, 256, 256};
+  std::vector<int> parents = sizes.parents;
+  if (!global_orientation_) {
+    parents.erase(parents.begin());
+    for (int& parent : parents) --parent;
+  }
+  joints_ = static_cast<std::int64_t>(parents.size());
+  partitions_ = SpatialPartitions(parents);
+  data_bn = register_module("data_bn", torch::nn::BatchNorm1d(6 * joints_));
+  torch::nn::ModuleList list;
+  std::int64_t input = 6;
+  for (const std::int64_t channels : kChannels) {
+    blocks_.emplace_back(input, channels, input != channels && input != 6 ? 2 : 1, !blocks_.empty());
+    list->push_back(blocks_.back());
+    input = channels;
+  }
+  register_module("st_gcn_networks", list);
+  auto importance = std::make_shared<torch::nn::Module>();
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    edge_importance_.push_back(importance->register_parameter(std::to_string(i), torch::ones({3, joints_, joints_})));
+  }
+  register_module("edge_importance", importance);
+  fcn = register_module("fcn", torch::nn::Conv2d(torch::nn::Conv2dOptions(input, sizes.classes, 1)));
+}
+
+std::vector<OptimiserGroup> StGcn::Groups() {
+  OptimiserGroup group;
+  group.name = "adamw";
+  group.parameters = parameters();
+  group.rule = OptimiserGroup::Rule::kAdamW;
+  group.learning_rate = learning_rate_;
+  group.weight_decay = weight_decay_;
+  return {group};
+}
+
+Tensor StGcn::InputOf(const Batch& batch) const {
+  if (batch.features.defined()) return batch.features;
+  const Tensor rotation = global_orientation_ ? batch.rotation : batch.rotation.slice(2, 1);
+  return NumbersOf(rotation, PoseChoice::kRotation6D).view({batch.frames(), batch.size(), 6 * joints_});
+}
+
+StGcn::Heads StGcn::Run(const Tensor& frames) {
+  const std::int64_t T = frames.size(0), B = frames.size(1), V = joints_;
+  const Tensor channels = data_bn->forward(frames.permute({1, 2, 0}).contiguous());  // (B,6V,T), joint-major
+  Tensor x = channels.view({B, V, 6, T}).permute({0, 2, 3, 1}).contiguous();         // (B,6,T,V)
+  const Tensor adjacency = partitions_.to(frames.device());
+  for (std::size_t i = 0; i < blocks_.size(); ++i) x = blocks_[i]->forward(x, adjacency * edge_importance_[i]);
+  const Tensor features = x.mean({2, 3});  // (B,256)
+  return {features, fcn->forward(features.view({B, features.size(1), 1, 1})).view({B, -1})};
+}
+
+Losses StGcn::Loss(const Batch& batch, Draws& /*draws*/, int /*phase*/) {
+  train();
+  const Heads heads = Run(InputOf(batch));
+  const Tensor log_probability = torch::log_softmax(heads.logits, 1);
+  const double whole = static_cast<double>(batch.whole);
+  Losses losses;
+  losses.total = -log_probability.gather(1, batch.label.unsqueeze(1)).sum() / whole;
+  const Tensor right = (heads.logits.argmax(1) == batch.label).to(torch::kFloat32).sum() / whole;
+  losses.terms = {{"loss", losses.total}, {"accuracy", right}};
+  losses.outputs = {{"logits", heads.logits}, {"features", heads.features}};
+  return losses;
+}
+
+ValidationScore StGcn::Validate(const Batch& batch) {
+  eval();
+  const Tensor logits = Run(InputOf(batch)).logits;
+  const Tensor of_label = torch::log_softmax(logits, 1).gather(1, batch.label.unsqueeze(1));
+  return {(logits.argmax(1) == batch.label).sum().item<double>(), -of_label.to(torch::kFloat64).sum().item<double>()};
+}
+
+NamedTensors StGcn::Parts(const NamedTensors& inputs) {
+  eval();
+  const Heads heads = Run(inputs.at("rotation_6d"));
+  return {{"features", heads.features}, {"logits", heads.logits}};
+}
+
+}  // namespace mocurate
