@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/random.h"
+#include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "tests/train/chains.h"
 
@@ -55,6 +56,29 @@ inline Dataset ToyDataset(int clips_per_person_and_class) {
     (dataset.clips[row].identity.person == "p3" ? split.test : split.train).push_back(static_cast<int>(row));
   }
   dataset.splits = {split};
+  return dataset;
+}
+
+/// The same with rotations: the arm turns, the others stand still.
+inline Dataset TurningDataset(int clips_per_person_and_class) {
+  Dataset dataset = ToyDataset(clips_per_person_and_class);
+  dataset.joints_only = false;
+  for (Clip& clip : dataset.clips) {
+    const JointPositions& joints = clip.motion->joints;
+    std::vector<Vector3d> root;
+    std::vector<Quaterniond> rotation(static_cast<std::size_t>(joints.frames) * 5, Quaterniond::Identity());
+    std::vector<double> lengths(5, 0.0);
+    for (int j = 1; j < 5; ++j) {
+      lengths[static_cast<std::size_t>(j)] =
+          (joints.at(0, j) - joints.at(0, dataset.skeleton->joints[static_cast<std::size_t>(j)].parent)).norm();
+    }
+    for (int f = 0; f < joints.frames; ++f) {
+      root.emplace_back(joints.at(f, 0));
+      rotation[static_cast<std::size_t>(5 * f + 1)] =
+          SwingBetween(Vector3d(0, 1, 0), joints.at(f, 2) - joints.at(f, 1));
+    }
+    clip.motion = MakeMotion(dataset.skeleton, clip.rate, std::move(root), std::move(rotation), std::move(lengths));
+  }
   return dataset;
 }
 

@@ -19,8 +19,9 @@
 namespace mocurate {
 namespace {
 
-constexpr NetworkKind kAllKinds[] = {NetworkKind::kGruRecogniser, NetworkKind::kAction2Motion, NetworkKind::kCondGru,
-                                     NetworkKind::kActMoCoGan, NetworkKind::kTwoStageGan};
+constexpr NetworkKind kAllKinds[] = {NetworkKind::kGruRecogniser, NetworkKind::kStGcn,      NetworkKind::kAction2Motion,
+                                     NetworkKind::kCondGru,       NetworkKind::kActMoCoGan, NetworkKind::kTwoStageGan,
+                                     NetworkKind::kActor};
 
 class Trainer : public testing::Test {
  protected:
@@ -57,47 +58,52 @@ NetworkOptions Small(NetworkKind kind) {
   options.action2motion.latent = options.act_mocogan.latent = options.two_stage_gan.latent = 4;
   options.two_stage_gan.pose_hidden = options.two_stage_gan.motion_hidden = 16;
   options.two_stage_gan.critic_steps = 2;
+  options.actor.latent = 16;
+  options.actor.layers = 2;
+  options.actor.feed_forward = 24;
+  options.data.longest_frames = kind == NetworkKind::kActor ? 16 : 0;
   return options;
 }
 
-const TrainingSet& Toy() {
+const TrainingSet& Toy(NetworkKind kind = NetworkKind::kAction2Motion) {
   static const TrainingSet set = PackTrainingSet(ToyDataset(3));
-  return set;
+  static const TrainingSet turning = PackTrainingSet(TurningDataset(3), true);
+  return NetworkOptions(kind).NeedsRotations() ? turning : set;
 }
 
 class EveryNetwork : public Trainer, public testing::WithParamInterface<NetworkKind> {};
 
 TEST_P(EveryNetwork, GivesTheSameBytesAgainAndWithMoreThreads) {
   const NetworkOptions options = Small(GetParam());
-  const std::string once = BytesOf(TrainNetwork(Toy(), options, {}));
+  const std::string once = BytesOf(TrainNetwork(Toy(GetParam()), options, {}));
   TrainingControl threads;
   threads.threads = 3;
-  EXPECT_EQ(once, BytesOf(TrainNetwork(Toy(), options, threads)));
+  EXPECT_TRUE(once == BytesOf(TrainNetwork(Toy(GetParam()), options, threads)));
   NetworkOptions other = options;
   other.seeds = {5};
-  EXPECT_NE(once, BytesOf(TrainNetwork(Toy(), other, {})));
+  EXPECT_FALSE(once == BytesOf(TrainNetwork(Toy(GetParam()), other, {})));
 }
 
 TEST_P(EveryNetwork, StoppedAnywhereGoesOnBitForBit) {
   NetworkOptions options = Small(GetParam());
   options.learning.save_every = 4;
-  const std::string straight = BytesOf(TrainNetwork(Toy(), options, {}));
+  const std::string straight = BytesOf(TrainNetwork(Toy(GetParam()), options, {}));
   for (const int stop_at : {1, 5, 9}) {
     TrainingControl control;
     control.scratch = folder_ / ("scratch" + std::to_string(stop_at));
     int asked = 0;
     control.stop = [&] { return ++asked == stop_at + 1; };
-    const Expected<Checkpoint> stopped = TrainNetwork(Toy(), options, control);
+    const Expected<Checkpoint> stopped = TrainNetwork(Toy(GetParam()), options, control);
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::kInterrupted);
-    EXPECT_EQ(straight, BytesOf(TrainNetwork(Toy(), options, control))) << "stopped after " << stop_at;
+    EXPECT_TRUE(straight == BytesOf(TrainNetwork(Toy(GetParam()), options, control))) << "stopped after " << stop_at;
   }
 }
 
 TEST_P(EveryNetwork, AnswersRequestsOneByOneAsByHundreds) {
   const NetworkOptions options = Small(GetParam());
   if (!GeneratesMotions(GetParam())) return;
-  const Expected<Checkpoint> trained = TrainNetwork(Toy(), options, {});
+  const Expected<Checkpoint> trained = TrainNetwork(Toy(GetParam()), options, {});
   ASSERT_TRUE(trained) << trained.error().Message();
   ASSERT_TRUE(WriteCheckpoint(*trained, folder_ / "generator.h5"));
   const auto generator = MotionGenerator::Load(folder_ / "generator.h5");
@@ -123,7 +129,9 @@ TEST_P(EveryNetwork, AnswersRequestsOneByOneAsByHundreds) {
   ASSERT_TRUE(set) << set.error().Message();
   EXPECT_EQ(set->clips[37].label, "quick");
   EXPECT_TRUE(WriteDataset(*set, folder_ / "motions.h5"));
-  if (GetParam() == NetworkKind::kAction2Motion) {
+  EXPECT_EQ(set->joints_only, GetParam() != NetworkKind::kActor);
+  EXPECT_TRUE(set->joints_only || set->clips[37].motion->Check());
+  if (GetParam() == NetworkKind::kAction2Motion || GetParam() == NetworkKind::kActor) {
     const Motion& motion = *set->clips[37].motion;
     EXPECT_NEAR((motion.joints.at(5, 2) - motion.joints.at(5, 1)).norm(), 0.25 + 0.037, 1e-5);
   }
@@ -277,8 +285,10 @@ TEST_F(Trainer, ClipsOfOneFrameAndMotionsThatStandStillTrain) {
     motion.joints = still;
   }
   const TrainingSet set = PackTrainingSet(dataset);
+  TrainingSet turning = Toy(NetworkKind::kActor);
+  for (std::size_t i = 0; i < turning.clips.size(); i += 2) turning.clips[i].frames = 1;
   for (const NetworkKind kind : kAllKinds) {
-    const auto trained = TrainNetwork(set, Small(kind), {});
+    const auto trained = TrainNetwork(NetworkOptions(kind).NeedsRotations() ? turning : set, Small(kind), {});
     EXPECT_TRUE(trained) << trained.error().Message();
   }
 }

@@ -43,7 +43,7 @@ Tensor Actor::FramesOf(const Batch& batch) const {
     place.slice(3, 0, 3).copy_((batch.motion.slice(2, 0, 3) - batch.motion[0].slice(1, 0, 3)).unsqueeze(2));
     rows = torch::cat({rows, place}, 2);  // (T,B,J+1,W)
   }
-  const Tensor frames = rows.view({T, B, rows_ * width_});
+  const Tensor frames = rows.reshape({T, B, rows_ * width_});
   return batch.valid.defined() ? frames * batch.valid.unsqueeze(2) : frames;
 }
 

@@ -96,7 +96,7 @@ std::vector<OptimiserGroup> StGcn::Groups() {
 Tensor StGcn::InputOf(const Batch& batch) const {
   if (batch.features.defined()) return batch.features;
   const Tensor rotation = global_orientation_ ? batch.rotation : batch.rotation.slice(2, 1);
-  return NumbersOf(rotation, PoseChoice::kRotation6D).view({batch.frames(), batch.size(), 6 * joints_});
+  return NumbersOf(rotation, PoseChoice::kRotation6D).reshape({batch.frames(), batch.size(), 6 * joints_});
 }
 
 StGcn::Heads StGcn::Run(const Tensor& frames) {

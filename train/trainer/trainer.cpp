@@ -267,7 +267,8 @@ class Training {
 
   /// The batch in parts, of which each has a thread.
   std::vector<Batch> ShardsOf(const Batch& batch) const {
-    const std::int64_t shards = std::min(options_.learning.shards, batch.size());
+    const bool whole = options_.kind == NetworkKind::kStGcn;  // its statistics are of the whole batch
+    const std::int64_t shards = whole ? 1 : std::min(options_.learning.shards, batch.size());
     std::vector<Batch> parts;
     for (std::int64_t s = 0; s < shards; ++s) {
       const std::int64_t begin = batch.size() * s / shards, end = batch.size() * (s + 1) / shards;
