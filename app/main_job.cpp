@@ -409,7 +409,7 @@ class MainJob {
     }
     if (first == networks_.end()) return {};
     Evaluation evaluation;
-    evaluation.extractor = OwnExtractor(OptionsOf(*first).data);
+    evaluation.extractor = OwnExtractor(OptionsOf(*first));
     evaluation.weights = first->checkpoint;
     evaluation.draw = options_.evaluate.draw();
     evaluation.metrics = options_.evaluate.metrics();
@@ -453,9 +453,14 @@ class MainJob {
   }
 
   /// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.
-  static ExtractorOptions OwnExtractor(const TrainingDataOptions& data) {
+  static ExtractorOptions OwnExtractor(const NetworkOptions& network) {
+    const TrainingDataOptions& data = network.data;
     ExtractorOptions extractor;
     extractor.name = "own";
+    if (network.kind == NetworkKind::kStGcn) {
+      extractor.network = ExtractorNetwork::kStGcn;
+      extractor.values = ExtractorValues::kRotation6DRows;
+    }
     extractor.frames = data.frames;
     extractor.length = data.input == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
     return extractor;
@@ -469,7 +474,7 @@ class MainJob {
       const NetworkOptions& own = OptionsOf(network);
       if (GeneratesMotions(own.kind)) continue;
       FeaturesOptions options;
-      options.extractor = OwnExtractor(own.data);
+      options.extractor = OwnExtractor(own);
       options.part = RealPart::kTest;
       options.split = options_.evaluate.split.empty() ? own.data.split : options_.evaluate.split;
       const bool unfitted = own.trained_on == TrainingSetChoice::kUnfitted;

@@ -68,12 +68,17 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
   }
   const auto checkpoint = DescribeCheckpoint(path);
   if (!checkpoint) return Forward(checkpoint);
-  if (checkpoint->at("network") != "gru_recogniser") {
+  const bool graph = checkpoint->at("network") == "st_gcn";
+  if (!graph && checkpoint->at("network") != "gru_recogniser") {
     return Fail(ErrorCode::kUsage, "the checkpoint is of '" + checkpoint->at("network").get<std::string>() + "'",
                 DisplayPath(path), "a recogniser gives features: checkpoints/recogniser_*.h5 of a run");
   }
   ExtractorOptions options;
   options.name = "own";
+  if (graph) {
+    options.network = ExtractorNetwork::kStGcn;
+    options.values = ExtractorValues::kRotation6DRows;
+  }
   options.weights = path.string();
   options.classes = checkpoint->at("labels").get<std::vector<std::string>>();
   if (checkpoint->at("skeleton").is_object())
@@ -87,11 +92,6 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
 }
 
 Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
-  if (extractor.network != ExtractorNetwork::kGru) {
-    return Fail(ErrorCode::kMissingOnHost,
-                "extractor '" + extractor.name + "' needs an ST-GCN, which this version does not have",
-                extractor.weights, "score with a GRU extractor: --extractor, or another protocol");
-  }
   std::error_code unknown;
   if (fs::is_regular_file(extractor.weights, unknown)) return fs::path(extractor.weights);
   const char* folder = std::getenv("MOCURATE_WEIGHTS");

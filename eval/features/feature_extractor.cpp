@@ -35,6 +35,11 @@ void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
   extractor.rules.skeleton = recogniser.skeleton();
   extractor.rules.frames = recogniser.input_frames();
   extractor.rules.length = options.length;
+  if (recogniser.reads_rotations()) {
+    options.network = ExtractorNetwork::kStGcn;
+    options.values = extractor.rules.values = ExtractorValues::kRotation6DRows;
+    extractor.rules.root_rotation = recogniser.input_size() == 6 * recogniser.skeleton()->joint_count();
+  }
   if (options.name.empty()) options.name = "own";
 }
 
@@ -55,9 +60,10 @@ int HighestOfTrunk(const Skeleton& skeleton) {
 
 Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::filesystem::path& weights) {
   const std::string where = DisplayPath(weights);
-  if (options.network != ExtractorNetwork::kGru || options.values != ExtractorValues::kJoints) {
-    return Fail(ErrorCode::kUnsupported, "extractor '" + options.name + "' is an ST-GCN, which is not built in", where,
-                "score with a GRU extractor: --extractor, or another protocol");
+  const bool graph = options.network == ExtractorNetwork::kStGcn;
+  if (graph != (options.values == ExtractorValues::kRotation6DRows)) {
+    return Fail(ErrorCode::kUnsupported, "extractor '" + options.name + "' reads what its network does not", where,
+                "a GRU reads joints, an ST-GCN rotation_6d_rows");
   }
   Extractor extractor;
   extractor.options = options;
@@ -71,10 +77,11 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
     extractor.recogniser = std::move(*own);
     return extractor;
   }
-  auto published = Recogniser::LoadPublished(weights);
-  if (!published) return Forward(published);
   Expected<InputRules> rules = RulesOf(options);
   if (!rules) return Forward(rules);
+  auto published = Recogniser::LoadPublished(weights, graph ? rules->skeleton.get() : nullptr);
+  if (!published) return Forward(published);
+  if (graph) rules->root_rotation = (*published)->input_size() == 6 * rules->skeleton->joint_count();
   const Recogniser& network = **published;
   if (network.input_size() != rules->size()) {
     return Fail(ErrorCode::kInconsistent,
@@ -114,6 +121,11 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
     auto found = JointsFor(*rules.skeleton, *motion->skeleton);
     if (!found) return Forward(found);
     joints[motion->skeleton.get()] = std::move(*found);
+  }
+  for (std::size_t i = 0; rules.values != ExtractorValues::kJoints && i < motions.size(); ++i) {
+    Status rotations = CheckRotations(*rules.skeleton, joints.at(motions[i]->skeleton.get()), *motions[i]);
+    if (rotations) continue;
+    return Fail(rotations.error().code, rotations.error().what, clips[i], rotations.error().hint);
   }
   RecogniserHidden hidden;
   hidden.kind = pass.hidden;

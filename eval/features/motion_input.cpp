@@ -1,6 +1,7 @@
 #include "eval/features/motion_input.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/geometry/axes.h"
 #include "core/motion/operations.h"
@@ -47,6 +48,7 @@ Expected<InputRules> RulesOf(const ExtractorOptions& options) {
   rules.length = options.length;
   rules.padding = options.padding;
   rules.read_out = options.read_out;
+  rules.values = options.values;
   return rules;
 }
 
@@ -66,8 +68,46 @@ Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& mo
               "score motions of skeleton '" + network.name + "', or fit it: mocurate fit --skeleton " + network.name);
 }
 
+Status CheckRotations(const Skeleton& network, const std::vector<int>& joints, const Motion& motion) {
+  if (motion.joints_only()) {
+    return Fail(ErrorCode::kInconsistent, "the motion has joints alone, the extractor reads rotations", network.name,
+                "fit it (mocurate fit), or score with an extractor of joints");
+  }
+  for (std::size_t k = 1; k < joints.size(); ++k) {
+    const int parent = motion.skeleton->joints[static_cast<std::size_t>(joints[k])].parent;
+    if (parent == joints[static_cast<std::size_t>(network.joints[k].parent)]) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "joint '" + network.joints[k].name + "' hangs on another joint in skeleton '" + motion.skeleton->name +
+                    "': its rotation is another one",
+                network.name, "score motions of skeleton '" + network.name + "'");
+  }
+  return {};
+}
+
+namespace {
+
+int WriteRotations(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, int begin,
+                   float* values) {
+  const int last = motion.frame_count() - 1;
+  const Matrix3d turn = rules.unit_from_metres / std::cbrt(std::abs(rules.unit_from_metres.determinant()));
+  for (int f = 0; f < rules.frames; ++f) {
+    const int frame = std::min(begin + f, last);
+    for (std::size_t k = rules.root_rotation ? 0 : 1; k < joints.size(); ++k) {
+      Matrix3d rotation = motion.rotation_at(frame, joints[k]).toRotationMatrix();
+      if (k == 0) rotation = turn * rotation;
+      for (const double value : Matrix6D(rotation, Rotation6D::kRows)) *values++ = static_cast<float>(value);
+    }
+  }
+  return rules.frames;
+}
+
+}  // namespace
+
 int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
                      CropStart start, Random& random, float* values) {
+  if (rules.values != ExtractorValues::kJoints) {
+    return WriteRotations(rules, joints, motion, FirstFrame(motion.frame_count(), rules.frames, start, random), values);
+  }
   const bool whole = rules.length == LengthRule::kResample;
   const JointPositions resampled = whole ? Resampled(motion, rules.frames) : JointPositions();
   const JointPositions& source = whole ? resampled : motion.joints;

@@ -24,8 +24,13 @@ struct InputRules {
   LengthRule length = LengthRule::kCrop;
   PaddingRule padding = PaddingRule::kRepeatLast;
   ReadOut read_out = ReadOut::kLastFrame;
+  ExtractorValues values = ExtractorValues::kJoints;
+  bool root_rotation = true;  ///< of rotations: the root's is read too
 
-  int size() const { return 3 * skeleton->joint_count(); }
+  int size() const {
+    return values == ExtractorValues::kJoints ? 3 * skeleton->joint_count()
+                                              : 6 * (skeleton->joint_count() - (root_rotation ? 0 : 1));
+  }
 };
 
 /// Error kConfig, kNotFound for axes or a skeleton that there are not.
@@ -35,7 +40,11 @@ Expected<InputRules> RulesOf(const ExtractorOptions& options);
 /// motion lacks.
 Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& motion);
 
-/// One motion as the network reads it: writes (frames, 3J) float32 to `values`, and gives the frame after which the
+/// Whether rotations of the motion are those of the network's joints. Error kInconsistent: a motion of joints alone, a
+/// joint that hangs on another one.
+Status CheckRotations(const Skeleton& network, const std::vector<int>& joints, const Motion& motion);
+
+/// One motion as the network reads it: writes (frames, size()) float32 to `values`, and gives the frame after which the
 /// output counts.
 int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
                      CropStart start, Random& random, float* values);

@@ -1,9 +1,12 @@
 // ST-GCN agrees with the released network: features, logits, training loss, gradients, running statistics.
 
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "tests/train/network_parity.h"
+#include "train/checkpoint/checkpoint.h"
+#include "train/recognisers/recogniser.h"
 
 namespace mocurate {
 namespace {
@@ -76,6 +79,42 @@ TEST_P(StGcnGolden, FeaturesLossAndGradientsAreTheReleasedOnes) {
   ASSERT_TRUE(parts) << parts.error().Message();
   ExpectNear(parts->parts, "features", file.Floats(group + "/eval/features").values, 5e-6, group);
   ExpectNear(parts->parts, "logits", file.Floats(group + "/eval/yhat").values, 5e-6, group);
+
+  // What scoring runs, from a checkpoint.
+  Checkpoint checkpoint;
+  checkpoint.kind = kStGcnKind;
+  checkpoint.options = OptionsToJson(network.options);
+  for (int c = 0; c < network.classes; ++c) checkpoint.labels.push_back("class" + std::to_string(c));
+  auto skeleton = std::make_shared<Skeleton>();
+  for (int j = 0; j < 24; ++j) {
+    Joint joint;
+    joint.name = "j" + std::to_string(j);
+    joint.parent = network.parents[static_cast<std::size_t>(j)];
+    joint.mirror = j;
+    joint.rest_offset = Vector3d(0, j > 0 ? 0.1 : 0.0, 0);
+    skeleton->joints.push_back(joint);
+  }
+  skeleton->name = "tree";
+  checkpoint.skeleton = skeleton;
+  checkpoint.parameters = network.weights;
+  const auto path = std::filesystem::temp_directory_path() / ("mocurate_st_gcn_" + group + ".h5");
+  ASSERT_TRUE(WriteCheckpoint(checkpoint, path));
+  const auto recogniser = Recogniser::Load(path);
+  std::filesystem::remove(path);
+  ASSERT_TRUE(recogniser) << recogniser.error().Message();
+  EXPECT_TRUE((*recogniser)->reads_rotations());
+  std::vector<float> motions(frames.size());  // (B,T,6V)
+  for (std::size_t b = 0; b < B; ++b) {
+    for (std::size_t t = 0; t < T; ++t) {
+      std::copy_n(frames.begin() + static_cast<std::ptrdiff_t>((t * B + b) * R), R,
+                  motions.begin() + static_cast<std::ptrdiff_t>((b * T + t) * R));
+    }
+  }
+  const auto output =
+      (*recogniser)->Run(motions.data(), static_cast<int>(B), static_cast<int>(T), static_cast<int>(R), {}, {}, 2);
+  ASSERT_TRUE(output) << output.error().Message();
+  EXPECT_LE(WorstDifference(output->features, file.Floats(group + "/eval/features").values), 5e-6);
+  EXPECT_LE(WorstDifference(output->logits, file.Floats(group + "/eval/yhat").values), 5e-6);
 
   TraceBatch batch;
   batch.frames = static_cast<int>(T);

@@ -14,6 +14,7 @@ namespace mocurate {
 /// Kinds of networks that other programs ask for by name.
 inline constexpr const char* kGruRecogniserKind = "gru_recogniser";
 inline constexpr const char* kAction2MotionKind = "action2motion";
+inline constexpr const char* kStGcnKind = "st_gcn";
 
 /// What an optimiser remembers: moments of the parameters it has stepped, by their names.
 struct OptimiserState {

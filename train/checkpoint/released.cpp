@@ -19,6 +19,7 @@ NameMap NamesOfKind(const std::string& kind) {
     return {{"prior_net/", "prior."}, {"posterior_net/", "posterior."}, {"decoder/", "decoder."}};
   }
   if (kind == kGruRecogniserKind) return {{"model/", ""}};
+  if (kind == kStGcnKind) return {{"model/", ""}, {"", ""}};
   return {{"", ""}};  // a plain state_dict
 }
 

@@ -1,29 +1,11 @@
 #include "train/networks/st_gcn.h"
 
 #include "train/layers/rotations.h"
+#include "train/recognisers/st_gcn_pass.h"
 
 namespace mocurate {
 
 using torch::Tensor;
-
-Tensor SpatialPartitions(const std::vector<int>& parents) {
-  const auto V = static_cast<std::int64_t>(parents.size());
-  const Tensor edges = torch::eye(V, torch::kFloat64);
-  auto linked = edges.accessor<double, 2>();
-  for (std::int64_t v = 0; v < V; ++v) {
-    const int parent = parents[static_cast<std::size_t>(v)];
-    if (parent >= 0) linked[v][parent] = linked[parent][v] = 1.0;
-  }
-  const Tensor normalised = edges / edges.sum(0, true);
-  const Tensor partitions = torch::zeros({3, V, V}, torch::kFloat64);
-  auto part = partitions.accessor<double, 3>();
-  auto weight = normalised.accessor<double, 2>();
-  const auto hops = [&](std::int64_t v) { return v == 0 ? 0 : linked[v][0] > 0.0 ? 1 : 2; };  // 2: farther than one
-  for (std::int64_t j = 0; j < V; ++j) {
-    for (std::int64_t i = 0; i < V; ++i) part[j == i ? 0 : hops(j) >= hops(i) ? 1 : 2][j][i] = weight[j][i];
-  }
-  return partitions.to(torch::kFloat32);
-}
 
 StGcnBlockImpl::StGcnBlockImpl(std::int64_t input, std::int64_t output, std::int64_t stride, bool adds)
     : output_(output), adds_input_(adds && input == output && stride == 1) {
@@ -59,13 +41,10 @@ StGcn::StGcn(const StGcnOptions& options, const LearningOptions& learning, const
       weight_decay_(learning.weight_decay),
       global_orientation_(options.global_orientation) {
   constexpr std::int64_t kChannels[] = {64, 64, 64, 64, 128, 128, 128, 256, 256, 256};
-  std::vector<int> parents = sizes.parents;
-  if (!global_orientation_) {
-    parents.erase(parents.begin());
-    for (int& parent : parents) --parent;
-  }
+  const std::vector<int> parents = global_orientation_ ? sizes.parents : WithoutRoot(sizes.parents);
   joints_ = static_cast<std::int64_t>(parents.size());
-  partitions_ = SpatialPartitions(parents);
+  std::vector<float> partitions = SpatialPartitions(parents);
+  partitions_ = torch::from_blob(partitions.data(), {3, joints_, joints_}).clone();
   data_bn = register_module("data_bn", torch::nn::BatchNorm1d(6 * joints_));
   torch::nn::ModuleList list;
   std::int64_t input = 6;

@@ -8,11 +8,6 @@
 
 namespace mocurate {
 
-/// Adjacency of a tree of joints in three partitions, (3,V,V) float32, columns divided by the number of neighbours:
-/// itself; neighbours that are as far from joint 0 or farther; neighbours that are nearer. Distances beyond one bone
-/// count as equal, as released (a2m_actor.md D.1, F33). `parents` (V), -1 where a joint has none.
-torch::Tensor SpatialPartitions(const std::vector<int>& parents);
-
 /// A graph convolution, then one along time (Yan et al. 2018), with the names of the released code. x (B,C,T,V):
 ///
 ///   gcn.conv (C -> 3 C') - sum over partitions with A * edge importance - BN - ReLU - Conv(9 frames, stride) - BN

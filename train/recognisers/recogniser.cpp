@@ -1,6 +1,7 @@
 #include "train/recognisers/recogniser.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/base/file.h"
@@ -9,6 +10,7 @@
 #include "train/checkpoint/checkpoint.h"
 #include "train/checkpoint/released.h"
 #include "train/recognisers/gru_pass.h"
+#include "train/recognisers/st_gcn_pass.h"
 
 namespace mocurate {
 
@@ -21,11 +23,28 @@ struct Recogniser::Impl {
   RecogniserInputKind input = RecogniserInputKind::kCrop;
   int frames = 60;
   double rate_hz = 0.0;
+  std::optional<StGcnPass> graph;  ///< in the place of the GRU: `config` has its sizes
 };
 
 namespace {
 
 constexpr int kRecognisedAtOnce = 256;  // of the widths 64 to 512 the fastest
+constexpr int kGraphsAtOnce = 8;        // motions of an ST-GCN, which runs them one by one
+
+std::vector<int> ParentsOf(const Skeleton& skeleton) {
+  std::vector<int> parents;
+  for (const Joint& joint : skeleton.joints) parents.push_back(joint.parent);
+  return parents;
+}
+
+Status BuildGraph(const ParameterList& stored, const Skeleton& skeleton, const std::string& where,
+                  std::optional<StGcnPass>& graph, GruRecogniserConfig& config) {
+  Expected<StGcnPass> pass = StGcnPass::Make(stored, ParentsOf(skeleton), where);
+  if (!pass) return Forward(pass);
+  config = {6 * pass->joints(), pass->classes(), 0, 0, pass->features()};
+  graph = std::move(*pass);
+  return {};
+}
 
 Expected<int> Size(const ParameterList& parameters, const std::string& name, std::size_t axis,
                    const std::string& where) {
@@ -100,12 +119,22 @@ Recogniser::Recogniser(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Recogniser::~Recogniser() = default;
 
 Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::path& path) {
-  const Expected<Checkpoint> checkpoint = ReadCheckpoint(path, kGruRecogniserKind);
+  const Expected<Checkpoint> checkpoint = ReadCheckpoint(path);
   if (!checkpoint) return Forward(checkpoint);
   auto impl = std::make_unique<Impl>();
   const std::string where = DisplayPath(path);
-  if (Status built = Build(checkpoint->parameters, where, impl->config, impl->parameters); !built)
-    return Forward(built);
+  const bool graph = checkpoint->kind == kStGcnKind;
+  if (!graph && checkpoint->kind != kGruRecogniserKind) {
+    return Fail(ErrorCode::kInconsistent,
+                "the checkpoint holds a network of kind '" + checkpoint->kind + "', a recogniser is needed", where,
+                "give the checkpoint of a gru_recogniser or st_gcn");
+  }
+  if (graph && checkpoint->skeleton == nullptr) {
+    return Fail(ErrorCode::kMalformed, "the checkpoint names no skeleton", where, "train again");
+  }
+  Status built = graph ? BuildGraph(checkpoint->parameters, *checkpoint->skeleton, where, impl->graph, impl->config)
+                       : Build(checkpoint->parameters, where, impl->config, impl->parameters);
+  if (!built) return Forward(built);
   impl->labels = checkpoint->labels;
   impl->skeleton = checkpoint->skeleton;
   impl->dataset_sha256 = checkpoint->dataset_sha256;
@@ -123,10 +152,17 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   return std::unique_ptr<Recogniser>(new Recogniser(std::move(impl)));
 }
 
-Expected<std::unique_ptr<Recogniser>> Recogniser::LoadPublished(const std::filesystem::path& path) {
-  const Expected<ReleasedWeights> released = ReadReleasedWeights(path, kGruRecogniserKind);
+Expected<std::unique_ptr<Recogniser>> Recogniser::LoadPublished(const std::filesystem::path& path,
+                                                                const Skeleton* skeleton) {
+  const Expected<ReleasedWeights> released =
+      ReadReleasedWeights(path, skeleton != nullptr ? kStGcnKind : kGruRecogniserKind);
   if (!released) return Forward(released);
   auto impl = std::make_unique<Impl>();
+  if (skeleton != nullptr) {
+    const Status built = BuildGraph(released->parameters, *skeleton, DisplayPath(path), impl->graph, impl->config);
+    if (!built) return Forward(built);
+    return std::unique_ptr<Recogniser>(new Recogniser(std::move(impl)));
+  }
   if (Status built = Build(released->parameters, DisplayPath(path), impl->config, impl->parameters); !built) {
     return Forward(built);
   }
@@ -152,8 +188,21 @@ Expected<RecogniserOutput> Recogniser::Run(const MotionWriter& write, int count,
   output.feature_size = config.features;
   output.features.resize(static_cast<std::size_t>(count) * config.features);
   output.logits.resize(static_cast<std::size_t>(count) * config.classes);
-  const GruPass pass(config, impl_->parameters);
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * dim;
+  if (impl_->graph) {
+    ParallelFor(count, kGraphsAtOnce, threads, [&](int begin, int end) {
+      std::vector<float> values(static_cast<std::size_t>((end - begin) * stride));
+      std::vector<int> read_out(static_cast<std::size_t>(end - begin));
+      write(begin, end, values.data(), read_out.data());
+      for (int n = begin; n < end; ++n) {
+        impl_->graph->Run(values.data() + (n - begin) * stride, frames,
+                          output.features.data() + static_cast<std::ptrdiff_t>(n) * config.features,
+                          output.logits.data() + static_cast<std::ptrdiff_t>(n) * config.classes);
+      }
+    });
+    return output;
+  }
+  const GruPass pass(config, impl_->parameters);
   ParallelFor(count, kRecognisedAtOnce, threads, [&](int begin, int end) {
     const std::unique_ptr<float[]> values(new float[static_cast<std::size_t>((end - begin) * stride)]);
     std::vector<int> read_out(static_cast<std::size_t>(end - begin));
@@ -182,6 +231,7 @@ Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int 
   return Run(copy, count, frames, dim, hidden, threads);
 }
 
+bool Recogniser::reads_rotations() const { return impl_->graph.has_value(); }
 int Recogniser::input_size() const { return impl_->config.input; }
 int Recogniser::class_count() const { return impl_->config.classes; }
 int Recogniser::hidden_size() const { return impl_->config.hidden; }

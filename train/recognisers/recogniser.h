@@ -42,8 +42,10 @@ class Recogniser {
  public:
   /// From a checkpoint of ours. Errors of ReadCheckpoint.
   static Expected<std::unique_ptr<Recogniser>> Load(const std::filesystem::path& path);
-  /// From the published weights (a legacy PyTorch file): read as data, nothing of it is executed.
-  static Expected<std::unique_ptr<Recogniser>> LoadPublished(const std::filesystem::path& path);
+  /// From the published weights (a legacy PyTorch file): read as data, nothing of it is executed. With `skeleton` they
+  /// are of an ST-GCN on its joints, else of a GRU.
+  static Expected<std::unique_ptr<Recogniser>> LoadPublished(const std::filesystem::path& path,
+                                                             const Skeleton* skeleton = nullptr);
   ~Recogniser();
 
   /// `count` motions that `write` makes, chunk by chunk; dim must be input_size(). Chunks of 256 motions over
@@ -57,6 +59,8 @@ class Recogniser {
                                  int threads = 1) const;
 
   int input_size() const;
+  /// Whether a frame is the rotations of the joints (6 numbers each, first two rows), with the root's or without.
+  bool reads_rotations() const;
   int class_count() const;
   int hidden_size() const;
   /// Of the training data; null for published weights.
