@@ -242,8 +242,15 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       ->add_option("--label", arguments->labels,
                    "class, by name or index, and how many: sit:10; may be repeated (default: each class once)")
       ->allow_extra_args(false);
-  generate->add_option("--frames", arguments->frames, "of each motion (default: as many as the network was trained on)")
-      ->check(CLI::Range(1, 100000));
+  generate->add_option(
+      "--frames", arguments->frames,
+      "of each motion (default: as many as the network was trained on); FIRST:LAST:STEP: each of these");
+  generate
+      ->add_option("--interpolate", arguments->interpolate,
+                   "for each motion that is asked for, so many on the way between two latents (kind actor)")
+      ->check(CLI::Range(2, 100000));
+  generate->add_option("--denoise", arguments->denoise,
+                       "dataset whose clips are encoded and decoded, with their labels and lengths (kind actor)");
   generate->add_option("--seed", arguments->seed, "of the noise: the same seed, the same motions")
       ->capture_default_str();
   generate->add_option("--scale", arguments->scale,
@@ -257,6 +264,9 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       "Examples:\n  mocurate generate runs/demo/checkpoints/Action2Motion_1.h5 --label kick:10 --label walk:5 -o "
       "made.h5\n"
       "  mocurate generate runs/demo/checkpoints/Action2Motion_1.h5 --scale legs=1.25,arms=1.25 -o long_limbs.h5\n"
+      "  mocurate generate ACTOR_1.h5 --label walk:10 --frames 40:120:5 -o durations.h5\n"
+      "  mocurate generate ACTOR_1.h5 --label walk --interpolate 9 -o between.h5\n"
+      "  mocurate generate ACTOR_1.h5 --denoise runs/demo/dataset.h5 -o denoised.h5\n"
       "  mocurate eval --protocol own --run runs/demo --generated made.h5");
   generate->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });

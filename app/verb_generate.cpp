@@ -138,11 +138,12 @@ Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, 
                                             const NetworkOptions& options) {
   if (arguments.scale.empty() && arguments.bone_lengths.empty()) return std::vector<double>();
   const bool lays_out = (options.kind == NetworkKind::kAction2Motion && options.action2motion.lie) ||
-                        (options.kind == NetworkKind::kActMoCoGan && options.act_mocogan.lie);
+                        (options.kind == NetworkKind::kActMoCoGan && options.act_mocogan.lie) ||
+                        (options.kind == NetworkKind::kActor && options.actor.NeedsRotations());
   if (!lays_out) {
     return Fail(ErrorCode::kUsage, "the network generates positions: it has no rotations to lay other bones out with",
                 arguments.scale.empty() ? "--bone-lengths" : "--scale",
-                "give a network that was trained with lie: true");
+                "give a network of rotations: lie: true, or kind actor");
   }
   std::vector<double> lengths = checkpoint.facts.value("bone_length", std::vector<double>());
   if (lengths.empty()) lengths = checkpoint.skeleton->RestBoneLengths();
@@ -161,21 +162,60 @@ Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, 
   return lengths;
 }
 
+/// "60" or "40:120:5".
+Expected<std::vector<int>> DurationsOf(const std::string& text, int trained) {
+  if (text.empty()) return std::vector<int>{trained};
+  std::vector<long long> numbers;
+  for (const std::string_view part : SplitText(text, ':')) {
+    const auto number = ParseInteger(part);
+    if (!number || *number < 1 || *number > 100000) numbers.clear();
+    if (!number || *number < 1 || *number > 100000) break;
+    numbers.push_back(*number);
+  }
+  const bool range = numbers.size() == 2 || numbers.size() == 3;
+  if ((numbers.size() != 1 && !range) || (range && numbers[1] < numbers[0])) {
+    return Fail(ErrorCode::kUsage, "'" + text + "' is no number of frames", "--frames",
+                "1 to 100000, e.g. 60, or FIRST:LAST:STEP, e.g. 40:120:5");
+  }
+  std::vector<int> durations;
+  const long long last = range ? numbers[1] : numbers[0], step = numbers.size() == 3 ? numbers[2] : 1;
+  for (long long frames = numbers[0]; frames <= last; frames += step) durations.push_back(static_cast<int>(frames));
+  return durations;
+}
+
+std::uint64_t SeedOf(Random& random) {
+  const std::uint64_t high = random.Next();
+  return (high << 32) | random.Next();
+}
+
 Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& arguments, const Checkpoint& checkpoint,
                                                 const NetworkOptions& options) {
   const auto labels = LabelsOf(arguments.labels, checkpoint.labels);
   if (!labels) return Forward(labels);
   const auto lengths = BoneLengthsOf(arguments, checkpoint, options);
   if (!lengths) return Forward(lengths);
+  const auto durations = DurationsOf(arguments.frames, static_cast<int>(options.data.frames));
+  if (!durations) return Forward(durations);
+  if (arguments.interpolate > 0 && options.kind != NetworkKind::kActor) {
+    return Fail(ErrorCode::kUsage, "the network has no latent of a whole motion", "--interpolate",
+                "give a network of kind actor");
+  }
   std::vector<MotionRequest> requests;
-  for (std::size_t i = 0; i < labels->size(); ++i) {
-    Random random(arguments.seed, "generate", std::to_string(i));
-    MotionRequest request;
-    request.label = (*labels)[i];
-    request.frames = arguments.frames > 0 ? arguments.frames : static_cast<int>(options.data.frames);
-    request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
-    request.bone_length = *lengths;
-    requests.push_back(std::move(request));
+  for (const int frames : *durations) {
+    for (std::size_t i = 0; i < labels->size(); ++i) {
+      Random random(arguments.seed, "generate", std::to_string(i));
+      MotionRequest request;
+      request.label = (*labels)[i];
+      request.frames = frames;
+      request.seed = SeedOf(random);
+      request.bone_length = *lengths;
+      requests.push_back(request);
+      if (arguments.interpolate > 0) request.to_seed = SeedOf(random);
+      for (int k = 1; k < arguments.interpolate; ++k) {
+        request.fraction = static_cast<double>(k) / (arguments.interpolate - 1);
+        requests.push_back(request);
+      }
+    }
   }
   return requests;
 }
@@ -192,12 +232,26 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   if (!checkpoint) return Forward(checkpoint);
   const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
   if (!options) return Forward(options);
-  const auto requests = RequestsOf(arguments, *checkpoint, *options);
-  if (!requests) return Forward(requests);
   const ScratchFolder scratch;
   if (scratch.path().empty()) return scratch.Missing();
-  const fs::path file = scratch.path() / "requests.json";
-  if (Status written = WriteRequests(*requests, file); !written) return written;
+  ItemSpec item{"motions", nlohmann::json::object(), {{"generator", "network", arguments.checkpoint, ""}}};
+  std::size_t asked = 0;
+  if (arguments.denoise.empty()) {
+    const auto requests = RequestsOf(arguments, *checkpoint, *options);
+    if (!requests) return Forward(requests);
+    asked = requests->size();
+    const fs::path file = scratch.path() / "requests.json";
+    if (Status written = WriteRequests(*requests, file); !written) return written;
+    item.inputs.push_back({"requests", "requests", file, ""});
+  } else {
+    const bool more = !arguments.labels.empty() || !arguments.frames.empty() || arguments.interpolate > 0;
+    if (more) {
+      return Fail(ErrorCode::kUsage, "clips keep their labels and lengths", "--denoise",
+                  "leave out --label, --frames and --interpolate");
+    }
+    item.options["seed"] = arguments.seed;
+    item.inputs.push_back({"motions", "motions", arguments.denoise, ""});
+  }
   RunnerOptions settings;
   settings.run_folder = scratch.path();
   settings.quiet = common.quiet;
@@ -205,25 +259,19 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);
   std::vector<StageReport> reports;
-  const auto generated =
-      StageRuns(**runner, reports)
-          .One(GenerateDeclaration(),
-               {"motions",
-                nlohmann::json::object(),
-                {{"generator", "network", arguments.checkpoint, ""}, {"requests", "requests", file, ""}}});
+  const auto generated = StageRuns(**runner, reports).One(GenerateDeclaration(), std::move(item));
   if (!generated) return Forward(generated);
+  asked = generated->outcome.summary.value("motions", asked);
   if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
-                                        {"network", checkpoint->kind},
-                                        {"motions", requests->size()},
-                                        {"frames", requests->front().frames}})
-                            .dump(1)
-                            .c_str());
+    std::printf(
+        "%s\n",
+        nlohmann::json({{"path", DisplayPath(arguments.output)}, {"network", checkpoint->kind}, {"motions", asked}})
+            .dump(1)
+            .c_str());
   } else if (!common.quiet) {
-    std::printf("%s of %s by %s in %s\n", Counted(static_cast<long long>(requests->size()), "motion").c_str(),
-                Counted(requests->front().frames, "frame").c_str(), options->name.c_str(),
+    std::printf("%s by %s in %s\n", Counted(static_cast<long long>(asked), "motion").c_str(), options->name.c_str(),
                 DisplayPath(arguments.output).c_str());
   }
   return {};

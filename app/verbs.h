@@ -53,7 +53,9 @@ struct ExportArguments {
 struct GenerateArguments {
   std::filesystem::path checkpoint;
   std::vector<std::string> labels;  ///< "LABEL:COUNT"; empty: each class once
-  int frames = 0;                   ///< 0: as many as the network was trained on
+  std::string frames;               ///< "60" or "40:120:5"; empty: as many as the network was trained on
+  int interpolate = 0;              ///< motions on the way between two latents, for each that is asked for; 0: none
+  std::filesystem::path denoise;    ///< dataset whose clips are encoded and decoded, or empty
   std::uint64_t seed = 1;
   std::string scale;                   ///< "legs=1.25,arms=1.25"
   std::filesystem::path bone_lengths;  ///< dataset whose mean bone lengths lay the motions out, or empty

@@ -124,14 +124,22 @@ Expected<StageOutcome> TrainCostStage(const StageRequest& request) {
 
 Expected<StageOutcome> GenerateStage(const StageRequest& request) {
   const StageInput *network = InputOf(request, "generator"), *asked = InputOf(request, "requests");
-  if (network == nullptr || asked == nullptr) {
-    return Fail(ErrorCode::kInternal, "the stage needs the roles 'generator' and 'requests'", request.item);
+  const StageInput* noisy = InputOf(request, "motions");
+  if (network == nullptr || (asked == nullptr) == (noisy == nullptr)) {
+    return Fail(ErrorCode::kInternal, "the stage needs 'generator', and 'requests' or 'motions'", request.item);
   }
-  const auto requests = ReadRequests(asked->path);
-  if (!requests) return Forward(requests);
   const auto generator = MotionGenerator::Load(network->path);
   if (!generator) return Forward(generator);
-  const auto set = (*generator)->Generate(*requests, request.threads);
+  Expected<Dataset> set = Dataset();
+  if (noisy != nullptr) {
+    const auto read = ReadDataset(noisy->path);
+    if (!read) return Forward(read);
+    set = (*generator)->Denoise(*read, request.options.value("seed", std::uint64_t{1}), request.threads);
+  } else {
+    const auto requests = ReadRequests(asked->path);
+    if (!requests) return Forward(requests);
+    set = (*generator)->Generate(*requests, request.threads);
+  }
   if (!set) return Forward(set);
   if (Status written = WriteDataset(*set, request.output); !written) return Forward(written);
   StageOutcome outcome;

@@ -13,7 +13,8 @@ Expected<StageOutcome> TrainStage(const StageRequest& request);
 /// "seconds_per_step", "parameters"}. Never cached: it is a figure of the machine.
 Expected<StageOutcome> TrainCostStage(const StageRequest& request);
 
-/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them.
+/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them; with "motions" (a dataset) in the
+/// place of requests its clips, encoded and decoded with the option "seed".
 Expected<StageOutcome> GenerateStage(const StageRequest& request);
 
 }  // namespace mocurate

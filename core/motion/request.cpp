@@ -20,6 +20,10 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
       request.frames = value.get<int>();
     } else if (key == "seed" && value.is_number_unsigned()) {
       request.seed = value.get<std::uint64_t>();
+    } else if (key == "to_seed" && value.is_number_unsigned()) {
+      request.to_seed = value.get<std::uint64_t>();
+    } else if (key == "fraction" && value.is_number() && value.get<double>() >= 0.0 && value.get<double>() <= 1.0) {
+      request.fraction = value.get<double>();
     } else if (key == "source_clip" && value.is_string()) {
       request.source_clip = value.get<std::string>();
     } else if (key == "bone_length" && value.is_array()) {
@@ -38,7 +42,8 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
       }
     } else {
       return Fail(ErrorCode::kMalformed, "'" + key + "' is unknown or has a value that it cannot have", where,
-                  "label, frames > 0, seed >= 0, bone_length [metres], first_pose [metres], source_clip");
+                  "label, frames > 0, seed >= 0, to_seed >= 0, fraction 0 to 1, bone_length [metres], first_pose "
+                  "[metres], source_clip");
     }
   }
   return request;
@@ -48,6 +53,10 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
 
 void to_json(nlohmann::json& json, const MotionRequest& request) {
   json = {{"label", request.label}, {"frames", request.frames}, {"seed", request.seed}};
+  if (request.fraction > 0.0) {
+    json["to_seed"] = request.to_seed;
+    json["fraction"] = request.fraction;
+  }
   if (!request.bone_length.empty()) json["bone_length"] = request.bone_length;
   if (!request.first_pose.empty()) json["first_pose"] = request.first_pose;
   if (!request.source_clip.empty()) json["source_clip"] = request.source_clip;

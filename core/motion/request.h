@@ -14,7 +14,9 @@ namespace mocurate {
 struct MotionRequest {
   int label = 0;  ///< class index
   int frames = 60;
-  std::uint64_t seed = 0;  ///< of this motion alone: its neighbours in the list change no more than the rounding
+  std::uint64_t seed = 0;     ///< of this motion alone: its neighbours in the list change no more than the rounding
+  std::uint64_t to_seed = 0;  ///< of another latent, towards which `fraction` of the way is gone
+  double fraction = 0.0;      ///< 0: none of it; networks with a latent of a whole motion only
   std::vector<double> bone_length;  ///< (J) metres, bone that ends at the joint, 0 for the root; empty: rest lengths
   std::vector<double> first_pose;   ///< (3J) metres, root at the origin, for networks that start from one; or empty
   std::string source_clip;          ///< id of the clip the bone lengths come from, or empty

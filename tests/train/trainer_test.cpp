@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -335,6 +336,61 @@ TEST_F(Trainer, AFactOfAnotherTypeIsAMalformedCheckpoint) {
     ASSERT_FALSE(read) << name;
     EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
   }
+}
+
+TEST_F(Trainer, ActorInterpolatesVariesLengthsAndDenoises) {
+  ASSERT_TRUE(
+      WriteCheckpoint(*TrainNetwork(Toy(NetworkKind::kActor), Small(NetworkKind::kActor), {}), folder_ / "a.h5"));
+  const auto generator = MotionGenerator::Load(folder_ / "a.h5");
+  ASSERT_TRUE(generator) << generator.error().Message();
+  std::vector<MotionRequest> requests(3);
+  for (MotionRequest& request : requests) request.frames = 12;
+  requests[0].seed = requests[1].seed = 7;
+  requests[1].to_seed = requests[2].seed = 8;
+  requests[1].fraction = 1.0;
+  ASSERT_TRUE(WriteRequests(requests, folder_ / "requests.json"));
+  const auto read = ReadRequests(folder_ / "requests.json");
+  ASSERT_TRUE(read) << read.error().Message();
+  const auto joints = (*generator)->Joints(*read);
+  ASSERT_TRUE(joints) << joints.error().Message();
+  const std::size_t size = joints->size() / 3;
+  double apart = 0.0, same = 0.0;
+  for (std::size_t k = 0; k < size; ++k) {
+    apart = std::max(apart, std::fabs(static_cast<double>((*joints)[k]) - (*joints)[2 * size + k]));
+    same = std::max(same, std::fabs(static_cast<double>((*joints)[size + k]) - (*joints)[2 * size + k]));
+  }
+  EXPECT_GT(apart, 1e-3);
+  EXPECT_LT(same, 1e-5) << "all of the way is the other latent";
+  for (const int frames : {1, 40, 5001}) {
+    requests[0].frames = frames;
+    EXPECT_EQ((*generator)->Joints({requests[0]}).has_value(), frames <= 5000);
+  }
+
+  const Dataset noisy = TurningDataset(1);
+  const auto denoised = (*generator)->Denoise(noisy, 3, 2);
+  ASSERT_TRUE(denoised) << denoised.error().Message();
+  ASSERT_EQ(denoised->clips.size(), noisy.clips.size());
+  for (std::size_t i = 0; i < noisy.clips.size(); ++i) {
+    EXPECT_EQ(denoised->clips[i].id(), noisy.clips[i].id());
+    EXPECT_EQ(denoised->clips[i].motion->frame_count(), noisy.clips[i].motion->frame_count());
+    EXPECT_TRUE(denoised->clips[i].motion->Check());
+  }
+  EXPECT_TRUE(WriteDataset(*denoised, folder_ / "denoised.h5"));
+  Dataset other = noisy;
+  other.clips[0].label = "dance";
+  EXPECT_EQ((*generator)->Denoise(other, 3).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ((*generator)->Denoise(ToyDataset(1), 3).error().code, ErrorCode::kInconsistent) << "joints alone";
+  ASSERT_TRUE(WriteCheckpoint(*TrainNetwork(Toy(), Small(NetworkKind::kAction2Motion), {}), folder_ / "b.h5"));
+  const auto frame_by_frame = MotionGenerator::Load(folder_ / "b.h5");
+  ASSERT_TRUE(frame_by_frame);
+  EXPECT_EQ((*frame_by_frame)->Denoise(noisy, 3).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ((*frame_by_frame)->Joints({requests[1]}).error().code, ErrorCode::kInconsistent);
+}
+
+TEST_F(Trainer, JointsAloneAreRefusedWhereRotationsAreNeeded) {
+  ASSERT_TRUE(WriteDataset(ToyDataset(1), folder_ / "joints.h5"));
+  EXPECT_TRUE(ReadTrainingSet(folder_ / "joints.h5", false));
+  EXPECT_EQ(ReadTrainingSet(folder_ / "joints.h5", true).error().code, ErrorCode::kInconsistent);
 }
 
 TEST_F(Trainer, ACheckpointOfAnotherNetworkIsRefusedNamingBoth) {

@@ -6,9 +6,12 @@
 
 #include "core/base/file.h"
 #include "core/base/parallel.h"
+#include "core/base/random.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/kinematics.h"
 #include "train/checkpoint/checkpoint.h"
+#include "train/data/batches.h"
 #include "train/networks/network.h"
 #include "train/trainer/values.h"
 
@@ -30,6 +33,7 @@ struct MotionGenerator::Impl {
 
 namespace {
 
+constexpr int kMostFrames = 5000;      // rows of the released positional table
 constexpr int kGeneratedAtOnce = 500;  // motions whose states fit the caches; larger chunks gain nothing
 
 /// Rest offsets of a usual person; empty where the network has no rotations.
@@ -54,6 +58,22 @@ SkeletonPtr WithBones(const SkeletonPtr& skeleton, const std::vector<Vector3d>& 
   return own;
 }
 
+/// The latents of requests that go part of the way to another one.
+void GiveLatents(const MotionRequest* requests, std::int64_t count, Network& network, Draws& draws) {
+  const auto asked = [](const MotionRequest& request) { return request.fraction > 0.0; };
+  if (std::none_of(requests, requests + count, asked)) return;
+  std::vector<std::uint64_t> others;
+  torch::Tensor fraction = torch::empty({1, count, 1});
+  for (std::int64_t b = 0; b < count; ++b) {
+    others.push_back(requests[b].to_seed);
+    fraction.data_ptr<float>()[b] = static_cast<float>(requests[b].fraction);
+  }
+  const char* purpose = "generator.latent";
+  const torch::Tensor from = draws.Normal(purpose, 1, count, network.latent_size());
+  draws.Give(purpose,
+             from + fraction * (Draws(std::move(others)).Normal(purpose, 1, count, network.latent_size()) - from));
+}
+
 }  // namespace
 
 Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t index) const {
@@ -66,6 +86,22 @@ Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t in
         where);
   }
   if (request.frames < 1) return Fail(ErrorCode::kInconsistent, "no frames are asked for", where);
+  if (network->latent_size() > 0 && request.frames > kMostFrames) {
+    return Fail(ErrorCode::kInconsistent,
+                Counted(request.frames, "frame") + " are asked for; positions go to " + std::to_string(kMostFrames),
+                where, "ask for shorter motions");
+  }
+  if (options.kind == NetworkKind::kActor && options.actor.coders == ActorCoders::kFullyConnected &&
+      request.frames != options.data.frames) {
+    return Fail(ErrorCode::kInconsistent,
+                "the network gives " + Counted(options.data.frames, "frame") + ", " + std::to_string(request.frames) +
+                    " are asked for",
+                where, "a fully connected coder has one length");
+  }
+  if (request.fraction > 0.0 && network->latent_size() == 0) {
+    return Fail(ErrorCode::kInconsistent, "the network has no latent of a whole motion to interpolate", where,
+                "give a network of kind actor");
+  }
   if (!request.bone_length.empty() && request.bone_length.size() != joints) {
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(request.bone_length.size()) + " bone lengths, the skeleton has " +
@@ -166,6 +202,7 @@ Expected<MotionGenerator::Rows> MotionGenerator::Answer(const std::vector<Motion
     std::vector<std::uint64_t> seeds;
     for (std::int64_t b = 0; b < count; ++b) seeds.push_back(first[b].seed);
     Draws draws(std::move(seeds));
+    GiveLatents(first, count, *impl_->network, draws);
     const Motions motions = impl_->network->Answer(impl_->BatchOf(first, static_cast<std::size_t>(count)), draws);
     const std::int64_t at = static_cast<std::int64_t>(begin) * T * D;
     torch::from_blob(rows.joints.data() + at, {count, T, D}).copy_(motions.joints.transpose(0, 1));
@@ -229,6 +266,10 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
       clip.label = labels()[static_cast<std::size_t>(part[i].label)];
       clip.rate = impl_->rate;
       clip.provenance["seed"] = std::to_string(part[i].seed);
+      if (part[i].fraction > 0.0) {
+        clip.provenance["to_seed"] = std::to_string(part[i].to_seed);
+        clip.provenance["fraction"] = FormatDouble(part[i].fraction);
+      }
       if (!part[i].source_clip.empty()) clip.provenance["bone_lengths_of"] = part[i].source_clip;
       Motion motion;
       motion.skeleton = set.skeleton;
@@ -242,6 +283,76 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
     begin = end;
   }
   return set;
+}
+
+Expected<Dataset> MotionGenerator::Denoise(const Dataset& set, std::uint64_t seed, int threads) const {
+  const std::string way_out = "give a set of skeleton '" + impl_->skeleton->name + "' with the network's labels";
+  if (impl_->network->latent_size() == 0) {
+    return Fail(ErrorCode::kInconsistent, "the network encodes no motions", impl_->options.name,
+                "give a network of kind actor");
+  }
+  if (!SameTree(*set.skeleton, *impl_->skeleton)) {
+    return Fail(ErrorCode::kInconsistent,
+                "the set is of skeleton '" + set.skeleton->name + "', the network of '" + impl_->skeleton->name + "'",
+                "motions", way_out);
+  }
+  const bool rotations = impl_->options.NeedsRotations();
+  const TrainingSet packed = PackTrainingSet(set, rotations && !set.joints_only);
+  std::vector<int> label;
+  for (const Clip& clip : set.clips) {
+    const auto found = std::find(impl_->labels.begin(), impl_->labels.end(), clip.label);
+    if (found == impl_->labels.end() || !clip.motion || clip.motion->frame_count() < 1) {
+      return Fail(ErrorCode::kInconsistent, "the network has no class '" + clip.label + "', or the clip no motion",
+                  clip.id(), way_out);
+    }
+    if (rotations && clip.motion->joints_only()) {
+      return Fail(ErrorCode::kInconsistent, "the clip has joints alone, the network encodes rotations", clip.id(),
+                  way_out);
+    }
+    label.push_back(static_cast<int>(found - impl_->labels.begin()));
+  }
+  Dataset result = set;
+  result.created_by = std::string(CreatedBy());
+  result.recipe = "denoised: " + set.recipe;
+  result.joints_only = impl_->rest_offset.empty();
+  ParallelFor(static_cast<int>(set.clips.size()), 1, threads, [&](int begin, int end) {
+    const torch::NoGradGuard no_gradient;
+    for (int i = begin; i < end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      Clip& clip = result.clips[at];
+      MotionRequest request;
+      request.label = label[at];
+      request.frames = clip.motion->frame_count();
+      Random random(seed, "denoise", clip.id());
+      request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
+      request.bone_length = clip.motion->bone_length;
+      TrainingDataOptions whole;
+      whole.frames = request.frames;
+      MotionRows rows = MakeMotionRows(packed, whole, {i}, 0, "denoise", false);
+      const std::int64_t T = request.frames, J = impl_->skeleton->joint_count();
+      Batch batch;
+      batch.motion = torch::from_blob(rows.motion.data(), {T, 1, 3 * J});
+      if (!rows.rotation.empty()) batch.rotation = torch::from_blob(rows.rotation.data(), {T, 1, J, 3, 3});
+      batch.label = torch::tensor({static_cast<std::int64_t>(request.label)});
+      batch.whole = 1;
+      Draws draws(std::vector<std::uint64_t>{request.seed});
+      draws.Give("generator.latent", impl_->network->Encode(batch, draws));
+      const Motions motions = impl_->network->Answer(impl_->BatchOf(&request, 1), draws);
+      Motion made;
+      made.skeleton = impl_->skeleton;
+      made.rate = clip.motion->rate;
+      made.joints = JointPositions(request.frames, static_cast<int>(J));
+      const torch::Tensor joints = motions.joints.contiguous();
+      std::copy_n(joints.data_ptr<float>(), made.joints.xyz.size(), made.joints.xyz.begin());
+      if (motions.rotation.defined()) {
+        const torch::Tensor rotation = motions.rotation.contiguous();
+        AddRotations(rotation.data_ptr<float>(), request, made);
+      }
+      clip.motion = std::move(made);
+      clip.provenance["denoised_with_seed"] = std::to_string(request.seed);
+    }
+  });
+  return result;
 }
 
 SkeletonPtr MotionGenerator::skeleton() const { return impl_->skeleton; }

@@ -26,6 +26,11 @@ class MotionGenerator {
   /// the order of the requests, label from the request. Frames may differ between requests.
   Expected<Dataset> Generate(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
+  /// Every clip of a set encoded and decoded again, with its label and length (a2m_actor.md C.5): the set's clips in
+  /// their order, rotations of the network. Noise is keyed by `seed` and the clip's id. Errors kInconsistent: a network
+  /// that encodes nothing, a set on another skeleton or without rotations, a clip with a label the network lacks.
+  Expected<Dataset> Denoise(const Dataset& set, std::uint64_t seed, int threads = 1) const;
+
   SkeletonPtr skeleton() const;
   const std::vector<std::string>& labels() const;
   /// Frames it was trained on.

@@ -117,6 +117,12 @@ Losses Actor::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
   return losses;
 }
 
+Tensor Actor::Encode(const Batch& batch, Draws& draws) {
+  Dropout none;
+  const auto [mean, log_variance] = encoder_->Encode({FramesOf(batch), batch.label, batch.valid}, none);  // (B,E)
+  return mean.unsqueeze(0) + torch::exp(0.5 * log_variance) * draws.Normal("latent", 1, batch.size(), options_.latent);
+}
+
 Motions Actor::Answer(const RequestBatch& requests, Draws& draws) {
   const std::int64_t B = requests.label.size(0), T = requests.frames, J = joints_;
   const Tensor z = draws.Normal("generator.latent", 1, B, options_.latent)[0];

@@ -24,6 +24,8 @@ class Actor : public Network {
   std::vector<OptimiserGroup> Groups() override;
   Losses Loss(const Batch& batch, Draws& draws, int phase) override;
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
+  std::int64_t latent_size() const override { return options_.latent; }
+  torch::Tensor Encode(const Batch& batch, Draws& draws) override;
   /// Given "z" (1,B,E) and "label" (B), "frames" (1): "frames" (T,B,F).
   NamedTensors Parts(const NamedTensors& inputs) override;
 

@@ -99,6 +99,11 @@ class Network : public torch::nn::Module {
   /// Motions for requests; no gradients are kept.
   virtual Motions Answer(const RequestBatch& requests, Draws& draws) = 0;
 
+  /// Numbers of the latent of a whole motion, drawn as "generator.latent" (1,B,E); 0: the network has none.
+  virtual std::int64_t latent_size() const { return 0; }
+  /// Such latents of motions, for networks that encode them: (1,B,E).
+  virtual torch::Tensor Encode(const Batch& /*batch*/, Draws& /*draws*/) { return {}; }
+
   /// Of recognisers only.
   virtual ValidationScore Validate(const Batch& batch);
   /// Before training: mean and standard deviation of every number of a frame, (D) each.
