@@ -1,5 +1,7 @@
 #include "app/data_sets.h"
 
+#include <algorithm>
+
 #include "app/job_checks.h"
 #include "app/named_configs.h"
 #include "core/base/file.h"
@@ -39,10 +41,12 @@ Expected<fs::path> Substitute(const DataSetOptions& set, const std::vector<std::
     fs::rename(part, made, unknown);
     if (unknown) return Fail(ErrorCode::kCannotWrite, "cannot be renamed: " + unknown.message(), DisplayPath(part));
   }
-  for (const WrittenSource& source : SourcesOf(studio->layout, studio->depth.enabled)) {
-    return source.folder == "." ? made : made / source.folder;
-  }
-  return made;
+  const std::vector<WrittenSource> sources = SourcesOf(studio->layout, studio->depth.enabled);
+  if (sources.empty()) return made;
+  const auto own =
+      std::find_if(sources.begin(), sources.end(), [&](const WrittenSource& source) { return source.name == set.job; });
+  const WrittenSource& source = own == sources.end() ? sources.front() : *own;
+  return source.folder == "." ? made : made / source.folder;
 }
 
 /// "KEY=VALUE" into an option group; false where it has no such option.

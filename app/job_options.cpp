@@ -93,7 +93,8 @@ void ResolveDefaults(JobOptions& options) {
 std::string RecogniserOf(const JobOptions& options) {
   if (!options.evaluate.recogniser.empty()) return options.evaluate.recogniser;
   for (const NetworkOptions& network : options.train.networks) {
-    if (!GeneratesMotions(network.kind) && network.trained_on == TrainingSetChoice::kDataset) return network.name;
+    if (network.enabled && !GeneratesMotions(network.kind) && network.trained_on == TrainingSetChoice::kDataset)
+      return network.name;
   }
   return {};
 }

@@ -27,9 +27,6 @@
 namespace mocurate {
 namespace {
 
-/// The paper whose published rows stand below the tables of runs that name a set of it (evaluate.published).
-constexpr const char* kOwnPaper = "Action2Motion";
-
 /// Where the unfitted tracks go through the same stages, to compare.
 constexpr const char* kFittedBranch = "fitted motion";
 constexpr const char* kRawBranch = "raw tracks";
@@ -440,11 +437,13 @@ class MainJob {
     result_.metrics["rows"] = std::move(evaluated->rows);
     result_.metrics["comparisons"] = std::move(evaluated->comparisons);
     result_.metrics["warnings"] = std::move(evaluated->warnings);
-    const auto published = PublishedNumbers(kOwnPaper, options_.evaluate.published);
+    const EvaluateOptions& evaluate = options_.evaluate;
+    const auto published = PublishedNumbers(evaluate.paper, evaluate.published);
     if (!published) return Forward(published);
     result_.metrics["published"] = nlohmann::json::array();
     for (const nlohmann::json& value : *published) {
-      if (value.at("paper") == kOwnPaper) result_.metrics["published"].push_back(value);
+      const bool of_table = evaluate.table.empty() || value.at("table") == evaluate.table;
+      if (value.at("paper") == evaluate.paper && of_table) result_.metrics["published"].push_back(value);
     }
     result_.metrics["notes"] = NotesOf(options_.evaluate);
     AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},

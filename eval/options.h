@@ -82,8 +82,10 @@ struct ProtocolOptions {
 /// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
-  std::string published;   ///< set whose published numbers stand below the table; empty: none
-  std::string recogniser;  ///< name of the network that gives the features; empty: the first recogniser
+  std::string published;                ///< set whose published numbers stand below the table; empty: none
+  std::string paper = "Action2Motion";  ///< whose published numbers
+  std::string table;                    ///< which of its tables; empty: all
+  std::string recogniser;               ///< name of the network that gives the features; empty: the first recogniser
   RealPart real = RealPart::kAll;
   bool test_reference = false;  ///< the references are the training and the test part, and there is an FID against each
   double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network

@@ -64,7 +64,8 @@ Status CheckActor(const NetworkOptions& network, const std::string& where) {
                    "choose another width");
   }
   if (actor.vertex_weight > 0.0 && actor.body.empty()) {
-    return refused("vertex_weight", "a loss on vertices needs a body", "set body: to SMPL's file or body_cc0.h5");
+    return refused("vertex_weight", "a loss on vertices needs a body",
+                   "set body: to SMPL's file or body_cc0.h5, or MOCURATE_WEIGHTS to their folder");
   }
   if (actor.pose == PoseChoice::kJoints && actor.vertex_weight > 0.0) {
     return refused("vertex_weight", "joints alone pose no body", "choose a pose of rotations");
@@ -135,7 +136,7 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
     for (std::size_t i = 0; i < options.networks.size(); ++i) {
       const NetworkOptions& network = options.networks[i];
       const bool unfitted = network.trained_on == TrainingSetChoice::kUnfitted;
-      if (GeneratesMotions(network.kind) != generators || (unfitted && !inputs.unfitted)) continue;
+      if (!network.enabled || GeneratesMotions(network.kind) != generators || (unfitted && !inputs.unfitted)) continue;
       for (const double seed : network.seeds) {
         AddSeed(network, i, seed, unfitted ? *inputs.unfitted : inputs.dataset, items);
       }
@@ -208,6 +209,7 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
   const auto features = std::find_if(options.networks.begin(), options.networks.end(),
                                      [&](const NetworkOptions& network) { return network.name == recogniser; });
   for (const NetworkOptions& network : options.networks) {
+    if (!network.enabled) continue;
     const std::string on =
         network.data.all_clips ? "all clips, test clips included, as published" : "training clips only";
     if (!network.learning.weights.empty()) {

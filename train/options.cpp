@@ -236,6 +236,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
            "which network it is; the options below are those of its kind");
   if (kind != defaults_of_) *this = NetworkOptions(kind);
   v.Text("name", name, "of its row in tables and of its checkpoints");
+  v.Bool("enabled", enabled, "train it; a set of a table over several can leave it out");
   v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one network per seed");
   v.Choice("trained_on", trained_on,
            {{"dataset", TrainingSetChoice::kDataset}, {"unfitted", TrainingSetChoice::kUnfitted}},

@@ -184,6 +184,7 @@ enum class TrainingSetChoice { kDataset, kUnfitted };
 struct NetworkOptions {
   std::string name;  ///< of its row and its checkpoints
   NetworkKind kind = NetworkKind::kAction2Motion;
+  bool enabled = true;           ///< false: it is not trained; a set of a table leaves it out so
   std::vector<double> seeds{1};  ///< of initial weights, order, crops and noise; one network each
   TrainingSetChoice trained_on = TrainingSetChoice::kDataset;
   TrainingDataOptions data;

@@ -202,6 +202,40 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
   }
 }
 
+TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
+  const Folder folder;
+  const Result result = TrainingProgram(
+      folder,
+      TrainingJob(
+          folder,
+          {"train.networks=[{kind: actor, name: ACTOR, split: s, frames: 10, latent: 16, layers: 1, heads: 2, "
+           "feed_forward: 16, iterations: 2}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, epochs: 1}]"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
+  ASSERT_EQ(table["rows"].size(), 2u);
+  EXPECT_EQ(table["rows"][1]["name"], "ACTOR");
+  EXPECT_TRUE(table["rows"][1]["metrics"]["FID_train"]["value"].is_number());
+  EXPECT_TRUE(table["rows"][1]["metrics"]["accuracy"]["value"].is_number());
+  const std::string actor = (folder / "r/checkpoints/ACTOR_1.h5").string();
+  const std::string denoised = (folder / "denoised.h5").string(), between = (folder / "between.h5").string();
+  const Result made =
+      TrainingProgram(folder, {"generate", actor, "--denoise", (folder / "r/dataset.h5").string(), "-o", denoised});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(TrainingProgram(folder, {"generate", actor, "--label", "wave:2", "--interpolate", "3", "--frames", "8:12:4",
+                                     "-o", between})
+                .exit_code,
+            0);
+  const Result scored =
+      TrainingProgram(folder, {"eval", "--protocol", "own", "--extractor",
+                               (folder / "r/checkpoints/ST-GCN_1.h5").string(), "--generated", denoised, "--json"});
+  EXPECT_EQ(scored.exit_code, 0) << scored.err;
+  EXPECT_EQ(TrainingProgram(folder, {"generate", actor, "--frames", "0", "-o", between, "--force"}).exit_code, 2);
+  EXPECT_EQ(
+      TrainingProgram(folder, {"generate", actor, "--denoise", between, "--label", "wave", "-o", denoised, "--force"})
+          .exit_code,
+      2);
+}
+
 TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubstitutes) {
   const Folder folder;
   const std::string config = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/a2m/table1.yaml";
