@@ -161,11 +161,7 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
-  for (NetworkOptions& network : options->train.networks) {
-    ActorOptions& actor = network.actor;
-    if (network.kind == NetworkKind::kActor && actor.vertex_weight > 0.0 && actor.body.empty()) actor.body = FindBody();
-  }
-  if (Status networks = CheckNetworks(options->train); !networks) return Forward(networks);
+  if (Status networks = ResolveNetworks(options->train); !networks) return Forward(networks);
   if (Status values = CheckValues(*options, *node); !values) return Forward(values);
   DropForeignWords(*node, *options);
   BoundTraining(options->train);
@@ -175,6 +171,14 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
 }
 
 }  // namespace
+
+Status ResolveNetworks(TrainOptions& options) {
+  for (NetworkOptions& network : options.networks) {
+    ActorOptions& actor = network.actor;
+    if (network.kind == NetworkKind::kActor && actor.vertex_weight > 0.0 && actor.body.empty()) actor.body = FindBody();
+  }
+  return CheckNetworks(options);
+}
 
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments) {
   return JobOf(LoadConfig(source, assignments));

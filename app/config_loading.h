@@ -20,4 +20,7 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
 /// The same from a text.
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments);
 
+/// Looks for the body of losses on vertices that name none, and checks the networks. Errors of CheckNetworks.
+Status ResolveNetworks(TrainOptions& options);
+
 }  // namespace mocurate

@@ -121,6 +121,7 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
   own.pipeline = options.pipeline;
   own.ingest.path = set.path;
   own.ingest.synthetic.enabled = false;
+  if (Status networks = ResolveNetworks(own.train); !networks) return Forward(networks);
   ResolveDefaults(own);
   return own;
 }

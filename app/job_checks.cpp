@@ -48,14 +48,17 @@ Status CheckSkeletons(const JobOptions& options) {
 /// Files and devices of the networks, before anything runs and not after hours.
 Status CheckTraining(const TrainOptions& options) {
   std::error_code unseen;
-  const bool cuda = std::filesystem::exists("/dev/nvidiactl", unseen);
+  const bool cuda = std::filesystem::exists("/dev/nvidiactl", unseen) || std::filesystem::exists("/dev/dxg", unseen);
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
+    if (!options.networks[i].enabled) continue;
     if (options.networks[i].learning.device == TrainDevice::kCuda && !cuda) {
       return Fail(ErrorCode::kMissingOnHost, "no CUDA device is here",
                   "train.networks[" + std::to_string(i) + "].device", "set device: cpu");
     }
     const std::pair<const char*, const std::filesystem::path*> files[] = {
-        {"weights", &options.networks[i].learning.weights}, {"body", &options.networks[i].actor.body}};
+        {"weights", &options.networks[i].learning.weights},
+        {"start_from", &options.networks[i].learning.start_from},
+        {"body", &options.networks[i].actor.body}};
     for (const auto& [option, file] : files) {
       std::error_code unknown;
       if (file->empty() || std::filesystem::is_regular_file(*file, unknown)) continue;

@@ -302,8 +302,10 @@ class MainJob {
   Status AddFiles(std::vector<TrainItem>& items) const {
     for (TrainItem& item : items) {
       const NetworkOptions& network = options_.train.networks[item.network];
-      const std::pair<const char*, const std::filesystem::path*> files[] = {{"weights", &network.learning.weights},
-                                                                            {"body", &network.actor.body}};
+      const std::pair<const char*, const std::filesystem::path*> files[] = {
+          {"weights", &network.learning.weights},
+          {"start_from", &network.learning.start_from},
+          {"body", &network.actor.body}};
       for (const auto& [role, file] : files) {
         if (file->empty()) continue;
         const Expected<std::string> sha256 = Sha256OfFile(*file);

@@ -62,10 +62,15 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
     if (!node) return Forward(node);
     return OptionsFromConfig<ExtractorOptions>(*node);
   }
-  if (!assignments.empty()) {
-    return Fail(ErrorCode::kUsage, "a checkpoint says itself how it reads motions", "--set extractor." + assignments[0],
-                "take it out");
+  for (const std::string& assignment : assignments) {
+    if (assignment.rfind("yaw=", 0) == 0) continue;
+    return Fail(ErrorCode::kUsage, "a checkpoint says itself how it reads motions", "--set extractor." + assignment,
+                "take it out; extractor.yaw can be set");
   }
+  const Expected<ConfigNode> turned = LoadConfig(ConfigSource{"", "extractor", {}}, assignments);
+  if (!turned) return Forward(turned);
+  const auto given = OptionsFromConfig<ExtractorOptions>(*turned);
+  if (!given) return Forward(given);
   const auto checkpoint = DescribeCheckpoint(path);
   if (!checkpoint) return Forward(checkpoint);
   const bool graph = checkpoint->at("network") == "st_gcn";
@@ -75,6 +80,7 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
   }
   ExtractorOptions options;
   options.name = "own";
+  options.yaw_rad = given->yaw_rad;
   if (graph) {
     options.network = ExtractorNetwork::kStGcn;
     options.values = ExtractorValues::kRotation6DRows;

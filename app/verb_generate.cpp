@@ -244,10 +244,11 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
     if (Status written = WriteRequests(*requests, file); !written) return written;
     item.inputs.push_back({"requests", "requests", file, ""});
   } else {
-    const bool more = !arguments.labels.empty() || !arguments.frames.empty() || arguments.interpolate > 0;
+    const bool more = !arguments.labels.empty() || !arguments.frames.empty() || arguments.interpolate > 0 ||
+                      !arguments.scale.empty() || !arguments.bone_lengths.empty();
     if (more) {
-      return Fail(ErrorCode::kUsage, "clips keep their labels and lengths", "--denoise",
-                  "leave out --label, --frames and --interpolate");
+      return Fail(ErrorCode::kUsage, "clips keep their labels, lengths and bones", "--denoise",
+                  "leave out --label, --frames, --interpolate, --scale and --bone-lengths");
     }
     item.options["seed"] = arguments.seed;
     item.inputs.push_back({"motions", "motions", arguments.denoise, ""});

@@ -102,31 +102,6 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, Clip clip,
   return kept;
 }
 
-/// How far the rest poses of two skeletons of the same tree are turned against each other at a joint, radians, at most:
-/// what rotations are counted from. A bone alone at its joint is turned by the angle between its directions; of
-/// several, whose directions among themselves are the person's, counts what a common turn would bring nearer.
-double RestPosesApart(const Skeleton& a, const Skeleton& b) {
-  double farthest = 0.0;
-  for (const std::vector<int>& children : a.Children()) {
-    Matrix3d shared = Matrix3d::Zero();
-    double size = 0.0;
-    for (const int child : children) {
-      const Vector3d& u = a.joints[static_cast<std::size_t>(child)].rest_offset;
-      const Vector3d& v = b.joints[static_cast<std::size_t>(child)].rest_offset;
-      shared += u * v.transpose();
-      size += u.norm() * v.norm();
-      if (children.size() == 1) farthest = std::max(farthest, std::atan2(u.cross(v).norm(), u.dot(v)));
-    }
-    if (children.size() < 2 || size == 0.0) continue;
-    const Eigen::JacobiSVD<Matrix3d> svd(shared, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const bool mirrored = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0;
-    const Vector3d& values = svd.singularValues();
-    const double best = values.x() + values.y() + (mirrored ? -values.z() : values.z());
-    farthest = std::max(farthest, std::sqrt(2.0 * std::max(0.0, best - shared.trace()) / size));
-  }
-  return farthest;
-}
-
 /// Whether two skeletons are the same but for their rest offsets.
 bool SameButRest(const Skeleton& a, const Skeleton& b) {
   const auto same_limits = [](const Joint& x, const Joint& y) {
@@ -141,8 +116,6 @@ bool SameButRest(const Skeleton& a, const Skeleton& b) {
                return x.mirror == y.mirror && x.radius == y.radius && x.landmark == y.landmark && same_limits(x, y);
              });
 }
-
-constexpr double kSameRestPose = 5e-3;  // radians
 
 /// A clip that cannot stand in one dataset with the others.
 Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message) {

@@ -20,6 +20,9 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
   NetworkOptions one = network;
   one.seeds = {seed};
   one.learning.samples_at.clear();
+  one.learning.weights.clear();  // their content is an input: where they lie does not matter
+  one.learning.start_from.clear();
+  one.actor.body.clear();
   const std::string item = network.name + "/" + std::to_string(one.seed());
   const std::string row = network.seeds.size() > 1 ? item : network.name;
   const std::int64_t end_of_all = network.learning.until > 0
@@ -52,33 +55,17 @@ Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
   return Fail(ErrorCode::kConfig, "the list is empty", where, "one network is trained per seed: leave the network out");
 }
 
-Status CheckActor(const NetworkOptions& network, const std::string& where) {
-  if (network.kind != NetworkKind::kActor) return {};
+/// What ACTOR is trained with beside its sizes.
+Status CheckActorTraining(const NetworkOptions& network, const std::string& where) {
   const ActorOptions& actor = network.actor;
-  const auto refused = [&](const char* option, const std::string& what, const char* hint) {
-    return Fail(ErrorCode::kConfig, what, where + "." + option, hint);
-  };
-  if (actor.latent % (2 * actor.heads) != 0) {
-    return refused("latent",
-                   std::to_string(actor.latent) + " is no multiple of 2 x " + std::to_string(actor.heads) + " heads",
-                   "choose another width");
+  const bool vertices = network.enabled && network.kind == NetworkKind::kActor && actor.vertex_weight > 0.0;
+  if (vertices && actor.body.empty()) {
+    return Fail(ErrorCode::kConfig, "a loss on vertices needs a body", where + ".vertex_weight",
+                "set body: to SMPL's file or body_cc0.h5, or MOCURATE_WEIGHTS to their folder");
   }
-  if (actor.vertex_weight > 0.0 && actor.body.empty()) {
-    return refused("vertex_weight", "a loss on vertices needs a body",
-                   "set body: to SMPL's file or body_cc0.h5, or MOCURATE_WEIGHTS to their folder");
-  }
-  if (actor.pose == PoseChoice::kJoints && actor.vertex_weight > 0.0) {
-    return refused("vertex_weight", "joints alone pose no body", "choose a pose of rotations");
-  }
-  const std::int64_t longest = network.data.longest_frames;
-  if (longest > 0 && longest < network.data.frames) {
-    return refused("longest_frames", std::to_string(longest) + " is less than frames", "0, or at least `frames`");
-  }
-  if (longest > 0 && actor.coders == ActorCoders::kFullyConnected) {
-    return refused("longest_frames", "the fully connected coder has one length", "set longest_frames: 0");
-  }
-  if (longest > 0 && actor.pose == PoseChoice::kJoints) {
-    return refused("longest_frames", "windows of drawn length are read with rotations", "choose a pose of rotations");
+  if (network.kind == NetworkKind::kActor && network.data.longest_frames > 0 && network.data.include_last_start) {
+    return Fail(ErrorCode::kConfig, "windows of drawn length begin as released", where + ".include_last_start",
+                "leave it out, or set longest_frames: 0");
   }
   return {};
 }
@@ -145,6 +132,34 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
   return items;
 }
 
+Status CheckActor(const NetworkOptions& network, const std::string& where) {
+  if (network.kind != NetworkKind::kActor) return {};
+  const ActorOptions& actor = network.actor;
+  const auto refused = [&](const char* option, const std::string& what, const char* hint) {
+    return Fail(ErrorCode::kConfig, what, where + "." + option, hint);
+  };
+  const bool attends = actor.coders == ActorCoders::kTransformer || actor.coders == ActorCoders::kAutoregressive;
+  if (attends && (actor.latent % actor.heads != 0 || actor.latent % 2 != 0)) {
+    return refused("latent",
+                   std::to_string(actor.latent) + " is odd or no multiple of " + std::to_string(actor.heads) + " heads",
+                   "choose another width");
+  }
+  if (actor.pose == PoseChoice::kJoints && actor.vertex_weight > 0.0) {
+    return refused("vertex_weight", "joints alone pose no body", "choose a pose of rotations");
+  }
+  const std::int64_t longest = network.data.longest_frames;
+  if (longest > 0 && longest < network.data.frames) {
+    return refused("longest_frames", std::to_string(longest) + " is less than frames", "0, or at least `frames`");
+  }
+  if (longest > 0 && actor.coders == ActorCoders::kFullyConnected) {
+    return refused("longest_frames", "the fully connected coder has one length", "set longest_frames: 0");
+  }
+  if (longest > 0 && actor.pose == PoseChoice::kJoints) {
+    return refused("longest_frames", "windows of drawn length are read with rotations", "choose a pose of rotations");
+  }
+  return {};
+}
+
 Status CheckNetworks(const TrainOptions& options) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
@@ -166,6 +181,7 @@ Status CheckNetworks(const TrainOptions& options) {
                   "leave samples_at out, and name one seed");
     }
     if (Status actor = CheckActor(network, where); !actor) return actor;
+    if (Status training = CheckActorTraining(network, where); !training) return training;
     const std::vector<double>& steps = network.learning.samples_at;
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
       return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at", "write them in order");
@@ -228,8 +244,10 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
       notes.push_back(network.name + ": " + length + ", in batches of " + batches + ".");
       continue;
     }
+    const bool body = network.kind == NetworkKind::kActor && network.actor.vertex_weight > 0.0;
     notes.push_back(network.name + ": " + Counted(network.learning.iterations, "iteration") + " of " + batches +
-                    " on " + on + ".");
+                    " on " + on +
+                    (body ? ", vertices of " + DisplayPath(network.actor.body.filename()) : std::string()) + ".");
     if (features == options.networks.end() || features->data.input == network.data.input) continue;
     notes.push_back(
         network.name +

@@ -48,6 +48,9 @@ void BoundTraining(TrainOptions& options);
 /// for steps of `samples_at` that do not rise.
 Status CheckNetworks(const TrainOptions& options);
 
+/// Whether the sizes of an ACTOR fit each other; anything holds of other kinds. Error kConfig.
+Status CheckActor(const NetworkOptions& network, const std::string& where);
+
 /// Multiplies the generators' iterations by `budget`. Error kUsage when a product is more than the option allows.
 Status ScaleTraining(double budget, TrainOptions& options);
 

@@ -62,7 +62,8 @@ struct LearningOptions {
   std::int64_t save_every = 50;    ///< steps between two saved states
   std::vector<double> samples_at;  ///< steps whose network is kept and scored as a row of its own
   TrainDevice device = TrainDevice::kCpu;
-  std::filesystem::path weights;  ///< of a network trained elsewhere, which is taken as it is; empty: it is trained
+  std::filesystem::path start_from;  ///< weights that a training begins with; empty: drawn ones
+  std::filesystem::path weights;     ///< of a network trained elsewhere, which is taken as it is; empty: it is trained
   void Declare(OptionVisitor& v, NetworkKind kind);
 };
 

@@ -97,6 +97,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   control.progress = [](double fraction, const std::string& text) { ReportProgress(fraction, text); };
   if (const StageInput* start = InputOf(request, "start")) control.start = start->path;
   if (const StageInput* weights = InputOf(request, "weights")) control.weights = weights->path;
+  if (const StageInput* first = InputOf(request, "start_from")) control.start_from = first->path;
   double seconds_before = 0.0;
   control.resumed = [&](double seconds) { seconds_before = seconds; };
   const Expected<Checkpoint> checkpoint = TrainNetwork(input->set, input->options, control);

@@ -1,5 +1,6 @@
 #include "core/motion/skeleton.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -250,6 +251,28 @@ Status Skeleton::Check() const {
 bool SameTree(const Skeleton& a, const Skeleton& b) {
   return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
                     [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
+}
+
+double RestPosesApart(const Skeleton& a, const Skeleton& b) {
+  double farthest = 0.0;
+  for (const std::vector<int>& children : a.Children()) {
+    Matrix3d shared = Matrix3d::Zero();
+    double size = 0.0;
+    for (const int child : children) {
+      const Vector3d& u = a.joints[static_cast<std::size_t>(child)].rest_offset;
+      const Vector3d& v = b.joints[static_cast<std::size_t>(child)].rest_offset;
+      shared += u * v.transpose();
+      size += u.norm() * v.norm();
+      if (children.size() == 1) farthest = std::max(farthest, std::atan2(u.cross(v).norm(), u.dot(v)));
+    }
+    if (children.size() < 2 || size == 0.0) continue;
+    const Eigen::JacobiSVD<Matrix3d> svd(shared, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const bool mirrored = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0;
+    const Vector3d& values = svd.singularValues();
+    const double best = values.x() + values.y() + (mirrored ? -values.z() : values.z());
+    farthest = std::max(farthest, std::sqrt(2.0 * std::max(0.0, best - shared.trace()) / size));
+  }
+  return farthest;
 }
 
 bool SameRestOffsets(const Skeleton& a, const Skeleton& b) {

@@ -89,6 +89,12 @@ using SkeletonPtr = std::shared_ptr<const Skeleton>;
 bool SameTree(const Skeleton& a, const Skeleton& b);
 /// Whether two skeletons of one tree have the same rest offsets.
 bool SameRestOffsets(const Skeleton& a, const Skeleton& b);
+/// How far the rest poses of two skeletons of the same tree are turned against each other at a joint, radians, at most:
+/// what rotations are counted from. A bone alone at its joint is turned by the angle between its directions; of
+/// several, whose directions among themselves are the person's, counts what a common turn would bring nearer.
+double RestPosesApart(const Skeleton& a, const Skeleton& b);
+/// Below this rotations are counted from the same rest pose, radians.
+inline constexpr double kSameRestPose = 5e-3;
 /// `skeleton` with the rest offsets of another of the same tree.
 SkeletonPtr WithRestOffsetsOf(const Skeleton& skeleton, const Skeleton& other);
 

@@ -43,6 +43,10 @@ void ExtractorOptions::Declare(OptionVisitor& v) {
   DeclareRoot("generated_root", generated_root, "the same of generated motions", v);
   v.Choice("body", body, {{"own", BodyRule::kOwn}, {"mean_shape", BodyRule::kMeanShape}},
            "whose bones the joints have: the motion's own, or those of SMPL's mean body");
+  v.Number(
+      "yaw", yaw_rad, Unit::kRadian, {-7.0, 7.0},
+      "turn the scored motions by this about the vertical, and not the reference: how much a network depends on the "
+      "view");
   v.Texts("classes", classes, "class names in the order of the network's outputs");
 }
 

@@ -60,6 +60,7 @@ struct ExtractorOptions {
   RootRule real_root = RootRule::kFirstFrame;
   RootRule generated_root = RootRule::kAsGiven;
   BodyRule body = BodyRule::kOwn;
+  double yaw_rad = 0.0;  ///< by which scored motions are turned about the vertical, and the reference is not
   std::vector<std::string> classes;  ///< in the order of the network's outputs
 
   void Declare(OptionVisitor& v);

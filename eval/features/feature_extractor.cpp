@@ -114,7 +114,8 @@ std::optional<int> ClassOf(const std::vector<std::string>& classes, const std::s
 Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion*>& motions,
                       const std::vector<int>& labels, const std::vector<std::string>& clips, const PassOptions& pass,
                       FeatureSet& set) {
-  const InputRules& rules = extractor.rules;
+  InputRules rules = extractor.rules;
+  rules.unit_from_metres = rules.unit_from_metres * ExpMatrix(Vector3d(0.0, pass.yaw_rad, 0.0));
   std::map<const Skeleton*, std::vector<int>> joints;
   for (const Motion* motion : motions) {
     if (joints.count(motion->skeleton.get()) > 0) continue;
@@ -123,7 +124,7 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
     joints[motion->skeleton.get()] = std::move(*found);
   }
   for (std::size_t i = 0; rules.values != ExtractorValues::kJoints && i < motions.size(); ++i) {
-    Status rotations = CheckRotations(*rules.skeleton, joints.at(motions[i]->skeleton.get()), *motions[i]);
+    Status rotations = CheckRotations(*rules.skeleton, *motions[i]);
     if (rotations) continue;
     return Fail(rotations.error().code, rotations.error().what, clips[i], rotations.error().hint);
   }

@@ -30,6 +30,7 @@ std::optional<int> ClassOf(const std::vector<std::string>& classes, const std::s
 /// How a set of motions is read in one pass.
 struct PassOptions {
   RootRule root = RootRule::kAsGiven;
+  double yaw_rad = 0.0;  ///< by which motions are turned about the vertical
   CropStart start = CropStart::kFirst;
   InitialHidden hidden = InitialHidden::kZero;
   std::uint64_t seed = 0;  ///< of crops and hidden states, by the position of the motion

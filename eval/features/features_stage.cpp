@@ -169,6 +169,7 @@ class FeaturesRun {
       return Fail(ErrorCode::kInterrupted, "features stopped on request", options_.purpose, "run again");
     }
     PassOptions how;
+    if (options_.generated) how.yaw_rad = extractor_.options.yaw_rad;
     how.root = options_.generated ? extractor_.options.generated_root : extractor_.options.real_root;
     how.start = options_.crop == CropDraw::kFirst      ? CropStart::kFirst
                 : options_.crop == CropDraw::kReleased ? CropStart::kReleased

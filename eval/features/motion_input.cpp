@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/geometry/axes.h"
 #include "core/motion/operations.h"
 #include "core/motion/preparation.h"
@@ -68,18 +69,21 @@ Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& mo
               "score motions of skeleton '" + network.name + "', or fit it: mocurate fit --skeleton " + network.name);
 }
 
-Status CheckRotations(const Skeleton& network, const std::vector<int>& joints, const Motion& motion) {
+Status CheckRotations(const Skeleton& network, const Motion& motion) {
   if (motion.joints_only()) {
     return Fail(ErrorCode::kInconsistent, "the motion has joints alone, the extractor reads rotations", network.name,
                 "fit it (mocurate fit), or score with an extractor of joints");
   }
-  for (std::size_t k = 1; k < joints.size(); ++k) {
-    const int parent = motion.skeleton->joints[static_cast<std::size_t>(joints[k])].parent;
-    if (parent == joints[static_cast<std::size_t>(network.joints[k].parent)]) continue;
+  const Skeleton& own = *motion.rest_pose();
+  if (!SameTree(network, own)) {
     return Fail(ErrorCode::kInconsistent,
-                "joint '" + network.joints[k].name + "' hangs on another joint in skeleton '" + motion.skeleton->name +
-                    "': its rotation is another one",
+                "the motion is of skeleton '" + own.name + "', whose joints hang otherwise: its rotations are others",
                 network.name, "score motions of skeleton '" + network.name + "'");
+  }
+  if (const double apart = RestPosesApart(network, own); apart > kSameRestPose) {
+    return Fail(ErrorCode::kInconsistent,
+                "the motion's rotations are counted from a rest pose " + RoundedText(apart, 2) + " rad apart",
+                network.name, "bring the motions to the rest pose of skeleton '" + network.name + "'");
   }
   return {};
 }

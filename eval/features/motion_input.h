@@ -40,9 +40,9 @@ Expected<InputRules> RulesOf(const ExtractorOptions& options);
 /// motion lacks.
 Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& motion);
 
-/// Whether rotations of the motion are those of the network's joints. Error kInconsistent: a motion of joints alone, a
-/// joint that hangs on another one.
-Status CheckRotations(const Skeleton& network, const std::vector<int>& joints, const Motion& motion);
+/// Whether rotations of the motion are those of the network's skeleton. Error kInconsistent: a motion of joints alone,
+/// another tree, another rest pose.
+Status CheckRotations(const Skeleton& network, const Motion& motion);
 
 /// One motion as the network reads it: writes (frames, size()) float32 to `values`, and gives the frame after which the
 /// output counts.

@@ -130,7 +130,7 @@ std::string ToMarkdown(const Table& table) {
 std::string ToCsv(const Table& table) {
   std::string text =
       "method,metric,value,interval_low,interval_high,interval_kind,student_95,action2motion_pm,actor_pm,repetitions,"
-      "converged,source\n";
+      "source,converged\n";
   for (const Table::Row& row : table.rows) {
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
@@ -141,8 +141,8 @@ std::string ToCsv(const Table& table) {
       for (const IntervalKind kind : {IntervalKind::kStudent, IntervalKind::kAction2Motion, IntervalKind::kActor}) {
         text += "," + (cell.repetitions.size() > 1 ? FormatDouble(Summarise(cell.repetitions, kind).half_width) : "");
       }
-      text += "," + std::to_string(std::max<std::size_t>(1, cell.repetitions.size())) + "," +
-              (row.unconverged ? "no" : "") + "," + CsvText(row.source) + "\n";
+      text += "," + std::to_string(std::max<std::size_t>(1, cell.repetitions.size())) + "," + CsvText(row.source) +
+              "," + (row.unconverged ? "no" : "") + "\n";
     }
   }
   return text;

@@ -65,16 +65,16 @@ TEST(Csv, HoldsTheValueItsIntervalAndThoseOfThePapersCodes) {
   ASSERT_EQ(lines.size(), 6u);  // the last one is empty
   EXPECT_EQ(lines[0],
             "method,metric,value,interval_low,interval_high,interval_kind,student_95,action2motion_pm,actor_pm,"
-            "repetitions,source");
+            "repetitions,source,converged");
   const auto fid = SplitText(lines[1], ',');
-  ASSERT_EQ(fid.size(), 11u);
+  ASSERT_EQ(fid.size(), 12u);
   EXPECT_EQ(fid[0], "\"Real\"");
   EXPECT_EQ(fid[2], "2");
   EXPECT_NEAR(*ParseDouble(fid[6]), 3.182446305284263 / std::sqrt(3.0), 1e-9);
   EXPECT_EQ(fid[7], "0.98");
   EXPECT_EQ(fid[8], "1.96");
   EXPECT_EQ(fid[9], "4");
-  EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,,,student_95,,,,1,\"\"");
+  EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,,,student_95,,,,1,\"\",");
 }
 
 TEST(Latex, IsABooktabsTabularWithTheSameNumbersADashForWhatIsMissingAndTheNotes) {

@@ -88,7 +88,7 @@ void Save(const Checkpoint& checkpoint, int iterations, const std::filesystem::p
   ASSERT_TRUE(WriteFile(path, file.Whole()));
 }
 
-class Released : public testing::Test {
+class ReleasedFiles : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / "mocurate_released";
@@ -109,7 +109,7 @@ class Released : public testing::Test {
   Checkpoint trained_;
 };
 
-TEST_F(Released, WeightsOfATorchFileAndOfACheckpointAreTheNetwork) {
+TEST_F(ReleasedFiles, WeightsOfATorchFileAndOfACheckpointAreTheNetwork) {
   Save(trained_, 50000, folder_ / "latest.tar");
   ASSERT_TRUE(WriteCheckpoint(trained_, folder_ / "own.h5"));
   ASSERT_TRUE(ExportSafetensors(trained_, folder_ / "own.safetensors"));
@@ -126,7 +126,7 @@ TEST_F(Released, WeightsOfATorchFileAndOfACheckpointAreTheNetwork) {
   }
 }
 
-TEST_F(Released, WeightsOfAnotherSizeKindOrFormatAreRefused) {
+TEST_F(ReleasedFiles, WeightsOfAnotherSizeKindOrFormatAreRefused) {
   Save(trained_, 1, folder_ / "latest.tar");
   NetworkOptions larger = SmallNetwork();
   larger.action2motion.hidden = 16;

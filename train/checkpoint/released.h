@@ -15,7 +15,8 @@ struct ReleasedWeights {
 };
 
 /// Weights of a network of kind `kind` from a file of torch.save, as the papers' code writes them, or from a checkpoint
-/// (.h5, .safetensors). No code of the file runs. Tensors beside the network's (an optimiser's state) are left out.
+/// (.h5, .safetensors). No code of the file runs. What else it holds (an optimiser's state) the network
+/// does not ask for.
 /// Errors: those of ReadTorchPickle and ReadCheckpoint; kInconsistent for a file without such a network.
 Expected<ReleasedWeights> ReadReleasedWeights(const std::filesystem::path& path, const std::string& kind);
 

@@ -12,6 +12,7 @@
 #include "core/motion/kinematics.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/batches.h"
+#include "train/items.h"
 #include "train/networks/network.h"
 #include "train/trainer/values.h"
 
@@ -35,16 +36,31 @@ namespace {
 
 constexpr int kMostFrames = 5000;      // rows of the released positional table
 constexpr int kGeneratedAtOnce = 500;  // motions whose states fit the caches; larger chunks gain nothing
+constexpr std::int64_t kNumbersAtOnce = std::int64_t{64} << 20;  // of attention and the layers between, 256 MB
+
+/// Motions that are worked on at once: fewer where each takes much memory.
+int AtOnce(const NetworkOptions& options, std::int64_t frames) {
+  if (options.kind != NetworkKind::kActor) return kGeneratedAtOnce;
+  const ActorOptions& actor = options.actor;
+  const std::int64_t numbers = actor.heads * frames * frames + (actor.feed_forward + 4 * actor.latent) * frames;
+  return static_cast<int>(std::clamp<std::int64_t>(kNumbersAtOnce / numbers, 1, kGeneratedAtOnce));
+}
 
 /// Rest offsets of a usual person; empty where the network has no rotations.
-Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const std::string& where) {
+Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const NetworkOptions& options,
+                                             const std::string& where) {
   std::vector<Vector3d> offsets;
+  if (!options.NeedsRotations()) return offsets;
+  bool whole = true;
   for (const nlohmann::json& row : checkpoint.facts.value("rest_offset", nlohmann::json::array())) {
-    if (row.size() != 3) break;
-    offsets.emplace_back(row[0].get<double>(), row[1].get<double>(), row[2].get<double>());
+    whole = whole && row.size() == 3;
+    if (whole) offsets.emplace_back(row[0].get<double>(), row[1].get<double>(), row[2].get<double>());
   }
-  if (offsets.empty() || offsets.size() == checkpoint.skeleton->joints.size()) return offsets;
-  return Fail(ErrorCode::kMalformed, "the rest offsets do not fit the skeleton", where, "train again");
+  whole =
+      whole && std::all_of(offsets.begin(), offsets.end(), [](const Vector3d& offset) { return offset.allFinite(); });
+  if (whole && offsets.size() == checkpoint.skeleton->joints.size()) return offsets;
+  return Fail(ErrorCode::kMalformed, "facts.rest_offset is no place of each joint of the skeleton", where,
+              "train again");
 }
 
 /// The skeleton with bones of these lengths along the rest offsets.
@@ -160,7 +176,10 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   }
   torch::set_num_threads(1);
   auto impl = std::make_unique<Impl>();
-  const auto rest = RestOffsetOf(*checkpoint, where);
+  if (Status sound = CheckActor(*options, where); !sound) {
+    return Fail(ErrorCode::kMalformed, sound.error().what, where, "take the file as `mocurate` wrote it");
+  }
+  const auto rest = RestOffsetOf(*checkpoint, *options, where);
   if (!rest) return Forward(rest);
   impl->rest_offset = *rest;
   impl->network = MakeNetwork(*options, SizesOf(*checkpoint->skeleton, checkpoint->labels.size(), *rest));
@@ -195,7 +214,7 @@ Expected<MotionGenerator::Rows> MotionGenerator::Answer(const std::vector<Motion
   const std::size_t frames = requests.size() * static_cast<std::size_t>(T);
   rows.joints.resize(frames * static_cast<std::size_t>(D));
   if (!impl_->rest_offset.empty()) rows.rotation.resize(frames * static_cast<std::size_t>(3 * D));
-  ParallelFor(static_cast<int>(requests.size()), kGeneratedAtOnce, threads, [&](int begin, int end) {
+  ParallelFor(static_cast<int>(requests.size()), AtOnce(impl_->options, T), threads, [&](int begin, int end) {
     const torch::NoGradGuard no_gradient;
     const MotionRequest* first = requests.data() + begin;
     const auto count = static_cast<std::int64_t>(end) - begin;
@@ -296,14 +315,25 @@ Expected<Dataset> MotionGenerator::Denoise(const Dataset& set, std::uint64_t see
                 "the set is of skeleton '" + set.skeleton->name + "', the network of '" + impl_->skeleton->name + "'",
                 "motions", way_out);
   }
+  if (const double apart = RestPosesApart(*set.skeleton, *impl_->skeleton); apart > kSameRestPose) {
+    return Fail(ErrorCode::kInconsistent,
+                "the set's rotations are counted from a rest pose " + RoundedText(apart, 2) + " rad apart", "motions",
+                way_out);
+  }
   const bool rotations = impl_->options.NeedsRotations();
   const TrainingSet packed = PackTrainingSet(set, rotations && !set.joints_only);
   std::vector<int> label;
   for (const Clip& clip : set.clips) {
     const auto found = std::find(impl_->labels.begin(), impl_->labels.end(), clip.label);
-    if (found == impl_->labels.end() || !clip.motion || clip.motion->frame_count() < 1) {
-      return Fail(ErrorCode::kInconsistent, "the network has no class '" + clip.label + "', or the clip no motion",
-                  clip.id(), way_out);
+    if (found == impl_->labels.end()) {
+      return Fail(ErrorCode::kInconsistent, "the network has no class '" + clip.label + "'", clip.id(), way_out);
+    }
+    if (!clip.motion) return Fail(ErrorCode::kInconsistent, "the clip has no motion", clip.id(), way_out);
+    MotionRequest request;
+    request.label = static_cast<int>(found - impl_->labels.begin());
+    request.frames = clip.motion->frame_count();
+    if (Status fits = impl_->Check(request, 0); !fits) {
+      return Fail(fits.error().code, fits.error().what, clip.id(), fits.error().hint);
     }
     if (rotations && clip.motion->joints_only()) {
       return Fail(ErrorCode::kInconsistent, "the clip has joints alone, the network encodes rotations", clip.id(),
@@ -343,7 +373,10 @@ Expected<Dataset> MotionGenerator::Denoise(const Dataset& set, std::uint64_t see
       made.rate = clip.motion->rate;
       made.joints = JointPositions(request.frames, static_cast<int>(J));
       const torch::Tensor joints = motions.joints.contiguous();
-      std::copy_n(joints.data_ptr<float>(), made.joints.xyz.size(), made.joints.xyz.begin());
+      const Vector3d root = clip.motion->joints.at(0, 0);  // places are counted from the clip's first one
+      for (std::size_t k = 0; k < made.joints.xyz.size(); ++k) {
+        made.joints.xyz[k] = joints.data_ptr<float>()[k] + root[static_cast<Eigen::Index>(k % 3)];
+      }
       if (motions.rotation.defined()) {
         const torch::Tensor rotation = motions.rotation.contiguous();
         AddRotations(rotation.data_ptr<float>(), request, made);

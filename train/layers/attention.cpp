@@ -50,10 +50,21 @@ Tensor AttentionImpl::ToItself(const Tensor& x, const Tensor& padded, bool causa
                   hidden, dropout);
 }
 
-Tensor AttentionImpl::To(const Tensor& memory, const Tensor& x, Dropout& dropout) {
+AttentionImpl::Seen AttentionImpl::Remember(const Tensor& memory) const {
+  const Tensor projected = Project(memory, 1, 2);  // (S,B,2E)
+  return {projected.slice(2, 0, width_), projected.slice(2, width_)};
+}
+
+Tensor AttentionImpl::Read(const Tensor& x, const Seen& seen) {
+  Dropout none;
+  return Weighted(Project(x, 0, 1), seen.key, seen.value, Tensor(), none);
+}
+
+Tensor AttentionImpl::To(const Tensor& memory, const Tensor& x, const Tensor& padded, Dropout& dropout) {
   if (memory.size(0) > 1) {
-    const Tensor projected = Project(memory, 1, 2);  // (S,B,2E)
-    return Weighted(Project(x, 0, 1), projected.slice(2, 0, width_), projected.slice(2, width_), Tensor(), dropout);
+    const Seen seen = Remember(memory);
+    const Tensor hidden = padded.defined() ? padded.view({padded.size(0), 1, 1, memory.size(0)}) : Tensor();
+    return Weighted(Project(x, 0, 1), seen.key, seen.value, hidden, dropout);
   }
   const std::int64_t T = x.size(0), B = x.size(1), d = width_ / heads_;
   const Tensor value = Project(memory[0], 2, 1);  // (B,E)

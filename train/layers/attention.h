@@ -14,14 +14,19 @@ struct AttentionImpl : torch::nn::Module {
   /// `x` (T,B,E) attends to itself. `padded` (B,T) bool, or undefined; `causal`: to itself and what is before it.
   torch::Tensor ToItself(const torch::Tensor& x, const torch::Tensor& padded, bool causal, Dropout& dropout);
 
-  /// `x` (T,B,E) attends to `memory` (S,B,E). With one entry its weight is 1: no query and no key is needed, and
-  /// dropout zeroes a head at a frame (a2m_actor.md C.2).
-  torch::Tensor To(const torch::Tensor& memory, const torch::Tensor& x, Dropout& dropout);
-
-  /// One frame more, (1,B,E), that attends to all before it; `seen` keeps their keys and values (t,B,E).
+  /// /// Keys and values of entries, (S,B,E) each.
   struct Seen {
     torch::Tensor key, value;
   };
+
+  /// `x` (T,B,E) attends to `memory` (S,B,E), but for entries that are `padded` (B,S). With one entry its weight is 1:
+  /// no query and no key is needed, and dropout zeroes a head at a frame (a2m_actor.md C.2).
+  torch::Tensor To(const torch::Tensor& memory, const torch::Tensor& x, const torch::Tensor& padded, Dropout& dropout);
+
+  /// The memory's keys and values, and what `x` reads of them, without dropout.
+  Seen Remember(const torch::Tensor& memory) const;
+  torch::Tensor Read(const torch::Tensor& x, const Seen& seen);
+  /// One frame more, (1,B,E), that attends to itself and all before it, which `seen` keeps.
   torch::Tensor Next(const torch::Tensor& x, Seen& seen);
 
   torch::Tensor in_proj_weight, in_proj_bias;

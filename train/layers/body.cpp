@@ -22,7 +22,7 @@ std::vector<Vector3d> OffsetsOf(const std::vector<Vector3d>& joints, const std::
 }
 
 /// A scalar whose gradient by its inputs is known already.
-struct Known : torch::autograd::Function<Known> {
+struct PrecomputedGradient : torch::autograd::Function<PrecomputedGradient> {
   static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& rotation, const Tensor& translation,
                         const Tensor& value, const Tensor& by_rotation, const Tensor& by_translation) {
     (void)rotation, (void)translation;
@@ -82,51 +82,52 @@ SkinnedBody::SkinnedBody(const Skin& skin, const std::vector<int>& parents)
 Tensor SkinnedBody::Vertices(const Tensor& rotation) const {
   const std::int64_t N = rotation.size(0), V = vertex_count_, J = tree_.joint_count();
   const BodyTree::Posed posed = tree_.Pose(rotation);
-  Tensor rest = vertices_.unsqueeze(0).expand({N, V, 3});
+  const torch::Device device = rotation.device();
+  const Tensor weights = weights_.to(device);
+  Tensor rest = vertices_.to(device).unsqueeze(0).expand({N, V, 3});
   if (blending_.defined()) {
     const Tensor away = (rotation.slice(1, 1) - torch::eye(3, rotation.options())).reshape({N, 9 * (J - 1)});
-    rest = rest + torch::mm(away, blending_.t()).view({N, V, 3});
+    rest = rest + torch::mm(away, blending_.to(device).t()).view({N, V, 3});
   }
   // v' = (sum of w_j G_j) v + sum of w_j (p_j - G_j J_j)
-  const Tensor shift = posed.joints - torch::matmul(posed.rotation, joints_.unsqueeze(2)).squeeze(3);  // (N,J,3)
-  const Tensor turn = torch::matmul(weights_, posed.rotation.reshape({N, J, 9})).view({N, V, 3, 3});
-  return torch::matmul(turn, rest.unsqueeze(3)).squeeze(3) + torch::matmul(weights_, shift) + root_;
+  const Tensor shift =
+      posed.joints - torch::matmul(posed.rotation, joints_.to(device).unsqueeze(2)).squeeze(3);  // (N,J,3)
+  const Tensor turning = torch::matmul(weights, posed.rotation.reshape({N, J, 9})).view({N, V, 3, 3});
+  return torch::matmul(turning, rest.unsqueeze(3)).squeeze(3) + torch::matmul(weights, shift) + root_.to(device);
 }
 
-Tensor SkinnedBody::SquaredDistance(const Tensor& rotation, const Tensor& other, const Tensor& translation,
-                                    const Tensor& weight) const {
-  if (blending_.defined()) return ByVertices(rotation, other, translation, weight);
+Tensor SkinnedBody::SquaredDistance(const Tensor& rotation, const Tensor& other, const Tensor& translation) const {
+  if (blending_.defined()) return ByVertices(rotation, other, translation);
   const std::int64_t N = rotation.size(0), J = tree_.joint_count();
   const BodyTree::Posed a = tree_.Pose(rotation), b = tree_.Pose(other);
   Tensor apart = a.joints - b.joints;  // (N,J,3)
   if (translation.defined()) apart = apart + translation.unsqueeze(1);
   const Tensor columns = torch::cat({a.rotation - b.rotation, apart.unsqueeze(3)}, 3);  // (N,J,3,4)
   const Tensor rows = columns.permute({0, 2, 1, 3}).reshape({3 * N, 4 * J});            // of x, y, z
-  return ((torch::mm(rows, gram_) * rows).view({N, -1}).sum(1) * weight).sum();
+  return (torch::mm(rows, gram_.to(rows.device())) * rows).sum();
 }
 
-Tensor SkinnedBody::ByVertices(const Tensor& rotation, const Tensor& other, const Tensor& translation,
-                               const Tensor& weight) const {
+Tensor SkinnedBody::ByVertices(const Tensor& rotation, const Tensor& other, const Tensor& translation) const {
   const bool differentiable = torch::GradMode::is_enabled() && rotation.requires_grad();
   const std::int64_t N = rotation.size(0);
-  Tensor value = torch::zeros({}), by_rotation = torch::zeros_like(rotation);
+  Tensor value = torch::zeros({}, rotation.options()), by_rotation = torch::zeros_like(rotation);
   Tensor by_translation = translation.defined() ? torch::zeros_like(translation) : Tensor();
   for (std::int64_t begin = 0; begin < N; begin += kFramesAtOnce) {
     const std::int64_t end = std::min(N, begin + kFramesAtOnce);
     const auto part = [&](const Tensor& x) { return x.detach().slice(0, begin, end); };
-    const Tensor turned = part(rotation).clone().requires_grad_(differentiable);
+    const Tensor own = part(rotation).clone().requires_grad_(differentiable);
     const Tensor moved = translation.defined() ? part(translation).clone().requires_grad_(differentiable) : Tensor();
-    Tensor apart = Vertices(turned) - Vertices(part(other));
+    Tensor apart = Vertices(own) - Vertices(part(other));
     if (moved.defined()) apart = apart + moved.unsqueeze(1);
-    const Tensor sum = (apart.square().sum({1, 2}) * part(weight)).sum();
+    const Tensor sum = apart.square().sum();
     value += sum.detach();
     if (!differentiable) continue;
-    const auto gradient = torch::autograd::grad({sum}, moved.defined() ? torch::autograd::variable_list{turned, moved}
-                                                                       : torch::autograd::variable_list{turned});
+    const auto gradient = torch::autograd::grad(
+        {sum}, moved.defined() ? torch::autograd::variable_list{own, moved} : torch::autograd::variable_list{own});
     by_rotation.slice(0, begin, end).copy_(gradient[0]);
     if (moved.defined()) by_translation.slice(0, begin, end).copy_(gradient[1]);
   }
-  return differentiable ? Known::apply(rotation, translation, value, by_rotation, by_translation) : value;
+  return differentiable ? PrecomputedGradient::apply(rotation, translation, value, by_rotation, by_translation) : value;
 }
 
 }  // namespace mocurate

@@ -43,15 +43,15 @@ class SkinnedBody {
   /// (N,V,3), root at its rest place.
   torch::Tensor Vertices(const torch::Tensor& rotation) const;
 
-  /// Sum over frames, each times `weight` (N), of the squared distances of all vertices between two poses (N,J,3,3),
-  /// moved by `translation` (N,3), their difference of root places; or undefined. Without pose-dependent offsets
-  /// vertices are linear in the joints' transforms, and the sum is a quadratic form of 4J numbers, exactly.
+  /// Sum over frames of the squared distances of all vertices between two poses (N,J,3,3), moved by `translation`
+  /// (N,3), their difference of root places; or undefined. Without pose-dependent offsets vertices are linear in the
+  /// joints' transforms, and the sum is a quadratic form of 4J numbers, exactly.
   torch::Tensor SquaredDistance(const torch::Tensor& rotation, const torch::Tensor& other,
-                                const torch::Tensor& translation, const torch::Tensor& weight) const;
+                                const torch::Tensor& translation) const;
 
  private:
-  torch::Tensor ByVertices(const torch::Tensor& rotation, const torch::Tensor& other, const torch::Tensor& translation,
-                           const torch::Tensor& weight) const;
+  torch::Tensor ByVertices(const torch::Tensor& rotation, const torch::Tensor& other,
+                           const torch::Tensor& translation) const;
 
   BodyTree tree_;
   std::int64_t vertex_count_ = 0;

@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-/// Leaves out numbers of one shard of a training step, each with chance `rate`, and scales the others by 1/(1 - rate).
+/// Zeroes numbers of one shard of a training step, each with chance `rate`, and scales the others by 1/(1 - rate).
 /// The mask is keyed by seed, step, shard and the position of the call: the same whatever ran before.
 class Dropout {
  public:

@@ -83,7 +83,7 @@ Tensor NumbersOf(const Tensor& matrices, PoseChoice pose) {
   shape.back() = WidthOf(pose);
   if (pose == PoseChoice::kRotation6D) return matrices.slice(-2, 0, 2).reshape(shape);
   if (pose == PoseChoice::kMatrix) return matrices.reshape(shape);
-  const Tensor dense = matrices.contiguous().view({-1, 9});
+  const Tensor dense = matrices.to(torch::kCPU).contiguous().view({-1, 9});
   const Tensor numbers = torch::empty({dense.size(0), shape.back()});
   for (std::int64_t i = 0; i < dense.size(0); ++i) {
     const Matrix3d matrix =
@@ -99,7 +99,7 @@ Tensor NumbersOf(const Tensor& matrices, PoseChoice pose) {
     const double values[] = {q.w(), q.x(), q.y(), q.z()};
     for (int k = 0; k < 4; ++k) to[k] = static_cast<float>(sign * values[k]);
   }
-  return numbers.view(shape);
+  return numbers.view(shape).to(matrices.device());
 }
 
 }  // namespace mocurate

@@ -1,5 +1,7 @@
 #include "train/layers/skin.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "core/base/file.h"
@@ -47,6 +49,18 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
   if (!bytes) return Forward(bytes);
   Expected<SmplModel> model = ParseSmplModel(*bytes, DisplayPath(file));
   if (!model) return Forward(model);
+  if (model->joints != 24 && model->joints != 52 && model->joints != 55) {
+    return Fail(ErrorCode::kInconsistent, "the body has " + std::to_string(model->joints) + " joints",
+                DisplayPath(file), "SMPL has 24, SMPL-H 52, SMPL-X 55");
+  }
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const bool gender = name.find("male") != std::string::npos || name.find("model_f") != std::string::npos ||
+                      name.find("model_m") != std::string::npos;  // "female" holds "male"
+  if (gender) {
+    return Fail(ErrorCode::kInconsistent, "the body is of one gender, the losses are on the neutral one",
+                DisplayPath(file), "give SMPL_NEUTRAL.pkl");
+  }
   Body body{model->joints == 24   ? "SMPL"
             : model->joints == 52 ? "SMPL-H"
                                   : "SMPL-X",

@@ -28,7 +28,7 @@ TransformerLayerImpl::TransformerLayerImpl(const TransformerSizes& sizes, bool d
 
 Tensor TransformerLayerImpl::forward(Tensor x, const Tensor& padded, const Tensor& memory, Dropout& dropout) {
   x = norm1->forward(x + dropout(self_attn->ToItself(x, padded, false, dropout)));
-  if (multihead_attn) x = norm2->forward(x + dropout(multihead_attn->To(memory, x, dropout)));
+  if (multihead_attn) x = norm2->forward(x + dropout(multihead_attn->To(memory, x, Tensor(), dropout)));
   const Tensor between = dropout(torch::gelu(linear1->forward(x)));  // (T,B,F)
   return (multihead_attn ? norm3 : norm2)->forward(x + dropout(linear2->forward(between)));
 }
@@ -59,20 +59,21 @@ CausalLayerImpl::CausalLayerImpl(const TransformerSizes& sizes) {
   norm3 = register_module("norm3", NormOf(sizes.width, kEpsilon));
 }
 
-Tensor CausalLayerImpl::AfterItself(Tensor x, const Tensor& memory, Dropout& dropout) {
-  x = x + dropout(multihead_attn->To(memory, norm2->forward(x), dropout));
+Tensor CausalLayerImpl::Between(const Tensor& x, Dropout& dropout) {
   return x + dropout(linear2->forward(dropout(torch::relu(linear1->forward(norm3->forward(x))))));
 }
 
-Tensor CausalLayerImpl::forward(Tensor x, const Tensor& memory, Dropout& dropout) {
+Tensor CausalLayerImpl::forward(Tensor x, const Tensor& memory, const Tensor& padded, Dropout& dropout) {
   x = x + dropout(self_attn->ToItself(norm1->forward(x), Tensor(), true, dropout));
-  return AfterItself(x, memory, dropout);
+  x = x + dropout(multihead_attn->To(memory, norm2->forward(x), padded, dropout));
+  return Between(x, dropout);
 }
 
-Tensor CausalLayerImpl::Next(Tensor x, const Tensor& memory, AttentionImpl::Seen& seen) {
+Tensor CausalLayerImpl::Next(Tensor x, const AttentionImpl::Seen& memory, AttentionImpl::Seen& seen) {
   Dropout none;
   x = x + self_attn->Next(norm1->forward(x), seen);
-  return AfterItself(x, memory, none);
+  x = x + multihead_attn->Read(norm2->forward(x), memory);
+  return Between(x, none);
 }
 
 Tensor PositionalTable(std::int64_t count, std::int64_t width) {

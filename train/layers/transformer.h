@@ -47,16 +47,17 @@ TORCH_MODULE(TransformerStack);
 ///   x = x + drop(linear2(drop(relu(linear1(norm3(x))))))
 struct CausalLayerImpl : torch::nn::Module {
   explicit CausalLayerImpl(const TransformerSizes& sizes);
-  torch::Tensor forward(torch::Tensor x, const torch::Tensor& memory, Dropout& dropout);
-  /// One frame more, without dropout.
-  torch::Tensor Next(torch::Tensor x, const torch::Tensor& memory, AttentionImpl::Seen& seen);
+  /// `padded` (B,T) bool of x and memory alike, or undefined.
+  torch::Tensor forward(torch::Tensor x, const torch::Tensor& memory, const torch::Tensor& padded, Dropout& dropout);
+  /// One frame more, without dropout. `memory` from multihead_attn->Remember.
+  torch::Tensor Next(torch::Tensor x, const AttentionImpl::Seen& memory, AttentionImpl::Seen& seen);
 
   Attention self_attn{nullptr}, multihead_attn{nullptr};
   torch::nn::Linear linear1{nullptr}, linear2{nullptr};
   torch::nn::LayerNorm norm1{nullptr}, norm2{nullptr}, norm3{nullptr};
 
  private:
-  torch::Tensor AfterItself(torch::Tensor x, const torch::Tensor& memory, Dropout& dropout);
+  torch::Tensor Between(const torch::Tensor& x, Dropout& dropout);
 };
 TORCH_MODULE(CausalLayer);
 

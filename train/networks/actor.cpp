@@ -60,35 +60,33 @@ void Actor::AddBodyLosses(const Tensor& decoded, const Tensor& truth, const Tens
   const bool joints = options_.joint_weight > 0.0, vertices = options_.vertex_weight > 0.0 && skin_;
   if (!options_.NeedsRotations() || (!joints && !vertices)) return;
   const std::int64_t T = decoded.size(0), B = decoded.size(1);
-  const auto flat = [&](const Tensor& x) { return x.reshape({T * B, rows_ * width_}); };
-  const Tensor made = RotationsOf(flat(decoded)), real = RotationsOf(flat(truth));  // (TB,J,3,3)
-  const Tensor weight =
-      valid.defined() ? valid.reshape({T * B}).to(torch::kFloat32) : torch::ones({T * B}, decoded.options());
-  Tensor made_place, real_place;  // (TB,3) since the first frame
+  // Rows of the valid frames: padding is no rotation.
+  const Tensor chosen = valid.defined() ? valid.reshape({T * B}).nonzero().squeeze(1) : Tensor();
+  const auto rows = [&](const Tensor& x) {
+    const Tensor all = x.reshape({T * B, x.size(2)});
+    return chosen.defined() ? all.index_select(0, chosen) : all;
+  };
+  const Tensor made = RotationsOf(rows(decoded)), real = RotationsOf(rows(truth));  // (N,J,3,3)
+  Tensor moved;  // (N,3) of the roots, made less real
   if (options_.body_translation && options_.translation) {
     const auto since_first = [&](const Tensor& x) {
-      const Tensor place = PlacesOf(flat(x)).view({T, B, 3});
-      return (place - place[0]).reshape({T * B, 3});
+      const Tensor place = PlacesOf(x.reshape({T * B, x.size(2)})).view({T, B, 3});
+      return place - place[0];
     };
-    made_place = since_first(decoded);
-    real_place = since_first(truth);
+    moved = rows(since_first(decoded) - since_first(truth));
   }
   if (joints) {
-    const BodyTree& tree = skin_ ? skin_->tree() : tree_;
-    Tensor of_made = tree.Pose(made).joints, of_real = tree.Pose(real).joints;  // (TB,J,3)
-    if (made_place.defined()) {
-      of_made = of_made + made_place.unsqueeze(1);
-      of_real = of_real + real_place.unsqueeze(1);
-    }
-    const Tensor loss = ((of_made - of_real).square().sum({1, 2}) * weight).sum() / (whole_frames * 3.0 * joints_);
+    const Tensor of_made = tree_.Pose(made).joints, of_real = tree_.Pose(real).joints;  // (N,J,3)
+    Tensor apart = of_made - of_real;
+    if (moved.defined()) apart = apart + moved.unsqueeze(1);
+    const Tensor loss = apart.square().sum() / (whole_frames * 3.0 * static_cast<double>(joints_));
     losses.total = losses.total + options_.joint_weight * loss;
     losses.terms.emplace_back("joint", loss);
-    losses.outputs.emplace_back("joints", of_made.view({T, B, 3 * joints_}));
+    losses.outputs.emplace_back("joints", of_made);
   }
   if (vertices) {
-    const Tensor moved = made_place.defined() ? made_place - real_place : Tensor();
-    const Tensor loss = skin_->SquaredDistance(made, real, moved, weight) /
-                        (whole_frames * 3.0 * static_cast<double>(skin_->vertex_count()));
+    const Tensor loss =
+        skin_->SquaredDistance(made, real, moved) / (whole_frames * 3.0 * static_cast<double>(skin_->vertex_count()));
     losses.total = losses.total + options_.vertex_weight * loss;
     losses.terms.emplace_back("vertex", loss);
   }

@@ -27,7 +27,7 @@ Tensor LengthsOf(const CodedMotion& motion) {
 }
 
 /// t / (length - 1) at each frame, 0 on padding: (T,B,1).
-Tensor TimeOf(const CodedMotion& motion) {
+Tensor TimeColumn(const CodedMotion& motion) {
   const Tensor t = torch::arange(motion.frames.size(0), motion.frames.options()).unsqueeze(1);  // (T,1)
   const Tensor time = t / (LengthsOf(motion) - 1.0).clamp_min(1.0).unsqueeze(0);                // (T,B)
   return WithoutPadding(time.unsqueeze(2), motion.valid);
@@ -38,7 +38,7 @@ Tensor WithClassAndTime(const Tensor& x, const CodedMotion& motion, std::int64_t
   const std::int64_t T = motion.frames.size(0);
   const Tensor of_frames = x.dim() == 3 ? x : x.unsqueeze(0).expand({T, -1, -1});
   const Tensor one_hot = OneHot(motion.label, classes).unsqueeze(0).expand({T, -1, -1});
-  return torch::cat({of_frames, one_hot, TimeOf(motion)}, 2);
+  return torch::cat({of_frames, one_hot, TimeColumn(motion)}, 2);
 }
 
 struct TransformerCoder : ActorEncoder {
@@ -217,7 +217,7 @@ struct AutoregressiveDecoder : ActorDecoder {
         torch::cat({torch::zeros({1, z.size(0), sizes_.features}, z.options()), motion.frames.slice(0, 0, -1)});
     Tensor x = target->forward(WithClassAndTime(before, motion, sizes_.classes));
     x = dropout(x + PositionalTable(T, latent).to(z.device()));  // (T,B,E)
-    for (CausalLayer& layer : layers) x = layer->forward(x, memory, dropout);
+    for (CausalLayer& layer : layers) x = layer->forward(x, memory, PaddedOf(motion), dropout);
     return WithoutPadding(output->forward(norm->forward(x)), motion.valid);
   }
 
@@ -227,12 +227,13 @@ struct AutoregressiveDecoder : ActorDecoder {
     const Tensor memory = source->forward(WithClassAndTime(z, motion, sizes_.classes));
     const Tensor known = WithClassAndTime(motion.frames, motion, sizes_.classes).slice(2, sizes_.features);
     const Tensor table = PositionalTable(frames, latent).to(z.device());
-    std::vector<AttentionImpl::Seen> seen(layers.size());
+    std::vector<AttentionImpl::Seen> seen(layers.size()), of_memory;
+    for (const CausalLayer& layer : layers) of_memory.push_back(layer->multihead_attn->Remember(memory));
     Tensor before = torch::zeros({1, B, sizes_.features}, z.options());
     std::vector<Tensor> outputs;
     for (std::int64_t t = 0; t < frames; ++t) {
       Tensor x = target->forward(torch::cat({before, known.slice(0, t, t + 1)}, 2)) + table[t];  // (1,B,E)
-      for (std::size_t i = 0; i < layers.size(); ++i) x = layers[i]->Next(x, memory, seen[i]);
+      for (std::size_t i = 0; i < layers.size(); ++i) x = layers[i]->Next(x, of_memory[i], seen[i]);
       before = output->forward(norm->forward(x));
       outputs.push_back(before);
     }

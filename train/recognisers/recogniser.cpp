@@ -126,8 +126,8 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   const bool graph = checkpoint->kind == kStGcnKind;
   if (!graph && checkpoint->kind != kGruRecogniserKind) {
     return Fail(ErrorCode::kInconsistent,
-                "the checkpoint holds a network of kind '" + checkpoint->kind + "', a recogniser is needed", where,
-                "give the checkpoint of a gru_recogniser or st_gcn");
+                "the checkpoint holds a network of kind '" + checkpoint->kind + "', 'gru_recogniser' is needed", where,
+                "give the checkpoint of a recogniser, gru_recogniser or st_gcn");
   }
   if (graph && checkpoint->skeleton == nullptr) {
     return Fail(ErrorCode::kMalformed, "the checkpoint names no skeleton", where, "train again");

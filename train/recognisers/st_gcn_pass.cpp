@@ -29,14 +29,15 @@ class Arrays {
                               std::to_string(parameters_[static_cast<std::size_t>(at)].value.size()) +
                               " values, the network has " + std::to_string(size);
     }
-    return std::vector<float>(size, 0.0f);
+    return {};
   }
 
   int Rows(const std::string& name) const {
+    constexpr std::int64_t kMost = 100000;
     const int at = FindParameter(parameters_, name);
-    return at < 0 || parameters_[static_cast<std::size_t>(at)].shape.empty()
-               ? 0
-               : static_cast<int>(parameters_[static_cast<std::size_t>(at)].shape[0]);
+    if (at < 0 || parameters_[static_cast<std::size_t>(at)].shape.empty()) return 0;
+    const std::int64_t rows = parameters_[static_cast<std::size_t>(at)].shape[0];
+    return rows > 0 && rows <= kMost ? static_cast<int>(rows) : 0;
   }
 
   Status Problem() const {
@@ -57,6 +58,7 @@ void TakeNorm(Arrays& arrays, const std::string& name, std::size_t channels, std
                            bias = arrays.Take(name + ".bias", channels);
   const std::vector<float> mean = arrays.Take(name + ".running_mean", channels);
   const std::vector<float> variance = arrays.Take(name + ".running_var", channels);
+  if (!arrays.Problem()) return;
   scale.resize(channels);
   shift.resize(channels);
   for (std::size_t c = 0; c < channels; ++c) {
@@ -72,6 +74,7 @@ void TakeFolded(Arrays& arrays, const std::string& layer, const std::string& nor
   TakeNorm(arrays, norm, output, scale, shift);
   weight = arrays.Take(layer + ".weight", output * columns);
   bias = arrays.Take(layer + ".bias", output);
+  if (!arrays.Problem()) return;
   for (std::size_t o = 0; o < output; ++o) {
     for (std::size_t k = 0; k < columns; ++k) weight[o * columns + k] *= scale[o];
     bias[o] = bias[o] * scale[o] + shift[o];
@@ -152,6 +155,7 @@ Expected<StGcnPass> StGcnPass::Make(const ParameterList& parameters, const std::
     layer.graph = arrays.Take(name + ".gcn.conv.weight", kPartitions * output * input);
     layer.graph_bias = arrays.Take(name + ".gcn.conv.bias", kPartitions * output);
     layer.adjacency = arrays.Take("edge_importance." + std::to_string(i), partitions.size());
+    if (Status whole = arrays.Problem(); !whole) return Forward(whole);
     for (std::size_t k = 0; k < partitions.size(); ++k) layer.adjacency[k] *= partitions[k];
     TakeNorm(arrays, name + ".tcn.0", output, layer.scale, layer.shift);
     TakeFolded(arrays, name + ".tcn.2", name + ".tcn.3", output, output * kWindow, layer.time, layer.time_bias);

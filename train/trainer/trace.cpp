@@ -70,6 +70,7 @@ Expected<StepTrace> TraceStep(const TracedNetwork& traced, const TraceBatch& giv
     Give(given.draws[step], draws);
     const Losses losses = (*network)->Loss(batch, draws, given.phase);
     const auto gradients = torch::autograd::grad({losses.total}, parameters, {}, false, false, true);
+    trace.totals.push_back(losses.total.item<double>());
     if (step == 0) {
       trace.total = losses.total.item<double>();
       for (const auto& [name, value] : losses.terms) trace.terms[name] = value.item<double>();

@@ -40,6 +40,7 @@ struct TraceBatch {
 /// What the steps gave: terms, outputs and gradients of the first, parameters after each.
 struct StepTrace {
   double total = 0.0;
+  std::vector<double> totals;  ///< of every step
   std::map<std::string, double> terms;
   TraceValues outputs, gradients;
   std::vector<ParameterList> after;

@@ -64,7 +64,7 @@ class Training {
         SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
-    if (!control_.weights.empty()) return Released();
+    if (!control_.weights.empty()) return TakeReleasedWeights();
     if (Status begun = Begin(); !begun) return Forward(begun);
     while (!ended_) {
       if (control_.stop()) return Interrupted();
@@ -115,7 +115,7 @@ class Training {
 
   std::filesystem::path StateFile() const { return control_.scratch / "training_state.h5"; }
 
-  void Name() {
+  void FillHeader() {
     state_.kind = OptionsToJson(options_).at("kind").get<std::string>();
     state_.options = OptionsToJson(options_);
     state_.skeleton = set_.skeleton;
@@ -124,8 +124,8 @@ class Training {
   }
 
   /// The weights of a file in place of a training.
-  Expected<Checkpoint> Released() {
-    Name();
+  Expected<Checkpoint> TakeReleasedWeights() {
+    FillHeader();
     const Expected<ReleasedWeights> weights = ReadReleasedWeights(control_.weights, state_.kind);
     if (!weights) return Forward(weights);
     StartRound(0);
@@ -142,7 +142,7 @@ class Training {
 
   /// From the state in scratch, from the checkpoint that the training goes on from, or anew.
   Status Begin() {
-    Name();
+    FillHeader();
     std::error_code unknown;
     for (const std::filesystem::path& file :
          {control_.scratch.empty() ? std::filesystem::path() : StateFile(), control_.start}) {
@@ -158,7 +158,10 @@ class Training {
       return Resume(std::move(*stored), DisplayPath(file));
     }
     StartRound(0);
-    return {};
+    if (control_.start_from.empty()) return {};
+    const Expected<ReleasedWeights> weights = ReadReleasedWeights(control_.start_from, state_.kind);
+    if (!weights) return Forward(weights);
+    return SetValues(weights->parameters, DisplayPath(control_.start_from), *network_);
   }
 
   /// How long the saved state took: beside it, since a checkpoint's bytes do not depend on the clock.
@@ -216,7 +219,7 @@ class Training {
     NetworkSizes sizes = SizesOf(*set_.skeleton, set_.labels.size(), set_.rest_offset);
     sizes.skin = control_.skin;
     network_ = MakeNetwork(options_, sizes);
-    if (recognises_) Standardise();
+    if (recognises_ && options_.recogniser.standardise) Standardise();
     network_->to(device());
     optimisers_ = std::make_unique<Optimisers>(*network_);
     order_ = std::make_unique<BatchOrder>(set_, options_.data, rows_.train, options_.learning.batch,
@@ -346,6 +349,10 @@ class Training {
       Parameter classes{"batch.label", label.sizes().vec(), {}};
       for (std::int64_t b = 0; b < label.numel(); ++b) {
         classes.value.push_back(static_cast<float>(label.data_ptr<std::int64_t>()[b]));
+      }
+      for (const auto& [name, tensor] :
+           {std::pair("batch.rotation", batch.rotation), std::pair("batch.valid", batch.valid)}) {
+        if (tensor.defined()) dump.parameters.push_back(ParameterOf(name, tensor));
       }
       dump.parameters.push_back(std::move(values));
       dump.parameters.push_back(std::move(classes));

@@ -18,11 +18,12 @@ struct TrainingControl {
   std::string dataset_sha256;        ///< content of the training data; another content starts anew
   std::filesystem::path start;       ///< a checkpoint of the same training after fewer steps, or empty
   std::shared_ptr<const Skin> skin;  ///< body of the vertex loss, over the set's skeleton; or null
+  std::filesystem::path start_from;  ///< weights that a training begins with; or empty
   std::filesystem::path weights;     ///< of a network trained elsewhere: nothing is trained; or empty
   int threads = 1;                   ///< shards that are worked on at once
   std::function<bool()> stop = [] { return false; };  ///< asked between steps
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
-  std::function<void(double)> resumed = [](double) {};  ///< told the seconds of the runs that it goes on from
+  std::function<void(double)> resumed = [](double) {};  ///< gets the seconds of the runs that it goes on from
 };
 
 /// Trains one network. Generators take `iterations` steps on the training part. Recognisers take epochs on it less a
