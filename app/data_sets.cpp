@@ -64,16 +64,17 @@ Expected<bool> Assign(const std::string& text, const std::string& where, Options
   return true;
 }
 
-/// The networks of a set, with what the set says of them.
-Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
-  for (const std::string& text : set.networks) {
-    const std::string where = "data." + set.name + ".networks: " + text;
+/// Options of networks as a run or a set says them: "Ours.kl_weight=0.01", of a kind "actor.layers=4", of all.
+Status SetNetworks(const std::vector<std::string>& texts, const std::string& option, TrainOptions& train) {
+  for (const std::string& text : texts) {
+    const std::string where = option + ": " + text;
     const std::size_t equals = text.find('='), dot = text.rfind('.', equals);
     const std::string name = dot == std::string::npos ? std::string() : text.substr(0, dot);
     const std::size_t begin = dot == std::string::npos ? 0 : dot + 1;
     bool found = false;
     for (NetworkOptions& network : train.networks) {
-      if (!name.empty() && network.name != name) continue;
+      const bool meant = name.empty() || network.name == name || OptionsToJson(network).at("kind") == name;
+      if (!meant) continue;
       const LearningOptions before = network.learning;
       const auto assigned = Assign(text.substr(begin), where, network);
       if (!assigned) return Forward(assigned);
@@ -82,10 +83,9 @@ Status SetNetworks(const DataSetOptions& set, TrainOptions& train) {
     }
     if (!found) {
       return Fail(ErrorCode::kConfig, "no network has this option", where,
-                  "NETWORK.OPTION=VALUE of train.networks, e.g. Ours.kl_weight=0.01");
+                  "NETWORK.OPTION=VALUE or KIND.OPTION=VALUE of train.networks, e.g. Ours.kl_weight=0.01");
     }
   }
-  BoundTraining(train);
   return {};
 }
 
@@ -108,7 +108,10 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
   JobOptions own = std::move(job->options);
   own.name = set.name;
   own.train = options.train;
-  if (Status networks = SetNetworks(set, own.train); !networks) return Forward(networks);
+  Status given = SetNetworks(options.network_options, "network_options", own.train);
+  if (given) given = SetNetworks(set.networks, "data." + set.name + ".networks", own.train);
+  if (!given) return Forward(given);
+  BoundTraining(own.train);
   if (Status scaled = ScaleTraining(budget, own.train); !scaled) return Forward(scaled);
   own.evaluate = options.evaluate;
   const std::string recogniser = RecogniserOf(options);

@@ -43,6 +43,9 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Text("profile", profile, "which of the config's `profiles` is merged into it, e.g. smoke, small, paper");
   v.List("data", data, "several sets, each of which goes through all stages with the networks of this job");
   v.Texts("substitutes", substitutes, "options of the studio for all substitutes, e.g. subjects=3");
+  v.Texts("network_options", network_options,
+          "options of the networks of all sets in `data`, before each set's own: NETWORK.OPTION=VALUE or "
+          "KIND.OPTION=VALUE");
   v.Group("ingest", ingest, "where the captures are and what they are");
   v.Group("proportions", proportions, "bone lengths of each person");
   v.Group("fitting", fitting, "rotations and bone lengths from evidence");

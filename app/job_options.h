@@ -49,6 +49,7 @@ struct JobOptions {
   std::string profile;                   ///< which of the config's `profiles` is merged into it
   std::vector<DataSetOptions> data;      ///< several sets in the place of one; empty: the job's own
   std::vector<std::string> substitutes;  ///< studio options of all substitutes, e.g. "subjects=3"
+  std::vector<std::string> network_options;  ///< of a run over several sets, before those of each: "actor.layers=4"
   IngestOptions ingest;
   ProportionsSettings proportions;
   FittingOptions fitting;

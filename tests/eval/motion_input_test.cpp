@@ -61,6 +61,51 @@ TEST(MotionInput, WindowsAndPaddingAreThoseOfTheReleasedPreparation) {
   }
 }
 
+/// Two frames of smpl24, the root turned as a camera sees it (y down) and brought to canonical axes.
+Motion CameraMotion(const Quaterniond& in_camera, const Quaterniond& knee) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  const Quaterniond half_turn(0.0, 1.0, 0.0, 0.0);  // diag(1, -1, -1)
+  std::vector<Quaterniond> rotation(48, Quaterniond::Identity());
+  rotation[0] = rotation[24] = half_turn * in_camera;
+  rotation[4] = rotation[28] = knee;
+  return MakeMotion(skeleton, {}, {Vector3d::Zero(), Vector3d::Zero()}, rotation, skeleton->RestBoneLengths());
+}
+
+TEST(MotionInput, RotationsAreThoseOfTheNetworksCamera) {
+  ExtractorOptions options;
+  options.skeleton = "smpl24";
+  options.axes = "+x -y -z";
+  options.network = ExtractorNetwork::kStGcn;
+  options.values = ExtractorValues::kRotation6DRows;
+  options.frames = 3;
+  const auto rules = RulesOf(options);
+  ASSERT_TRUE(rules) << rules.error().Message();
+  const Quaterniond root = ExpQuaternion(Vector3d(0.3, -0.8, 0.5)), knee = ExpQuaternion(Vector3d(1.1, 0.0, 0.2));
+  const Motion motion = CameraMotion(root, knee);
+  ASSERT_TRUE(CheckRotations(*rules->skeleton, motion));
+  const Input input = InputOf(*rules, motion, RootRule::kAsGiven, CropStart::kFirst);
+  const auto want_root = Matrix6D(root.toRotationMatrix(), Rotation6D::kRows);
+  const auto want_knee = Matrix6D(knee.toRotationMatrix(), Rotation6D::kRows);
+  for (std::size_t f = 0; f < 3; ++f) {  // the last one repeats
+    for (std::size_t k = 0; k < 6; ++k) {
+      EXPECT_NEAR(input.values[f * 144 + k], want_root[k], 1e-6);
+      EXPECT_NEAR(input.values[f * 144 + 24 + k], want_knee[k], 1e-6);
+    }
+  }
+}
+
+TEST(MotionInput, RotationsOfAnotherRestPoseOrOfNoneAreRefused) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  Motion motion = CameraMotion(Quaterniond::Identity(), Quaterniond::Identity());
+  auto arms_down = std::make_shared<Skeleton>(*skeleton);
+  const int elbow = *arms_down->FindJoint("left_elbow");
+  arms_down->joints[static_cast<std::size_t>(elbow)].rest_offset = Vector3d(0.0, -0.24, 0.0);
+  motion.skeleton = arms_down;
+  EXPECT_EQ(CheckRotations(*skeleton, motion).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(CheckRotations(*skeleton, MakeJointsOnly(skeleton, {}, motion.joints)).error().code,
+            ErrorCode::kInconsistent);
+}
+
 TEST(MotionInput, IsWhatARecogniserOfOursWasTrainedOn) {
   for (const int frames : {1, 7, 12, 19}) {
     const Motion motion = Counting(frames);
