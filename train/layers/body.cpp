@@ -8,7 +8,7 @@ using torch::Tensor;
 constexpr std::int64_t kFramesAtOnce = 32;  // whose vertices stand in memory
 
 Tensor PointsOf(const std::vector<Vector3d>& points) {
-  const Tensor tensor = torch::empty({static_cast<std::int64_t>(points.size()), 3}, torch::kFloat64);
+  Tensor tensor = torch::empty({static_cast<std::int64_t>(points.size()), 3}, torch::kFloat64);
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (int k = 0; k < 3; ++k) tensor.data_ptr<double>()[3 * i + static_cast<std::size_t>(k)] = points[i][k];
   }

@@ -80,7 +80,7 @@ std::vector<OptimiserGroup> Action2Motion::Groups() {
 }
 
 Tensor Action2Motion::Conditions(const Tensor& label, std::int64_t frames) const {
-  const Tensor one_hot = OneHot(label, classes_).unsqueeze(0).expand({frames, -1, -1});  // (T,B,C)
+  Tensor one_hot = OneHot(label, classes_).unsqueeze(0).expand({frames, -1, -1});  // (T,B,C)
   if (time_ == TimeChoice::kNone) return one_hot;
   Tensor time = torch::arange(frames, one_hot.options());
   time = time_ == TimeChoice::kPaper ? (time + 1.0) / frames : time / std::max<std::int64_t>(1, frames - 1);
@@ -88,7 +88,7 @@ Tensor Action2Motion::Conditions(const Tensor& label, std::int64_t frames) const
 }
 
 Tensor Action2Motion::Decode(const Tensor& state) {
-  const Tensor y = decoder_->output->forward(state);  // (...,D)
+  Tensor y = decoder_->output->forward(state);  // (...,D)
   if (!lie_) return y;
   const Tensor rotations = decoder_->output_lie->forward(torch::tanh(y.slice(-1, 3)));  // (...,D-3)
   return torch::cat({y.slice(-1, 0, 3), torch::tanh(rotations) * kReleasedPi}, -1);

@@ -230,8 +230,9 @@ void StGcnPass::Run(const float* motion, int frames, float* features, float* log
       strided.resize(static_cast<std::size_t>(C) * wide);
       for (int c = 0; c < C; ++c) {
         for (int t = 0; t < after; ++t) {
-          std::copy_n(x.data() + (static_cast<std::ptrdiff_t>(c) * T + layer.stride * t) * V, V,
-                      strided.data() + (static_cast<std::ptrdiff_t>(c) * after + t) * V);
+          std::copy_n(
+              x.data() + (static_cast<std::ptrdiff_t>(c) * T + static_cast<std::ptrdiff_t>(layer.stride) * t) * V, V,
+              strided.data() + (static_cast<std::ptrdiff_t>(c) * after + t) * V);
         }
       }
       Product(layer.residual, layer.residual_bias, strided.data(), C, wide, true, next.data());
