@@ -361,6 +361,7 @@ TEST_F(Trainer, EveryPoseOfActorTrainsOnDrawnLengthsWithABody) {
     ASSERT_TRUE(trained) << trained.error().Message();
     EXPECT_EQ(trained->facts.at("body"), "toy");
     EXPECT_GT(trained->history.at("vertex").front(), 0.0);
+    EXPECT_EQ(TrainNetwork(Toy(NetworkKind::kActor), options, {}).error().code, ErrorCode::kInconsistent);
   }
 }
 

@@ -82,7 +82,6 @@ void Actor::AddBodyLosses(const Tensor& decoded, const Tensor& truth, const Tens
     const Tensor loss = apart.square().sum() / (whole_frames * 3.0 * static_cast<double>(joints_));
     losses.total = losses.total + options_.joint_weight * loss;
     losses.terms.emplace_back("joint", loss);
-    losses.outputs.emplace_back("joints", of_made);
   }
   if (vertices) {
     const Tensor loss =

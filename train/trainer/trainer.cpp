@@ -65,6 +65,10 @@ class Training {
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
     if (!control_.weights.empty()) return TakeReleasedWeights();
+    if (options_.kind == NetworkKind::kActor && options_.actor.vertex_weight > 0.0 && control_.skin == nullptr) {
+      return Fail(ErrorCode::kInconsistent, "the loss on vertices got no body", options_.name,
+                  "set body: to SMPL's file or body_cc0.h5, or vertex_weight: 0");
+    }
     if (Status begun = Begin(); !begun) return Forward(begun);
     while (!ended_) {
       if (control_.stop()) return Interrupted();
