@@ -138,16 +138,36 @@ std::string HeadOf(const SetResult& set) {
          ": no figure below is comparable with the published ones. `--data " + own + "=PATH` gives your copy.\n\n";
 }
 
-void AddRows(const SetResult& set, nlohmann::json& table) {
-  if (!set.result.metrics.is_object()) return;  // not scored, or a dry run
-  for (const nlohmann::json& row : set.result.metrics.value("rows", nlohmann::json::array())) {
-    table["rows"].push_back({{"method", row.at("name")},
-                             {"dataset", set.set.name},
-                             {"substitute", set.substitute ? nlohmann::json(set.set.substitute) : nlohmann::json()},
-                             {"ours", row.value("ours", nlohmann::json::object())}});
+/// A table over all sets, from those of each: "table" of generators, "recognition" of recognisers.
+struct CollectedTable {
+  std::string name;
+  std::string markdown, csv, latex;
+  nlohmann::json json = {
+      {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
+
+  /// Rows of a set as its run wrote them into `folder`; nothing where it wrote none.
+  void Add(const SetResult& set, const std::filesystem::path& folder);
+};
+
+void CollectedTable::Add(const SetResult& set, const std::filesystem::path& folder) {
+  const auto text = ReadFile(folder / (name + ".json"));
+  const nlohmann::json own = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  if (!own.is_object()) return;  // not scored, or a dry run
+  for (const nlohmann::json& row : own.at("rows")) {
+    json["rows"].push_back({{"method", row.at("name")},
+                            {"dataset", set.set.name},
+                            {"substitute", set.substitute ? nlohmann::json(set.set.substitute) : nlohmann::json()},
+                            {"ours", row.value("ours", nlohmann::json::object())}});
   }
-  for (const nlohmann::json& value : set.result.metrics.value("published", nlohmann::json::array())) {
-    table["published"].push_back(value);
+  for (const nlohmann::json& value : own.at("published")) json["published"].push_back(value);
+  const std::pair<const char*, std::string*> parts[] = {{".csv", &csv}, {".tex", &latex}, {".md", &markdown}};
+  for (const auto& [ending, all] : parts) {
+    const auto part = ReadFile(folder / (name + ending));
+    if (!part) continue;
+    const std::string head = all == &csv     ? "# " + set.set.name + "\n"
+                             : all == &latex ? "% " + set.set.name + "\n"
+                                             : HeadOf(set);
+    *all += head + *part + "\n";
   }
 }
 
@@ -156,9 +176,9 @@ void AddRows(const SetResult& set, nlohmann::json& table) {
 Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, double budget,
                                   const RunnerOptions& settings) {
   DataSetsRun run;
-  std::string markdown = "# " + options.name + "\n\n", csv, latex;
-  run.table = {
-      {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
+  CollectedTable tables[2];
+  tables[0].name = "table";
+  tables[1].name = "recognition";
   std::vector<JobOptions> jobs;  // an error in the last is reported before the first is trained
   for (const DataSetOptions& set : options.data) {
     auto job = JobOfSet(options, set, budget);
@@ -199,22 +219,23 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
       continue;
     }
     one.result = std::move(*result);
-    AddRows(one, run.table);
-    markdown += HeadOf(one) + one.result.table + "\n";
-    for (const auto& [ending, text] : {std::pair(".csv", &csv), std::pair(".tex", &latex)}) {
-      const auto part = ReadFile(own.run_folder / "tables" / ("table" + std::string(ending)));
-      if (part) *text += (ending == std::string(".csv") ? "# " : "% ") + set.name + "\n" + *part + "\n";
-    }
+    for (CollectedTable& table : tables) table.Add(one, own.run_folder / "tables");
     run.sets.push_back(std::move(one));
   }
   if (settings.dry_run || last < JobStage::kTable) return run;
-  const fs::path tables = settings.run_folder / "tables";
-  if (Status made = MakeFolder(tables); !made) return Forward(made);
-  const std::pair<const char*, std::string> files[] = {
-      {"table.md", markdown}, {"table.csv", csv}, {"table.tex", latex}, {"table.json", run.table.dump(1) + "\n"}};
-  for (const auto& [name, text] : files) {
-    if (Status written = WriteFile(tables / name, text); !written) return Forward(written);
+  const fs::path folder = settings.run_folder / "tables";
+  if (Status made = MakeFolder(folder); !made) return Forward(made);
+  for (const CollectedTable& table : tables) {
+    if (table.name != "table" && table.markdown.empty()) continue;
+    const std::pair<const char*, std::string> files[] = {{".md", "# " + options.name + "\n\n" + table.markdown},
+                                                         {".csv", table.csv},
+                                                         {".tex", table.latex},
+                                                         {".json", table.json.dump(1) + "\n"}};
+    for (const auto& [ending, text] : files) {
+      if (Status written = WriteFile(folder / (table.name + ending), text); !written) return Forward(written);
+    }
   }
+  run.table = std::move(tables[0].json);
   return run;
 }
 

@@ -6,18 +6,16 @@
 #include <set>
 
 #include "app/curation_log.h"
-#include "app/evaluation.h"
 #include "app/job_checks.h"
 #include "app/job_items.h"
 #include "app/network_rows.h"
-#include "app/protocols.h"
+#include "app/network_scores.h"
 #include "app/report_run.h"
 #include "app/run_outputs.h"
-#include "app/scratch_folder.h"
 #include "app/stage_runs.h"
+#include "app/training_run.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
-#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "eval/tables/result_table.h"
 #include "ingest/discover.h"
@@ -272,7 +270,7 @@ class MainJob {
     return {};
   }
 
-  /// All networks at once; one that fails costs the others nothing, but those that go on from it.
+  /// One that fails costs the others nothing, but those that go on from it or learn from what it makes.
   Status Train() {
     if (dataset_.artifact.empty() && DryRun() && !options_.train.networks.empty()) {
       LogInfo("hours of the networks are measured once the dataset is there: run --to assemble first");
@@ -280,258 +278,35 @@ class MainJob {
     if (dataset_.artifact.empty()) return {};
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
     if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
-    std::vector<TrainItem> waiting = TrainItems(options_.train, inputs);
-    if (Status added = AddFiles(waiting); !added) return added;
-    if (DryRun()) return MeasureNetworks(waiting);
-    std::map<std::string, ItemResult> done;
-    while (!waiting.empty()) {
-      const auto ready = std::stable_partition(waiting.begin(), waiting.end(), [&](const TrainItem& item) {
-        return item.after.empty() || done.count(item.after) > 0;
-      });
-      std::vector<TrainItem> items(waiting.begin(), ready);
-      waiting.erase(waiting.begin(), ready);
-      if (Status trained = TrainWave(std::move(items), done); !trained) return trained;
-    }
-    std::stable_sort(networks_.begin(), networks_.end(), [](const TrainedNetwork& a, const TrainedNetwork& b) {
-      return a.network < b.network;  // as in the config, not as they were trained
-    });
+    auto trained = TrainNetworks(options_.train, inputs, {runner_, runs_, outputs_, result_});
+    if (!trained) return Forward(trained);
+    networks_ = std::move(trained->networks);
+    denoised_ = std::move(trained->denoised);
     return {};
-  }
-
-  /// Files that networks read beside the dataset: weights that were trained elsewhere, the body of a loss.
-  Status AddFiles(std::vector<TrainItem>& items) const {
-    for (TrainItem& item : items) {
-      const NetworkOptions& network = options_.train.networks[item.network];
-      const std::pair<const char*, const std::filesystem::path*> files[] = {
-          {"weights", &network.learning.weights},
-          {"start_from", &network.learning.start_from},
-          {"body", &network.actor.body}};
-      for (const auto& [role, file] : files) {
-        if (file->empty()) continue;
-        const Expected<std::string> sha256 = Sha256OfFile(*file);
-        if (!sha256) return Forward(sha256);
-        item.spec.inputs.push_back({role, file->filename().string(), *file, *sha256});
-      }
-    }
-    return {};
-  }
-
-  /// A dry run trains nothing; a few steps of each network, elsewhere, say what it would take.
-  Status MeasureNetworks(const std::vector<TrainItem>& items) {
-    const ScratchFolder scratch;
-    if (scratch.path().empty()) return scratch.Missing();
-    RunnerOptions settings = runner_.options();
-    settings.dry_run = false;
-    settings.jobs = 1;
-    settings.run_folder = scratch.path();
-    settings.cache_folder = scratch.path() / "cache";
-    auto runner = Runner::Make(settings);
-    if (!runner) return Forward(runner);
-    std::vector<ItemSpec> specs;
-    for (const TrainItem& item : items) {
-      const bool trained = options_.train.networks[item.network].learning.weights.empty();
-      if (trained && item.spec.item.find('@') == std::string::npos) specs.push_back(item.spec);
-    }
-    const auto report = (*runner)->Run(TrainCostDeclaration(), std::move(specs));
-    if (!report) return Forward(report);
-    for (const ItemResult& item : report->items) {
-      const nlohmann::json& cost = item.outcome.summary;
-      if (item.artifact.empty()) {
-        result_.untrained[item.item] = item.outcome.error;
-        continue;
-      }
-      result_.training[item.item] = cost;
-      const double step = cost.at("seconds_per_step").get<double>(), steps = cost.at("steps").get<double>();
-      LogInfo(item.item + ": " + Counted(cost.at("steps").get<long long>(), "step") + " of " + RoundedText(step, 3) +
-              " s with " + Counted(cost.at("threads").get<long long>(), "thread") + ", " +
-              RoundedText(step * steps / 3600.0, 3) + " h; " +
-              Counted(cost.at("parameters").get<long long>(), "parameter"));
-    }
-    return {};
-  }
-
-  Status TrainWave(std::vector<TrainItem> items, std::map<std::string, ItemResult>& done) {
-    std::vector<ItemSpec> specs;
-    std::vector<TrainItem> run;
-    for (TrainItem& item : items) {
-      if (!item.after.empty()) {
-        const ItemResult& before = done.at(item.after);
-        if (before.artifact.empty() && !DryRun()) {
-          result_.untrained[item.spec.item] = before.outcome.error;
-          done[item.spec.item] = before;
-          continue;
-        }
-        if (!before.artifact.empty()) item.spec.inputs.push_back(InputFrom("start", before));
-      }
-      specs.push_back(item.spec);
-      run.push_back(std::move(item));
-    }
-    const auto report = runs_.Run(TrainDeclaration(), std::move(specs));
-    if (!report) return Forward(report);
-    for (std::size_t i = 0; i < run.size(); ++i) {
-      const ItemResult item = i < report->items.size() ? report->items[i] : ItemResult();
-      done[run[i].spec.item] = item;
-      if (!item.artifact.empty()) {
-        networks_.push_back({run[i].network, run[i].row, InputFrom("network", item)});
-        result_.training[item.item] = item.outcome.summary;
-        if (Status copied = CopyCheckpoint(item); !copied) return copied;
-      } else if (!DryRun()) {
-        result_.untrained[item.item] = item.outcome.error;
-      }
-    }
-    return {};
-  }
-
-  Status CopyCheckpoint(const ItemResult& item) {
-    if (DryRun()) return {};
-    if (Status made = MakeFolder(folder() / "checkpoints"); !made) return made;
-    return CopyWhole(item.artifact, outputs_.Place("checkpoints/" + FileNameOf(item.item) + ".h5"));
-  }
-
-  const NetworkOptions& OptionsOf(const TrainedNetwork& network) const {
-    return options_.train.networks[network.network];
   }
 
   /// An evaluation that fails costs the table, not the report.
   Status ScoreNetworks() {
-    const std::string recogniser = RecogniserOf(options_);
-    const auto first = std::find_if(networks_.begin(), networks_.end(), [&](const TrainedNetwork& network) {
-      return OptionsOf(network).name == recogniser;
-    });
     if (dataset_.artifact.empty()) return {};
-    if (Status scored = ScoreRecognisers(); !scored) return scored;
-    const bool generates = std::any_of(networks_.begin(), networks_.end(), [&](const TrainedNetwork& network) {
-      return GeneratesMotions(OptionsOf(network).kind);
-    });
-    if (generates && recogniser.empty()) {
-      LogWarning("no table: no recogniser of train.networks gives features (add {kind: gru_recogniser})");
-    }
-    if (first == networks_.end()) return {};
-    Evaluation evaluation;
-    evaluation.extractor = OwnExtractor(OptionsOf(*first));
-    evaluation.weights = first->checkpoint;
-    evaluation.draw = options_.evaluate.draw();
-    evaluation.metrics = options_.evaluate.metrics();
-    evaluation.seed = options_.evaluate.seed;
-    evaluation.real_part = options_.evaluate.test_reference ? RealPart::kTrain : options_.evaluate.real;
-    evaluation.test_reference = options_.evaluate.test_reference;
-    evaluation.split = options_.evaluate.split;
-    const StageInput dataset = InputFrom("motions", dataset_);
-    evaluation.real = ScoredSet{"Real", dataset, std::nullopt};
-    for (const TrainedNetwork& network : networks_) {
-      if (GeneratesMotions(OptionsOf(network).kind)) {
-        evaluation.rows.push_back({network.row, dataset, network.checkpoint});
-      }
-    }
-    auto evaluated = ::mocurate::Evaluate(evaluation, runs_);
-    if (!evaluated) return Forward(evaluated);
-    if (DryRun()) return {};
-    if (!evaluated->failed.empty()) {
-      const auto& [row, error] = *evaluated->failed.begin();
-      result_.unevaluated = error;
-      result_.unevaluated->where = "row '" + row + "'" + (error.where.empty() ? "" : ", " + error.where);
-    }
-    if (evaluated->rows.empty()) return {};
-    result_.metrics["recognisers"] = std::move(recognisers_);
-    result_.metrics["protocol"] = "own";
-    result_.metrics["variant"] = "released";
-    result_.metrics["extractor"] = first->checkpoint.name;
-    result_.metrics["rows"] = std::move(evaluated->rows);
-    result_.metrics["comparisons"] = std::move(evaluated->comparisons);
-    result_.metrics["warnings"] = std::move(evaluated->warnings);
-    const EvaluateOptions& evaluate = options_.evaluate;
-    const auto published = PublishedNumbers(evaluate.paper, evaluate.published);
+    auto recognisers = ScoreRecognisers(networks_, options_, {dataset_, baseline_, denoised_}, runs_);
+    if (!recognisers) return Forward(recognisers);
+    const auto published = PublishedOfTable(options_.evaluate);
     if (!published) return Forward(published);
-    result_.metrics["published"] = nlohmann::json::array();
-    for (const nlohmann::json& value : *published) {
-      const bool of_table = evaluate.table.empty() || value.at("table") == evaluate.table;
-      if (value.at("paper") == evaluate.paper && of_table) result_.metrics["published"].push_back(value);
-    }
+    auto scored = ScoreGenerators(networks_, options_, dataset_, runs_);
+    if (!scored) return Forward(scored);
+    if (DryRun()) return {};
+    result_.unevaluated = scored->unevaluated;
+    recognition_ = RecognitionRows(options_.train, *recognisers, *published);
+    if (scored->metrics.is_null() && recognition_.at("rows").empty()) return {};
+    result_.metrics = std::move(scored->metrics);
+    result_.metrics["recognisers"] = std::move(*recognisers);
+    result_.metrics["published"] = *published;
     result_.metrics["notes"] = NotesOf(options_.evaluate);
-    AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
-                options_.evaluate.settled, result_.metrics["rows"]);
+    if (result_.metrics.contains("rows")) {
+      AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
+                  options_.evaluate.settled, result_.metrics["rows"]);
+    }
     return WriteMetrics();
-  }
-
-  /// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.
-  static ExtractorOptions OwnExtractor(const NetworkOptions& network) {
-    const TrainingDataOptions& data = network.data;
-    ExtractorOptions extractor;
-    extractor.name = "own";
-    if (network.kind == NetworkKind::kStGcn) {
-      extractor.network = ExtractorNetwork::kStGcn;
-      extractor.values = ExtractorValues::kRotation6DRows;
-    }
-    extractor.frames = data.frames;
-    extractor.length = data.input == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
-    return extractor;
-  }
-
-  /// Accuracy and confusion of every recogniser on the test clips, by its name.
-  Status ScoreRecognisers() {
-    std::vector<const TrainedNetwork*> scored;
-    std::vector<ItemSpec> items;
-    for (const TrainedNetwork& network : networks_) {
-      const NetworkOptions& own = OptionsOf(network);
-      if (GeneratesMotions(own.kind)) continue;
-      FeaturesOptions options;
-      options.extractor = OwnExtractor(own);
-      options.part = RealPart::kTest;
-      options.split = options_.evaluate.split.empty() ? own.data.split : options_.evaluate.split;
-      const bool unfitted = own.trained_on == TrainingSetChoice::kUnfitted;
-      ItemSpec item{"features/" + network.checkpoint.name, OptionsToJson(options), {network.checkpoint}};
-      item.inputs[0].role = "weights";
-      item.inputs.push_back(InputFrom("motions", unfitted ? baseline_ : dataset_));
-      items.push_back(std::move(item));
-      scored.push_back(&network);
-    }
-    if (items.empty()) return {};
-    const auto features = runs_.Run(FeaturesDeclaration(), std::move(items), "recognisers");
-    if (!features) return Forward(features);
-    items.clear();
-    std::vector<const TrainedNetwork*> rows;
-    for (std::size_t i = 0; i < features->items.size(); ++i) {
-      const ItemResult& item = features->items[i];
-      nlohmann::json& kind = recognisers_[OptionsOf(*scored[i]).name];
-      if (item.artifact.empty()) {
-        if (!DryRun()) kind["scored"] = item.outcome.error.what;
-        continue;
-      }
-      ScoreOptions score;
-      score.name = scored[i]->checkpoint.name;
-      score.metrics = options_.evaluate.metrics();
-      kind["labels"] = item.outcome.summary.at("classes");
-      items.push_back({"score/" + score.name, OptionsToJson(score), {InputFrom("row", item)}});
-      rows.push_back(scored[i]);
-    }
-    const auto scores = runs_.Run(ScoreDeclaration(), std::move(items), "recognisers");
-    if (!scores) return Forward(scores);
-    for (std::size_t i = 0; i < scores->items.size(); ++i) {
-      if (!scores->items[i].artifact.empty()) AddRecogniser(OptionsOf(*rows[i]).name, scores->items[i].outcome.summary);
-    }
-    return {};
-  }
-
-  void AddRecogniser(const std::string& name, const nlohmann::json& row) {
-    nlohmann::json& kind = recognisers_[name];
-    const nlohmann::json& accuracy = row.at("metrics").at("accuracy").at("value");
-    if (!accuracy.is_number()) return;
-    kind["test_accuracy"].push_back(accuracy);
-    kind["test_clips"] = row.at("motions");
-    kind["scored"] = "test clips";
-    double sum = 0.0;
-    for (const nlohmann::json& value : kind["test_accuracy"]) sum += value.get<double>();
-    kind["mean"] = sum / static_cast<double>(kind["test_accuracy"].size());
-    nlohmann::json& confusion = kind["confusion"];
-    const nlohmann::json& own = row.at("confusion");
-    if (confusion.is_null()) {
-      confusion = own;
-    } else {
-      for (std::size_t r = 0; r < own.size(); ++r) {
-        for (std::size_t c = 0; c < own[r].size(); ++c)
-          confusion[r][c] = confusion[r][c].get<int>() + own[r][c].get<int>();
-      }
-    }
   }
 
   Status WriteMetrics() {
@@ -539,11 +314,26 @@ class MainJob {
     if (Status written = WriteFile(outputs_.Place("metrics.json"), result_.metrics.dump(1) + "\n"); !written) {
       return written;
     }
-    const auto tables = WriteTables(result_.metrics, options_.name, folder() / "tables");
-    if (!tables) return Forward(tables);
-    result_.table = tables->markdown;
-    result_.tables = tables->files;
-    for (const auto& file : tables->files) outputs_.Place("tables/" + file.filename().native());
+    if (result_.metrics.contains("rows")) {
+      if (Status table = WriteTable(result_.metrics, "table", result_.table); !table) return table;
+    }
+    if (recognition_.at("rows").empty()) return {};
+    recognition_["notes"] = TrainingNotes(options_.train, RecogniserOf(options_));
+    if (!denoised_.empty()) {
+      recognition_["notes"].push_back("Denoised: windows of the test clips, encoded and decoded by " +
+                                      denoised_.begin()->first.substr(0, denoised_.begin()->first.rfind('/')) + ".");
+    }
+    return WriteTable(recognition_, "recognition", result_.recognition);
+  }
+
+  Status WriteTable(const nlohmann::json& result, const char* name, std::string& markdown) {
+    const auto written = WriteTables(result, options_.name, folder() / "tables", name);
+    if (!written) return Forward(written);
+    markdown = written->markdown;
+    for (const auto& file : written->files) {
+      result_.tables.push_back(file);
+      outputs_.Place("tables/" + file.filename().native());
+    }
     return {};
   }
 
@@ -568,7 +358,8 @@ class MainJob {
   std::optional<StageInput> duplicates_;  ///< findings about clips that show the same
   std::vector<StageInput> truth_;
   std::vector<TrainedNetwork> networks_;
-  nlohmann::json recognisers_ = nlohmann::json::object();  ///< accuracy by name of the network
+  std::map<std::string, ItemResult> denoised_;  ///< the dataset encoded and decoded by a network, by item
+  nlohmann::json recognition_;                  ///< rows of the table of recognisers
   ItemResult dataset_, baseline_;
   std::vector<Finding> comparison_;  ///< why there is none
 };

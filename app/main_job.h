@@ -19,7 +19,8 @@ struct JobResult {
   std::filesystem::path dataset;
   std::filesystem::path report;
   std::vector<std::filesystem::path> tables;
-  std::string table;  ///< Markdown
+  std::string table;        ///< Markdown
+  std::string recognition;  ///< the same of the recognisers
   ClipCounts counts;
   int folders_failed = 0;    ///< of the folders, where ingest.source.other_files makes them a failure
   nlohmann::json fit_error;  ///< error against the truth, null without truth

@@ -250,7 +250,9 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
       return Fail(ErrorCode::kUsage, "clips keep their labels, lengths and bones", "--denoise",
                   "leave out --label, --frames, --interpolate, --scale and --bone-lengths");
     }
-    item.options["seed"] = arguments.seed;
+    RemakeOptions remake;
+    remake.seed = static_cast<std::int64_t>(arguments.seed);
+    item.options = OptionsToJson(remake);
     item.inputs.push_back({"motions", "motions", arguments.denoise, ""});
   }
   RunnerOptions settings;

@@ -118,6 +118,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Text("paper", paper, "whose published numbers: Action2Motion, ACTOR, MultiAct");
   v.Text("table", table, "number of the paper's table; empty: all of them");
   v.Text("recogniser", recogniser, "network that gives the features of the metrics; empty: the first gru_recogniser");
+  v.Bool("generators", generators, "score generators and real motions; false: the recognisers alone");
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
   v.Integer("motions", motions, {10.0, 1e6}, "motions per set and repetition");
@@ -148,6 +149,7 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options) {
 void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Group("extractor", extractor, "network, and how motions become what it reads");
   v.Bool("generated", generated, "the motions are generated ones");
+  v.Bool("made_here", made_here, "a network of the run made the set: its axes and unit are not looked for");
   DeclareReal(part, v);
   v.Text("split", split, "split whose part is meant; empty: the first one");
   v.Integer("seed", seed, {}, "of the draws");

@@ -86,6 +86,7 @@ struct EvaluateOptions {
   std::string paper = "Action2Motion";  ///< whose published numbers
   std::string table;                    ///< which of its tables; empty: all
   std::string recogniser;               ///< name of the network that gives the features; empty: the first recogniser
+  bool generators = true;               ///< they and the real motions are rows; else recognisers alone are scored
   RealPart real = RealPart::kAll;
   bool test_reference = false;  ///< the references are the training and the test part, and there is an FID against each
   double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network
@@ -110,6 +111,7 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options);
 struct FeaturesOptions {
   ExtractorOptions extractor;
   bool generated = false;  ///< the extractor's root rule for generated motions applies
+  bool made_here = false;  ///< a network of the run made the set: its frame is known, however it lies
   RealPart part = RealPart::kAll;
   std::string split;
   std::int64_t seed = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <set>
 
 #include "core/base/file.h"
@@ -14,10 +15,32 @@ namespace {
 constexpr double kMostIterations = 1e8;  // range of `iterations`
 constexpr const char* kRealRows[] = {"Real", "Real-test", "reference", "reference_test"};
 
+/// The set that a network of this seed is trained on, made by the generator of the same seed, else of its first.
+std::optional<MadeSet> MadeFor(const NetworkOptions& network, double seed, const TrainOptions& options) {
+  if (!MadeByNetwork(network.trained_on)) return std::nullopt;
+  for (const NetworkOptions& generator : options.networks) {
+    if (generator.name != network.generator) continue;
+    const bool alike = std::find(generator.seeds.begin(), generator.seeds.end(), seed) != generator.seeds.end();
+    NetworkOptions one = generator;
+    if (alike) one.seeds = {seed};
+    const RemakeRule rule = network.trained_on == TrainingSetChoice::kDenoised       ? RemakeRule::kDenoise
+                            : network.trained_on == TrainingSetChoice::kInterpolated ? RemakeRule::kInterpolate
+                                                                                     : RemakeRule::kGenerate;
+    return MadeSet{generator.name + "/" + std::to_string(one.seed()), rule};
+  }
+  return std::nullopt;
+}
+
 /// The items of one seed: the network after each step of `samples_at`, then after all.
 void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const StageInput& dataset,
-             std::vector<TrainItem>& items) {
+             const std::optional<MadeSet>& made, std::vector<TrainItem>& items) {
   NetworkOptions one = network;
+  const bool mixed = made && network.made_share < 1.0;
+  if (made && !mixed) {  // made of the right clips already
+    one.data.split.clear();
+    one.data.all_clips = false;
+    one.data.fraction = 1.0;
+  }
   one.seeds = {seed};
   one.learning.samples_at.clear();
   one.learning.weights.clear();  // their content is an input: where they lie does not matter
@@ -33,11 +56,11 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
     one.learning.until = static_cast<std::int64_t>(step);
     if (one.learning.until >= end_of_all) continue;
     const std::string end = "@" + std::to_string(one.learning.until);
-    items.push_back({{item + end, OptionsToJson(one), {dataset}}, at, row + end, after});
+    items.push_back({{item + end, OptionsToJson(one), {dataset}}, at, row + end, after, made, mixed});
     after = item + end;
   }
   one.learning.until = network.learning.until;
-  items.push_back({{item, OptionsToJson(one), {dataset}}, at, row, after});
+  items.push_back({{item, OptionsToJson(one), {dataset}}, at, row, after, made, mixed});
 }
 
 Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
@@ -70,12 +93,35 @@ Status CheckActorTraining(const NetworkOptions& network, const std::string& wher
   return {};
 }
 
+/// A generator makes what a network is trained on of the clips that it learned from itself: they are the same.
+Status CheckMade(const NetworkOptions& network, const TrainOptions& options, const std::string& where) {
+  if (!network.enabled) return {};
+  if (!MadeByNetwork(network.trained_on)) {
+    const char* option = !network.generator.empty() ? ".generator" : ".made_share";
+    if (network.generator.empty() && network.made_share == 1.0) return {};
+    return Fail(ErrorCode::kConfig, "the network is trained on no motions that another one makes", where + option,
+                "set trained_on: denoised, interpolated or generated");
+  }
+  const auto found = std::find_if(options.networks.begin(), options.networks.end(),
+                                  [&](const NetworkOptions& one) { return one.name == network.generator; });
+  if (found == options.networks.end() || found->kind != NetworkKind::kActor || !found->enabled) {
+    return Fail(ErrorCode::kConfig, "there is no actor network '" + network.generator + "' that is trained",
+                where + ".generator", "name one of train.networks of kind actor");
+  }
+  const bool same = found->data.split == network.data.split && found->data.all_clips == network.data.all_clips;
+  if (same && !MadeByNetwork(found->trained_on)) return {};
+  return Fail(ErrorCode::kConfig,
+              same ? "'" + network.generator + "' is trained on made motions itself"
+                   : "'" + network.generator + "' learns from other clips than the network",
+              where + ".generator", "give both the same split and all_clips, and the generator trained_on: dataset");
+}
+
 /// Every row of the table is one network's, and none of them has the name of the real motions' rows.
 Status CheckRowNames(const TrainOptions& options) {
   std::set<std::string> seen(std::begin(kRealRows), std::end(kRealRows));
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
     std::vector<TrainItem> items;
-    for (const double seed : options.networks[i].seeds) AddSeed(options.networks[i], i, seed, {}, items);
+    for (const double seed : options.networks[i].seeds) AddSeed(options.networks[i], i, seed, {}, std::nullopt, items);
     if (!GeneratesMotions(options.networks[i].kind)) continue;
     for (const TrainItem& item : items) {
       if (seen.insert(item.row).second) continue;
@@ -88,6 +134,11 @@ Status CheckRowNames(const TrainOptions& options) {
 }
 
 }  // namespace
+
+std::string MadeSet::item() const {
+  const char* what[] = {"denoised", "interpolated", "generated"};
+  return generator + " " + what[static_cast<int>(rule)];
+}
 
 std::string FileNameOf(std::string item) {
   std::replace(item.begin(), item.end(), '/', '_');
@@ -125,7 +176,7 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
       const bool unfitted = network.trained_on == TrainingSetChoice::kUnfitted;
       if (!network.enabled || GeneratesMotions(network.kind) != generators || (unfitted && !inputs.unfitted)) continue;
       for (const double seed : network.seeds) {
-        AddSeed(network, i, seed, unfitted ? *inputs.unfitted : inputs.dataset, items);
+        AddSeed(network, i, seed, unfitted ? *inputs.unfitted : inputs.dataset, MadeFor(network, seed, options), items);
       }
     }
   }
@@ -181,6 +232,7 @@ Status CheckNetworks(const TrainOptions& options) {
                   "leave samples_at out, and name one seed");
     }
     if (Status actor = CheckActor(network, where); !actor) return actor;
+    if (Status made = CheckMade(network, options, where); !made) return made;
     if (Status training = CheckActorTraining(network, where); !training) return training;
     const std::vector<double>& steps = network.learning.samples_at;
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
@@ -241,7 +293,13 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
       const std::string length =
           rules.anneal ? epochs + (rules.refit ? all : "")
                        : "at most " + epochs + (rules.refit ? " to select and as many as were best to refit" : "");
-      notes.push_back(network.name + ": " + length + ", in batches of " + batches + ".");
+      const char* made[] = {"", "", "denoised", "interpolated", "generated"};
+      std::string of_made;
+      if (MadeByNetwork(network.trained_on)) {
+        of_made = std::string(", ") + made[static_cast<int>(network.trained_on)] + " by " + network.generator;
+        if (network.made_share < 1.0) of_made += " for " + RoundedText(100.0 * network.made_share, 3) + " % of each";
+      }
+      notes.push_back(network.name + ": " + length + ", in batches of " + batches + of_made + ".");
       continue;
     }
     const bool body = network.kind == NetworkKind::kActor && network.actor.vertex_weight > 0.0;

@@ -26,12 +26,21 @@ struct TrainingInputs {
   std::optional<StageInput> unfitted;  ///< the same clips before fitting
 };
 
+/// Motions that a network of a job makes of the clips it learned from.
+struct MadeSet {
+  std::string generator;  ///< item of the network: "ACTOR/1"
+  RemakeRule rule = RemakeRule::kDenoise;
+  std::string item() const;  ///< of the stage `generate`: "ACTOR/1 denoised"
+};
+
 /// One network of a job: a seed of it, perhaps after some of its steps.
 struct TrainItem {
   ItemSpec spec;
-  std::size_t network = 0;  ///< position in TrainOptions::networks
-  std::string row;          ///< of a generator in tables: NAME, NAME/SEED where it has several, NAME@STEP
-  std::string after;        ///< item whose checkpoint it goes on from, its input of role "start"; or empty
+  std::size_t network = 0;      ///< position in TrainOptions::networks
+  std::string row;              ///< of a generator in tables: NAME, NAME/SEED where it has several, NAME@STEP
+  std::string after;            ///< item whose checkpoint it goes on from, its input of role "start"; or empty
+  std::optional<MadeSet> made;  ///< what takes the place of the dataset, or is mixed with it as the input "made"
+  bool mixed = false;           ///< the dataset stays, `made` is mixed with it
 };
 
 /// The items of the stage `train`, generators, which take longest, first: item "NAME/SEED", or "NAME/SEED@STEP" for a

@@ -225,6 +225,21 @@ bool NetworkOptions::NeedsRotations() const {
   return kind == NetworkKind::kStGcn || (kind == NetworkKind::kActor && actor.NeedsRotations());
 }
 
+bool MadeByNetwork(TrainingSetChoice choice) {
+  return choice == TrainingSetChoice::kDenoised || choice == TrainingSetChoice::kInterpolated ||
+         choice == TrainingSetChoice::kGenerated;
+}
+
+void RemakeOptions::Declare(OptionVisitor& v) {
+  v.Integer("seed", seed, {}, "of the draws");
+  v.Choice("rule", rule,
+           {{"denoise", RemakeRule::kDenoise},
+            {"interpolate", RemakeRule::kInterpolate},
+            {"generate", RemakeRule::kGenerate}},
+           "how a clip becomes a motion of the network");
+  v.Bool("training_windows", training_windows, "of windows of the clips that the network learned from");
+}
+
 void NetworkOptions::Declare(OptionVisitor& v) {
   v.Choice("kind", kind,
            {{"gru_recogniser", NetworkKind::kGruRecogniser},
@@ -240,8 +255,15 @@ void NetworkOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "train it; a set of a table over several can leave it out");
   v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one network per seed");
   v.Choice("trained_on", trained_on,
-           {{"dataset", TrainingSetChoice::kDataset}, {"unfitted", TrainingSetChoice::kUnfitted}},
-           "the dataset, or the same clips before fitting, to compare");
+           {{"dataset", TrainingSetChoice::kDataset},
+            {"unfitted", TrainingSetChoice::kUnfitted},
+            {"denoised", TrainingSetChoice::kDenoised},
+            {"interpolated", TrainingSetChoice::kInterpolated},
+            {"generated", TrainingSetChoice::kGenerated}},
+           "the dataset, the same clips before fitting, or motions that `generator` makes of its training clips: "
+           "encoded and decoded, between two of a class, or drawn");
+  v.Text("generator", generator, "name of the actor network that makes them");
+  v.Number("made_share", made_share, Unit::kNone, {0.01, 1.0}, "part of each batch that it made; the rest is recorded");
   data.Declare(v, kind);
   learning.Declare(v, kind);
   switch (kind) {
@@ -263,7 +285,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
   }
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 8, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration TrainDeclaration() { return {"train", 9, "mocurate-learn", WholeSetLimits()}; }
 
 StageDeclaration GenerateDeclaration() { return {"generate", 2, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }

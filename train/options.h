@@ -178,8 +178,25 @@ struct StGcnOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Which clips: the dataset, or the same clips before fitting.
-enum class TrainingSetChoice { kDataset, kUnfitted };
+/// Which clips: the dataset, the same clips before fitting, or motions that a network of the job makes of the clips it
+/// learned from (a2m_actor.md D.9).
+enum class TrainingSetChoice { kDataset, kUnfitted, kDenoised, kInterpolated, kGenerated };
+
+/// Whether a network of the job makes them.
+bool MadeByNetwork(TrainingSetChoice choice);
+
+/// How a network makes a motion of a clip: encoded and decoded; the latent a drawn part of the way towards that of
+/// another clip of its class; drawn anew, of its class and length.
+enum class RemakeRule { kDenoise, kInterpolate, kGenerate };
+
+/// Options of the stage `generate` where it has clips in the place of requests.
+struct RemakeOptions {
+  std::int64_t seed = 1;
+  RemakeRule rule = RemakeRule::kDenoise;
+  /// Of the clips that the network learned from, cut into windows as long as its own (TrainingWindows), not of all.
+  bool training_windows = false;
+  void Declare(OptionVisitor& v);
+};
 
 /// One network of a job: `train.networks: [{name, kind, ...}]`. Only the options of its kind are known.
 struct NetworkOptions {
@@ -188,6 +205,8 @@ struct NetworkOptions {
   bool enabled = true;           ///< false: it is not trained; a set of a table leaves it out so
   std::vector<double> seeds{1};  ///< of initial weights, order, crops and noise; one network each
   TrainingSetChoice trained_on = TrainingSetChoice::kDataset;
+  std::string generator;    ///< network of the job that makes what it is trained on; else empty
+  double made_share = 1.0;  ///< part of each batch that is made; the rest is of the dataset
   TrainingDataOptions data;
   LearningOptions learning;
   GruRecogniserOptions recogniser;

@@ -4,7 +4,9 @@
 #include <string>
 
 #include "core/base/file.h"
+#include "core/base/sha256.h"
 #include "core/pipeline/worker.h"
+#include "train/data/training_windows.h"
 #include "train/generators/motion_generator.h"
 #include "train/options.h"
 #include "train/trainer/trainer.h"
@@ -61,7 +63,7 @@ nlohmann::json SummaryOf(const Checkpoint& checkpoint, const NetworkOptions& opt
 struct TrainingInput {
   NetworkOptions options;
   TrainingSet set;
-  const StageInput* dataset = nullptr;
+  std::string sha256;  ///< of what it is trained on
   std::shared_ptr<const Skin> skin;
 };
 
@@ -74,7 +76,14 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   }
   Expected<TrainingSet> set = ReadTrainingSet(dataset->path, options->NeedsRotations());
   if (!set) return Forward(set);
-  TrainingInput input{std::move(*options), std::move(*set), dataset, nullptr};
+  std::string sha256 = dataset->sha256;
+  if (const StageInput* made = InputOf(request, "made")) {
+    const Expected<TrainingSet> clips = ReadTrainingSet(made->path, options->NeedsRotations());
+    if (!clips) return Forward(clips);
+    if (Status added = AddMade(*clips, *set); !added) return Forward(added);
+    sha256 = Sha256Hex(sha256 + made->sha256);
+  }
+  TrainingInput input{std::move(*options), std::move(*set), std::move(sha256), nullptr};
   if (const StageInput* body = InputOf(request, "body")) {
     Expected<Skin> skin = ReadSkin(body->path, *input.set.skeleton);
     if (!skin) return Forward(skin);
@@ -90,7 +99,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   if (!input) return Forward(input);
   TrainingControl control;
   control.scratch = request.scratch;
-  control.dataset_sha256 = input->dataset->sha256;
+  control.dataset_sha256 = input->sha256;
   control.skin = input->skin;
   control.threads = request.threads;
   control.stop = [] { return StopRequested(); };
@@ -133,9 +142,15 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
   if (!generator) return Forward(generator);
   Expected<Dataset> set = Dataset();
   if (noisy != nullptr) {
-    const auto read = ReadDataset(noisy->path);
+    const auto options = OptionsFromJson<RemakeOptions>(request.options);
+    if (!options) return Forward(options);
+    auto read = ReadDataset(noisy->path);
     if (!read) return Forward(read);
-    set = (*generator)->Denoise(*read, request.options.value("seed", std::uint64_t{1}), request.threads);
+    if (options->training_windows) {
+      read = TrainingWindows(*read, (*generator)->options(), options->rule == RemakeRule::kDenoise);
+      if (!read) return Forward(read);
+    }
+    set = (*generator)->Remake(*read, *options, request.threads);
   } else {
     const auto requests = ReadRequests(asked->path);
     if (!requests) return Forward(requests);

@@ -4,7 +4,8 @@
 
 namespace mocurate {
 
-/// Input role "dataset"; options (NetworkOptions) say which network. -> checkpoint (HDF5) of the trained network with
+/// Input role "dataset", and "made" for clips that are mixed with its (AddMade); options (NetworkOptions) say which
+/// network. -> checkpoint (HDF5) of the trained network with
 /// its history (loss per step, validation accuracy per check). Partial state goes to request.scratch and training goes
 /// on from there bit for bit.
 Expected<StageOutcome> TrainStage(const StageRequest& request);
@@ -14,7 +15,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request);
 Expected<StageOutcome> TrainCostStage(const StageRequest& request);
 
 /// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them; with "motions" (a dataset) in the
-/// place of requests its clips, encoded and decoded with the option "seed".
+/// place of requests a motion for each of its clips as RemakeOptions say.
 Expected<StageOutcome> GenerateStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -21,6 +21,7 @@ struct MetricColumn {
 constexpr MetricColumn kMetricColumns[] = {{"FID_train", "FID train ↓", 3},
                                            {"FID_test", "FID test ↓", 3},
                                            {"accuracy", "Accuracy ↑", 3},
+                                           {"accuracy_denoised", "Accuracy, denoised ↑", 3},
                                            {"accuracy_top5", "Top-5 ↑", 3},
                                            {"accuracy_equivalent", "Accuracy, equivalent labels ↑", 3},
                                            {"diversity", "Diversity →", 3},
@@ -168,7 +169,7 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
 }
 
 Expected<WrittenTables> WriteTables(const nlohmann::json& result, const std::string& title,
-                                    const std::filesystem::path& folder) {
+                                    const std::filesystem::path& folder, const std::string& name) {
   if (Status made = MakeFolder(folder); !made) return Forward(made);
   const Table table = ResultTable(result, title);
   const nlohmann::json rows = {{"rows", result.at("rows")},
@@ -176,13 +177,12 @@ Expected<WrittenTables> WriteTables(const nlohmann::json& result, const std::str
                                {"notes", table.notes}};
   WrittenTables written;
   written.markdown = ToMarkdown(table);
-  const std::pair<const char*, std::string> files[] = {{"table.md", written.markdown},
-                                                       {"table.csv", ToCsv(table)},
-                                                       {"table.tex", ToLatex(table)},
-                                                       {"table.json", rows.dump(1) + "\n"}};
-  for (const auto& [name, text] : files) {
-    if (Status done = WriteFile(folder / name, text); !done) return Forward(done);
-    written.files.push_back(folder / name);
+  const std::pair<const char*, std::string> files[] = {
+      {".md", written.markdown}, {".csv", ToCsv(table)}, {".tex", ToLatex(table)}, {".json", rows.dump(1) + "\n"}};
+  for (const auto& [ending, text] : files) {
+    const std::filesystem::path file = folder / (name + ending);
+    if (Status done = WriteFile(file, text); !done) return Forward(done);
+    written.files.push_back(file);
   }
   return written;
 }

@@ -21,8 +21,8 @@ struct WrittenTables {
   std::vector<std::filesystem::path> files;
 };
 
-/// That table as table.md, .csv, .tex and .json ({"rows", "published", "notes"}) below `folder`. Error kCannotWrite.
+/// That table as NAME.md, .csv, .tex and .json ({"rows", "published", "notes"}) below `folder`. Error kCannotWrite.
 Expected<WrittenTables> WriteTables(const nlohmann::json& result, const std::string& title,
-                                    const std::filesystem::path& folder);
+                                    const std::filesystem::path& folder, const std::string& name = "table");
 
 }  // namespace mocurate

@@ -209,8 +209,19 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
       TrainingJob(
           folder,
           {"train.networks=[{kind: actor, name: ACTOR, split: s, frames: 10, latent: 16, layers: 1, heads: 2, "
-           "feed_forward: 16, iterations: 2}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, epochs: 1}]"}));
+           "feed_forward: 16, iterations: 2}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, epochs: 1}, "
+           "{kind: st_gcn, name: Denoised, split: s, frames: 10, epochs: 1, trained_on: denoised, generator: ACTOR}, "
+           "{kind: st_gcn, name: Mixed, split: s, frames: 10, epochs: 1, trained_on: generated, generator: ACTOR, "
+           "made_share: 0.5}]"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json recognition = nlohmann::json::parse(ReadText(folder / "r/tables/recognition.json"));
+  std::vector<std::string> names;
+  for (const nlohmann::json& row : recognition["rows"]) {
+    names.push_back(row["name"]);
+    EXPECT_TRUE(row["metrics"]["accuracy"]["value"].is_number());
+    EXPECT_TRUE(row["metrics"]["accuracy_denoised"]["value"].is_number());
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"ST-GCN", "Denoised", "Mixed"}));
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
   ASSERT_EQ(table["rows"].size(), 2u);
   EXPECT_EQ(table["rows"][1]["name"], "ACTOR");

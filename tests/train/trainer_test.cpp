@@ -425,7 +425,7 @@ TEST_F(Trainer, ActorInterpolatesVariesLengthsAndDenoises) {
   }
 
   const Dataset noisy = TurningDataset(1);
-  const auto denoised = (*generator)->Denoise(noisy, 3, 2);
+  const auto denoised = (*generator)->Remake(noisy, {3}, 2);
   ASSERT_TRUE(denoised) << denoised.error().Message();
   ASSERT_EQ(denoised->clips.size(), noisy.clips.size());
   for (std::size_t i = 0; i < noisy.clips.size(); ++i) {
@@ -436,12 +436,12 @@ TEST_F(Trainer, ActorInterpolatesVariesLengthsAndDenoises) {
   EXPECT_TRUE(WriteDataset(*denoised, folder_ / "denoised.h5"));
   Dataset other = noisy;
   other.clips[0].label = "dance";
-  EXPECT_EQ((*generator)->Denoise(other, 3).error().code, ErrorCode::kInconsistent);
-  EXPECT_EQ((*generator)->Denoise(ToyDataset(1), 3).error().code, ErrorCode::kInconsistent) << "joints alone";
+  EXPECT_EQ((*generator)->Remake(other, {3}).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ((*generator)->Remake(ToyDataset(1), {3}).error().code, ErrorCode::kInconsistent) << "joints alone";
   ASSERT_TRUE(WriteCheckpoint(*TrainNetwork(Toy(), Small(NetworkKind::kAction2Motion), {}), folder_ / "b.h5"));
   const auto frame_by_frame = MotionGenerator::Load(folder_ / "b.h5");
   ASSERT_TRUE(frame_by_frame);
-  EXPECT_EQ((*frame_by_frame)->Denoise(noisy, 3).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ((*frame_by_frame)->Remake(noisy, {3}).error().code, ErrorCode::kInconsistent);
   EXPECT_EQ((*frame_by_frame)->Joints({requests[1]}).error().code, ErrorCode::kInconsistent);
 }
 

@@ -158,7 +158,7 @@ Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const Training
   if (!found) return Forward(found);
   const Split* split = options.all_clips ? nullptr : *found;
   TrainingRows rows;
-  rows.train.resize(set.clips.size());
+  rows.train.resize(set.clips.size() - set.made.size());
   std::iota(rows.train.begin(), rows.train.end(), 0);
   if (split != nullptr) {
     rows.train = split->train;
@@ -226,6 +226,24 @@ std::vector<int> BatchOrder::RowsOf(std::int64_t step) const {
   for (std::size_t i = begin; i < std::min(order_.size(), begin + static_cast<std::size_t>(batch_)); ++i) {
     rows.push_back(rows_[static_cast<std::size_t>(order_[i])]);
   }
+  return rows;
+}
+
+MixedOrder::MixedOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows,
+                       std::int64_t batch, bool keep_last, double made_share, std::uint64_t seed)
+    : made_count_(set.made.empty() ? 0
+                                   : std::clamp<std::int64_t>(std::lround(made_share * static_cast<double>(batch)), 1,
+                                                              std::max<std::int64_t>(1, batch - 1))),
+      recorded_(set, options, std::move(rows), std::max<std::int64_t>(1, batch - made_count_),
+                keep_last && made_count_ == 0, seed) {
+  if (made_count_ > 0) made_.emplace(set, options, set.made, made_count_, false, seed);
+}
+
+std::vector<int> MixedOrder::RowsOf(std::int64_t step) const {
+  std::vector<int> rows = recorded_.RowsOf(step);
+  if (!made_) return rows;
+  const std::vector<int> made = made_->RowsOf(step);
+  rows.insert(rows.end(), made.begin(), made.end());
   return rows;
 }
 

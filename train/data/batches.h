@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,23 @@ class BatchOrder {
   std::uint64_t seed_;
   mutable std::int64_t pass_ = -1;  ///< of `order_`
   mutable std::vector<int> order_;
+};
+
+/// The same with a stated share of each batch from the clips that a network made (TrainingSet::made), in an order of
+/// their own; every batch has both kinds, and none is smaller. A pass is one over the recorded clips. Without such
+/// clips the recorded ones alone.
+class MixedOrder {
+ public:
+  MixedOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows, std::int64_t batch,
+             bool keep_last, double made_share, std::uint64_t seed);
+
+  std::int64_t batches_per_pass() const { return recorded_.batches_per_pass(); }
+  std::vector<int> RowsOf(std::int64_t step) const;
+
+ private:
+  std::int64_t made_count_;  ///< of a batch
+  BatchOrder recorded_;
+  std::optional<BatchOrder> made_;
 };
 
 /// Windows of clips, frame-major.

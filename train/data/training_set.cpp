@@ -114,6 +114,24 @@ Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, bool ro
   return set;
 }
 
+Status AddMade(const TrainingSet& made, TrainingSet& set) {
+  if (made.splits.empty() || made.labels != set.labels || !SameTree(*made.skeleton, *set.skeleton) ||
+      made.rotation.empty() != set.rotation.empty()) {
+    return Fail(ErrorCode::kInconsistent, "motions that were made for another set cannot be mixed with it", "made",
+                "give a generator of the same set");
+  }
+  const std::size_t frames = set.joints.size() / (3 * set.skeleton->joints.size());
+  set.joints.insert(set.joints.end(), made.joints.begin(), made.joints.end());
+  set.rotation.insert(set.rotation.end(), made.rotation.begin(), made.rotation.end());
+  for (const int row : made.splits.front().train) {
+    TrainingSet::Clip clip = made.clips[static_cast<std::size_t>(row)];
+    clip.first += frames;
+    set.made.push_back(static_cast<int>(set.clips.size()));
+    set.clips.push_back(std::move(clip));
+  }
+  return {};
+}
+
 TrainingSet PackTrainingSet(const Dataset& dataset, bool rotations) {
   TrainingSet set;
   set.skeleton = dataset.skeleton;

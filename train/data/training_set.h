@@ -24,6 +24,7 @@ struct TrainingSet {
   std::vector<float> joints;          ///< (frames of all clips, J, 3) metres
   std::vector<float> rotation;        ///< (frames of all clips, J, 4) parent_from_joint, w first; empty: not read
   std::vector<Vector3d> rest_offset;  ///< (J) of a usual person: the median over the clips; empty without rotations
+  std::vector<int> made;              ///< the last clips, which a network made: each batch has a share of them
 
   JointPositions Joints(std::size_t clip) const;
 };
@@ -41,5 +42,9 @@ Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, bool ro
 
 /// The same of a dataset in memory.
 TrainingSet PackTrainingSet(const Dataset& dataset, bool rotations = false);
+
+/// Adds the training clips that a network made of a set's, to be mixed with it. Error kInconsistent for clips on
+/// another skeleton or with other labels.
+Status AddMade(const TrainingSet& made, TrainingSet& set);
 
 }  // namespace mocurate

@@ -1,4 +1,4 @@
-#include "train/generators/motion_generator.h"
+#include "train/generators/generator_impl.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -13,24 +13,9 @@
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/batches.h"
 #include "train/items.h"
-#include "train/networks/network.h"
 #include "train/trainer/values.h"
 
 namespace mocurate {
-
-struct MotionGenerator::Impl {
-  std::shared_ptr<Network> network;
-  NetworkOptions options;
-  SkeletonPtr skeleton;
-  std::vector<std::string> labels;
-  FrameRate rate;
-  std::vector<double> bone_length;               ///< of the training set
-  std::vector<std::vector<double>> first_poses;  ///< of each class, where the network starts from one
-  std::vector<Vector3d> rest_offset;             ///< of a usual person; empty: the network gives joints alone
-
-  Status Check(const MotionRequest& request, std::size_t index) const;
-  RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;
-};
 
 namespace {
 
@@ -304,90 +289,7 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
   return set;
 }
 
-Expected<Dataset> MotionGenerator::Denoise(const Dataset& set, std::uint64_t seed, int threads) const {
-  const std::string way_out = "give a set of skeleton '" + impl_->skeleton->name + "' with the network's labels";
-  if (impl_->network->latent_size() == 0) {
-    return Fail(ErrorCode::kInconsistent, "the network encodes no motions", impl_->options.name,
-                "give a network of kind actor");
-  }
-  if (!SameTree(*set.skeleton, *impl_->skeleton)) {
-    return Fail(ErrorCode::kInconsistent,
-                "the set is of skeleton '" + set.skeleton->name + "', the network of '" + impl_->skeleton->name + "'",
-                "motions", way_out);
-  }
-  if (const double apart = RestPosesApart(*set.skeleton, *impl_->skeleton); apart > kSameRestPose) {
-    return Fail(ErrorCode::kInconsistent,
-                "the set's rotations are counted from a rest pose " + RoundedText(apart, 2) + " rad apart", "motions",
-                way_out);
-  }
-  const bool rotations = impl_->options.NeedsRotations();
-  const TrainingSet packed = PackTrainingSet(set, rotations && !set.joints_only);
-  std::vector<int> label;
-  for (const Clip& clip : set.clips) {
-    const auto found = std::find(impl_->labels.begin(), impl_->labels.end(), clip.label);
-    if (found == impl_->labels.end()) {
-      return Fail(ErrorCode::kInconsistent, "the network has no class '" + clip.label + "'", clip.id(), way_out);
-    }
-    if (!clip.motion) return Fail(ErrorCode::kInconsistent, "the clip has no motion", clip.id(), way_out);
-    MotionRequest request;
-    request.label = static_cast<int>(found - impl_->labels.begin());
-    request.frames = clip.motion->frame_count();
-    if (Status fits = impl_->Check(request, 0); !fits) {
-      return Fail(fits.error().code, fits.error().what, clip.id(), fits.error().hint);
-    }
-    if (rotations && clip.motion->joints_only()) {
-      return Fail(ErrorCode::kInconsistent, "the clip has joints alone, the network encodes rotations", clip.id(),
-                  way_out);
-    }
-    label.push_back(static_cast<int>(found - impl_->labels.begin()));
-  }
-  Dataset result = set;
-  result.created_by = std::string(CreatedBy());
-  result.recipe = "denoised: " + set.recipe;
-  result.joints_only = impl_->rest_offset.empty();
-  ParallelFor(static_cast<int>(set.clips.size()), 1, threads, [&](int begin, int end) {
-    const torch::NoGradGuard no_gradient;
-    for (int i = begin; i < end; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      Clip& clip = result.clips[at];
-      MotionRequest request;
-      request.label = label[at];
-      request.frames = clip.motion->frame_count();
-      Random random(seed, "denoise", clip.id());
-      request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
-      request.bone_length = clip.motion->bone_length;
-      TrainingDataOptions whole;
-      whole.frames = request.frames;
-      MotionRows rows = MakeMotionRows(packed, whole, {i}, 0, "denoise", false);
-      const std::int64_t T = request.frames, J = impl_->skeleton->joint_count();
-      Batch batch;
-      batch.motion = torch::from_blob(rows.motion.data(), {T, 1, 3 * J});
-      if (!rows.rotation.empty()) batch.rotation = torch::from_blob(rows.rotation.data(), {T, 1, J, 3, 3});
-      batch.label = torch::tensor({static_cast<std::int64_t>(request.label)});
-      batch.whole = 1;
-      Draws draws(std::vector<std::uint64_t>{request.seed});
-      draws.Give("generator.latent", impl_->network->Encode(batch, draws));
-      const Motions motions = impl_->network->Answer(impl_->BatchOf(&request, 1), draws);
-      Motion made;
-      made.skeleton = impl_->skeleton;
-      made.rate = clip.motion->rate;
-      made.joints = JointPositions(request.frames, static_cast<int>(J));
-      const torch::Tensor joints = motions.joints.contiguous();
-      const Vector3d root = clip.motion->joints.at(0, 0);  // places are counted from the clip's first one
-      for (std::size_t k = 0; k < made.joints.xyz.size(); ++k) {
-        made.joints.xyz[k] = joints.data_ptr<float>()[k] + root[static_cast<Eigen::Index>(k % 3)];
-      }
-      if (motions.rotation.defined()) {
-        const torch::Tensor rotation = motions.rotation.contiguous();
-        AddRotations(rotation.data_ptr<float>(), request, made);
-      }
-      clip.motion = std::move(made);
-      clip.provenance["denoised_with_seed"] = std::to_string(request.seed);
-    }
-  });
-  return result;
-}
-
+const NetworkOptions& MotionGenerator::options() const { return impl_->options; }
 SkeletonPtr MotionGenerator::skeleton() const { return impl_->skeleton; }
 const std::vector<std::string>& MotionGenerator::labels() const { return impl_->labels; }
 int MotionGenerator::training_frames() const { return static_cast<int>(impl_->options.data.frames); }

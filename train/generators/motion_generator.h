@@ -7,6 +7,7 @@
 
 #include "core/motion/request.h"
 #include "core/store/store.h"
+#include "train/options.h"
 
 namespace mocurate {
 
@@ -26,10 +27,14 @@ class MotionGenerator {
   /// the order of the requests, label from the request. Frames may differ between requests.
   Expected<Dataset> Generate(const std::vector<MotionRequest>& requests, int threads = 1) const;
 
-  /// Every clip of a set encoded and decoded again, with its label and length (a2m_actor.md C.5): the set's clips in
-  /// their order, rotations of the network. Noise is keyed by `seed` and the clip's id. Errors kInconsistent: a network
-  /// that encodes nothing, a set on another skeleton or without rotations, a clip with a label the network lacks.
-  Expected<Dataset> Denoise(const Dataset& set, std::uint64_t seed, int threads = 1) const;
+  /// A motion in the place of every clip of a set, with its label and length (a2m_actor.md C.5, D.9): the set's clips
+  /// in their order, rotations of the network. A clip is interpolated with another one of its class in the set. Draws
+  /// are keyed by the seed and the clip's id; `training_windows` is not read. Errors kInconsistent: a network that
+  /// encodes nothing, a set on another skeleton or without rotations, a clip with a label the network lacks.
+  Expected<Dataset> Remake(const Dataset& set, const RemakeOptions& options, int threads = 1) const;
+
+  /// What it was trained with.
+  const NetworkOptions& options() const;
 
   SkeletonPtr skeleton() const;
   const std::vector<std::string>& labels() const;
@@ -45,6 +50,7 @@ class MotionGenerator {
   };
   Expected<Rows> Answer(const std::vector<MotionRequest>& requests, int threads) const;
   void AddRotations(const float* rotation, const MotionRequest& request, Motion& motion) const;
+  Status CheckSet(const Dataset& set) const;
   explicit MotionGenerator(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

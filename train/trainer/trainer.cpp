@@ -226,8 +226,9 @@ class Training {
     if (recognises_ && options_.recogniser.standardise) Standardise();
     network_->to(device());
     optimisers_ = std::make_unique<Optimisers>(*network_);
-    order_ = std::make_unique<BatchOrder>(set_, options_.data, rows_.train, options_.learning.batch,
-                                          recognises_ || options_.kind == NetworkKind::kActor, options_.seed());
+    order_ = std::make_unique<MixedOrder>(set_, options_.data, rows_.train, options_.learning.batch,
+                                          recognises_ || options_.kind == NetworkKind::kActor, options_.made_share,
+                                          options_.seed());
     steps_ = options_.learning.iterations;
     if (recognises_) steps_ = order_->batches_per_pass() * (round == 0 ? options_.recogniser.epochs : best_epoch_);
     until_ = recognises_ ? steps_ : End();
@@ -451,7 +452,7 @@ class Training {
     state_.optimisers = optimisers_->State();
     state_.facts = {
         {"split", rows_.split},
-        {"clips", rows_.train.size()},
+        {"clips", rows_.train.size() + set_.made.size()},
         {"batch", std::min<std::int64_t>(options_.learning.batch, static_cast<std::int64_t>(rows_.train.size()))},
         {"rate", set_.rate.Text()},
         {"parameters", CountValues(state_.parameters)},
@@ -502,7 +503,7 @@ class Training {
   TrainingRows rows_;
   std::shared_ptr<Network> network_;
   std::unique_ptr<Optimisers> optimisers_;
-  std::unique_ptr<BatchOrder> order_;
+  std::unique_ptr<MixedOrder> order_;
   Checkpoint state_;
   int round_ = 0;
   bool ended_ = false;

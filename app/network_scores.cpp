@@ -1,0 +1,197 @@
+#include "app/network_scores.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "app/evaluation.h"
+#include "app/protocols.h"
+#include "core/base/log.h"
+
+namespace mocurate {
+namespace {
+
+const NetworkOptions& OptionsOf(const JobOptions& options, const TrainedNetwork& network) {
+  return options.train.networks[network.network];
+}
+
+/// A recogniser of ours says of itself how motions become what it reads; what a pass draws depends on this much.
+ExtractorOptions OwnExtractor(const NetworkOptions& network) {
+  const TrainingDataOptions& data = network.data;
+  ExtractorOptions extractor;
+  extractor.name = "own";
+  if (network.kind == NetworkKind::kStGcn) {
+    extractor.network = ExtractorNetwork::kStGcn;
+    extractor.values = ExtractorValues::kRotation6DRows;
+  }
+  extractor.frames = data.frames;
+  extractor.length = data.input == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
+  return extractor;
+}
+
+/// One recogniser on one set of test clips.
+struct Reading {
+  const TrainedNetwork* network = nullptr;
+  bool denoised = false;
+};
+
+void AddConfusion(const nlohmann::json& own, nlohmann::json& confusion) {
+  if (confusion.is_null()) {
+    confusion = own;
+    return;
+  }
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    for (std::size_t c = 0; c < own[r].size(); ++c) confusion[r][c] = confusion[r][c].get<int>() + own[r][c].get<int>();
+  }
+}
+
+void AddScore(const Reading& reading, const nlohmann::json& row, nlohmann::json& kind) {
+  const nlohmann::json& accuracy = row.at("metrics").at("accuracy").at("value");
+  if (!accuracy.is_number()) return;
+  if (reading.denoised) {
+    kind["denoised_accuracy"].push_back(accuracy);
+    return;
+  }
+  kind["test_accuracy"].push_back(accuracy);
+  kind["test_clips"] = row.at("motions");
+  kind["scored"] = "test clips";
+  const auto all = kind["test_accuracy"].get<std::vector<double>>();
+  kind["mean"] = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+  AddConfusion(row.at("confusion"), kind["confusion"]);
+}
+
+nlohmann::json MetricOf(const std::vector<double>& seeds) {
+  if (seeds.empty()) return {{"value", nullptr}, {"interval", nullptr}};
+  const double mean = std::accumulate(seeds.begin(), seeds.end(), 0.0) / static_cast<double>(seeds.size());
+  return {{"value", mean}, {"interval", nullptr}, {"repetitions", seeds}};
+}
+
+}  // namespace
+
+Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
+                                          const TestSets& sets, StageRuns& runs) {
+  std::vector<Reading> readings;
+  std::vector<ItemSpec> items;
+  nlohmann::json recognisers = nlohmann::json::object();
+  for (const TrainedNetwork& network : networks) {
+    const NetworkOptions& own = OptionsOf(options, network);
+    if (GeneratesMotions(own.kind)) continue;
+    FeaturesOptions features;
+    features.extractor = OwnExtractor(own);
+    features.part = RealPart::kTest;
+    features.split = options.evaluate.split.empty() ? own.data.split : options.evaluate.split;
+    const bool unfitted = own.trained_on == TrainingSetChoice::kUnfitted;
+    const auto add = [&](const std::string& item, const ItemResult& motions, bool denoised) {
+      ItemSpec spec{item, OptionsToJson(features), {network.checkpoint, InputFrom("motions", motions)}};
+      spec.inputs[0].role = "weights";
+      items.push_back(std::move(spec));
+      readings.push_back({&network, denoised});
+    };
+    add("features/" + network.checkpoint.name, unfitted ? sets.unfitted : sets.dataset, false);
+    if (sets.denoised.empty() || unfitted) continue;
+    features.split.clear();  // it has but the one
+    features.made_here = true;
+    add("features/" + network.checkpoint.name + " on denoised", sets.denoised.begin()->second, true);
+  }
+  if (items.empty()) return recognisers;
+  const auto features = runs.Run(FeaturesDeclaration(), std::move(items), "recognisers");
+  if (!features) return Forward(features);
+  items.clear();
+  std::vector<Reading> scored;
+  for (std::size_t i = 0; i < features->items.size(); ++i) {
+    const ItemResult& item = features->items[i];
+    nlohmann::json& kind = recognisers[OptionsOf(options, *readings[i].network).name];
+    if (item.artifact.empty()) {
+      if (!readings[i].denoised && !item.outcome.error.what.empty()) kind["scored"] = item.outcome.error.what;
+      continue;
+    }
+    ScoreOptions score;
+    score.name = readings[i].network->checkpoint.name;
+    score.metrics = options.evaluate.metrics();
+    if (!readings[i].denoised) kind["labels"] = item.outcome.summary.at("classes");
+    const std::string name = "score/" + score.name + (readings[i].denoised ? " on denoised" : "");
+    items.push_back({name, OptionsToJson(score), {InputFrom("row", item)}});
+    scored.push_back(readings[i]);
+  }
+  const auto scores = runs.Run(ScoreDeclaration(), std::move(items), "recognisers");
+  if (!scores) return Forward(scores);
+  for (std::size_t i = 0; i < scores->items.size(); ++i) {
+    if (scores->items[i].artifact.empty()) continue;
+    AddScore(scored[i], scores->items[i].outcome.summary, recognisers[OptionsOf(options, *scored[i].network).name]);
+  }
+  return recognisers;
+}
+
+nlohmann::json RecognitionRows(const TrainOptions& options, const nlohmann::json& recognisers,
+                               const nlohmann::json& published) {
+  nlohmann::json result = {{"rows", nlohmann::json::array()}, {"published", published}};
+  for (const NetworkOptions& network : options.networks) {
+    const auto found = recognisers.find(network.name);
+    if (found == recognisers.end() || !found->contains("mean")) continue;
+    const nlohmann::json& kind = *found;
+    const nlohmann::json metrics = {
+        {"accuracy", MetricOf(kind.at("test_accuracy").get<std::vector<double>>())},
+        {"accuracy_denoised", MetricOf(kind.value("denoised_accuracy", std::vector<double>()))}};
+    result["rows"].push_back({{"name", network.name}, {"metrics", metrics}, {"ours", {{"metrics", metrics}}}});
+  }
+  return result;
+}
+
+Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate) {
+  const auto published = PublishedNumbers(evaluate.paper, evaluate.published);
+  if (!published) return Forward(published);
+  nlohmann::json of_table = nlohmann::json::array();
+  for (const nlohmann::json& value : *published) {
+    const bool meant = evaluate.table.empty() || value.at("table") == evaluate.table;
+    if (value.at("paper") == evaluate.paper && meant) of_table.push_back(value);
+  }
+  return of_table;
+}
+
+Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
+                                          const ItemResult& dataset, StageRuns& runs) {
+  GeneratorScores scores;
+  if (!options.evaluate.generators) return scores;
+  const std::string recogniser = RecogniserOf(options);
+  const auto generates = [&](const TrainedNetwork& network) {
+    return GeneratesMotions(OptionsOf(options, network).kind);
+  };
+  if (recogniser.empty() && std::any_of(networks.begin(), networks.end(), generates)) {
+    LogWarning("no table: no recogniser of train.networks gives features (add {kind: gru_recogniser})");
+  }
+  const auto first = std::find_if(networks.begin(), networks.end(), [&](const TrainedNetwork& network) {
+    return OptionsOf(options, network).name == recogniser;
+  });
+  if (first == networks.end()) return scores;
+  const EvaluateOptions& evaluate = options.evaluate;
+  Evaluation evaluation;
+  evaluation.extractor = OwnExtractor(OptionsOf(options, *first));
+  evaluation.weights = first->checkpoint;
+  evaluation.draw = evaluate.draw();
+  evaluation.metrics = evaluate.metrics();
+  evaluation.seed = evaluate.seed;
+  evaluation.real_part = evaluate.test_reference ? RealPart::kTrain : evaluate.real;
+  evaluation.test_reference = evaluate.test_reference;
+  evaluation.split = evaluate.split;
+  const StageInput motions = InputFrom("motions", dataset);
+  evaluation.real = ScoredSet{"Real", motions, std::nullopt};
+  for (const TrainedNetwork& network : networks) {
+    if (generates(network)) evaluation.rows.push_back({network.row, motions, network.checkpoint});
+  }
+  auto evaluated = ::mocurate::Evaluate(evaluation, runs);
+  if (!evaluated) return Forward(evaluated);
+  if (!evaluated->failed.empty()) {
+    const auto& [row, error] = *evaluated->failed.begin();
+    scores.unevaluated = error;
+    scores.unevaluated->where = "row '" + row + "'" + (error.where.empty() ? "" : ", " + error.where);
+  }
+  if (evaluated->rows.empty()) return scores;
+  scores.metrics = {{"protocol", "own"},
+                    {"variant", "released"},
+                    {"extractor", first->checkpoint.name},
+                    {"rows", std::move(evaluated->rows)},
+                    {"comparisons", std::move(evaluated->comparisons)},
+                    {"warnings", std::move(evaluated->warnings)}};
+  return scores;
+}
+
+}  // namespace mocurate

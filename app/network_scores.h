@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/job_items.h"
+#include "app/stage_runs.h"
+
+namespace mocurate {
+
+/// What recognisers are scored on: test clips of the dataset, the same before fitting, the same encoded and decoded.
+struct TestSets {
+  const ItemResult& dataset;
+  const ItemResult& unfitted;
+  const std::map<std::string, ItemResult>& denoised;  ///< by item; the first one is taken
+};
+
+/// Accuracy and confusion of every recogniser on the test clips, by its name: {"test_accuracy" (by seed), "mean",
+/// "denoised_accuracy" (by seed, where there are such clips), "test_clips", "labels", "confusion", "scored"}.
+Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
+                                          const TestSets& sets, StageRuns& runs);
+
+/// These accuracies as a result of ResultTable, a row per recogniser in the order of the options: metrics "accuracy"
+/// and "accuracy_denoised".
+nlohmann::json RecognitionRows(const TrainOptions& options, const nlohmann::json& recognisers,
+                               const nlohmann::json& published);
+
+/// Published numbers that stand below a table of the options.
+Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate);
+
+struct GeneratorScores {
+  nlohmann::json metrics;  ///< {"protocol", "variant", "extractor", "rows", "comparisons", "warnings"}, or null
+  std::optional<Error> unevaluated;  ///< why rows are missing
+};
+
+/// Real motions and those of every generator, by the features of the run's recogniser; nothing where it has none, or
+/// the options leave generators out.
+Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
+                                          const ItemResult& dataset, StageRuns& runs);
+
+}  // namespace mocurate

@@ -1,0 +1,181 @@
+#include "app/training_run.h"
+
+#include <algorithm>
+
+#include "app/main_job.h"
+#include "app/scratch_folder.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+class TrainingRun {
+ public:
+  TrainingRun(const TrainOptions& options, const TrainingPlace& place) : options_(options), place_(place) {}
+
+  Expected<TrainedNetworks> Run(std::vector<TrainItem> waiting) {
+    if (Status added = AddFiles(waiting); !added) return Forward(added);
+    if (place_.runner.options().dry_run) {
+      if (Status measured = Measure(waiting); !measured) return Forward(measured);
+      return trained_;
+    }
+    while (!waiting.empty()) {
+      const auto ready = std::stable_partition(waiting.begin(), waiting.end(), [&](const TrainItem& item) {
+        return (item.after.empty() || done_.count(item.after) > 0) &&
+               (!item.made || done_.count(item.made->generator) > 0);
+      });
+      std::vector<TrainItem> items(waiting.begin(), ready);
+      waiting.erase(waiting.begin(), ready);
+      if (Status made = MakeSets(items); !made) return Forward(made);
+      if (Status done = Wave(std::move(items)); !done) return Forward(done);
+    }
+    std::stable_sort(trained_.networks.begin(), trained_.networks.end(),
+                     [](const TrainedNetwork& a, const TrainedNetwork& b) { return a.network < b.network; });
+    return std::move(trained_);
+  }
+
+ private:
+  /// Files that networks read beside the dataset: weights that were trained elsewhere, the body of a loss.
+  Status AddFiles(std::vector<TrainItem>& items) const {
+    for (TrainItem& item : items) {
+      const NetworkOptions& network = options_.networks[item.network];
+      const std::pair<const char*, const std::filesystem::path*> files[] = {
+          {"weights", &network.learning.weights},
+          {"start_from", &network.learning.start_from},
+          {"body", &network.actor.body}};
+      for (const auto& [role, file] : files) {
+        if (file->empty()) continue;
+        const Expected<std::string> sha256 = Sha256OfFile(*file);
+        if (!sha256) return Forward(sha256);
+        item.spec.inputs.push_back({role, file->filename().string(), *file, *sha256});
+      }
+    }
+    return {};
+  }
+
+  /// A dry run trains nothing; a few steps of each network, elsewhere, say what it would take.
+  Status Measure(const std::vector<TrainItem>& items) {
+    const ScratchFolder scratch;
+    if (scratch.path().empty()) return scratch.Missing();
+    RunnerOptions settings = place_.runner.options();
+    settings.dry_run = false;
+    settings.jobs = 1;
+    settings.run_folder = scratch.path();
+    settings.cache_folder = scratch.path() / "cache";
+    auto runner = Runner::Make(settings);
+    if (!runner) return Forward(runner);
+    std::vector<ItemSpec> specs;
+    for (const TrainItem& item : items) {
+      const bool trained = options_.networks[item.network].learning.weights.empty();
+      if (trained && item.spec.item.find('@') == std::string::npos) specs.push_back(item.spec);
+    }
+    const auto report = (*runner)->Run(TrainCostDeclaration(), std::move(specs));
+    if (!report) return Forward(report);
+    for (const ItemResult& item : report->items) {
+      const nlohmann::json& cost = item.outcome.summary;
+      if (item.artifact.empty()) {
+        place_.result.untrained[item.item] = item.outcome.error;
+        continue;
+      }
+      place_.result.training[item.item] = cost;
+      const double step = cost.at("seconds_per_step").get<double>(), steps = cost.at("steps").get<double>();
+      LogInfo(item.item + ": " + Counted(cost.at("steps").get<long long>(), "step") + " of " + RoundedText(step, 3) +
+              " s with " + Counted(cost.at("threads").get<long long>(), "thread") + ", " +
+              RoundedText(step * steps / 3600.0, 3) + " h; " +
+              Counted(cost.at("parameters").get<long long>(), "parameter"));
+    }
+    return {};
+  }
+
+  /// What generators make for these networks, each set once.
+  Status MakeSets(const std::vector<TrainItem>& items) {
+    std::vector<ItemSpec> specs;
+    std::vector<RemakeRule> rules;
+    for (const TrainItem& item : items) {
+      if (!item.made || done_.at(item.made->generator).artifact.empty() || made_.count(item.made->item()) > 0) continue;
+      RemakeOptions options;
+      options.rule = item.made->rule;
+      options.training_windows = true;
+      StageInput motions = item.spec.inputs.front();
+      motions.role = "motions";
+      specs.push_back({item.made->item(),
+                       OptionsToJson(options),
+                       {InputFrom("generator", done_.at(item.made->generator)), std::move(motions)}});
+      rules.push_back(options.rule);
+      made_[item.made->item()] = ItemResult();
+    }
+    if (specs.empty()) return {};
+    const auto report = place_.runs.Run(GenerateDeclaration(), std::move(specs));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < report->items.size(); ++i) {
+      const ItemResult& item = report->items[i];
+      made_[item.item] = item;
+      if (rules[i] == RemakeRule::kDenoise && !item.artifact.empty()) trained_.denoised[item.item] = item;
+    }
+    return {};
+  }
+
+  /// An item whose inputs failed is not trained, for the same reason.
+  bool Refused(const TrainItem& item, const ItemResult& needed) {
+    if (!needed.artifact.empty()) return false;
+    place_.result.untrained[item.spec.item] = needed.outcome.error;
+    done_[item.spec.item] = needed;
+    return true;
+  }
+
+  Status Wave(std::vector<TrainItem> items) {
+    std::vector<ItemSpec> specs;
+    std::vector<TrainItem> run;
+    for (TrainItem& item : items) {
+      if (!item.after.empty()) {
+        if (Refused(item, done_.at(item.after))) continue;
+        item.spec.inputs.push_back(InputFrom("start", done_.at(item.after)));
+      }
+      if (item.made) {
+        if (Refused(item, done_.at(item.made->generator)) || Refused(item, made_.at(item.made->item()))) continue;
+        const StageInput made = InputFrom(item.mixed ? "made" : "dataset", made_.at(item.made->item()));
+        if (!item.mixed) item.spec.inputs.front() = made;
+        if (item.mixed) item.spec.inputs.push_back(made);
+      }
+      specs.push_back(item.spec);
+      run.push_back(std::move(item));
+    }
+    const auto report = place_.runs.Run(TrainDeclaration(), std::move(specs));
+    if (!report) return Forward(report);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      const ItemResult item = i < report->items.size() ? report->items[i] : ItemResult();
+      done_[run[i].spec.item] = item;
+      if (item.artifact.empty()) {
+        place_.result.untrained[item.item] = item.outcome.error;
+        continue;
+      }
+      trained_.networks.push_back({run[i].network, run[i].row, InputFrom("network", item)});
+      place_.result.training[item.item] = item.outcome.summary;
+      if (Status copied = CopyCheckpoint(item); !copied) return copied;
+    }
+    return {};
+  }
+
+  Status CopyCheckpoint(const ItemResult& item) {
+    if (Status made = MakeFolder(place_.runner.options().run_folder / "checkpoints"); !made) return made;
+    return CopyWhole(item.artifact, place_.outputs.Place("checkpoints/" + FileNameOf(item.item) + ".h5"));
+  }
+
+  const TrainOptions& options_;
+  const TrainingPlace& place_;
+  std::map<std::string, ItemResult> done_;  ///< trained networks by item
+  std::map<std::string, ItemResult> made_;  ///< sets that they made
+  TrainedNetworks trained_;
+};
+
+}  // namespace
+
+Expected<TrainedNetworks> TrainNetworks(const TrainOptions& options, const TrainingInputs& inputs,
+                                        const TrainingPlace& place) {
+  return TrainingRun(options, place).Run(TrainItems(options, inputs));
+}
+
+}  // namespace mocurate

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "train/generators/motion_generator.h"
+#include "train/networks/network.h"
+#include "train/options.h"
+
+namespace mocurate {
+
+struct MotionGenerator::Impl {
+  std::shared_ptr<Network> network;
+  NetworkOptions options;
+  SkeletonPtr skeleton;
+  std::vector<std::string> labels;
+  FrameRate rate;
+  std::vector<double> bone_length;               ///< of the training set
+  std::vector<std::vector<double>> first_poses;  ///< of each class, where the network starts from one
+  std::vector<Vector3d> rest_offset;             ///< of a usual person; empty: the network gives joints alone
+
+  Status Check(const MotionRequest& request, std::size_t index) const;
+  RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;
+};
+
+}  // namespace mocurate
