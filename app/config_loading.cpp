@@ -16,21 +16,6 @@ namespace mocurate {
 
 namespace {
 
-/// SMPL's neutral body below MOCURATE_WEIGHTS, else body_cc0.h5 there or in the test data; empty: none is there.
-std::filesystem::path FindBody() {
-  std::error_code unknown;
-  for (const char* variable : {"MOCURATE_WEIGHTS", "MOCURATE_DATA"}) {
-    const char* folder = std::getenv(variable);
-    if (folder == nullptr || *folder == '\0') continue;
-    for (const char* name : {"SMPL_NEUTRAL.pkl", "SMPL_NEUTRAL.npz", "basicModel_neutral_lbs_10_207_0_v1.0.0.pkl",
-                             "body_cc0.h5", "body_cc0/body_cc0.h5"}) {
-      const std::filesystem::path file = std::filesystem::path(folder) / name;
-      if (std::filesystem::is_regular_file(file, unknown)) return file;
-    }
-  }
-  return {};
-}
-
 /// A configuration that is not there is a wrong command line, not unusable input. Names files beside it that are; what
 /// is no path of a file is the name of a job.
 Error NoConfig(const std::filesystem::path& config, const Error& reason) {
@@ -171,6 +156,20 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
 }
 
 }  // namespace
+
+std::filesystem::path FindBody() {
+  std::error_code unknown;
+  for (const char* variable : {"MOCURATE_WEIGHTS", "MOCURATE_DATA"}) {
+    const char* folder = std::getenv(variable);
+    if (folder == nullptr || *folder == '\0') continue;
+    for (const char* name : {"SMPL_NEUTRAL.pkl", "SMPL_NEUTRAL.npz", "basicModel_neutral_lbs_10_207_0_v1.0.0.pkl",
+                             "body_cc0.h5", "body_cc0/body_cc0.h5"}) {
+      const std::filesystem::path file = std::filesystem::path(folder) / name;
+      if (std::filesystem::is_regular_file(file, unknown)) return file;
+    }
+  }
+  return {};
+}
 
 Status ResolveNetworks(TrainOptions& options) {
   for (NetworkOptions& network : options.networks) {

@@ -20,6 +20,9 @@ Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vect
 /// The same from a text.
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments);
 
+/// SMPL's neutral body below MOCURATE_WEIGHTS, else body_cc0.h5 there or in the test data; empty: none is there.
+std::filesystem::path FindBody();
+
 /// Looks for the body of losses on vertices that name none, and checks the networks. Errors of CheckNetworks.
 Status ResolveNetworks(TrainOptions& options);
 

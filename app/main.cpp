@@ -257,6 +257,13 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
                        "bone lengths times a factor, rotations unchanged: legs=1.25,arms=1.25 or all=0.8");
   generate->add_option("--bone-lengths", arguments->bone_lengths,
                        "dataset or MotionSet whose mean bone lengths lay the motions out");
+  generate->add_option("--mesh", arguments->mesh,
+                       "folder for the motions as meshes too: an .npz of vertices and faces for each motion and body");
+  generate->add_option("--shapes", arguments->shapes, "bodies of each motion: the mean one, then drawn ones")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  generate->add_option("--body", arguments->body,
+                       "of the meshes: SMPL_NEUTRAL.pkl or body_cc0.h5 (default: the one below MOCURATE_WEIGHTS)");
   generate->add_option("-o,--output", arguments->output, "MotionSet (.h5), which eval, export and fit take")
       ->required();
   generate->add_flag("--force", arguments->force, "overwrite");
@@ -267,6 +274,7 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       "  mocurate generate ACTOR_1.h5 --label walk:10 --frames 40:120:5 -o durations.h5\n"
       "  mocurate generate ACTOR_1.h5 --label walk --interpolate 9 -o between.h5\n"
       "  mocurate generate ACTOR_1.h5 --denoise runs/demo/dataset.h5 -o denoised.h5\n"
+      "  mocurate generate ACTOR_1.h5 --label walk --mesh meshes --shapes 3 --body body_cc0.h5 -o walk.h5\n"
       "  mocurate eval --protocol own --run runs/demo --generated made.h5");
   generate->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-const NetworkOptions& OptionsOf(const JobOptions& options, const TrainedNetwork& network) {
+const NetworkOptions& NetworkOf(const JobOptions& options, const TrainedNetwork& network) {
   return options.train.networks[network.network];
 }
 
@@ -73,7 +73,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
   std::vector<ItemSpec> items;
   nlohmann::json recognisers = nlohmann::json::object();
   for (const TrainedNetwork& network : networks) {
-    const NetworkOptions& own = OptionsOf(options, network);
+    const NetworkOptions& own = NetworkOf(options, network);
     if (GeneratesMotions(own.kind)) continue;
     FeaturesOptions features;
     features.extractor = OwnExtractor(own);
@@ -99,7 +99,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
   std::vector<Reading> scored;
   for (std::size_t i = 0; i < features->items.size(); ++i) {
     const ItemResult& item = features->items[i];
-    nlohmann::json& kind = recognisers[OptionsOf(options, *readings[i].network).name];
+    nlohmann::json& kind = recognisers[NetworkOf(options, *readings[i].network).name];
     if (item.artifact.empty()) {
       if (!readings[i].denoised && !item.outcome.error.what.empty()) kind["scored"] = item.outcome.error.what;
       continue;
@@ -116,7 +116,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
   if (!scores) return Forward(scores);
   for (std::size_t i = 0; i < scores->items.size(); ++i) {
     if (scores->items[i].artifact.empty()) continue;
-    AddScore(scored[i], scores->items[i].outcome.summary, recognisers[OptionsOf(options, *scored[i].network).name]);
+    AddScore(scored[i], scores->items[i].outcome.summary, recognisers[NetworkOf(options, *scored[i].network).name]);
   }
   return recognisers;
 }
@@ -153,18 +153,18 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   if (!options.evaluate.generators) return scores;
   const std::string recogniser = RecogniserOf(options);
   const auto generates = [&](const TrainedNetwork& network) {
-    return GeneratesMotions(OptionsOf(options, network).kind);
+    return GeneratesMotions(NetworkOf(options, network).kind);
   };
   if (recogniser.empty() && std::any_of(networks.begin(), networks.end(), generates)) {
     LogWarning("no table: no recogniser of train.networks gives features (add {kind: gru_recogniser})");
   }
   const auto first = std::find_if(networks.begin(), networks.end(), [&](const TrainedNetwork& network) {
-    return OptionsOf(options, network).name == recogniser;
+    return NetworkOf(options, network).name == recogniser;
   });
   if (first == networks.end()) return scores;
   const EvaluateOptions& evaluate = options.evaluate;
   Evaluation evaluation;
-  evaluation.extractor = OwnExtractor(OptionsOf(options, *first));
+  evaluation.extractor = OwnExtractor(NetworkOf(options, *first));
   evaluation.weights = first->checkpoint;
   evaluation.draw = evaluate.draw();
   evaluation.metrics = evaluate.metrics();

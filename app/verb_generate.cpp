@@ -5,6 +5,8 @@
 #include <set>
 
 #include "app/blas_kernels.h"
+#include "app/config_loading.h"
+#include "app/mesh_files.h"
 #include "app/run_outputs.h"
 #include "app/scratch_folder.h"
 #include "app/stage_runs.h"
@@ -232,6 +234,21 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   if (!checkpoint) return Forward(checkpoint);
   const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
   if (!options) return Forward(options);
+  MeshBodies bodies{arguments.body.empty() ? FindBody() : arguments.body, arguments.shapes, arguments.seed};
+  if (!arguments.mesh.empty()) {
+    const bool rotations = options->kind == NetworkKind::kActor && options->actor.NeedsRotations();
+    if (!rotations) {
+      return Fail(ErrorCode::kUsage, "the network gives no rotations to pose a body with", "--mesh",
+                  "give a network of kind actor");
+    }
+    if (Status body = CheckMeshBody(bodies, *checkpoint->skeleton); !body) return body;
+    if (fs::exists(arguments.mesh, unknown) && !fs::is_empty(arguments.mesh, unknown) && !arguments.force) {
+      return Fail(ErrorCode::kUsage, "the folder is not empty", DisplayPath(arguments.mesh), "--force overwrites");
+    }
+  } else if (arguments.shapes != 1 || !arguments.body.empty()) {
+    return Fail(ErrorCode::kUsage, "no meshes are asked for", arguments.body.empty() ? "--shapes" : "--body",
+                "add --mesh FOLDER");
+  }
   const ScratchFolder scratch;
   if (scratch.path().empty()) return scratch.Missing();
   ItemSpec item{"motions", nlohmann::json::object(), {{"generator", "network", arguments.checkpoint, ""}}};
@@ -266,16 +283,28 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   if (!generated) return Forward(generated);
   asked = generated->outcome.summary.value("motions", asked);
   if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
+  int meshes = 0;
+  if (!arguments.mesh.empty()) {
+    const auto set = ReadDataset(arguments.output);
+    if (!set) return Forward(set);
+    const auto written = WriteMeshes(*set, bodies, arguments.mesh);
+    if (!written) return Forward(written);
+    meshes = *written;
+  }
   if (common.json) {
     common.answered = true;
-    std::printf(
-        "%s\n",
-        nlohmann::json({{"path", DisplayPath(arguments.output)}, {"network", checkpoint->kind}, {"motions", asked}})
-            .dump(1)
-            .c_str());
+    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
+                                        {"network", checkpoint->kind},
+                                        {"motions", asked},
+                                        {"meshes", meshes}})
+                            .dump(1)
+                            .c_str());
   } else if (!common.quiet) {
     std::printf("%s by %s in %s\n", Counted(static_cast<long long>(asked), "motion").c_str(), options->name.c_str(),
                 DisplayPath(arguments.output).c_str());
+    if (meshes > 0) {
+      std::printf("%s in %s\n", Counted(meshes, "mesh file").c_str(), DisplayPath(arguments.mesh).c_str());
+    }
   }
   return {};
 }

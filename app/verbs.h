@@ -59,6 +59,9 @@ struct GenerateArguments {
   std::uint64_t seed = 1;
   std::string scale;                   ///< "legs=1.25,arms=1.25"
   std::filesystem::path bone_lengths;  ///< dataset whose mean bone lengths lay the motions out, or empty
+  std::filesystem::path mesh;          ///< folder for the motions as meshes, or empty
+  std::filesystem::path body;          ///< whose surface; empty: the one that losses on vertices use
+  int shapes = 1;                      ///< bodies that each motion is shown on
   std::filesystem::path output;
   bool force = false;  ///< overwrite
 };

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "core/formats/npz.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -208,8 +209,9 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
       folder,
       TrainingJob(
           folder,
-          {"train.networks=[{kind: actor, name: ACTOR, split: s, frames: 10, latent: 16, layers: 1, heads: 2, "
-           "feed_forward: 16, iterations: 2}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, epochs: 1}, "
+          {"skeleton=smpl24",
+           "train.networks=[{kind: actor, name: ACTOR, split: s, frames: 10, latent: 16, layers: 1, heads: 2, "
+           "feed_forward: 16, iterations: 60}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, epochs: 1}, "
            "{kind: st_gcn, name: Denoised, split: s, frames: 10, epochs: 1, trained_on: denoised, generator: ACTOR}, "
            "{kind: st_gcn, name: Mixed, split: s, frames: 10, epochs: 1, trained_on: generated, generator: ACTOR, "
            "made_share: 0.5}]"}));
@@ -236,6 +238,20 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
                                      "-o", between})
                 .exit_code,
             0);
+  const char* data = std::getenv("MOCURATE_DATA");
+  const auto mesh = [&](const std::string& body) {
+    return TrainingProgram(folder, {"generate", actor, "--label", "wave", "--mesh", (folder / "meshes").string(),
+                                    "--shapes", "2", "--body", body, "--force", "-o", (folder / "mesh.h5").string()});
+  };
+  EXPECT_EQ(mesh((folder / "nowhere.h5").string()).exit_code, 3);
+  if (data != nullptr) {
+    const Result meshes = mesh(std::string(data) + "/body_cc0/body_cc0.h5");
+    ASSERT_EQ(meshes.exit_code, 0) << meshes.err;
+    const auto npz = ParseNpz(ReadText(folder / "meshes/000000_0-10_shape1.npz"), "mesh");
+    ASSERT_TRUE(npz) << npz.error().Message();
+    EXPECT_EQ(npz->Find("vertices")->shape, (std::vector<std::size_t>{10, 13380, 3}));
+    EXPECT_GT(npz->Find("shape")->size(), 3u);
+  }
   const Result scored =
       TrainingProgram(folder, {"eval", "--protocol", "own", "--extractor",
                                (folder / "r/checkpoints/ST-GCN_1.h5").string(), "--generated", denoised, "--json"});

@@ -9,7 +9,9 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "core/base/file.h"
 #include "core/base/random.h"
+#include "core/formats/smpl_model.h"
 #include "core/motion/kinematics.h"
 #include "core/store/body_file.h"
 #include "train/layers/dropout.h"
@@ -152,9 +154,91 @@ TEST(BodyLayer, TheRecordedBodyIsThatOfCoreBody) {
     }
   }
   EXPECT_LT(worst, 1e-5);
+  const Vector3d root(0.3, 1.1, -2.0);
+  const std::vector<Vector3d> skinned = PosedVertices(*skin, **skeleton, local.data(), root);
+  for (std::size_t v = 0; v < skinned.size(); v += 97) {
+    EXPECT_LT((skinned[v] - (posed.vertices[v] - posed.joints[0] + root)).norm(), 1e-6) << "weights are float32";
+  }
   const auto other = LoadSkeleton("openni16");
   ASSERT_TRUE(other);
   EXPECT_EQ(ReadSkin(file, **other).error().code, ErrorCode::kInconsistent);
+}
+
+/// A body in SMPL's layout over smpl24: two vertices beside each joint, shapes and pose-dependent offsets drawn.
+SmplModel ToySmpl(const Skeleton& skeleton) {
+  SmplModel model;
+  Random random(5, "toy smpl");
+  model.joints = skeleton.joints.size();
+  model.vertices = 2 * model.joints;
+  model.shapes = 3;
+  model.pose_columns = 9 * (model.joints - 1);
+  std::vector<Vector3d> place(model.joints, Vector3d::Zero());
+  model.joint_regressor.assign(model.joints * model.vertices, 0.0);
+  model.weights.assign(model.vertices * model.joints, 0.0);
+  for (std::size_t j = 0; j < model.joints; ++j) {
+    const int parent = skeleton.joints[j].parent;
+    model.parents.push_back(parent);
+    if (parent >= 0) place[j] = place[static_cast<std::size_t>(parent)] + skeleton.joints[j].rest_offset;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Vector3d vertex = place[j] + Vector3d(side == 0 ? 0.05 : -0.05, 0.0, 0.0);
+      model.v_template.insert(model.v_template.end(), vertex.data(), vertex.data() + 3);
+      model.joint_regressor[j * model.vertices + 2 * j + side] = 0.5;
+      const double own = random.Uniform();
+      model.weights[(2 * j + side) * model.joints + j] += own;
+      model.weights[(2 * j + side) * model.joints + static_cast<std::size_t>(std::max(parent, 0))] += 1.0 - own;
+    }
+  }
+  for (std::size_t i = 0; i < model.vertices * 3 * model.shapes; ++i) model.shapedirs.push_back(0.02 * random.Normal());
+  for (std::size_t i = 0; i < model.vertices * 3 * model.pose_columns; ++i) {
+    model.posedirs.push_back(0.01 * random.Normal());
+  }
+  for (std::uint32_t f = 0; f + 2 < model.vertices; ++f) model.faces.insert(model.faces.end(), {f, f + 1, f + 2});
+  return model;
+}
+
+TEST(BodyLayer, AnSmplFileIsPosedAlikeByBothAndVariesInShape) {
+  const auto skeleton = LoadSkeleton("smpl24");
+  ASSERT_TRUE(skeleton);
+  const SmplModel model = ToySmpl(**skeleton);
+  const auto bytes = EncodeSmplModelNpz(model, "toy");
+  ASSERT_TRUE(bytes) << bytes.error().Message();
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "smpl_files";
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(WriteFile(folder / "SMPL_NEUTRAL.npz", *bytes));
+  const auto skin = ReadSkin(folder / "SMPL_NEUTRAL.npz", **skeleton);
+  ASSERT_TRUE(skin) << skin.error().Message();
+  EXPECT_EQ(skin->name, "SMPL");
+  EXPECT_EQ(skin->faces.size(), model.faces.size() / 3);
+  ASSERT_EQ(skin->shapes.size(), 3u);
+  const std::vector<double> shape = DrawShape(*skin, 7);
+  EXPECT_NE(shape, DrawShape(*skin, 8));
+  const Skin other = Shaped(*skin, shape);
+  for (std::size_t v = 0; v < model.vertices; ++v) {  // v = v_template + sum of b_k shapedirs[:, :, k]
+    for (std::size_t k = 0; k < 3; ++k) {
+      double want = model.v_template[3 * v + k];
+      for (std::size_t s = 0; s < 3; ++s) want += shape[s] * model.shapedirs[(3 * v + k) * 3 + s];
+      EXPECT_NEAR(other.vertices[v][static_cast<Eigen::Index>(k)], want, 1e-12);
+    }
+    const Vector3d middle = 0.5 * (other.vertices[v - v % 2] + other.vertices[v - v % 2 + 1]);
+    EXPECT_LT((other.joints[v / 2] - middle).norm(), 1e-12) << "joints are regressed from the shaped vertices";
+  }
+  std::vector<int> parents;
+  for (const Joint& joint : (*skeleton)->joints) parents.push_back(joint.parent);
+  const torch::Tensor rotation = RandomRotations(1, 24, 0.6, 7);
+  std::vector<Quaterniond> local;
+  for (int j = 0; j < 24; ++j) local.push_back(QuaternionOf(rotation[0][j]));
+  for (const Skin& body : {*skin, other}) {
+    const std::vector<Vector3d> posed = PosedVertices(body, **skeleton, local.data(), body.joints[0]);
+    const torch::Tensor vertices = SkinnedBody(body, parents).Vertices(rotation)[0].contiguous();
+    for (std::size_t v = 0; v < posed.size(); ++v) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(posed[v][static_cast<Eigen::Index>(k)], vertices.data_ptr<float>()[3 * v + k], 1e-5);
+      }
+    }
+  }
+  ASSERT_TRUE(WriteFile(folder / "SMPL_FEMALE.npz", *bytes));
+  EXPECT_EQ(ReadSkin(folder / "SMPL_FEMALE.npz", **skeleton).error().code, ErrorCode::kInconsistent);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(RotationNumbers, EveryRepresentationComesBack) {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "train/layers/skin.h"
+#include "core/skin/skin.h"
 
 namespace mocurate {
 

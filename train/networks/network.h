@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/motion/skeleton.h"
+#include "core/skin/skin.h"
 #include "train/layers/draws.h"
-#include "train/layers/skin.h"
 #include "train/options.h"
 
 namespace mocurate {

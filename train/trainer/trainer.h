@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "core/skin/skin.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
-#include "train/layers/skin.h"
 #include "train/options.h"
 
 namespace mocurate {

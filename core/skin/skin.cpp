@@ -1,4 +1,4 @@
-#include "train/layers/skin.h"
+#include "core/skin/skin.h"
 
 #include <algorithm>
 #include <cctype>
@@ -6,6 +6,7 @@
 
 #include "core/base/file.h"
 #include "core/base/pi.h"
+#include "core/base/random.h"
 #include "core/base/text.h"
 #include "core/formats/smpl_model.h"
 #include "core/store/body_file.h"
@@ -21,7 +22,19 @@ struct Body {
   std::vector<Vector3d> vertices, joints;
   std::vector<double> weights;        // (V,joints)
   std::vector<double> pose_blending;  // (3V, 9(joints - 1))
+  std::vector<std::array<int, 3>> faces;
+  std::vector<ShapeDirection> shapes;
 };
+
+constexpr std::size_t kMostShapes = 10;  // as SMPL is used; its files hold up to 300
+
+/// In what range people's coefficients of a named direction of the CC0 body lie. Its unit is a whole variant: -1 is the
+/// man and +1 the woman of the first, "child" would make a child.
+std::pair<double, double> RangeOf(const std::string& name, bool first) {
+  if (first) return {-1.0, 1.0};
+  if (name.find("child") != std::string::npos) return {0.0, 0.0};
+  return {-0.1, 0.5};
+}
 
 /// Joints of SMPL and SMPL-H, in the order of their files; those of the hands have no name.
 constexpr const char* kSmplJoints[] = {"pelvis",     "left_hip",      "right_hip",      "spine1",      "left_knee",
@@ -33,13 +46,19 @@ constexpr const char* kSmplJoints[] = {"pelvis",     "left_hip",      "right_hip
 Expected<Body> BodyOfTemplate(const std::filesystem::path& file) {
   const Expected<BodyTemplate> read = ReadBodyTemplate(file);
   if (!read) return Forward(read);
-  Body body{"body_cc0", read->joint_names, read->parents, read->rest.vertices, read->rest.joints, {}, {}};
+  Body body{"body_cc0", read->joint_names, read->parents, read->rest.vertices, read->rest.joints, {}, {}, {}, {}};
   const auto J = static_cast<std::size_t>(read->joint_count());
   body.weights.assign(body.vertices.size() * J, 0.0);
   for (std::size_t v = 0; v < body.vertices.size(); ++v) {
     for (std::size_t k = 0; k < 4; ++k) {
       body.weights[v * J + static_cast<std::size_t>(read->weight_joints[v][k])] += read->weights[v][k];
     }
+  }
+  body.faces = read->faces;
+  for (std::size_t k = 0; k < std::min(kMostShapes, read->shape_names.size()); ++k) {
+    const auto [low, high] = RangeOf(read->shape_names[k], k == 0);
+    const RestBody& direction = read->shape_directions[k];
+    body.shapes.push_back({read->shape_names[k], direction.vertices, direction.joints, low, high});
   }
   return body;
 }
@@ -69,7 +88,9 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
             {},
             {},
             std::move(model->weights),
-            std::move(model->posedirs)};
+            std::move(model->posedirs),
+            {},
+            {}};
   for (std::size_t j = 0; j < model->joints; ++j) {
     body.joint_names.emplace_back(j < std::size(kSmplJoints)       ? kSmplJoints[j]
                                   : model->joints == 24 && j == 22 ? "left_hand"
@@ -79,12 +100,29 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
   for (std::size_t v = 0; v < model->vertices; ++v) {
     body.vertices.emplace_back(model->v_template[3 * v], model->v_template[3 * v + 1], model->v_template[3 * v + 2]);
   }
-  for (std::size_t j = 0; j < model->joints; ++j) {
-    Vector3d joint = Vector3d::Zero();
-    for (std::size_t v = 0; v < model->vertices; ++v) {
-      joint += model->joint_regressor[j * model->vertices + v] * body.vertices[v];
+  const auto joints_of = [&](const std::vector<Vector3d>& vertices) {
+    std::vector<Vector3d> joints(model->joints, Vector3d::Zero());
+    for (std::size_t j = 0; j < model->joints; ++j) {
+      for (std::size_t v = 0; v < model->vertices; ++v) {
+        joints[j] += model->joint_regressor[j * model->vertices + v] * vertices[v];
+      }
     }
-    body.joints.push_back(joint);
+    return joints;
+  };
+  body.joints = joints_of(body.vertices);
+  for (std::size_t f = 0; f + 2 < model->faces.size(); f += 3) {
+    const auto corner = [&](std::size_t k) { return static_cast<int>(model->faces[f + k]); };
+    body.faces.push_back({corner(0), corner(1), corner(2)});
+  }
+  constexpr double kTwoDeviations = 2.0;  // coefficients are in standard deviations
+  for (std::size_t k = 0; k < std::min(kMostShapes, model->shapes); ++k) {
+    ShapeDirection direction{"shape " + std::to_string(k), {}, {}, -kTwoDeviations, kTwoDeviations};
+    for (std::size_t v = 0; v < model->vertices; ++v) {
+      const double* of_vertex = model->shapedirs.data() + 3 * v * model->shapes + k;
+      direction.vertices.emplace_back(of_vertex[0], of_vertex[model->shapes], of_vertex[2 * model->shapes]);
+    }
+    direction.joints = joints_of(direction.vertices);
+    body.shapes.push_back(std::move(direction));
   }
   return body;
 }
@@ -100,7 +138,7 @@ Expected<std::vector<int>> JointsOf(const Body& body, const Skeleton& skeleton, 
       return Fail(
           ErrorCode::kInconsistent,
           "skeleton '" + skeleton.name + "' has no joint '" + body.joint_names[b] + "', which the body moves by", where,
-          "train on a dataset of skeleton 'smpl24', or set vertex_weight: 0");
+          "motions of skeleton 'smpl24' move this body; a training without it has vertex_weight: 0");
     }
     const int parent = body.parents[b];
     joint_of[b] = found ? *found : parent < 0 ? 0 : joint_of[static_cast<std::size_t>(parent)];
@@ -108,7 +146,7 @@ Expected<std::vector<int>> JointsOf(const Body& body, const Skeleton& skeleton, 
     if (skeleton.joints[static_cast<std::size_t>(joint_of[b])].parent != joint_of[static_cast<std::size_t>(parent)]) {
       return Fail(ErrorCode::kInconsistent,
                   "joint '" + body.joint_names[b] + "' hangs on another joint in skeleton '" + skeleton.name + "'",
-                  where, "train on a dataset of skeleton 'smpl24', or set vertex_weight: 0");
+                  where, "motions of skeleton 'smpl24' move this body; a training without it has vertex_weight: 0");
     }
   }
   return joint_of;
@@ -132,6 +170,25 @@ Status CheckRestPose(const Skin& skin, const Skeleton& skeleton, const std::stri
   return {};
 }
 
+/// Places, or what moves them, of the skeleton's joints from those of the body; a joint that the body lacks stands at
+/// its rest offset from its parent, or moves with it.
+std::vector<Vector3d> OverSkeleton(const std::vector<Vector3d>& of_body, const std::vector<int>& joint_of,
+                                   const Skeleton& skeleton, bool places) {
+  std::vector<Vector3d> joints(skeleton.joints.size(), Vector3d::Zero());
+  std::vector<bool> known(joints.size(), false);
+  for (std::size_t b = 0; b < of_body.size(); ++b) {  // parents stand first: an ancestor's place is not overwritten
+    const auto j = static_cast<std::size_t>(joint_of[b]);
+    if (!known[j]) joints[j] = of_body[b];
+    known[j] = true;
+  }
+  for (std::size_t j = 1; j < joints.size(); ++j) {
+    if (known[j]) continue;
+    const auto parent = static_cast<std::size_t>(skeleton.joints[j].parent);
+    joints[j] = joints[parent] + (places ? skeleton.joints[j].rest_offset : Vector3d::Zero());
+  }
+  return joints;
+}
+
 }  // namespace
 
 Expected<Skin> ReadSkin(const std::filesystem::path& file, const Skeleton& skeleton) {
@@ -144,16 +201,11 @@ Expected<Skin> ReadSkin(const std::filesystem::path& file, const Skeleton& skele
   Skin skin;
   skin.name = body->name;
   skin.vertices = body->vertices;
-  skin.joints.assign(J, Vector3d::Zero());
-  std::vector<bool> known(J, false);
-  for (std::size_t b = 0; b < bodies; ++b) {  // parents stand first: an ancestor's place is not overwritten
-    const auto j = static_cast<std::size_t>((*joint_of)[b]);
-    if (!known[j]) skin.joints[j] = body->joints[b];
-    known[j] = true;
-  }
-  for (std::size_t j = 1; j < J; ++j) {
-    const auto parent = static_cast<std::size_t>(skeleton.joints[j].parent);
-    if (!known[j]) skin.joints[j] = skin.joints[parent] + skeleton.joints[j].rest_offset;
+  skin.faces = body->faces;
+  skin.joints = OverSkeleton(body->joints, *joint_of, skeleton, true);
+  for (const ShapeDirection& direction : body->shapes) {
+    skin.shapes.push_back(direction);
+    skin.shapes.back().joints = OverSkeleton(direction.joints, *joint_of, skeleton, false);
   }
   skin.weights.assign(V * J, 0.0);
   for (std::size_t v = 0; v < V; ++v) {
@@ -176,6 +228,63 @@ Expected<Skin> ReadSkin(const std::filesystem::path& file, const Skeleton& skele
     }
   }
   return skin;
+}
+
+std::vector<double> DrawShape(const Skin& skin, std::uint64_t seed) {
+  Random random(seed, "body shape");
+  std::vector<double> coefficients;
+  for (const ShapeDirection& direction : skin.shapes) {
+    coefficients.push_back(direction.low + random.Uniform() * (direction.high - direction.low));
+  }
+  return coefficients;
+}
+
+Skin Shaped(const Skin& skin, const std::vector<double>& coefficients) {
+  Skin shaped = skin;
+  for (std::size_t k = 0; k < std::min(coefficients.size(), skin.shapes.size()); ++k) {
+    const ShapeDirection& direction = skin.shapes[k];
+    for (std::size_t v = 0; v < shaped.vertices.size(); ++v) {
+      shaped.vertices[v] += coefficients[k] * direction.vertices[v];
+    }
+    for (std::size_t j = 0; j < shaped.joints.size(); ++j) shaped.joints[j] += coefficients[k] * direction.joints[j];
+  }
+  return shaped;
+}
+
+std::vector<Vector3d> PosedVertices(const Skin& skin, const Skeleton& skeleton, const Quaterniond* rotation,
+                                    const Vector3d& root) {
+  const std::size_t J = skin.joints.size(), V = skin.vertices.size();
+  std::vector<Matrix3d> turned(J);
+  std::vector<Vector3d> moved(J);  // of a vertex at the origin
+  std::vector<Vector3d> place(J);
+  Eigen::VectorXd blend(static_cast<Eigen::Index>(9 * (J - 1)));
+  for (std::size_t j = 0; j < J; ++j) {
+    const Matrix3d own = rotation[j].toRotationMatrix();
+    const int parent = skeleton.joints[j].parent;
+    const auto p = static_cast<std::size_t>(std::max(parent, 0));
+    turned[j] = parent < 0 ? own : Matrix3d(turned[p] * own);
+    place[j] = parent < 0 ? root : Vector3d(place[p] + turned[p] * (skin.joints[j] - skin.joints[p]));
+    moved[j] = place[j] - turned[j] * skin.joints[j];
+    for (int k = 0; k < 9 && j > 0; ++k) {
+      blend[static_cast<Eigen::Index>(9 * (j - 1)) + k] = own(k / 3, k % 3) - (k % 4 == 0 ? 1.0 : 0.0);
+    }
+  }
+  using Blending = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::VectorXd offset;
+  if (!skin.pose_blending.empty()) {
+    offset =
+        Eigen::Map<const Blending>(skin.pose_blending.data(), static_cast<Eigen::Index>(3 * V), blend.size()) * blend;
+  }
+  std::vector<Vector3d> vertices(V, Vector3d::Zero());
+  for (std::size_t v = 0; v < V; ++v) {
+    Vector3d rest = skin.vertices[v];
+    if (offset.size() > 0) rest += offset.segment<3>(static_cast<Eigen::Index>(3 * v));
+    for (std::size_t j = 0; j < J; ++j) {
+      const double weight = skin.weights[v * J + j];
+      if (weight != 0.0) vertices[v] += weight * (turned[j] * rest + moved[j]);
+    }
+  }
+  return vertices;
 }
 
 }  // namespace mocurate
