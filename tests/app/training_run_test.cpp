@@ -211,7 +211,8 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
           folder,
           {"skeleton=smpl24",
            "train.networks=[{kind: actor, name: ACTOR, split: s, frames: 10, latent: 16, layers: 1, heads: 2, "
-           "feed_forward: 16, iterations: 60}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, epochs: 1}, "
+           "feed_forward: 16, iterations: 60, learning_rate: 3e-3}, {kind: st_gcn, name: ST-GCN, split: s, frames: 10, "
+           "epochs: 1}, "
            "{kind: st_gcn, name: Denoised, split: s, frames: 10, epochs: 1, trained_on: denoised, generator: ACTOR}, "
            "{kind: st_gcn, name: Mixed, split: s, frames: 10, epochs: 1, trained_on: generated, generator: ACTOR, "
            "made_share: 0.5}]"}));
