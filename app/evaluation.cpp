@@ -87,7 +87,9 @@ class EvaluationRun {
     }
     for (const ScoredSet& row : evaluation_.rows) {
       const RealPart part = row.generator ? evaluation_.real_part : RealPart::kAll;
-      AddItem(row.name, OptionsOf("generated", true, row.generator.has_value(), part), row, items);
+      FeaturesOptions options = OptionsOf("generated", true, row.generator.has_value(), part);
+      options.frames = row.frames;
+      AddItem(row.name, options, row, items);
     }
     const auto report = runs_.Run(FeaturesDeclaration(), std::move(items));
     if (!report) return Forward(report);

@@ -17,6 +17,7 @@ struct ScoredSet {
   StageInput motions;
   std::optional<StageInput> generator;
   bool bare_array = false;  ///< taken in the extractor's frame, unit, joints and rate
+  std::int64_t frames = 0;  ///< that are asked of the generator; 0: as many as the extractor reads
 };
 
 /// What is scored, and how.

@@ -74,7 +74,7 @@ void AddTraining(const NetworkTraining& training, double settled, nlohmann::json
                            {"seconds", nullptr},           {"peak_memory", nullptr}, {"unconverged", nullptr}};
     for (const TrainedNetwork& network : training.networks) {
       const NetworkOptions& options = training.options.networks[network.network];
-      if (network.row != row.at("name") || !GeneratesMotions(options.kind)) continue;
+      if (network.row != row.value("network", row.at("name")) || !GeneratesMotions(options.kind)) continue;
       const nlohmann::json& summary = training.summaries.at(network.checkpoint.name);
       const auto steps = summary.at("iterations").get<std::int64_t>();
       ours["checkpoint"] = network.checkpoint.sha256;

@@ -6,6 +6,7 @@
 #include "app/evaluation.h"
 #include "app/protocols.h"
 #include "core/base/log.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -174,8 +175,16 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   evaluation.split = evaluate.split;
   const StageInput motions = InputFrom("motions", dataset);
   evaluation.real = ScoredSet{"Real", motions, std::nullopt};
+  std::map<std::string, std::string> network_of;  // by row
+  const std::vector<double> durations = evaluate.durations.empty() ? std::vector<double>{0.0} : evaluate.durations;
   for (const TrainedNetwork& network : networks) {
-    if (generates(network)) evaluation.rows.push_back({network.row, motions, network.checkpoint});
+    if (!generates(network)) continue;
+    for (const double duration : durations) {
+      const auto frames = static_cast<std::int64_t>(duration);
+      const std::string row = network.row + (frames > 0 ? ", " + Counted(frames, "frame") : "");
+      evaluation.rows.push_back({row, motions, network.checkpoint, false, frames});
+      network_of[row] = network.row;
+    }
   }
   auto evaluated = ::mocurate::Evaluate(evaluation, runs);
   if (!evaluated) return Forward(evaluated);
@@ -185,6 +194,10 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
     scores.unevaluated->where = "row '" + row + "'" + (error.where.empty() ? "" : ", " + error.where);
   }
   if (evaluated->rows.empty()) return scores;
+  for (nlohmann::json& row : evaluated->rows) {
+    const auto found = network_of.find(row.at("name").get<std::string>());
+    if (found != network_of.end()) row["network"] = found->second;
+  }
   scores.metrics = {{"protocol", "own"},
                     {"variant", "released"},
                     {"extractor", first->checkpoint.name},

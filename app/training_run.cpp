@@ -24,8 +24,8 @@ class TrainingRun {
     }
     while (!waiting.empty()) {
       const auto ready = std::stable_partition(waiting.begin(), waiting.end(), [&](const TrainItem& item) {
-        return (item.after.empty() || done_.count(item.after) > 0) &&
-               (!item.made || done_.count(item.made->generator) > 0);
+        const auto there = [&](const std::string& needed) { return needed.empty() || done_.count(needed) > 0; };
+        return there(item.after) && there(item.from) && (!item.made || there(item.made->generator));
       });
       std::vector<TrainItem> items(waiting.begin(), ready);
       waiting.erase(waiting.begin(), ready);
@@ -133,6 +133,10 @@ class TrainingRun {
       if (!item.after.empty()) {
         if (Refused(item, done_.at(item.after))) continue;
         item.spec.inputs.push_back(InputFrom("start", done_.at(item.after)));
+      }
+      if (!item.from.empty()) {
+        if (Refused(item, done_.at(item.from))) continue;
+        item.spec.inputs.push_back(InputFrom("start_from", done_.at(item.from)));
       }
       if (item.made) {
         if (Refused(item, done_.at(item.made->generator)) || Refused(item, made_.at(item.made->item()))) continue;

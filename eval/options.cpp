@@ -122,6 +122,8 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
   v.Integer("motions", motions, {10.0, 1e6}, "motions per set and repetition");
+  v.Numbers("durations", durations, Unit::kNone, {1.0, 5000.0},
+            "frames that are asked of generators, each a row of its own; empty: as many as the recogniser reads");
   v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs behind diversity");
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class behind multimodality");
   DeclareLabels(labels, v);
@@ -156,6 +158,7 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Text("purpose", purpose, "name of the draws");
   v.Integer("passes", passes, {0.0, 1000.0}, "passes with draws of their own; 0: one, in the order of the motions");
   v.Integer("motions", motions, {0.0, 1e6}, "motions drawn for a pass; 0: all");
+  v.Integer("frames", frames, {0.0, 5000.0}, "asked of a generator and read of its motions; 0: the extractor's");
   v.Bool("replacement", replacement, "draw with replacement");
   DeclarePerLabel(per_label, v);
   DeclareLabels(labels, v);

@@ -93,6 +93,7 @@ struct EvaluateOptions {
   std::string split;            ///< whose parts are meant; empty: the first one
   std::int64_t repetitions = 20;
   std::int64_t motions = 3000;
+  std::vector<double> durations;  ///< frames that are asked of generators, a row each; empty: the recogniser's
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
   LabelDraw labels = LabelDraw::kUniform;
@@ -123,6 +124,7 @@ struct FeaturesOptions {
   LabelDraw labels = LabelDraw::kUniform;  ///< of a generator's requests
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
+  std::int64_t frames = 0;  ///< asked of a generator and read of its motions; 0: the extractor's
 
   void Declare(OptionVisitor& v);
 };

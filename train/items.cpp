@@ -15,25 +15,28 @@ namespace {
 constexpr double kMostIterations = 1e8;  // range of `iterations`
 constexpr const char* kRealRows[] = {"Real", "Real-test", "reference", "reference_test"};
 
+/// The item of a network with this seed, else with its first one; empty where none has the name.
+std::string ItemOf(const TrainOptions& options, const std::string& name, double seed) {
+  for (const NetworkOptions& network : options.networks) {
+    if (name.empty() || network.name != name) continue;
+    const bool alike = std::find(network.seeds.begin(), network.seeds.end(), seed) != network.seeds.end();
+    return name + "/" + std::to_string(alike ? static_cast<std::uint64_t>(seed) : network.seed());
+  }
+  return {};
+}
+
 /// The set that a network of this seed is trained on, made by the generator of the same seed, else of its first.
 std::optional<MadeSet> MadeFor(const NetworkOptions& network, double seed, const TrainOptions& options) {
   if (!MadeByNetwork(network.trained_on)) return std::nullopt;
-  for (const NetworkOptions& generator : options.networks) {
-    if (generator.name != network.generator) continue;
-    const bool alike = std::find(generator.seeds.begin(), generator.seeds.end(), seed) != generator.seeds.end();
-    NetworkOptions one = generator;
-    if (alike) one.seeds = {seed};
-    const RemakeRule rule = network.trained_on == TrainingSetChoice::kDenoised       ? RemakeRule::kDenoise
-                            : network.trained_on == TrainingSetChoice::kInterpolated ? RemakeRule::kInterpolate
-                                                                                     : RemakeRule::kGenerate;
-    return MadeSet{generator.name + "/" + std::to_string(one.seed()), rule};
-  }
-  return std::nullopt;
+  const RemakeRule rule = network.trained_on == TrainingSetChoice::kDenoised       ? RemakeRule::kDenoise
+                          : network.trained_on == TrainingSetChoice::kInterpolated ? RemakeRule::kInterpolate
+                                                                                   : RemakeRule::kGenerate;
+  return MadeSet{ItemOf(options, network.generator, seed), rule};
 }
 
 /// The items of one seed: the network after each step of `samples_at`, then after all.
 void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const StageInput& dataset,
-             const std::optional<MadeSet>& made, std::vector<TrainItem>& items) {
+             const std::string& from, const std::optional<MadeSet>& made, std::vector<TrainItem>& items) {
   NetworkOptions one = network;
   const bool mixed = made && network.made_share < 1.0;
   if (made && !mixed) {  // made of the right clips already
@@ -45,6 +48,7 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
   one.learning.samples_at.clear();
   one.learning.weights.clear();  // their content is an input: where they lie does not matter
   one.learning.start_from.clear();
+  one.learning.start_from_network.clear();
   one.actor.body.clear();
   const std::string item = network.name + "/" + std::to_string(one.seed());
   const std::string row = network.seeds.size() > 1 ? item : network.name;
@@ -56,11 +60,12 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
     one.learning.until = static_cast<std::int64_t>(step);
     if (one.learning.until >= end_of_all) continue;
     const std::string end = "@" + std::to_string(one.learning.until);
-    items.push_back({{item + end, OptionsToJson(one), {dataset}}, at, row + end, after, made, mixed});
+    items.push_back(
+        {{item + end, OptionsToJson(one), {dataset}}, at, row + end, after, after.empty() ? from : "", made, mixed});
     after = item + end;
   }
   one.learning.until = network.learning.until;
-  items.push_back({{item, OptionsToJson(one), {dataset}}, at, row, after, made, mixed});
+  items.push_back({{item, OptionsToJson(one), {dataset}}, at, row, after, after.empty() ? from : "", made, mixed});
 }
 
 Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
@@ -116,12 +121,29 @@ Status CheckMade(const NetworkOptions& network, const TrainOptions& options, con
               where + ".generator", "give both the same split and all_clips, and the generator trained_on: dataset");
 }
 
+/// The network that another one begins with is of its kind and stands before it.
+Status CheckStart(const TrainOptions& options, std::size_t at, const std::string& where) {
+  const NetworkOptions& network = options.networks[at];
+  const std::string& name = network.learning.start_from_network;
+  if (name.empty() || !network.enabled) return {};
+  const auto end = options.networks.begin() + static_cast<std::ptrdiff_t>(at);
+  const auto found =
+      std::find_if(options.networks.begin(), end, [&](const NetworkOptions& one) { return one.name == name; });
+  if (found != end && found->enabled && found->kind == network.kind && network.learning.start_from.empty()) return {};
+  return Fail(ErrorCode::kConfig,
+              network.learning.start_from.empty()
+                  ? "no trained network '" + name + "' of the same kind stands before it"
+                  : "it begins with the weights of a file and of a network",
+              where + ".start_from_network", "name a network above it, or a file as start_from");
+}
+
 /// Every row of the table is one network's, and none of them has the name of the real motions' rows.
 Status CheckRowNames(const TrainOptions& options) {
   std::set<std::string> seen(std::begin(kRealRows), std::end(kRealRows));
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
     std::vector<TrainItem> items;
-    for (const double seed : options.networks[i].seeds) AddSeed(options.networks[i], i, seed, {}, std::nullopt, items);
+    for (const double seed : options.networks[i].seeds)
+      AddSeed(options.networks[i], i, seed, {}, "", std::nullopt, items);
     if (!GeneratesMotions(options.networks[i].kind)) continue;
     for (const TrainItem& item : items) {
       if (seen.insert(item.row).second) continue;
@@ -176,7 +198,8 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
       const bool unfitted = network.trained_on == TrainingSetChoice::kUnfitted;
       if (!network.enabled || GeneratesMotions(network.kind) != generators || (unfitted && !inputs.unfitted)) continue;
       for (const double seed : network.seeds) {
-        AddSeed(network, i, seed, unfitted ? *inputs.unfitted : inputs.dataset, MadeFor(network, seed, options), items);
+        AddSeed(network, i, seed, unfitted ? *inputs.unfitted : inputs.dataset,
+                ItemOf(options, network.learning.start_from_network, seed), MadeFor(network, seed, options), items);
       }
     }
   }
@@ -232,6 +255,7 @@ Status CheckNetworks(const TrainOptions& options) {
                   "leave samples_at out, and name one seed");
     }
     if (Status actor = CheckActor(network, where); !actor) return actor;
+    if (Status start = CheckStart(options, i, where); !start) return start;
     if (Status made = CheckMade(network, options, where); !made) return made;
     if (Status training = CheckActorTraining(network, where); !training) return training;
     const std::vector<double>& steps = network.learning.samples_at;

@@ -39,6 +39,7 @@ struct TrainItem {
   std::size_t network = 0;      ///< position in TrainOptions::networks
   std::string row;              ///< of a generator in tables: NAME, NAME/SEED where it has several, NAME@STEP
   std::string after;            ///< item whose checkpoint it goes on from, its input of role "start"; or empty
+  std::string from;             ///< item whose weights it begins with, its input of role "start_from"; or empty
   std::optional<MadeSet> made;  ///< what takes the place of the dataset, or is mixed with it as the input "made"
   bool mixed = false;           ///< the dataset stays, `made` is mixed with it
 };

@@ -45,6 +45,7 @@ void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for runs that are killed");
   v.Choice("device", device, {{"cpu", TrainDevice::kCpu}, {"cuda", TrainDevice::kCuda}},
            "where it is trained; cuda needs a libtorch with CUDA");
+  v.Text("start_from_network", start_from_network, "begin with the weights of this network of the job");
   v.Path("start_from", start_from, "begin with the weights of this file and a fresh optimiser (files as of `weights`)");
   v.Path("weights", weights,
          "take the weights of this file (released .tar or .pth, .h5, .safetensors) and train nothing; options as they "

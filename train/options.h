@@ -63,6 +63,7 @@ struct LearningOptions {
   std::vector<double> samples_at;  ///< steps whose network is kept and scored as a row of its own
   TrainDevice device = TrainDevice::kCpu;
   std::filesystem::path start_from;  ///< weights that a training begins with; empty: drawn ones
+  std::string start_from_network;    ///< network of the job whose weights they are; or empty
   std::filesystem::path weights;     ///< of a network trained elsewhere, which is taken as it is; empty: it is trained
   void Declare(OptionVisitor& v, NetworkKind kind);
 };

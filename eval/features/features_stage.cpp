@@ -196,8 +196,9 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   if (weights == nullptr || motions == nullptr) {
     return Fail(ErrorCode::kInternal, "features need the roles 'weights' and 'motions'", request.item);
   }
-  const auto extractor = Extractor::Open(options->extractor, weights->path);
+  auto extractor = Extractor::Open(options->extractor, weights->path);
   if (!extractor) return Forward(extractor);
+  if (options->frames > 0) extractor->rules.frames = static_cast<int>(options->frames);
   const auto dataset = ReadDataset(motions->path);
   if (!dataset) return Forward(dataset);
   FeaturesRun run(*options, *extractor, request.threads);
