@@ -152,7 +152,10 @@ struct CollectedTable {
 void CollectedTable::Add(const SetResult& set, const std::filesystem::path& folder) {
   const auto text = ReadFile(folder / (name + ".json"));
   const nlohmann::json own = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
-  if (!own.is_object()) return;  // not scored, or a dry run
+  if (!own.is_object()) {  // not scored, or a dry run
+    if (name == "table") markdown += HeadOf(set) + "\n";
+    return;
+  }
   for (const nlohmann::json& row : own.at("rows")) {
     json["rows"].push_back({{"method", row.at("name")},
                             {"dataset", set.set.name},
@@ -222,20 +225,23 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
     for (CollectedTable& table : tables) table.Add(one, own.run_folder / "tables");
     run.sets.push_back(std::move(one));
   }
+  run.table = tables[0].json;
   if (settings.dry_run || last < JobStage::kTable) return run;
   const fs::path folder = settings.run_folder / "tables";
   if (Status made = MakeFolder(folder); !made) return Forward(made);
   for (const CollectedTable& table : tables) {
-    if (table.name != "table" && table.markdown.empty()) continue;
+    const bool none = table.json.at("rows").empty() && table.name != "table";
     const std::pair<const char*, std::string> files[] = {{".md", "# " + options.name + "\n\n" + table.markdown},
                                                          {".csv", table.csv},
                                                          {".tex", table.latex},
                                                          {".json", table.json.dump(1) + "\n"}};
     for (const auto& [ending, text] : files) {
-      if (Status written = WriteFile(folder / (table.name + ending), text); !written) return Forward(written);
+      const std::filesystem::path file = folder / (table.name + ending);
+      std::error_code gone;
+      if (none) std::filesystem::remove(file, gone);  // of an earlier run
+      if (Status written = none ? Status() : WriteFile(file, text); !written) return Forward(written);
     }
   }
-  run.table = std::move(tables[0].json);
   return run;
 }
 

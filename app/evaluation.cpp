@@ -274,7 +274,8 @@ class EvaluationRun {
     for (std::size_t i = 0; i < evaluation_.rows.size(); ++i) {
       for (std::size_t j = i + 1; j < evaluation_.rows.size(); ++j) {
         const std::string &a = evaluation_.rows[i].name, &b = evaluation_.rows[j].name;
-        if (features_.count(a) == 0 || features_.count(b) == 0) continue;
+        const bool alike = evaluation_.rows[i].frames == evaluation_.rows[j].frames;  // of one duration
+        if (!alike || features_.count(a) == 0 || features_.count(b) == 0) continue;
         ScoreOptions options = OptionsOfScore("");
         options.fresh = HasGenerator(a) && HasGenerator(b);
         items.push_back(

@@ -1,6 +1,7 @@
 #include "app/job_checks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "canon/splits/groups.h"
@@ -64,6 +65,31 @@ Status CheckTraining(const TrainOptions& options) {
       if (file->empty() || std::filesystem::is_regular_file(*file, unknown)) continue;
       return Fail(ErrorCode::kNotFound, "there is no file " + DisplayPath(*file),
                   "train.networks[" + std::to_string(i) + "]." + option, "give the path of a file");
+    }
+  }
+  return {};
+}
+
+/// Durations that generators are asked for are whole, each once, and every generator can give them.
+Status CheckDurations(const JobOptions& options) {
+  const std::vector<double>& durations = options.evaluate.durations;
+  const auto refused = [](const std::string& what, const char* hint) {
+    return Fail(ErrorCode::kConfig, what, "evaluate.durations", hint);
+  };
+  if (durations.empty()) return {};
+  if (!options.evaluate.generators) return refused("no generator is scored", "leave it out, or set generators: true");
+  for (std::size_t i = 0; i < durations.size(); ++i) {
+    if (durations[i] != std::floor(durations[i])) {
+      return refused(RoundedText(durations[i]) + " is no whole number of frames", "e.g. [40, 60, 80]");
+    }
+    if (i > 0 && durations[i] <= durations[i - 1]) return refused("the durations do not rise", "write them in order");
+  }
+  for (const NetworkOptions& network : options.train.networks) {
+    const bool one_length =
+        network.enabled && network.kind == NetworkKind::kActor && network.actor.coders == ActorCoders::kFullyConnected;
+    if (one_length && (durations.size() > 1 || durations[0] != static_cast<double>(network.data.frames))) {
+      return refused("'" + network.name + "' gives " + Counted(network.data.frames, "frame") + " and no other duration",
+                     "leave the network out, or the other durations");
     }
   }
   return {};
@@ -170,6 +196,7 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
   if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
   if (Status training = CheckTraining(options.train); !training && last >= JobStage::kTrain) return training;
+  if (Status durations = CheckDurations(options); !durations) return durations;
   if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }

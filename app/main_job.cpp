@@ -297,15 +297,13 @@ class MainJob {
     if (DryRun()) return {};
     result_.unevaluated = scored->unevaluated;
     recognition_ = RecognitionRows(options_.train, *recognisers, *published);
-    if (scored->metrics.is_null() && recognition_.at("rows").empty()) return {};
+    if (scored->metrics.at("rows").empty() && recognition_.at("rows").empty()) return {};
     result_.metrics = std::move(scored->metrics);
     result_.metrics["recognisers"] = std::move(*recognisers);
-    result_.metrics["published"] = *published;
+    result_.metrics["published"] = WithoutRecognisers(*published);
     result_.metrics["notes"] = NotesOf(options_.evaluate);
-    if (result_.metrics.contains("rows")) {
-      AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
-                  options_.evaluate.settled, result_.metrics["rows"]);
-    }
+    AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
+                options_.evaluate.settled, result_.metrics["rows"]);
     return WriteMetrics();
   }
 
@@ -314,14 +312,14 @@ class MainJob {
     if (Status written = WriteFile(outputs_.Place("metrics.json"), result_.metrics.dump(1) + "\n"); !written) {
       return written;
     }
-    if (result_.metrics.contains("rows")) {
+    if (!result_.metrics.at("rows").empty()) {
       if (Status table = WriteTable(result_.metrics, "table", result_.table); !table) return table;
     }
     if (recognition_.at("rows").empty()) return {};
     recognition_["notes"] = TrainingNotes(options_.train, RecogniserOf(options_));
-    if (!denoised_.empty()) {
-      recognition_["notes"].push_back("Denoised: windows of the test clips, encoded and decoded by " +
-                                      denoised_.begin()->first.substr(0, denoised_.begin()->first.rfind('/')) + ".");
+    for (const DenoisedSet& denoised : denoised_) {
+      recognition_["notes"].push_back("Denoised: windows of the test clips, encoded and decoded by " + denoised.item +
+                                      ".");
     }
     return WriteTable(recognition_, "recognition", result_.recognition);
   }
@@ -358,8 +356,8 @@ class MainJob {
   std::optional<StageInput> duplicates_;  ///< findings about clips that show the same
   std::vector<StageInput> truth_;
   std::vector<TrainedNetwork> networks_;
-  std::map<std::string, ItemResult> denoised_;  ///< the dataset encoded and decoded by a network, by item
-  nlohmann::json recognition_;                  ///< rows of the table of recognisers
+  std::vector<DenoisedSet> denoised_;  ///< the dataset encoded and decoded by networks
+  nlohmann::json recognition_;         ///< rows of the table of recognisers
   ItemResult dataset_, baseline_;
   std::vector<Finding> comparison_;  ///< why there is none
 };

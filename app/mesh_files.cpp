@@ -5,6 +5,7 @@
 #include "core/base/file.h"
 #include "core/formats/npz.h"
 #include "core/skin/skin.h"
+#include "train/items.h"
 
 namespace mocurate {
 namespace {
@@ -56,13 +57,13 @@ Expected<int> WriteMeshes(const Dataset& motions, const MeshBodies& bodies, cons
   if (Status made = MakeFolder(folder); !made) return Forward(made);
   int written = 0;
   for (int k = 0; k < bodies.shapes; ++k) {
-    const std::vector<double> shape = k == 0 ? std::vector<double>(mean->shapes.size(), 0.0)
-                                             : DrawShape(*mean, bodies.seed + static_cast<std::uint64_t>(k));
+    const std::vector<double> shape =
+        k == 0 ? std::vector<double>(mean->shapes.size(), 0.0) : DrawShape(*mean, bodies.seed, k);
     const Skin body = Shaped(*mean, shape);
     const double lift = HeightOfRoot(body) - HeightOfRoot(*mean);
     for (const Clip& clip : motions.clips) {
-      const std::string name = clip.identity.recording + "_" + std::to_string(clip.identity.begin_frame) + "-" +
-                               std::to_string(clip.identity.end_frame) + "_shape" + std::to_string(k) + ".npz";
+      std::string name = FileNameOf(clip.id()) + "_shape" + std::to_string(k) + ".npz";
+      std::replace(name.begin(), name.end(), '#', '_');
       if (!clip.motion || clip.motion->joints_only()) {
         return Fail(ErrorCode::kUsage, "the motion has no rotations to pose a body with", clip.id(),
                     "give a network of rotations: kind actor");

@@ -17,7 +17,7 @@ struct MeshBodies {
 /// The skeleton's body as a file, once before the work. Errors of ReadSkin; kUsage where nothing names a body.
 Status CheckMeshBody(const MeshBodies& bodies, const Skeleton& skeleton);
 
-/// Skins motions of rotations (ACTOR 4.3): for each motion and body FOLDER/RECORDING_FRAMES_shapeK.npz with vertices
+/// Skins motions of rotations (ACTOR 4.3): for each motion and body FOLDER/ID_shapeK.npz with vertices
 /// (T,V,3) float32 metres in the motion's world, faces (F,3) int32, shape (S) float32, frame_rate. A body whose legs
 /// are longer stands as much higher. Returns the number of files. Errors kUsage for motions without rotations,
 /// kCannotWrite.

@@ -39,6 +39,11 @@ TrainingEffort EffortOf(const std::map<std::string, nlohmann::json>& journal, co
   return effort;
 }
 
+/// "NAME/SEED@STEP" of a row, whatever else its name says.
+std::string NetworkOfRow(const nlohmann::json& row) {
+  return row.contains("network") ? row["network"].get<std::string>() : row.at("name").get<std::string>();
+}
+
 /// FID of a row; nothing where it has none.
 std::optional<double> FidOfRow(const nlohmann::json& row) {
   const nlohmann::json fid = row.at("metrics").value("FID_train", nlohmann::json::object());
@@ -56,7 +61,8 @@ std::string Unconverged(const NetworkOptions& options, const nlohmann::json& row
   std::optional<double> before;
   long long last = 0;
   for (const nlohmann::json& sample : rows) {
-    const auto step = StepOfSample(sample.at("name").get<std::string>(), row.at("name").get<std::string>());
+    if (sample.value("frames", 0) != row.value("frames", 0)) continue;
+    const auto step = StepOfSample(NetworkOfRow(sample), NetworkOfRow(row));
     if (!step || *step < last) continue;
     last = *step;
     before = FidOfRow(sample);
@@ -74,7 +80,7 @@ void AddTraining(const NetworkTraining& training, double settled, nlohmann::json
                            {"seconds", nullptr},           {"peak_memory", nullptr}, {"unconverged", nullptr}};
     for (const TrainedNetwork& network : training.networks) {
       const NetworkOptions& options = training.options.networks[network.network];
-      if (network.row != row.value("network", row.at("name")) || !GeneratesMotions(options.kind)) continue;
+      if (network.row != NetworkOfRow(row) || !GeneratesMotions(options.kind)) continue;
       const nlohmann::json& summary = training.summaries.at(network.checkpoint.name);
       const auto steps = summary.at("iterations").get<std::int64_t>();
       ours["checkpoint"] = network.checkpoint.sha256;

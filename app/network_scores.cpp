@@ -1,6 +1,7 @@
 #include "app/network_scores.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "app/evaluation.h"
@@ -34,6 +35,37 @@ struct Reading {
   const TrainedNetwork* network = nullptr;
   bool denoised = false;
 };
+
+/// The denoised set whose test clips test a recogniser; null where there is none.
+const DenoisedSet* DenoisedFor(const NetworkOptions& recogniser, const JobOptions& options,
+                               const std::vector<DenoisedSet>& sets) {
+  const DenoisedSet* found = nullptr;
+  for (const DenoisedSet& set : sets) {
+    const NetworkOptions& generator = options.train.networks[set.network];
+    const bool same =
+        !generator.data.all_clips && !recogniser.data.all_clips && generator.data.split == recogniser.data.split;
+    if (same && generator.name == recogniser.generator) return &set;
+    if (same && found == nullptr) found = &set;
+  }
+  return found;
+}
+
+/// Published numbers of recognisers have an accuracy on denoised clips too.
+bool OfRecogniser(const nlohmann::json& value, const nlohmann::json& published) {
+  return std::any_of(published.begin(), published.end(), [&](const nlohmann::json& other) {
+    return other.at("method") == value.at("method") && other.at("table") == value.at("table") &&
+           other.at("metric") == "accuracy_denoised";
+  });
+}
+
+/// Those numbers, or the others.
+nlohmann::json Chosen(const nlohmann::json& published, bool of_recognisers) {
+  nlohmann::json chosen = nlohmann::json::array();
+  for (const nlohmann::json& value : published) {
+    if (OfRecogniser(value, published) == of_recognisers) chosen.push_back(value);
+  }
+  return chosen;
+}
 
 void AddConfusion(const nlohmann::json& own, nlohmann::json& confusion) {
   if (confusion.is_null()) {
@@ -88,10 +120,11 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
       readings.push_back({&network, denoised});
     };
     add("features/" + network.checkpoint.name, unfitted ? sets.unfitted : sets.dataset, false);
-    if (sets.denoised.empty() || unfitted) continue;
+    const DenoisedSet* denoised = unfitted ? nullptr : DenoisedFor(own, options, sets.denoised);
+    if (denoised == nullptr) continue;
     features.split.clear();  // it has but the one
-    features.made_here = true;
-    add("features/" + network.checkpoint.name + " on denoised", sets.denoised.begin()->second, true);
+    features.known_frame = true;
+    add("features/" + network.checkpoint.name + " on denoised", denoised->set, true);
   }
   if (items.empty()) return recognisers;
   const auto features = runs.Run(FeaturesDeclaration(), std::move(items), "recognisers");
@@ -124,7 +157,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
 
 nlohmann::json RecognitionRows(const TrainOptions& options, const nlohmann::json& recognisers,
                                const nlohmann::json& published) {
-  nlohmann::json result = {{"rows", nlohmann::json::array()}, {"published", published}};
+  nlohmann::json result = {{"rows", nlohmann::json::array()}, {"published", Chosen(published, true)}};
   for (const NetworkOptions& network : options.networks) {
     const auto found = recognisers.find(network.name);
     if (found == recognisers.end() || !found->contains("mean")) continue;
@@ -136,6 +169,8 @@ nlohmann::json RecognitionRows(const TrainOptions& options, const nlohmann::json
   }
   return result;
 }
+
+nlohmann::json WithoutRecognisers(const nlohmann::json& published) { return Chosen(published, false); }
 
 Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate) {
   const auto published = PublishedNumbers(evaluate.paper, evaluate.published);
@@ -151,6 +186,12 @@ Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate) {
 Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
                                           const ItemResult& dataset, StageRuns& runs) {
   GeneratorScores scores;
+  scores.metrics = {{"protocol", "own"},
+                    {"variant", "released"},
+                    {"extractor", nullptr},
+                    {"rows", nlohmann::json::array()},
+                    {"comparisons", nlohmann::json::array()},
+                    {"warnings", nlohmann::json::array()}};
   if (!options.evaluate.generators) return scores;
   const std::string recogniser = RecogniserOf(options);
   const auto generates = [&](const TrainedNetwork& network) {
@@ -175,7 +216,7 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   evaluation.split = evaluate.split;
   const StageInput motions = InputFrom("motions", dataset);
   evaluation.real = ScoredSet{"Real", motions, std::nullopt};
-  std::map<std::string, std::string> network_of;  // by row
+  std::map<std::string, std::pair<std::string, std::int64_t>> asked;  // by row: of which network, how many frames
   const std::vector<double> durations = evaluate.durations.empty() ? std::vector<double>{0.0} : evaluate.durations;
   for (const TrainedNetwork& network : networks) {
     if (!generates(network)) continue;
@@ -183,7 +224,7 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
       const auto frames = static_cast<std::int64_t>(duration);
       const std::string row = network.row + (frames > 0 ? ", " + Counted(frames, "frame") : "");
       evaluation.rows.push_back({row, motions, network.checkpoint, false, frames});
-      network_of[row] = network.row;
+      asked[row] = {network.row, frames};
     }
   }
   auto evaluated = ::mocurate::Evaluate(evaluation, runs);
@@ -195,15 +236,15 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   }
   if (evaluated->rows.empty()) return scores;
   for (nlohmann::json& row : evaluated->rows) {
-    const auto found = network_of.find(row.at("name").get<std::string>());
-    if (found != network_of.end()) row["network"] = found->second;
+    const auto found = asked.find(row.at("name").get<std::string>());
+    if (found == asked.end()) continue;
+    row["network"] = found->second.first;
+    if (found->second.second > 0) row["frames"] = found->second.second;
   }
-  scores.metrics = {{"protocol", "own"},
-                    {"variant", "released"},
-                    {"extractor", first->checkpoint.name},
-                    {"rows", std::move(evaluated->rows)},
-                    {"comparisons", std::move(evaluated->comparisons)},
-                    {"warnings", std::move(evaluated->warnings)}};
+  scores.metrics["extractor"] = first->checkpoint.name;
+  scores.metrics["rows"] = std::move(evaluated->rows);
+  scores.metrics["comparisons"] = std::move(evaluated->comparisons);
+  scores.metrics["warnings"] = std::move(evaluated->warnings);
   return scores;
 }
 

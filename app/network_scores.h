@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "app/job_items.h"
 #include "app/stage_runs.h"
+#include "app/training_run.h"
 
 namespace mocurate {
 
@@ -15,11 +15,13 @@ namespace mocurate {
 struct TestSets {
   const ItemResult& dataset;
   const ItemResult& unfitted;
-  const std::map<std::string, ItemResult>& denoised;  ///< by item; the first one is taken
+  const std::vector<DenoisedSet>& denoised;
 };
 
-/// Accuracy and confusion of every recogniser on the test clips, by its name: {"test_accuracy" (by seed), "mean",
-/// "denoised_accuracy" (by seed, where there are such clips), "test_clips", "labels", "confusion", "scored"}.
+/// Accuracy and confusion of every recogniser on the test clips, by its name, and on those that a network denoised: the
+/// one that made what it is trained on, else the first that learned from the same part of the same split:
+/// {"test_accuracy" (by seed), "mean", "denoised_accuracy" (by seed, where there are such clips), "test_clips",
+/// "labels", "confusion", "scored"}.
 Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
                                           const TestSets& sets, StageRuns& runs);
 
@@ -28,11 +30,15 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
 nlohmann::json RecognitionRows(const TrainOptions& options, const nlohmann::json& recognisers,
                                const nlohmann::json& published);
 
+/// Published numbers but those of recognisers, which have a table of their own.
+nlohmann::json WithoutRecognisers(const nlohmann::json& published);
+
 /// Published numbers that stand below a table of the options.
 Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate);
 
 struct GeneratorScores {
-  nlohmann::json metrics;  ///< {"protocol", "variant", "extractor", "rows", "comparisons", "warnings"}, or null
+  nlohmann::json metrics;  ///< {"protocol", "variant", "extractor", "rows", "comparisons", "warnings"}; lists may be
+                           ///< empty
   std::optional<Error> unevaluated;  ///< why rows are missing
 };
 

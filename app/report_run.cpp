@@ -137,6 +137,7 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
                         {"fit_error", result.fit_error},
                         {"pages", result.pages},
                         {"table_markdown", result.table},
+                        {"recognition_markdown", result.recognition},
                         {"findings", result.set_findings},
                         {"stages", nlohmann::json::array()},
                         {"clips", nlohmann::json::array()},

@@ -25,8 +25,9 @@ class TrainingRun {
     while (!waiting.empty()) {
       const auto ready = std::stable_partition(waiting.begin(), waiting.end(), [&](const TrainItem& item) {
         const auto there = [&](const std::string& needed) { return needed.empty() || done_.count(needed) > 0; };
-        return there(item.after) && there(item.from) && (!item.made || there(item.made->generator));
+        return there(item.after) && there(item.from) && (!item.made || there(item.made->generator_item));
       });
+      if (ready == waiting.begin()) return LeaveWaiting(waiting);
       std::vector<TrainItem> items(waiting.begin(), ready);
       waiting.erase(waiting.begin(), ready);
       if (Status made = MakeSets(items); !made) return Forward(made);
@@ -70,7 +71,11 @@ class TrainingRun {
     std::vector<ItemSpec> specs;
     for (const TrainItem& item : items) {
       const bool trained = options_.networks[item.network].learning.weights.empty();
-      if (trained && item.spec.item.find('@') == std::string::npos) specs.push_back(item.spec);
+      if (item.made) {
+        LogInfo(item.spec.item + ": not measured, '" + item.made->generator_item + "' has made nothing yet");
+      } else if (trained && item.spec.item.find('@') == std::string::npos) {
+        specs.push_back(item.spec);
+      }
     }
     const auto report = (*runner)->Run(TrainCostDeclaration(), std::move(specs));
     if (!report) return Forward(report);
@@ -90,32 +95,46 @@ class TrainingRun {
     return {};
   }
 
-  /// What generators make for these networks, each set once.
+  /// What generators make for these networks, each set once and one after the other: each takes all threads, and a
+  /// whole set of memory.
   Status MakeSets(const std::vector<TrainItem>& items) {
-    std::vector<ItemSpec> specs;
-    std::vector<RemakeRule> rules;
     for (const TrainItem& item : items) {
-      if (!item.made || done_.at(item.made->generator).artifact.empty() || made_.count(item.made->item()) > 0) continue;
+      if (!item.made || made_.count(item.made->item()) > 0) continue;
+      const ItemResult& generator = done_.at(item.made->generator_item);
+      if (generator.artifact.empty()) continue;
       RemakeOptions options;
       options.rule = item.made->rule;
+      options.seed = static_cast<std::int64_t>(item.made->seed());
       options.training_windows = true;
       StageInput motions = item.spec.inputs.front();
       motions.role = "motions";
-      specs.push_back({item.made->item(),
-                       OptionsToJson(options),
-                       {InputFrom("generator", done_.at(item.made->generator)), std::move(motions)}});
-      rules.push_back(options.rule);
-      made_[item.made->item()] = ItemResult();
-    }
-    if (specs.empty()) return {};
-    const auto report = place_.runs.Run(GenerateDeclaration(), std::move(specs));
-    if (!report) return Forward(report);
-    for (std::size_t i = 0; i < report->items.size(); ++i) {
-      const ItemResult& item = report->items[i];
-      made_[item.item] = item;
-      if (rules[i] == RemakeRule::kDenoise && !item.artifact.empty()) trained_.denoised[item.item] = item;
+      const auto report = place_.runs.Run(
+          GenerateDeclaration(),
+          {{item.made->item(), OptionsToJson(options), {InputFrom("generator", generator), std::move(motions)}}});
+      if (!report) return Forward(report);
+      const ItemResult& set = report->items.front();
+      made_[set.item] = set;
+      if (options.rule != RemakeRule::kDenoise || set.artifact.empty()) continue;
+      trained_.denoised.push_back({item.made->generator_item, NetworkOf(item.made->generator), set});
     }
     return {};
+  }
+
+  std::size_t NetworkOf(const std::string& name) const {
+    const auto found = std::find_if(options_.networks.begin(), options_.networks.end(),
+                                    [&](const NetworkOptions& network) { return network.name == name; });
+    return static_cast<std::size_t>(found - options_.networks.begin());
+  }
+
+  /// Networks that need one which is not trained here (of raw tracks that could not be compared).
+  Expected<TrainedNetworks> LeaveWaiting(const std::vector<TrainItem>& waiting) {
+    for (const TrainItem& item : waiting) {
+      const std::string needed = item.made ? item.made->generator_item : item.from;
+      place_.result.untrained[item.spec.item] = {ErrorCode::kInconsistent,
+                                                 "it needs '" + needed + "', which is not trained in this run",
+                                                 item.spec.item, "the warnings above say why"};
+    }
+    return std::move(trained_);
   }
 
   /// An item whose inputs failed is not trained, for the same reason.
@@ -139,7 +158,7 @@ class TrainingRun {
         item.spec.inputs.push_back(InputFrom("start_from", done_.at(item.from)));
       }
       if (item.made) {
-        if (Refused(item, done_.at(item.made->generator)) || Refused(item, made_.at(item.made->item()))) continue;
+        if (Refused(item, done_.at(item.made->generator_item)) || Refused(item, made_.at(item.made->item()))) continue;
         const StageInput made = InputFrom(item.mixed ? "made" : "dataset", made_.at(item.made->item()));
         if (!item.mixed) item.spec.inputs.front() = made;
         if (item.mixed) item.spec.inputs.push_back(made);

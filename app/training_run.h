@@ -18,10 +18,16 @@ struct TrainingPlace {
   JobResult& result;
 };
 
+/// A set that a network made by encoding and decoding.
+struct DenoisedSet {
+  std::string item;         ///< of the network: "ACTOR/1"
+  std::size_t network = 0;  ///< position in TrainOptions::networks
+  ItemResult set;
+};
+
 struct TrainedNetworks {
   std::vector<TrainedNetwork> networks;  ///< in the order of the config
-  /// What networks made by encoding and decoding, by item: its test part scores recognisers too.
-  std::map<std::string, ItemResult> denoised;
+  std::vector<DenoisedSet> denoised;     ///< their test parts score recognisers too
 };
 
 /// Trains the networks of a job, first those that need no other one; what a generator makes for those after it is made

@@ -236,8 +236,11 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   if (!options) return Forward(options);
   MeshBodies bodies{arguments.body.empty() ? FindBody() : arguments.body, arguments.shapes, arguments.seed};
   if (!arguments.mesh.empty()) {
-    const bool rotations = options->kind == NetworkKind::kActor && options->actor.NeedsRotations();
-    if (!rotations) {
+    if (!arguments.scale.empty() || !arguments.bone_lengths.empty()) {
+      return Fail(ErrorCode::kUsage, "a mesh has the bones of its body", "--mesh",
+                  "leave out --scale and --bone-lengths, or --mesh; --shapes varies bodies");
+    }
+    if (!options->NeedsRotations()) {
       return Fail(ErrorCode::kUsage, "the network gives no rotations to pose a body with", "--mesh",
                   "give a network of kind actor");
     }

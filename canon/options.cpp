@@ -45,9 +45,11 @@ void SplitOptions::Declare(OptionVisitor& v) {
   v.Texts("train", train, "persons or styles that train, as all others do, and that no draw takes");
   v.Choice("absent", absent, {{"draw", AbsentGroups::kDraw}, {"refuse", AbsentGroups::kRefuse}},
            "when the set has none of the persons or styles that test or select: draw others and say so, or refuse");
-  v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0}, "share of the recordings (or drawn groups) that test");
+  v.Bool("sessions_together", sessions_together,
+         "by fraction: all clips of one session of a person are of one part, its repetitions too");
+  v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0}, "share of the performances (or drawn groups) that test");
   v.Number("validation_share", validation_share, Unit::kNone, {0.0, 1.0},
-           "share of the recordings (or drawn groups) that select");
+           "share of the performances (or drawn groups) that select");
   v.Integer("seed", seed, {}, "of the drawing");
   v.Integer("min_train_frames", min_train_frames, {0.0, 1e6}, "shorter clips do not train; 0: no limit");
 }
@@ -84,7 +86,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 11, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 12, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

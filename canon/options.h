@@ -57,8 +57,8 @@ enum class SplitBy { kPerson, kStyle, kFraction, kRole };
 enum class AbsentGroups { kDraw, kRefuse };
 
 /// Which clips train, select and test. By person or style: the names in `test` and `validation`, all others train;
-/// those in `train` also where others are drawn. By fraction: shares of the recordings, drawn by hash of their names
-/// and `seed`.
+/// those in `train` also where others are drawn. By fraction: shares of the performances, drawn by hash of their names
+/// and `seed`; what several cameras saw at once is one.
 struct SplitOptions {
   std::string name = "default";
   SplitBy by = SplitBy::kFraction;
@@ -66,6 +66,7 @@ struct SplitOptions {
   std::vector<std::string> validation;
   std::vector<std::string> train;
   AbsentGroups absent = AbsentGroups::kDraw;
+  bool sessions_together = false;  ///< by fraction: the clips of one session of a person are one group
   double test_share = 0.2;
   double validation_share = 0.1;
   std::int64_t seed = 1;

@@ -151,7 +151,7 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options) {
 void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Group("extractor", extractor, "network, and how motions become what it reads");
   v.Bool("generated", generated, "the motions are generated ones");
-  v.Bool("made_here", made_here, "a network of the run made the set: its axes and unit are not looked for");
+  v.Bool("known_frame", known_frame, "a network of the run made the set: its axes and unit are not looked for");
   DeclareReal(part, v);
   v.Text("split", split, "split whose part is meant; empty: the first one");
   v.Integer("seed", seed, {}, "of the draws");

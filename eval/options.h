@@ -111,8 +111,8 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options);
 /// One set of motions through an extractor: options of the stage `features`.
 struct FeaturesOptions {
   ExtractorOptions extractor;
-  bool generated = false;  ///< the extractor's root rule for generated motions applies
-  bool made_here = false;  ///< a network of the run made the set: its frame is known, however it lies
+  bool generated = false;    ///< the extractor's root rule for generated motions applies
+  bool known_frame = false;  ///< a network of the run made the set: its frame is known, however it lies
   RealPart part = RealPart::kAll;
   std::string split;
   std::int64_t seed = 1;

@@ -178,6 +178,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   if (!source.units.empty()) clip.provenance["source_units"] = source.units;
   if (!source.skeleton.empty()) clip.provenance["source_skeleton"] = source.skeleton;
   if (!named.style.empty()) clip.provenance["style"] = named.style;
+  if (!named.performance.empty()) clip.provenance["performance"] = named.performance;
   for (Finding& finding : ingested.findings) finding.clip = clip.id();
 }
 

@@ -211,7 +211,7 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 36, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 37, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration MotionsDeclaration() { return {"motions", 1, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }

@@ -192,6 +192,9 @@ std::string UntrainedHtml(const nlohmann::json& run) {
 std::string TableHtml(const ReportInput& input) {
   const std::string markdown = TextOf(input.run, "table_markdown");
   if (!markdown.empty()) return MarkdownToHtml(markdown);
+  if (!TextOf(input.run, "recognition_markdown").empty()) {
+    return Paragraph("Only recognisers were scored: their table stands under Recognition.");
+  }
   const nlohmann::json& failed = Field(input.run, "unevaluated");
   if (failed.is_object()) {
     return Paragraph("There is no table: the evaluation failed. " + EscapeHtml(TextOf(failed, "message")));
@@ -224,7 +227,8 @@ std::string RecognisersHtml(const ReportInput& input) {
                           CountText(CountOf(nearest, "count"))});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
-  std::string html = table.Html();
+  const std::string markdown = TextOf(input.run, "recognition_markdown");
+  std::string html = table.Html() + (markdown.empty() ? std::string() : MarkdownToHtml(markdown));
   for (const auto& [name, scored] : recognisers.items()) {
     const std::string confusion = ConfusionTable(scored);
     if (confusion.empty()) continue;

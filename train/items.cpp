@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -27,11 +28,9 @@ std::string ItemOf(const TrainOptions& options, const std::string& name, double 
 
 /// The set that a network of this seed is trained on, made by the generator of the same seed, else of its first.
 std::optional<MadeSet> MadeFor(const NetworkOptions& network, double seed, const TrainOptions& options) {
-  if (!MadeByNetwork(network.trained_on)) return std::nullopt;
-  const RemakeRule rule = network.trained_on == TrainingSetChoice::kDenoised       ? RemakeRule::kDenoise
-                          : network.trained_on == TrainingSetChoice::kInterpolated ? RemakeRule::kInterpolate
-                                                                                   : RemakeRule::kGenerate;
-  return MadeSet{ItemOf(options, network.generator, seed), rule};
+  const std::optional<RemakeRule> rule = RuleOf(network.trained_on);
+  if (!rule) return std::nullopt;
+  return MadeSet{network.generator, ItemOf(options, network.generator, seed), *rule};
 }
 
 /// The items of one seed: the network after each step of `samples_at`, then after all.
@@ -98,13 +97,19 @@ Status CheckActorTraining(const NetworkOptions& network, const std::string& wher
   return {};
 }
 
-/// A generator makes what a network is trained on of the clips that it learned from itself: they are the same.
+/// Whether two networks learn from the same clips.
+bool SameClips(const NetworkOptions& a, const NetworkOptions& b) {
+  return a.data.split == b.data.split && a.data.all_clips == b.data.all_clips && a.data.fraction == b.data.fraction &&
+         a.trained_on == b.trained_on;
+}
+
+/// A generator makes what a network is trained on of the clips that it learned from itself: they are the network's.
 Status CheckMade(const NetworkOptions& network, const TrainOptions& options, const std::string& where) {
   if (!network.enabled) return {};
-  if (!MadeByNetwork(network.trained_on)) {
-    const char* option = !network.generator.empty() ? ".generator" : ".made_share";
+  if (!RuleOf(network.trained_on)) {
     if (network.generator.empty() && network.made_share == 1.0) return {};
-    return Fail(ErrorCode::kConfig, "the network is trained on no motions that another one makes", where + option,
+    return Fail(ErrorCode::kConfig, "the network is trained on no motions that another one makes",
+                where + (network.generator.empty() ? ".made_share" : ".generator"),
                 "set trained_on: denoised, interpolated or generated");
   }
   const auto found = std::find_if(options.networks.begin(), options.networks.end(),
@@ -113,28 +118,56 @@ Status CheckMade(const NetworkOptions& network, const TrainOptions& options, con
     return Fail(ErrorCode::kConfig, "there is no actor network '" + network.generator + "' that is trained",
                 where + ".generator", "name one of train.networks of kind actor");
   }
-  const bool same = found->data.split == network.data.split && found->data.all_clips == network.data.all_clips;
-  if (same && !MadeByNetwork(found->trained_on)) return {};
-  return Fail(ErrorCode::kConfig,
-              same ? "'" + network.generator + "' is trained on made motions itself"
-                   : "'" + network.generator + "' learns from other clips than the network",
-              where + ".generator", "give both the same split and all_clips, and the generator trained_on: dataset");
+  NetworkOptions as_generator = network;
+  as_generator.trained_on = TrainingSetChoice::kDataset;
+  if (!SameClips(*found, as_generator)) {
+    return Fail(ErrorCode::kConfig, "'" + network.generator + "' learns from other clips than the network",
+                where + ".generator",
+                "give both the same split, all_clips and fraction, and the generator trained_on: dataset");
+  }
+  if (network.made_share < 1.0 && network.learning.batch < 2) {
+    return Fail(ErrorCode::kConfig, "a batch of one clip holds no two kinds", where + ".batch", "2 or more");
+  }
+  return {};
 }
 
-/// The network that another one begins with is of its kind and stands before it.
+/// Whether the parameters of two networks of one kind have the same shapes, as far as the options say.
+bool SameSizes(const NetworkOptions& a, const NetworkOptions& b) {
+  const auto sizes = [](const NetworkOptions& network) {
+    const ActorOptions& actor = network.actor;
+    const bool one_length = actor.coders == ActorCoders::kFullyConnected;
+    return std::tuple(actor.coders, actor.distribution, actor.condition, actor.pose, actor.translation, actor.latent,
+                      actor.layers, actor.feed_forward, one_length ? network.data.frames : 0, network.action2motion.lie,
+                      network.action2motion.hidden, network.action2motion.latent);
+  };
+  return sizes(a) == sizes(b);
+}
+
+/// The network that another one begins with is of its kind and size, learns from the same clips and stands before it.
 Status CheckStart(const TrainOptions& options, std::size_t at, const std::string& where) {
   const NetworkOptions& network = options.networks[at];
   const std::string& name = network.learning.start_from_network;
   if (name.empty() || !network.enabled) return {};
+  const auto refused = [&](const std::string& what, const char* hint) {
+    return Fail(ErrorCode::kConfig, what, where + ".start_from_network", hint);
+  };
+  if (!network.learning.start_from.empty() || !network.learning.weights.empty()) {
+    return refused("the network begins with the weights of a file too", "leave start_from and weights out");
+  }
   const auto end = options.networks.begin() + static_cast<std::ptrdiff_t>(at);
   const auto found =
       std::find_if(options.networks.begin(), end, [&](const NetworkOptions& one) { return one.name == name; });
-  if (found != end && found->enabled && found->kind == network.kind && network.learning.start_from.empty()) return {};
-  return Fail(ErrorCode::kConfig,
-              network.learning.start_from.empty()
-                  ? "no trained network '" + name + "' of the same kind stands before it"
-                  : "it begins with the weights of a file and of a network",
-              where + ".start_from_network", "name a network above it, or a file as start_from");
+  if (found == end || !found->enabled || found->kind != network.kind) {
+    return refused("no trained network '" + name + "' of the same kind stands above it", "name one that does");
+  }
+  if (!SameClips(*found, network)) {
+    return refused("'" + name + "' learns from other clips: test clips of this network may be among them",
+                   "give both the same split, all_clips, fraction and trained_on");
+  }
+  if (!SameSizes(*found, network)) {
+    return refused("'" + name + "' has parameters of other sizes", "give both the same sizes, coders and pose");
+  }
+  return {};
 }
 
 /// Every row of the table is one network's, and none of them has the name of the real motions' rows.
@@ -157,9 +190,10 @@ Status CheckRowNames(const TrainOptions& options) {
 
 }  // namespace
 
-std::string MadeSet::item() const {
-  const char* what[] = {"denoised", "interpolated", "generated"};
-  return generator + " " + what[static_cast<int>(rule)];
+std::string MadeSet::item() const { return generator_item + " " + Name(rule); }
+
+std::uint64_t MadeSet::seed() const {
+  return static_cast<std::uint64_t>(ParseInteger(generator_item.substr(generator_item.rfind('/') + 1)).value_or(1));
 }
 
 std::string FileNameOf(std::string item) {
@@ -317,11 +351,12 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
       const std::string length =
           rules.anneal ? epochs + (rules.refit ? all : "")
                        : "at most " + epochs + (rules.refit ? " to select and as many as were best to refit" : "");
-      const char* made[] = {"", "", "denoised", "interpolated", "generated"};
       std::string of_made;
-      if (MadeByNetwork(network.trained_on)) {
-        of_made = std::string(", ") + made[static_cast<int>(network.trained_on)] + " by " + network.generator;
-        if (network.made_share < 1.0) of_made += " for " + RoundedText(100.0 * network.made_share, 3) + " % of each";
+      if (const auto rule = RuleOf(network.trained_on)) {
+        of_made = std::string("; ") +
+                  (network.made_share < 1.0 ? RoundedText(100.0 * network.made_share, 3) + " % of each batch are "
+                                            : "its motions are ") +
+                  Name(*rule) + " by " + network.generator;
       }
       notes.push_back(network.name + ": " + length + ", in batches of " + batches + of_made + ".");
       continue;

@@ -28,9 +28,11 @@ struct TrainingInputs {
 
 /// Motions that a network of a job makes of the clips it learned from.
 struct MadeSet {
-  std::string generator;  ///< item of the network: "ACTOR/1"
+  std::string generator;       ///< name of the network
+  std::string generator_item;  ///< of its seed: "ACTOR/1"
   RemakeRule rule = RemakeRule::kDenoise;
-  std::string item() const;  ///< of the stage `generate`: "ACTOR/1 denoised"
+  std::string item() const;    ///< of the stage `generate`: "ACTOR/1 denoised"
+  std::uint64_t seed() const;  ///< the generator's
 };
 
 /// One network of a job: a seed of it, perhaps after some of its steps.

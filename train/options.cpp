@@ -45,12 +45,13 @@ void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for runs that are killed");
   v.Choice("device", device, {{"cpu", TrainDevice::kCpu}, {"cuda", TrainDevice::kCuda}},
            "where it is trained; cuda needs a libtorch with CUDA");
-  v.Text("start_from_network", start_from_network, "begin with the weights of this network of the job");
-  v.Path("start_from", start_from, "begin with the weights of this file and a fresh optimiser (files as of `weights`)");
   v.Path("weights", weights,
          "take the weights of this file (released .tar or .pth, .h5, .safetensors) and train nothing; options as they "
          "were trained");
   if (!GeneratesMotions(kind)) return;
+  v.Text("start_from_network", start_from_network,
+         "begin with the weights of this network, which stands above it, and a fresh optimiser");
+  v.Path("start_from", start_from, "begin with the weights of this file and a fresh optimiser (files as of `weights`)");
   v.Integer("iterations", iterations, {1.0, 1e8}, "training steps");
   v.Integer("until", until, {0.0, 1e8}, "stop after so many of the steps; 0: all");
   v.Numbers("samples_at", samples_at, Unit::kNone, {1.0, 1e8},
@@ -226,9 +227,16 @@ bool NetworkOptions::NeedsRotations() const {
   return kind == NetworkKind::kStGcn || (kind == NetworkKind::kActor && actor.NeedsRotations());
 }
 
-bool MadeByNetwork(TrainingSetChoice choice) {
-  return choice == TrainingSetChoice::kDenoised || choice == TrainingSetChoice::kInterpolated ||
-         choice == TrainingSetChoice::kGenerated;
+const char* Name(RemakeRule rule) {
+  const char* names[] = {"denoised", "interpolated", "generated"};
+  return names[static_cast<int>(rule)];
+}
+
+std::optional<RemakeRule> RuleOf(TrainingSetChoice choice) {
+  if (choice == TrainingSetChoice::kDenoised) return RemakeRule::kDenoise;
+  if (choice == TrainingSetChoice::kInterpolated) return RemakeRule::kInterpolate;
+  if (choice == TrainingSetChoice::kGenerated) return RemakeRule::kGenerate;
+  return std::nullopt;
 }
 
 void RemakeOptions::Declare(OptionVisitor& v) {

@@ -183,12 +183,14 @@ struct StGcnOptions {
 /// learned from (a2m_actor.md D.9).
 enum class TrainingSetChoice { kDataset, kUnfitted, kDenoised, kInterpolated, kGenerated };
 
-/// Whether a network of the job makes them.
-bool MadeByNetwork(TrainingSetChoice choice);
-
 /// How a network makes a motion of a clip: encoded and decoded; the latent a drawn part of the way towards that of
 /// another clip of its class; drawn anew, of its class and length.
 enum class RemakeRule { kDenoise, kInterpolate, kGenerate };
+/// "denoised", "interpolated", "generated"
+const char* Name(RemakeRule rule);
+
+/// How a network of the job makes them; nothing where none does.
+std::optional<RemakeRule> RuleOf(TrainingSetChoice choice);
 
 /// Options of the stage `generate` where it has clips in the place of requests.
 struct RemakeOptions {

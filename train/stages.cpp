@@ -85,6 +85,10 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   }
   TrainingInput input{std::move(*options), std::move(*set), std::move(sha256), nullptr};
   if (const StageInput* body = InputOf(request, "body")) {
+    if (IsOfOneGender(body->name)) {
+      return Fail(ErrorCode::kInconsistent, "the body is of one gender, the loss is on the neutral one", body->name,
+                  "give SMPL_NEUTRAL.pkl");
+    }
     Expected<Skin> skin = ReadSkin(body->path, *input.set.skeleton);
     if (!skin) return Forward(skin);
     input.skin = std::make_shared<const Skin>(std::move(*skin));
@@ -147,10 +151,13 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
     auto read = ReadDataset(noisy->path);
     if (!read) return Forward(read);
     if (options->training_windows) {
-      read = TrainingWindows(*read, (*generator)->options(), options->rule == RemakeRule::kDenoise);
+      read = TrainingWindows(std::move(*read), (*generator)->options(), options->rule == RemakeRule::kDenoise);
       if (!read) return Forward(read);
     }
-    set = (*generator)->Remake(*read, *options, request.threads);
+    set = (*generator)->Remake(std::move(*read), *options, request.threads, [](double part) {
+      ReportProgress(part, "motions");
+      return !StopRequested();
+    });
   } else {
     const auto requests = ReadRequests(asked->path);
     if (!requests) return Forward(requests);

@@ -103,7 +103,7 @@ const char* NameOf(SplitBy by) {
     case SplitBy::kStyle:
       return "style";
     case SplitBy::kFraction:
-      return "recording";
+      return "performance";
     case SplitBy::kRole:
       return "role of the source";
   }

@@ -14,9 +14,20 @@ namespace {
 
 enum class Part { kTrain, kValidation, kTest };
 
+/// What was performed at once: cameras and spans of it are of one group. With `sessions_together`, a person's session.
+std::string PerformanceOf(const SplitOptions& options, const Clip& clip) {
+  const ClipIdentity& identity = clip.identity;
+  if (options.sessions_together && !identity.session.empty()) {
+    return identity.source + "/" + identity.person + "/session " + identity.session;
+  }
+  const auto performance = clip.provenance.find("performance");
+  if (performance != clip.provenance.end()) return identity.source + "/" + performance->second;
+  return identity.source + "/" + identity.person + "/" + identity.recording;
+}
+
 /// The property of a clip that two parts must not share.
-std::string GroupOf(SplitBy by, const Clip& clip) {
-  switch (by) {
+std::string GroupOf(const SplitOptions& options, const Clip& clip) {
+  switch (options.by) {
     case SplitBy::kPerson:
       return clip.identity.person;
     case SplitBy::kStyle: {
@@ -24,9 +35,8 @@ std::string GroupOf(SplitBy by, const Clip& clip) {
       return style == clip.provenance.end() ? std::string() : style->second;
     }
     case SplitBy::kFraction:
-      return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
     case SplitBy::kRole:
-      return clip.id();
+      return PerformanceOf(options, clip);
   }
   return {};
 }
@@ -69,13 +79,12 @@ std::string ContentHash(const Clip& clip) {
 }
 
 /// What stands in two parts: groups (persons, styles, recordings) and clips of equal content.
-std::string LeakCheck(SplitBy by, const Dataset& dataset, const std::vector<Part>& parts) {
+std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<Part>& parts) {
   std::map<std::string, std::set<Part>> groups;
   std::map<std::string, std::set<Part>> contents;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
-    const std::string group = GroupOf(by == SplitBy::kRole ? SplitBy::kFraction : by, clip);
-    groups[group].insert(parts[i]);
+    groups[GroupOf(options, clip)].insert(parts[i]);
     contents[ContentHash(clip)].insert(parts[i]);
   }
   std::string leaks;
@@ -84,7 +93,7 @@ std::string LeakCheck(SplitBy by, const Dataset& dataset, const std::vector<Part
   }
   std::size_t repeated = 0;
   for (const auto& [hash, in] : contents) repeated += in.size() > 1 ? 1 : 0;
-  const std::string what = by == SplitBy::kRole ? "recording" : NameOf(by);
+  const std::string what = options.by == SplitBy::kRole ? "performance" : NameOf(options.by);
   if (leaks.empty() && repeated == 0) return "ok: no " + what + " and no equal clip in two parts";
   std::string text = "leaks:";
   if (!leaks.empty()) text += " in two parts: " + leaks + ";";
@@ -99,7 +108,7 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   bool drawn = false;
   if (NamesGroups(options.by)) {
     std::set<std::string> groups;
-    for (const Clip& clip : dataset.clips) groups.insert(GroupOf(options.by, clip));
+    for (const Clip& clip : dataset.clips) groups.insert(GroupOf(options, clip));
     auto possible = MeetGroups(options, groups, findings);
     if (!possible) return Forward(possible);
     met = std::move(possible->options);
@@ -112,7 +121,7 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   long long too_short = 0;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
-    const Part part = PartOf(met, GroupOf(options.by, clip), clip);
+    const Part part = PartOf(met, GroupOf(met, clip), clip);
     parts.push_back(part);
     const int row = static_cast<int>(i);
     if (part == Part::kTrain && clip.motion->frame_count() < options.min_train_frames) {
@@ -125,7 +134,7 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
     split.rule += "; " + Counted(too_short, "training clip") + " shorter than " +
                   Counted(options.min_train_frames, "frame") + " left aside";
   }
-  split.leak_check = LeakCheck(options.by, dataset, parts);
+  split.leak_check = LeakCheck(met, dataset, parts);
   return split;
 }
 

@@ -72,14 +72,6 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
     return Fail(ErrorCode::kInconsistent, "the body has " + std::to_string(model->joints) + " joints",
                 DisplayPath(file), "SMPL has 24, SMPL-H 52, SMPL-X 55");
   }
-  std::string name = file.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  const bool gender = name.find("male") != std::string::npos || name.find("model_f") != std::string::npos ||
-                      name.find("model_m") != std::string::npos;  // "female" holds "male"
-  if (gender) {
-    return Fail(ErrorCode::kInconsistent, "the body is of one gender, the losses are on the neutral one",
-                DisplayPath(file), "give SMPL_NEUTRAL.pkl");
-  }
   Body body{model->joints == 24   ? "SMPL"
             : model->joints == 52 ? "SMPL-H"
                                   : "SMPL-X",
@@ -230,8 +222,15 @@ Expected<Skin> ReadSkin(const std::filesystem::path& file, const Skeleton& skele
   return skin;
 }
 
-std::vector<double> DrawShape(const Skin& skin, std::uint64_t seed) {
-  Random random(seed, "body shape");
+bool IsOfOneGender(const std::filesystem::path& file) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name.find("male") != std::string::npos || name.find("model_f") != std::string::npos ||
+         name.find("model_m") != std::string::npos;  // "female" holds "male"
+}
+
+std::vector<double> DrawShape(const Skin& skin, std::uint64_t seed, int index) {
+  Random random(seed, "body shape", std::to_string(index));
   std::vector<double> coefficients;
   for (const ShapeDirection& direction : skin.shapes) {
     coefficients.push_back(direction.low + random.Uniform() * (direction.high - direction.low));

@@ -32,8 +32,11 @@ struct Skin {
 /// parents. Error kInconsistent: a skeleton whose tree or rest pose is another, a body that lacks a joint.
 Expected<Skin> ReadSkin(const std::filesystem::path& file, const Skeleton& skeleton);
 
-/// Coefficients of somebody (S): uniform between `low` and `high` of each direction, keyed by `seed`.
-std::vector<double> DrawShape(const Skin& skin, std::uint64_t seed);
+/// Drawn shape coefficients (S): uniform between `low` and `high` of each direction, keyed by (`seed`, `index`).
+std::vector<double> DrawShape(const Skin& skin, std::uint64_t seed, int index);
+
+/// Whether a body's file is of one gender, by its name.
+bool IsOfOneGender(const std::filesystem::path& file);
 
 /// The body of these shape coefficients (S).
 Skin Shaped(const Skin& skin, const std::vector<double>& coefficients);

@@ -99,7 +99,7 @@ class FeaturesRun {
     if (!classes) return Forward(classes);
     std::vector<const Motion*> all;
     for (const int row : *rows) all.push_back(&*dataset.clips[static_cast<std::size_t>(row)].motion);
-    if (Status frame = options_.made_here ? Status() : CheckFrameOfSet(all); !frame) return frame;
+    if (Status frame = options_.known_frame ? Status() : CheckFrameOfSet(all); !frame) return frame;
     std::vector<int> labels;
     for (const int row : *rows) labels.push_back((*classes)[static_cast<std::size_t>(row)]);
     std::map<std::string, std::vector<double>> quality;

@@ -43,6 +43,20 @@ std::string BytesOf(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
+/// The fields of a name that do not say which camera saw it: "action=001 person=001 repetition=002".
+std::string PerformanceOf(const SourceOptions& source, const std::vector<std::string>& names,
+                          const NameFields& fields) {
+  const std::vector<std::string> of_view = FieldsOf(source.view);
+  std::string performance;
+  for (const std::string& name : names) {
+    if (std::find(of_view.begin(), of_view.end(), name) != of_view.end()) continue;
+    const auto value = fields.find(name);
+    if (value == fields.end()) continue;
+    performance += (performance.empty() ? "" : " ") + name + "=" + value->second;
+  }
+  return performance;
+}
+
 std::string NamedFile::item() const { return identity.source + "/" + identity.person + "/" + identity.recording; }
 
 Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body) {
@@ -70,6 +84,7 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   }
   named.identity.session = FillFields(source.session, named.fields);
   named.identity.view = FillFields(source.view, named.fields);
+  if (!named.identity.view.empty()) named.performance = PerformanceOf(source, pattern->FieldNames(), named.fields);
   named.identity.licence = source.licence;
   named.style = FillFields(source.style, named.fields);
   const std::string text = FillFields(source.label, named.fields);

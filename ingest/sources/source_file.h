@@ -24,6 +24,7 @@ struct NamedFile {
   std::string label;
   std::string fine_label;
   std::string style;
+  std::string performance;  ///< what all cameras saw at once, where the source declares a view; else empty
   std::string role;
   int bodies = 1;  ///< people in the file
   int body = 1;    ///< which of them this is, from 1

@@ -203,6 +203,28 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveANameThatTellsThemApart) {
   }
 }
 
+TEST(TrainingRun, DurationsAreRowsAndANetworkGoesOnFromAnother) {
+  const Folder folder;
+  const std::string actor = "split: s, frames: 10, latent: 16, layers: 1, heads: 2, feed_forward: 16, iterations: 1";
+  const Result result = TrainingProgram(
+      folder, TrainingJob(folder, {"train.networks=[{kind: actor, name: A, " + actor + "}, {kind: actor, name: B, " +
+                                       actor + ", longest_frames: 12, start_from_network: A}, {kind: gru_recogniser, " +
+                                       "name: R, split: s, frames: 10, hidden: 4, epochs: 1}]",
+                                   "evaluate.durations=[8, 14]"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
+  std::vector<std::string> names;
+  for (const nlohmann::json& row : table["rows"]) {
+    names.push_back(row["name"]);
+    EXPECT_TRUE(row["name"] == "Real" || row["ours"]["steps"] == 1) << row["name"];
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"Real", "A, 8 frames", "A, 14 frames", "B, 8 frames", "B, 14 frames"}));
+  EXPECT_EQ(TrainingProgram(folder, TrainingJob(folder, {"evaluate.durations=[8, 8]"})).exit_code, 2);
+  EXPECT_EQ(
+      TrainingProgram(folder, TrainingJob(folder, {"evaluate.durations=[8]", "evaluate.generators=false"})).exit_code,
+      2);
+}
+
 TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
   const Folder folder;
   const Result result = TrainingProgram(
@@ -225,6 +247,7 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
     EXPECT_TRUE(row["metrics"]["accuracy_denoised"]["value"].is_number());
   }
   EXPECT_EQ(names, (std::vector<std::string>{"ST-GCN", "Denoised", "Mixed"}));
+  EXPECT_THAT(result.out, HasSubstr("recognisers"));
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
   ASSERT_EQ(table["rows"].size(), 2u);
   EXPECT_EQ(table["rows"][1]["name"], "ACTOR");
@@ -248,7 +271,7 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
   if (data != nullptr) {
     const Result meshes = mesh(std::string(data) + "/body_cc0/body_cc0.h5");
     ASSERT_EQ(meshes.exit_code, 0) << meshes.err;
-    const auto npz = ParseNpz(ReadText(folder / "meshes/000000_0-10_shape1.npz"), "mesh");
+    const auto npz = ParseNpz(ReadText(folder / "meshes/generated_network_000000_0-10_shape1.npz"), "mesh");
     ASSERT_TRUE(npz) << npz.error().Message();
     EXPECT_EQ(npz->Find("vertices")->shape, (std::vector<std::size_t>{10, 13380, 3}));
     EXPECT_GT(npz->Find("shape")->size(), 3u);

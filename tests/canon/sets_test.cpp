@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "canon/audit/nearest_neighbour.h"
 #include "canon/options.h"
@@ -33,6 +35,40 @@ TEST(Split, ByPersonNeverSharesAPerson) {
   EXPECT_EQ(split->validation, std::vector<int>{1});
   EXPECT_EQ(split->test, std::vector<int>{2});
   EXPECT_THAT(split->leak_check, HasSubstr("ok"));
+}
+
+TEST(Split, CamerasOfOnePerformanceAreOfOnePartAndSessionsWhereAsked) {
+  std::vector<Clip> clips;
+  for (int k = 0; k < 60; ++k) {
+    Clip clip = ClipMoving("p1", "a", 40 + k, 5, 30, 1);
+    clip.identity.recording = "r" + std::to_string(k);
+    clip.identity.view = "C" + std::to_string(k % 3);
+    clip.identity.session = "s" + std::to_string(k / 6);
+    clip.provenance["performance"] = "take=" + std::to_string(k / 3);
+    clips.push_back(std::move(clip));
+  }
+  const Dataset dataset = SetOf(std::move(clips));
+  SplitOptions options;
+  options.test_share = 0.4;
+  std::vector<Finding> findings;
+  for (const bool together : {false, true}) {
+    options.sessions_together = together;
+    const auto split = MakeSplit(options, dataset, findings);
+    ASSERT_TRUE(split) << split.error().Message();
+    EXPECT_THAT(split->leak_check, HasSubstr("ok"));
+    EXPECT_FALSE(split->test.empty());
+    std::map<std::string, std::set<std::string>> parts;
+    const std::pair<const char*, const std::vector<int>*> rows[] = {
+        {"train", &split->train}, {"validation", &split->validation}, {"test", &split->test}};
+    for (const auto& [part, of_part] : rows) {
+      for (const int row : *of_part) {
+        const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
+        parts[together ? clip.identity.session : clip.provenance.at("performance")].insert(part);
+      }
+    }
+    EXPECT_EQ(parts.size(), together ? 10u : 20u);
+    for (const auto& [group, in] : parts) EXPECT_EQ(in.size(), 1u) << group;
+  }
 }
 
 TEST(Split, EqualClipsOfTwoPersonsLeak) {

@@ -35,6 +35,7 @@ TEST_F(Ntu, AFileOfTwoPeopleGivesTwoClips) {
     EXPECT_EQ(ingested.clip.evidence.tracks->positions.frames, 70);
     EXPECT_EQ(ingested.clip.identity.session, "S001");
     EXPECT_EQ(ingested.clip.identity.view, "C003");
+    EXPECT_EQ(ingested.clip.provenance.at("performance"), "setup=001 person=008 repetition=002 action=058");
     pelvis.push_back(ingested.clip.evidence.tracks->positions.at(0, 0));
   }
   ASSERT_EQ(pelvis.size(), 2u);

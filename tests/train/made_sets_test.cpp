@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "tests/train/toy_dataset.h"
@@ -63,9 +64,28 @@ TEST(MadeSets, WindowsAreThoseOfTheClipsThatTheNetworkLearnedFrom) {
     EXPECT_TRUE(TrainingWindows(set, network, false)->splits[0].test.empty());
   }
   network.data.frames = 1000;
+  network.data.fraction = 1.0;
   const auto whole = TrainingWindows(set, network, true);
   ASSERT_TRUE(whole);
-  EXPECT_GE(whole->clips[0].motion->frame_count(), 20) << "a shorter clip stays whole";
+  EXPECT_EQ(whole->clips.size(), set.clips.size()) << "a shorter clip stays whole";
+  network.actor.coders = ActorCoders::kFullyConnected;
+  EXPECT_TRUE(TrainingWindows(set, network, true)->clips.empty()) << "which a network of one length cannot take";
+
+  Dataset selects = set;  // the validation part stays one, and an unlabelled test clip costs itself
+  Split& parts = selects.splits[0];
+  parts.validation.assign(parts.train.begin(), parts.train.begin() + 3);
+  parts.train.erase(parts.train.begin(), parts.train.begin() + 3);
+  selects.clips[static_cast<std::size_t>(parts.test[0])].label = "dance";
+  const auto split = TrainingWindows(selects, Generator(10), true);
+  ASSERT_TRUE(split) << split.error().Message();
+  EXPECT_GE(split->splits[0].validation.size(), 3u);
+  std::set<std::string> recordings;
+  for (const int row : split->splits[0].test) {
+    const Clip& clip = split->clips[static_cast<std::size_t>(row)];
+    recordings.insert(clip.identity.person + clip.identity.recording);
+    EXPECT_NE(clip.label, "dance");
+  }
+  EXPECT_EQ(recordings.size(), parts.test.size() - 1);
 }
 
 TEST(MadeSets, EachRuleKeepsLabelsAndLengthsAndDrawsByClip) {
@@ -126,16 +146,38 @@ TEST(MadeSets, EachBatchHasItsShareOfMadeClips) {
   const auto rows = SelectTrainingRows(set, {}, false, 1, 0.1);
   ASSERT_TRUE(rows);
   for (const auto& [share, count] : {std::pair(0.5, 4), std::pair(0.25, 2), std::pair(0.01, 1), std::pair(0.99, 7)}) {
-    const MixedOrder order(set, {}, rows->train, 8, true, share, 1);
+    const MixedOrder order(set, {}, rows->train, set.made, 8, true, share, 1);
     std::set<int> seen;
-    for (std::int64_t step = 0; step < 40; ++step) {
+    for (std::int64_t step = 0; step < 400; ++step) {
       const std::vector<int> batch = order.RowsOf(step);
       ASSERT_EQ(batch.size(), 8u);
       EXPECT_EQ(std::count_if(batch.begin(), batch.end(), [&](int row) { return row >= recorded; }), count);
       seen.insert(batch.begin(), batch.end());
     }
-    EXPECT_GT(static_cast<int>(seen.size()), recorded / 4);
+    EXPECT_EQ(seen.size(), rows->train.size() + set.made.size()) << "all are used";
   }
+  // Of few recorded clips the batch is smaller, the share is kept.
+  const MixedOrder few(set, {}, {rows->train.begin(), rows->train.begin() + 2}, set.made, 8, true, 0.5, 1);
+  EXPECT_EQ(few.RowsOf(0).size(), 4u);
+  // The two kinds are shuffled apart, also where they are of equal number.
+  const std::vector<int> same(set.made.begin(), set.made.begin() + 20);
+  const MixedOrder order(set, {}, {rows->train.begin(), rows->train.begin() + 20}, same, 40, true, 0.5, 1);
+  const std::vector<int> batch = order.RowsOf(0);
+  int alike = 0;
+  for (std::size_t i = 0; i < 20; ++i) {
+    const auto at = std::find(rows->train.begin(), rows->train.end(), batch[i]) - rows->train.begin();
+    alike += same[static_cast<std::size_t>(at)] == batch[20 + i] ? 1 : 0;
+  }
+  EXPECT_LT(alike, 10);
+  // What is made of a held-out person's clips does not train while it is held out.
+  std::vector<int> of_person;
+  for (int row = 0; row < recorded; ++row) {
+    if (set.clips[static_cast<std::size_t>(row)].person == "p1") of_person.push_back(row);
+  }
+  const std::vector<int> left = MadeWithout(set, of_person);
+  EXPECT_LT(left.size(), set.made.size());
+  EXPECT_FALSE(left.empty());
+  for (const int row : left) EXPECT_NE(set.clips[static_cast<std::size_t>(row)].person, "p1");
   windows.labels.push_back("dance");
   TrainingSet plain = PackTrainingSet(ToyDataset(1));
   EXPECT_EQ(AddMade(PackTrainingSet(windows), plain).error().code, ErrorCode::kInconsistent);
@@ -150,6 +192,7 @@ TEST(MadeSets, TheGeneratorIsNamedAndLearnsFromTheSameClips) {
   recogniser.seeds = {2, 3};
   recogniser.data.split = "person";
   recogniser.data.fraction = 0.5;
+  options.networks[0].data.fraction = 0.5;
   recogniser.trained_on = TrainingSetChoice::kInterpolated;
   recogniser.generator = "ACTOR";
   ASSERT_TRUE(CheckNetworks(options)) << CheckNetworks(options).error().Message();
@@ -161,6 +204,7 @@ TEST(MadeSets, TheGeneratorIsNamedAndLearnsFromTheSameClips) {
     EXPECT_EQ(item.spec.options.at("fraction"), 1.0) << "the set is made of that part already";
   }
   EXPECT_EQ(made, (std::vector<std::string>{"ACTOR/2 interpolated", "ACTOR/1 interpolated"}));
+  EXPECT_EQ((MadeSet{"ACTOR", "ACTOR/2", RemakeRule::kDenoise}.seed()), 2u);
   recogniser.made_share = 0.5;
   for (const TrainItem& item : TrainItems(options, {})) {
     EXPECT_TRUE(!item.made || (item.mixed && item.spec.options.at("fraction") == 0.5));
@@ -172,11 +216,47 @@ TEST(MadeSets, TheGeneratorIsNamedAndLearnsFromTheSameClips) {
   recogniser.data.all_clips = true;
   EXPECT_EQ(code(), ErrorCode::kConfig) << "test clips would train";
   recogniser.data.all_clips = false;
+  recogniser.data.fraction = 1.0;
+  EXPECT_EQ(code(), ErrorCode::kConfig) << "made of half of its clips";
+  recogniser.data.fraction = 0.5;
+  options.networks[0].trained_on = TrainingSetChoice::kUnfitted;
+  EXPECT_EQ(code(), ErrorCode::kConfig) << "it never saw the fitted clips";
+  options.networks[0].trained_on = TrainingSetChoice::kDataset;
   options.networks[0].enabled = false;
   EXPECT_EQ(code(), ErrorCode::kConfig);
   options.networks[0].enabled = true;
   recogniser.trained_on = TrainingSetChoice::kDataset;
   EXPECT_EQ(code(), ErrorCode::kConfig) << "a generator that is not asked";
+}
+
+TEST(MadeSets, ANetworkBeginsWithOneAboveItOfItsSizeAndClips) {
+  TrainOptions options;
+  options.networks = {Generator(10), Generator(10)};
+  NetworkOptions &first = options.networks[0], &second = options.networks[1];
+  second.name = "longer";
+  second.seeds = {4};
+  second.data.longest_frames = 20;
+  second.learning.start_from_network = "ACTOR";
+  ASSERT_TRUE(CheckNetworks(options)) << CheckNetworks(options).error().Message();
+  const std::vector<TrainItem> items = TrainItems(options, {});
+  ASSERT_EQ(items.size(), 2u);
+  EXPECT_EQ(items[0].from, "");
+  EXPECT_EQ(items[1].from, "ACTOR/1");
+  EXPECT_EQ(items[1].spec.options.at("start_from_network"), "") << "its weights are an input";
+  const auto refused = [&](const std::function<void()>& change) {
+    const TrainOptions before = options;
+    change();
+    const bool is = !CheckNetworks(options) && CheckNetworks(options).error().code == ErrorCode::kConfig;
+    options = before;
+    return is;
+  };
+  EXPECT_TRUE(refused([&] { second.learning.start_from_network = "longer"; })) << "itself";
+  EXPECT_TRUE(refused([&] { first.learning.start_from_network = "longer"; })) << "one below it";
+  EXPECT_TRUE(refused([&] { first.enabled = false; }));
+  EXPECT_TRUE(refused([&] { second.actor.latent = 16; }));
+  EXPECT_TRUE(refused([&] { first.data.all_clips = true; })) << "test clips would be learnt";
+  EXPECT_TRUE(refused([&] { second.learning.start_from = "a.h5"; }));
+  EXPECT_TRUE(refused([&] { second.learning.weights = "a.h5"; }));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -141,6 +142,13 @@ MotionRows RowsWithRotations(const TrainingSet& set, const TrainingDataOptions& 
   return batch;
 }
 
+/// How many clips of a mixed batch are recorded, where there are `rows` of them.
+std::int64_t RecordedOf(std::int64_t batch, double made_share, std::size_t rows) {
+  const auto made = std::clamp<std::int64_t>(std::lround(made_share * static_cast<double>(batch)), 1,
+                                             std::max<std::int64_t>(1, batch - 1));
+  return std::clamp<std::int64_t>(batch - made, 1, std::max<std::int64_t>(1, static_cast<std::int64_t>(rows)));
+}
+
 }  // namespace
 
 std::vector<int> ShuffledOrder(int count, Random random) {
@@ -179,8 +187,8 @@ Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const Training
 }
 
 BatchOrder::BatchOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows,
-                       std::int64_t batch, bool keep_last, std::uint64_t seed)
-    : rows_(std::move(rows)), seed_(seed) {
+                       std::int64_t batch, bool keep_last, std::uint64_t seed, std::string purpose)
+    : rows_(std::move(rows)), seed_(seed), purpose_(std::move(purpose)) {
   const auto count = static_cast<std::int64_t>(rows_.size());
   batch_ = std::min(batch, count);
   per_pass_ = keep_last ? (count + batch_ - 1) / batch_ : count / batch_;
@@ -197,7 +205,7 @@ BatchOrder::BatchOrder(const TrainingSet& set, const TrainingDataOptions& option
 
 std::vector<int> BatchOrder::PassOf(std::int64_t pass) const {
   const int count = static_cast<int>(rows_.size());
-  const std::vector<int> order = ShuffledOrder(count, Random(seed_, "train.order", std::to_string(pass)));
+  const std::vector<int> order = ShuffledOrder(count, Random(seed_, purpose_, std::to_string(pass)));
   if (by_class_.empty()) return order;
   std::vector<std::vector<int>> shuffled;
   for (std::size_t c = 0; c < by_class_.size(); ++c) {
@@ -229,14 +237,28 @@ std::vector<int> BatchOrder::RowsOf(std::int64_t step) const {
   return rows;
 }
 
+std::vector<int> MadeWithout(const TrainingSet& set, const std::vector<int>& held_out) {
+  const auto recording = [&](int row) {
+    const std::string& id = set.clips[static_cast<std::size_t>(row)].id;
+    return id.substr(0, id.rfind('#'));  // source/person/recording
+  };
+  std::set<std::string> held;
+  for (const int row : held_out) held.insert(recording(row));
+  std::vector<int> made;
+  std::copy_if(set.made.begin(), set.made.end(), std::back_inserter(made),
+               [&](int row) { return held.count(recording(row)) == 0; });
+  return made;
+}
+
 MixedOrder::MixedOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows,
-                       std::int64_t batch, bool keep_last, double made_share, std::uint64_t seed)
-    : made_count_(set.made.empty() ? 0
-                                   : std::clamp<std::int64_t>(std::lround(made_share * static_cast<double>(batch)), 1,
-                                                              std::max<std::int64_t>(1, batch - 1))),
-      recorded_(set, options, std::move(rows), std::max<std::int64_t>(1, batch - made_count_),
-                keep_last && made_count_ == 0, seed) {
-  if (made_count_ > 0) made_.emplace(set, options, set.made, made_count_, false, seed);
+                       std::vector<int> made, std::int64_t batch, bool keep_last, double made_share, std::uint64_t seed)
+    : recorded_(set, options, rows, made.empty() ? batch : RecordedOf(batch, made_share, rows.size()),
+                keep_last && made.empty(), seed) {
+  if (made.empty()) return;
+  const auto recorded = static_cast<double>(RecordedOf(batch, made_share, rows.size()));
+  const auto count = std::max<std::int64_t>(1, std::lround(recorded * made_share / (1.0 - made_share)));
+  made_.emplace(set, options, std::move(made), std::min(count, std::max<std::int64_t>(1, batch - 1)), false, seed,
+                "train.order.made");
 }
 
 std::vector<int> MixedOrder::RowsOf(std::int64_t step) const {

@@ -26,12 +26,16 @@ struct TrainingRows {
 Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const TrainingDataOptions& options, bool held_out,
                                           std::uint64_t seed, double smallest_validation);
 
+/// Made clips but those of the recordings of held-out rows, which would tell the validation what it asks for.
+std::vector<int> MadeWithout(const TrainingSet& set, const std::vector<int>& held_out);
+
 /// What goes into each step: passes over the rows in shuffled order, by class where the options balance them.
 class BatchOrder {
  public:
-  /// `keep_last`: a pass ends with a smaller batch; else that is dropped (a2m_actor.md B.6).
+  /// `keep_last`: a pass ends with a smaller batch; else that is dropped (a2m_actor.md B.6). Draws are keyed by
+  /// (`seed`, `purpose`, pass).
   BatchOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows, std::int64_t batch,
-             bool keep_last, std::uint64_t seed);
+             bool keep_last, std::uint64_t seed, std::string purpose = "train.order");
 
   std::int64_t batches_per_pass() const { return per_pass_; }
   std::vector<int> RowsOf(std::int64_t step) const;
@@ -43,23 +47,23 @@ class BatchOrder {
   std::vector<std::vector<int>> by_class_;  ///< positions in rows_, where classes are balanced
   std::int64_t batch_, per_pass_;
   std::uint64_t seed_;
+  std::string purpose_;
   mutable std::int64_t pass_ = -1;  ///< of `order_`
   mutable std::vector<int> order_;
 };
 
-/// The same with a stated share of each batch from the clips that a network made (TrainingSet::made), in an order of
-/// their own; every batch has both kinds, and none is smaller. A pass is one over the recorded clips. Without such
-/// clips the recorded ones alone.
+/// The same with a stated share of each batch from the rows `made` (of TrainingSet::made), in an order of their own:
+/// every batch has both kinds at that share, the last of a pass is dropped where it would be smaller. A pass is one
+/// over the recorded rows. Without `made` the recorded ones alone.
 class MixedOrder {
  public:
-  MixedOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows, std::int64_t batch,
-             bool keep_last, double made_share, std::uint64_t seed);
+  MixedOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows, std::vector<int> made,
+             std::int64_t batch, bool keep_last, double made_share, std::uint64_t seed);
 
   std::int64_t batches_per_pass() const { return recorded_.batches_per_pass(); }
   std::vector<int> RowsOf(std::int64_t step) const;
 
  private:
-  std::int64_t made_count_;  ///< of a batch
   BatchOrder recorded_;
   std::optional<BatchOrder> made_;
 };

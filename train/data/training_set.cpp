@@ -120,12 +120,18 @@ Status AddMade(const TrainingSet& made, TrainingSet& set) {
     return Fail(ErrorCode::kInconsistent, "motions that were made for another set cannot be mixed with it", "made",
                 "give a generator of the same set");
   }
-  const std::size_t frames = set.joints.size() / (3 * set.skeleton->joints.size());
-  set.joints.insert(set.joints.end(), made.joints.begin(), made.joints.end());
-  set.rotation.insert(set.rotation.end(), made.rotation.begin(), made.rotation.end());
+  const std::size_t joints = set.skeleton->joints.size();
+  const auto append = [](const std::vector<float>& from, std::size_t begin, std::size_t count, std::vector<float>& to) {
+    const auto first = from.begin() + static_cast<std::ptrdiff_t>(begin);
+    to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(count));
+  };
   for (const int row : made.splits.front().train) {
     TrainingSet::Clip clip = made.clips[static_cast<std::size_t>(row)];
-    clip.first += frames;
+    const auto frames = static_cast<std::size_t>(clip.frames);
+    const std::size_t first = set.joints.size() / (3 * joints);
+    append(made.joints, 3 * joints * clip.first, 3 * joints * frames, set.joints);
+    if (!made.rotation.empty()) append(made.rotation, 4 * joints * clip.first, 4 * joints * frames, set.rotation);
+    clip.first = first;
     set.made.push_back(static_cast<int>(set.clips.size()));
     set.clips.push_back(std::move(clip));
   }

@@ -9,53 +9,86 @@
 namespace mocurate {
 namespace {
 
-/// Appends the windows of a clip to `clips`.
-Status AddWindows(const Clip& clip, int frames, std::vector<Clip>& clips) {
-  const int all = clip.motion ? clip.motion->frame_count() : 0;
+enum class WindowPart { kTrain, kValidation, kTest };
+
+struct ClipWindow {
+  Clip clip;
+  WindowPart part;
+};
+
+/// The rows that choose clips: ids, labels and lengths without a motion.
+TrainingSet HeadersOf(const Dataset& set) {
+  TrainingSet headers;
+  headers.labels = set.labels;
+  headers.splits = set.splits;
+  for (const Clip& clip : set.clips) {
+    TrainingSet::Clip header;
+    header.id = clip.id();
+    header.person = clip.identity.person;
+    header.label = set.LabelIndex(clip.label);
+    header.frames = clip.motion ? clip.motion->frame_count() : 0;
+    headers.clips.push_back(std::move(header));
+  }
+  return headers;
+}
+
+/// Appends the windows of a clip.
+Status AddWindows(const Clip& clip, const NetworkOptions& network, WindowPart part, std::vector<ClipWindow>& windows) {
+  const int all = clip.motion->frame_count(), frames = static_cast<int>(network.data.frames);
   if (all < frames) {
-    clips.push_back(clip);
+    const bool one_length = network.actor.coders == ActorCoders::kFullyConnected;
+    if (!one_length) windows.push_back({clip, part});
     return {};
   }
   for (int begin = 0; begin + frames <= all; begin += frames) {
     Expected<Clip> window = Cut(clip, begin, begin + frames);
     if (!window) return Forward(window);
-    clips.push_back(std::move(*window));
+    windows.push_back({std::move(*window), part});
   }
   return {};
 }
 
 }  // namespace
 
-Expected<Dataset> TrainingWindows(const Dataset& set, const NetworkOptions& network, bool test) {
-  const Expected<TrainingRows> rows =
-      SelectTrainingRows(PackTrainingSet(set), network.data, false, network.seed(), 0.0);
+Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bool test) {
+  const TrainingSet headers = HeadersOf(set);
+  const Expected<TrainingRows> rows = SelectTrainingRows(headers, network.data, false, network.seed(), 0.0);
   if (!rows) return Forward(rows);
-  std::vector<int> chosen = rows->train;
   const Split* split = set.FindSplit(rows->split);
-  if (test && split != nullptr) chosen.insert(chosen.end(), split->test.begin(), split->test.end());
-  std::vector<Clip> clips;
-  std::vector<bool> trains;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const Clip& clip = set.clips[static_cast<std::size_t>(chosen[i])];
-    if (Status cut = AddWindows(clip, static_cast<int>(network.data.frames), clips); !cut) return Forward(cut);
-    trains.resize(clips.size(), i < rows->train.size());
+  std::vector<std::pair<int, WindowPart>> chosen;
+  for (const int row : rows->train) chosen.emplace_back(row, WindowPart::kTrain);
+  if (split != nullptr && !split->validation.empty()) {
+    const Expected<TrainingRows> held = SelectTrainingRows(headers, network.data, true, network.seed(), 0.0);
+    if (!held) return Forward(held);
+    for (const int row : held->validation) chosen.emplace_back(row, WindowPart::kValidation);
   }
-  std::vector<std::size_t> order(clips.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return clips[a].id() < clips[b].id(); });
-  Dataset windows = set;
-  windows.clips.clear();
+  if (test && split != nullptr) {
+    for (const int row : split->test) chosen.emplace_back(row, WindowPart::kTest);
+  }
   Split own;
   own.name = rows->split.empty() ? "all" : rows->split;
   own.rule = "windows of the clips that " + network.name + " learned from";
   own.leak_check = split != nullptr ? split->leak_check : "";
-  for (const std::size_t i : order) {
-    (trains[i] ? own.train : own.test).push_back(static_cast<int>(windows.clips.size()));
-    windows.clips.push_back(std::move(clips[i]));
+  std::vector<ClipWindow> windows;
+  for (const auto& [row, part] : chosen) {
+    const auto at = static_cast<std::size_t>(row);
+    if (headers.clips[at].frames < 1 || headers.clips[at].label < 0) continue;
+    if (Status cut = AddWindows(set.clips[at], network, part, windows); !cut) return Forward(cut);
+    set.clips[at].motion.reset();  // its windows have it
   }
-  windows.splits = {std::move(own)};
-  windows.findings.clear();
-  return windows;
+  std::sort(windows.begin(), windows.end(),
+            [](const ClipWindow& a, const ClipWindow& b) { return a.clip.id() < b.clip.id(); });
+  set.clips.clear();
+  for (ClipWindow& window : windows) {
+    std::vector<int>& part = window.part == WindowPart::kTrain        ? own.train
+                             : window.part == WindowPart::kValidation ? own.validation
+                                                                      : own.test;
+    part.push_back(static_cast<int>(set.clips.size()));
+    set.clips.push_back(std::move(window.clip));
+  }
+  set.splits = {std::move(own)};
+  set.findings.clear();
+  return set;
 }
 
 }  // namespace mocurate

@@ -6,6 +6,9 @@
 
 namespace mocurate {
 
+/// Motions that are worked on at once: fewer where each takes much memory.
+int MotionsAtOnce(const NetworkOptions& options, std::int64_t frames);
+
 struct MotionGenerator::Impl {
   std::shared_ptr<Network> network;
   NetworkOptions options;

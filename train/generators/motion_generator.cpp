@@ -23,14 +23,6 @@ constexpr int kMostFrames = 5000;      // rows of the released positional table
 constexpr int kGeneratedAtOnce = 500;  // motions whose states fit the caches; larger chunks gain nothing
 constexpr std::int64_t kNumbersAtOnce = std::int64_t{64} << 20;  // of attention and the layers between, 256 MB
 
-/// Motions that are worked on at once: fewer where each takes much memory.
-int AtOnce(const NetworkOptions& options, std::int64_t frames) {
-  if (options.kind != NetworkKind::kActor) return kGeneratedAtOnce;
-  const ActorOptions& actor = options.actor;
-  const std::int64_t numbers = actor.heads * frames * frames + (actor.feed_forward + 4 * actor.latent) * frames;
-  return static_cast<int>(std::clamp<std::int64_t>(kNumbersAtOnce / numbers, 1, kGeneratedAtOnce));
-}
-
 /// Rest offsets of a usual person; empty where the network has no rotations.
 Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const NetworkOptions& options,
                                              const std::string& where) {
@@ -69,13 +61,20 @@ void GiveLatents(const MotionRequest* requests, std::int64_t count, Network& net
     others.push_back(requests[b].to_seed);
     fraction.data_ptr<float>()[b] = static_cast<float>(requests[b].fraction);
   }
-  const char* purpose = "generator.latent";
-  const torch::Tensor from = draws.Normal(purpose, 1, count, network.latent_size());
-  draws.Give(purpose,
-             from + fraction * (Draws(std::move(others)).Normal(purpose, 1, count, network.latent_size()) - from));
+  const torch::Tensor from = draws.Normal(kMotionLatent, 1, count, network.latent_size());
+  draws.Give(
+      kMotionLatent,
+      from + fraction * (Draws(std::move(others)).Normal(kMotionLatent, 1, count, network.latent_size()) - from));
 }
 
 }  // namespace
+
+int MotionsAtOnce(const NetworkOptions& options, std::int64_t frames) {
+  if (options.kind != NetworkKind::kActor) return kGeneratedAtOnce;
+  const ActorOptions& actor = options.actor;
+  const std::int64_t numbers = actor.heads * frames * frames + (actor.feed_forward + 4 * actor.latent) * frames;
+  return static_cast<int>(std::clamp<std::int64_t>(kNumbersAtOnce / numbers, 1, kGeneratedAtOnce));
+}
 
 Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t index) const {
   const std::string where = "request " + std::to_string(index);
@@ -199,7 +198,7 @@ Expected<MotionGenerator::Rows> MotionGenerator::Answer(const std::vector<Motion
   const std::size_t frames = requests.size() * static_cast<std::size_t>(T);
   rows.joints.resize(frames * static_cast<std::size_t>(D));
   if (!impl_->rest_offset.empty()) rows.rotation.resize(frames * static_cast<std::size_t>(3 * D));
-  ParallelFor(static_cast<int>(requests.size()), AtOnce(impl_->options, T), threads, [&](int begin, int end) {
+  ParallelFor(static_cast<int>(requests.size()), MotionsAtOnce(impl_->options, T), threads, [&](int begin, int end) {
     const torch::NoGradGuard no_gradient;
     const MotionRequest* first = requests.data() + begin;
     const auto count = static_cast<std::int64_t>(end) - begin;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,9 +30,12 @@ class MotionGenerator {
 
   /// A motion in the place of every clip of a set, with its label and length (a2m_actor.md C.5, D.9): the set's clips
   /// in their order, rotations of the network. A clip is interpolated with another one of its class in the set. Draws
-  /// are keyed by the seed and the clip's id; `training_windows` is not read. Errors kInconsistent: a network that
-  /// encodes nothing, a set on another skeleton or without rotations, a clip with a label the network lacks.
-  Expected<Dataset> Remake(const Dataset& set, const RemakeOptions& options, int threads = 1) const;
+  /// are keyed by the seed, the rule and the clip's id; `training_windows` is not read. `proceed` gets the part that is
+  /// done and says whether to go on. Errors kInconsistent: a network that encodes nothing, a set on another skeleton or
+  /// without rotations, a clip with a label the network lacks; kInterrupted.
+  Expected<Dataset> Remake(
+      Dataset set, const RemakeOptions& options, int threads = 1,
+      const std::function<bool(double)>& proceed = [](double) { return true; }) const;
 
   /// What it was trained with.
   const NetworkOptions& options() const;
@@ -50,7 +54,7 @@ class MotionGenerator {
   };
   Expected<Rows> Answer(const std::vector<MotionRequest>& requests, int threads) const;
   void AddRotations(const float* rotation, const MotionRequest& request, Motion& motion) const;
-  Status CheckSet(const Dataset& set) const;
+  Expected<std::vector<int>> LabelsOf(const Dataset& set) const;
   explicit MotionGenerator(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

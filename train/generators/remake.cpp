@@ -11,62 +11,69 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kLatent = "generator.latent";
-
-std::uint64_t SeedOfClip(const RemakeOptions& options, const char* purpose, const std::string& clip) {
+std::uint64_t SeedOfClip(const RemakeOptions& options, const std::string& purpose, const std::string& clip) {
   Random random(static_cast<std::uint64_t>(options.seed), purpose, clip);
   const std::uint64_t high = random.Next();
   return (high << 32) | random.Next();
 }
 
-/// The clips of a set as a network encodes them.
-class EncodedClips {
- public:
-  EncodedClips(const Dataset& set, const TrainingSet& packed, Network& network)
-      : set_(set), packed_(packed), network_(network) {}
-
-  /// Latent (1,1,E) of a clip, its noise drawn by `seed`.
-  torch::Tensor operator()(int clip, int label, std::uint64_t seed) const {
-    const std::int64_t T = set_.clips[static_cast<std::size_t>(clip)].motion->frame_count();
-    const std::int64_t J = set_.skeleton->joint_count();
-    TrainingDataOptions whole;
-    whole.frames = T;
-    MotionRows rows = MakeMotionRows(packed_, whole, {clip}, 0, "remake", false);
-    Batch batch;
-    batch.motion = torch::from_blob(rows.motion.data(), {T, 1, 3 * J});
-    if (!rows.rotation.empty()) batch.rotation = torch::from_blob(rows.rotation.data(), {T, 1, J, 3, 3});
-    batch.label = torch::tensor({static_cast<std::int64_t>(label)});
-    batch.whole = 1;
-    Draws draws(std::vector<std::uint64_t>{seed});
-    return network_.Encode(batch, draws);
-  }
-
- private:
-  const Dataset& set_;
-  const TrainingSet& packed_;
-  Network& network_;
-};
-
 /// For each clip another one of its class, drawn; the clip itself where it is the only one.
-std::vector<int> Partners(const Dataset& set, const RemakeOptions& options) {
-  std::map<std::string, std::vector<int>> of_class;
-  for (std::size_t i = 0; i < set.clips.size(); ++i) of_class[set.clips[i].label].push_back(static_cast<int>(i));
-  std::vector<int> partners;
-  std::map<std::string, int> seen;  // place of the clip in its class
+std::vector<std::size_t> Partners(const Dataset& set, const RemakeOptions& options) {
+  std::map<std::string, std::vector<std::size_t>> of_class;
+  for (std::size_t i = 0; i < set.clips.size(); ++i) of_class[set.clips[i].label].push_back(i);
+  std::vector<std::size_t> partners;
+  std::map<std::string, std::size_t> seen;  // place of the clip in its class
   for (const Clip& clip : set.clips) {
-    const std::vector<int>& same = of_class[clip.label];
-    const int own = seen[clip.label]++;
+    const std::vector<std::size_t>& same = of_class[clip.label];
+    const std::size_t own = seen[clip.label]++, others = same.size() - 1;
     Random random(static_cast<std::uint64_t>(options.seed), "partner", clip.id());
-    const auto others = static_cast<std::uint64_t>(same.size() - 1);
-    const int drawn = others == 0 ? own : static_cast<int>(random.Below(others));
-    partners.push_back(same[static_cast<std::size_t>(drawn + (others > 0 && drawn >= own ? 1 : 0))]);
+    std::size_t drawn = others == 0 ? own : static_cast<std::size_t>(random.Below(others));
+    if (others > 0 && drawn >= own) ++drawn;
+    partners.push_back(same[drawn]);
   }
   return partners;
 }
 
+/// Clips of equal length that are worked on at once.
+std::vector<std::vector<int>> ChunksOf(const Dataset& set, const NetworkOptions& options) {
+  std::map<int, std::vector<int>> of_length;
+  for (std::size_t i = 0; i < set.clips.size(); ++i) {
+    of_length[set.clips[i].motion->frame_count()].push_back(static_cast<int>(i));
+  }
+  std::vector<std::vector<int>> chunks;
+  for (const auto& [frames, rows] : of_length) {
+    const auto most = static_cast<std::size_t>(MotionsAtOnce(options, frames));
+    for (std::size_t begin = 0; begin < rows.size(); begin += most) {
+      const auto first = rows.begin() + static_cast<std::ptrdiff_t>(begin);
+      chunks.emplace_back(first, first + static_cast<std::ptrdiff_t>(std::min(most, rows.size() - begin)));
+    }
+  }
+  return chunks;
+}
+
+/// Latents (1,B,E) of clips of equal length.
+torch::Tensor LatentsOf(Network& network, const TrainingSet& packed, const std::vector<int>& rows,
+                        const std::vector<int>& labels, std::vector<std::uint64_t> seeds) {
+  TrainingDataOptions whole;
+  whole.frames = packed.clips[static_cast<std::size_t>(rows.front())].frames;
+  MotionRows motions = MakeMotionRows(packed, whole, rows, 0, "remake", false);
+  const auto T = whole.frames, B = static_cast<std::int64_t>(rows.size());
+  const std::int64_t J = packed.skeleton->joint_count();
+  Batch batch;
+  batch.motion = torch::from_blob(motions.motion.data(), {T, B, 3 * J});
+  if (!motions.rotation.empty()) batch.rotation = torch::from_blob(motions.rotation.data(), {T, B, J, 3, 3});
+  batch.label = torch::empty({B}, torch::kInt64);
+  for (std::int64_t b = 0; b < B; ++b) {
+    batch.label.data_ptr<std::int64_t>()[b] = labels[static_cast<std::size_t>(rows[static_cast<std::size_t>(b)])];
+  }
+  batch.whole = B;
+  Draws draws(std::move(seeds));
+  return network.Encode(batch, draws);
+}
+
 }  // namespace
 
-Status MotionGenerator::CheckSet(const Dataset& set) const {
+Expected<std::vector<int>> MotionGenerator::LabelsOf(const Dataset& set) const {
   const std::string way_out = "give a set of skeleton '" + impl_->skeleton->name + "' with the network's labels";
   if (impl_->network->latent_size() == 0) {
     return Fail(ErrorCode::kInconsistent, "the network encodes no motions", impl_->options.name,
@@ -82,6 +89,7 @@ Status MotionGenerator::CheckSet(const Dataset& set) const {
                 "the set's rotations are counted from a rest pose " + RoundedText(apart, 2) + " rad apart", "motions",
                 way_out);
   }
+  std::vector<int> labels;
   for (const Clip& clip : set.clips) {
     const auto found = std::find(impl_->labels.begin(), impl_->labels.end(), clip.label);
     if (found == impl_->labels.end()) {
@@ -98,70 +106,100 @@ Status MotionGenerator::CheckSet(const Dataset& set) const {
       return Fail(ErrorCode::kInconsistent, "the clip has joints alone, the network encodes rotations", clip.id(),
                   way_out);
     }
+    labels.push_back(request.label);
   }
-  return {};
+  return labels;
 }
 
-Expected<Dataset> MotionGenerator::Remake(const Dataset& set, const RemakeOptions& options, int threads) const {
-  if (Status fits = CheckSet(set); !fits) return Forward(fits);
-  const TrainingSet packed = PackTrainingSet(set, impl_->options.NeedsRotations() && !set.joints_only);
-  const EncodedClips encode(set, packed, *impl_->network);
-  const std::vector<int> partners =
-      options.rule == RemakeRule::kInterpolate ? Partners(set, options) : std::vector<int>();
-  const auto label_of = [&](const std::string& label) {
-    return static_cast<int>(std::find(impl_->labels.begin(), impl_->labels.end(), label) - impl_->labels.begin());
+Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& options, int threads,
+                                          const std::function<bool(double)>& proceed) const {
+  const Expected<std::vector<int>> labels = LabelsOf(set);
+  if (!labels) return Forward(labels);
+  const bool encodes = options.rule != RemakeRule::kGenerate;
+  const std::string purpose = Name(options.rule);
+  std::vector<std::uint64_t> seeds;
+  for (const Clip& clip : set.clips) seeds.push_back(SeedOfClip(options, purpose, clip.id()));
+  const std::vector<std::vector<int>> chunks = ChunksOf(set, impl_->options);
+  // One round of chunks a thread between two looks at whether to go on; the first half of the way is encoding.
+  const auto rounds = [&](double begin, const std::function<void(const std::vector<int>&)>& work) {
+    const int all = static_cast<int>(chunks.size());
+    for (int first = 0; first < all; first += threads) {
+      if (!proceed(begin + 0.5 * first / all)) return false;
+      ParallelFor(std::min(threads, all - first), 1, threads, [&](int from, int to) {
+        const torch::NoGradGuard no_gradient;
+        for (int k = from; k < to; ++k) work(chunks[static_cast<std::size_t>(first + k)]);
+      });
+    }
+    return true;
   };
-  Dataset result = set;
-  result.created_by = std::string(CreatedBy());
-  result.recipe = (options.rule == RemakeRule::kDenoise       ? "denoised: "
-                   : options.rule == RemakeRule::kInterpolate ? "interpolated: "
-                                                              : "generated for: ") +
-                  set.recipe;
-  result.joints_only = impl_->rest_offset.empty();
-  ParallelFor(static_cast<int>(set.clips.size()), 1, threads, [&](int begin, int end) {
-    const torch::NoGradGuard no_gradient;
-    for (int i = begin; i < end; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      Clip& clip = result.clips[at];
-      MotionRequest request;
-      request.label = label_of(clip.label);
-      request.frames = clip.motion->frame_count();
-      request.seed = SeedOfClip(options, "denoise", clip.id());
-      request.bone_length = clip.motion->bone_length;
-      Draws draws(std::vector<std::uint64_t>{request.seed});
-      torch::Tensor latent;
-      if (options.rule != RemakeRule::kGenerate) latent = encode(i, request.label, request.seed);
-      if (options.rule == RemakeRule::kInterpolate) {
-        const int partner = partners[at];
-        const Clip& other = set.clips[static_cast<std::size_t>(partner)];
-        Random random(request.seed, "fraction");
-        const double fraction = random.Uniform();
-        const torch::Tensor there = encode(partner, request.label, SeedOfClip(options, "partner's noise", clip.id()));
-        latent = latent + fraction * (there - latent);
-        clip.provenance["interpolated_with"] = other.id();
-        clip.provenance["fraction"] = FormatDouble(fraction);
+  const Error stopped{ErrorCode::kInterrupted, "stopped on request", impl_->options.name, "run again"};
+  std::vector<torch::Tensor> latents(set.clips.size());  // (E) each
+  if (encodes) {
+    const TrainingSet packed = PackTrainingSet(set, impl_->options.NeedsRotations() && !set.joints_only);
+    const bool whole = rounds(0.0, [&](const std::vector<int>& rows) {
+      std::vector<std::uint64_t> own;
+      for (const int row : rows) own.push_back(seeds[static_cast<std::size_t>(row)]);
+      const torch::Tensor encoded = LatentsOf(*impl_->network, packed, rows, *labels, std::move(own));
+      for (std::size_t b = 0; b < rows.size(); ++b) {
+        latents[static_cast<std::size_t>(rows[b])] = encoded[0][static_cast<std::int64_t>(b)].clone();
       }
-      if (latent.defined()) draws.Give(kLatent, latent);
-      const Motions motions = impl_->network->Answer(impl_->BatchOf(&request, 1), draws);
+    });
+    if (!whole) return tl::unexpected<Error>(stopped);
+  }
+  if (options.rule == RemakeRule::kInterpolate) {
+    const std::vector<std::size_t> partners = Partners(set, options);
+    const std::vector<torch::Tensor> own = latents;
+    for (std::size_t i = 0; i < set.clips.size(); ++i) {
+      const double fraction = Random(seeds[i], "fraction").Uniform();
+      latents[i] = own[i] + fraction * (own[partners[i]] - own[i]);
+      set.clips[i].provenance["interpolated_with"] = set.clips[partners[i]].id();
+      set.clips[i].provenance["fraction"] = FormatDouble(fraction);
+    }
+  }
+  const bool whole = rounds(0.5, [&](const std::vector<int>& rows) {
+    std::vector<MotionRequest> requests;
+    std::vector<std::uint64_t> own;
+    std::vector<torch::Tensor> given;
+    for (const int row : rows) {
+      const auto at = static_cast<std::size_t>(row);
+      MotionRequest request;
+      request.label = (*labels)[at];
+      request.frames = set.clips[at].motion->frame_count();
+      request.seed = seeds[at];
+      request.bone_length = set.clips[at].motion->bone_length;
+      requests.push_back(std::move(request));
+      own.push_back(seeds[at]);
+      if (encodes) given.push_back(latents[at]);
+    }
+    Draws draws(std::move(own));
+    if (encodes) draws.Give(kMotionLatent, torch::stack(given).unsqueeze(0));
+    const Motions motions = impl_->network->Answer(impl_->BatchOf(requests.data(), requests.size()), draws);
+    const int J = impl_->skeleton->joint_count();
+    for (std::size_t b = 0; b < rows.size(); ++b) {
+      Clip& clip = set.clips[static_cast<std::size_t>(rows[b])];
       Motion made;
       made.skeleton = impl_->skeleton;
       made.rate = clip.motion->rate;
-      made.joints = JointPositions(request.frames, impl_->skeleton->joint_count());
-      const torch::Tensor joints = motions.joints.contiguous();
+      made.joints = JointPositions(requests[b].frames, J);
+      const auto motion = static_cast<std::int64_t>(b);
+      const torch::Tensor joints = motions.joints.select(1, motion).contiguous();
       const Vector3d root = clip.motion->joints.at(0, 0);  // places are counted from the clip's first one
       for (std::size_t k = 0; k < made.joints.xyz.size(); ++k) {
         made.joints.xyz[k] = joints.data_ptr<float>()[k] + root[static_cast<Eigen::Index>(k % 3)];
       }
       if (motions.rotation.defined()) {
-        const torch::Tensor rotation = motions.rotation.contiguous();
-        AddRotations(rotation.data_ptr<float>(), request, made);
+        const torch::Tensor rotation = motions.rotation.select(1, motion).contiguous();
+        AddRotations(rotation.data_ptr<float>(), requests[b], made);
       }
       clip.motion = std::move(made);
-      clip.provenance[options.rule == RemakeRule::kDenoise ? "denoised_with_seed" : "seed"] =
-          std::to_string(request.seed);
+      clip.provenance["seed"] = std::to_string(requests[b].seed);
     }
   });
-  return result;
+  if (!whole) return tl::unexpected<Error>(stopped);
+  set.created_by = std::string(CreatedBy());
+  set.recipe = purpose + " from: " + set.recipe;
+  set.joints_only = impl_->rest_offset.empty();
+  return set;
 }
 
 }  // namespace mocurate

@@ -122,7 +122,7 @@ Tensor Actor::Encode(const Batch& batch, Draws& draws) {
 
 Motions Actor::Answer(const RequestBatch& requests, Draws& draws) {
   const std::int64_t B = requests.label.size(0), T = requests.frames, J = joints_;
-  const Tensor z = draws.Normal("generator.latent", 1, B, options_.latent)[0];
+  const Tensor z = draws.Normal(kMotionLatent, 1, B, options_.latent)[0];
   Motions motions;
   motions.output = decoder_->Generate(z, requests.label, T);  // (T,B,F)
   if (!options_.NeedsRotations()) {

@@ -84,6 +84,9 @@ struct ValidationScore {
 /// Named tensors, as inputs and outputs of a part of a network.
 using NamedTensors = std::map<std::string, torch::Tensor>;
 
+/// What the latent of a whole motion is drawn for, and may be given as (Draws::Give).
+constexpr const char* kMotionLatent = "generator.latent";
+
 /// A network that a trainer can train. Parameters bear the released names (`register_module`).
 class Network : public torch::nn::Module {
  public:
@@ -99,7 +102,7 @@ class Network : public torch::nn::Module {
   /// Motions for requests; no gradients are kept.
   virtual Motions Answer(const RequestBatch& requests, Draws& draws) = 0;
 
-  /// Numbers of the latent of a whole motion, drawn as "generator.latent" (1,B,E); 0: the network has none.
+  /// Numbers of the latent of a whole motion, drawn as kMotionLatent (1,B,E); 0: the network has none.
   virtual std::int64_t latent_size() const { return 0; }
   /// Such latents of motions, for networks that encode them: (1,B,E).
   virtual torch::Tensor Encode(const Batch& /*batch*/, Draws& /*draws*/) { return {}; }

@@ -226,9 +226,10 @@ class Training {
     if (recognises_ && options_.recogniser.standardise) Standardise();
     network_->to(device());
     optimisers_ = std::make_unique<Optimisers>(*network_);
-    order_ = std::make_unique<MixedOrder>(set_, options_.data, rows_.train, options_.learning.batch,
-                                          recognises_ || options_.kind == NetworkKind::kActor, options_.made_share,
-                                          options_.seed());
+    order_ = std::make_unique<MixedOrder>(set_, options_.data, rows_.train,
+                                          round == 0 ? MadeWithout(set_, rows_.validation) : set_.made,
+                                          options_.learning.batch, recognises_ || options_.kind == NetworkKind::kActor,
+                                          options_.made_share, options_.seed());
     steps_ = options_.learning.iterations;
     if (recognises_) steps_ = order_->batches_per_pass() * (round == 0 ? options_.recogniser.epochs : best_epoch_);
     until_ = recognises_ ? steps_ : End();
